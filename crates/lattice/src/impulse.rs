@@ -1,0 +1,430 @@
+//! The periodic impulse response K_n(t): displacement of site n when site 0 receives a unit impulse at every
+//! t = 0, ±T, ±2T, ….
+//!
+//! ```text
+//! K_n(t) = Σ_k b_k² cos(2πkn/M) · cos(Ω_k(t−T/2)) / (2Ω_k sin(Ω_kT/2)),      0 ≤ t ≤ T          (design, sec. 2)
+//! ```
+//!
+//! exact, at the cost of one sine a mode, where the paper sums a Fourier series that converges like 1/J.
+//!
+//! Each mode's term is split as static + dynamic,
+//!
+//! ```text
+//! 1/(Ω_k²T)   +   [ cos x/(2Ω_k sin y) − 1/(Ω_k²T) ],      y = Ω_kT/2,  x = Ω_k(t−T/2),
+//! ```
+//!
+//! the answer to the mean force and to the rest. For soft modes or short periods (y → 0) the static part grows
+//! like 1/y² while breathers hang on the dynamic part, which stays finite even for a rigid mode (Ω = 0); added
+//! together they would lose 2·log₁₀(1/y) digits. Callers that know the net impulse use the parts; `value` adds them.
+
+use crate::error::Resonance;
+use crate::ring::RingCosines;
+use crate::small::{cubic_defect, sinc};
+use crate::spectrum::{RESONANCE_TOLERANCE, Spectrum};
+
+/// The impulse response at one time, and its first two derivatives in t.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct KernelJet {
+    /// The dynamic part of K₀(t).
+    pub value: f64,
+    /// dK₀/dt.
+    pub slope: f64,
+    /// d²K₀/dt², without the impulse itself.
+    pub curvature: f64,
+}
+
+/// Closed form of the periodic impulse response for one spectrum and one period.
+///
+/// ```
+/// use vibrochain_lattice::{Chain, ImpulseResponse, Spectrum};
+/// // One mass on a spring: K(t) = cos(Ω(t−T/2)) / (2Ω sin(ΩT/2)).
+/// let response = ImpulseResponse::new(&Spectrum::new(Chain::new(1, 1.0, 0.0)?), 3.0)?;
+/// let t = 0.7_f64;
+/// let half = std::f64::consts::PI / 3.0;
+/// assert!((response.value(0, t) - (t - half).cos() / (2.0 * half.sin())).abs() < 1e-15);
+/// # Ok::<(), vibrochain_lattice::LatticeError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ImpulseResponse {
+    sites: usize,
+    gamma1: f64,
+    omega: f64,
+    period: f64,
+    cosines: RingCosines,
+    frequencies: Vec<f64>,
+    weights: Vec<f64>,
+    /// y, sin y and cos y, the last two with the nearest multiple of π taken out of y exactly.
+    half_phase: Vec<f64>,
+    sin_half: Vec<f64>,
+    cos_half: Vec<f64>,
+    condition: f64,
+}
+
+impl ImpulseResponse {
+    /// The response of `spectrum` to impulses repeated with frequency `omega`.
+    ///
+    /// # Errors
+    /// [`Resonance`] when a harmonic of `omega` meets a mode to within rounding
+    /// ([`RESONANCE_TOLERANCE`], relative).
+    pub fn new(spectrum: &Spectrum, omega: f64) -> Result<Self, Resonance> {
+        let mut response = Self::vacant(spectrum.chain().sites());
+        response.reset(spectrum, omega)?;
+        Ok(response)
+    }
+
+    /// Room for a ring of `sites` masses, to be filled by [`ImpulseResponse::reset`].
+    pub fn vacant(sites: usize) -> Self {
+        Self {
+            sites,
+            gamma1: 0.0,
+            omega: 1.0,
+            period: std::f64::consts::TAU,
+            cosines: RingCosines::new(sites),
+            frequencies: Vec::new(),
+            weights: Vec::new(),
+            half_phase: Vec::new(),
+            sin_half: Vec::new(),
+            cos_half: Vec::new(),
+            condition: 1.0,
+        }
+    }
+
+    /// Takes over another spectrum or frequency; allocates only if the number of sites changes.
+    ///
+    /// # Errors
+    /// As [`ImpulseResponse::new`]; the response must then be reset before it is used.
+    pub fn reset(&mut self, spectrum: &Spectrum, omega: f64) -> Result<(), Resonance> {
+        let chain = spectrum.chain();
+        if chain.sites() != self.sites {
+            *self = Self::vacant(chain.sites());
+        }
+        self.gamma1 = chain.gamma1();
+        self.omega = omega;
+        self.period = std::f64::consts::TAU / omega;
+        self.frequencies.clear();
+        self.frequencies.extend_from_slice(spectrum.frequencies());
+        self.weights.clear();
+        self.weights.extend_from_slice(spectrum.weights());
+        self.half_phase.clear();
+        self.sin_half.clear();
+        self.cos_half.clear();
+        // How many times larger than the rounding of Ω_k/ω its effect on sin y can be, for the worst mode.
+        let mut condition = 1.0_f64;
+        for (mode, &frequency) in self.frequencies.iter().enumerate() {
+            let turns = frequency / omega;
+            let harmonic = turns.round();
+            let detuning = turns - harmonic;
+            if harmonic >= 1.0 {
+                if detuning.abs() <= RESONANCE_TOLERANCE * turns {
+                    let distance = (-harmonic).mul_add(omega, frequency);
+                    return Err(Resonance { harmonic: harmonic as u64, mode, frequency, omega, distance });
+                }
+                condition = condition.max(turns / detuning.abs());
+            }
+            let (sin, cos) = (std::f64::consts::PI * detuning).sin_cos();
+            let sign = if harmonic % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            self.half_phase.push(std::f64::consts::PI * turns);
+            self.sin_half.push(sign * sin);
+            self.cos_half.push(sign * cos);
+        }
+        self.condition = condition;
+        Ok(())
+    }
+
+    /// Number of masses.
+    pub fn sites(&self) -> usize {
+        self.sites
+    }
+
+    /// Number of modes even about site 0.
+    pub fn modes(&self) -> usize {
+        self.frequencies.len()
+    }
+
+    /// Base frequency of the impulses.
+    pub fn omega(&self) -> f64 {
+        self.omega
+    }
+
+    /// Period T of the impulses.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Ω_k of the even modes.
+    pub fn frequencies(&self) -> &[f64] {
+        &self.frequencies
+    }
+
+    /// b_k² of the even modes.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// sin(Ω_kT/2) of the even modes.
+    pub fn sin_half(&self) -> &[f64] {
+        &self.sin_half
+    }
+
+    /// cos(Ω_kT/2) of the even modes.
+    pub fn cos_half(&self) -> &[f64] {
+        &self.cos_half
+    }
+
+    /// Shapes of the modes.
+    pub fn cosines(&self) -> &RingCosines {
+        &self.cosines
+    }
+
+    /// max_k Ω_k/|Ω_k − jω| over harmonics j ≥ 1: a relative error δ in a frequency moves the response by about
+    /// this times δ. 1 where no harmonic comes near a mode.
+    pub fn condition(&self) -> f64 {
+        self.condition
+    }
+
+    /// 1/(γ₁MT): the uniform displacement that one unit of net impulse a period holds up. `None` for γ₁ = 0, where
+    /// nothing holds the ring as a whole and a periodic motion needs a net impulse of zero.
+    pub fn uniform_static(&self) -> Option<f64> {
+        (self.gamma1 > 0.0).then(|| 1.0 / (self.gamma1 * self.sites as f64 * self.period))
+    }
+
+    /// Static response of mode `k`, 1/(Ω_k²T), without its weight; 0 for a rigid mode.
+    pub fn mode_static(&self, k: usize) -> f64 {
+        let frequency = self.frequencies[k];
+        if frequency > 0.0 { 1.0 / (frequency * frequency * self.period) } else { 0.0 }
+    }
+
+    /// 1/S₀ with S₀ = Σ b_k²/(Ω_k²T), the static stiffness at site 0 times T; 0 for γ₁ = 0.
+    pub fn static_stiffness(&self) -> f64 {
+        if self.gamma1 == 0.0 {
+            return 0.0;
+        }
+        let sum: f64 = self.frequencies.iter().zip(&self.weights).map(|(f, w)| w / (f * f)).sum();
+        self.period / sum
+    }
+
+    /// Dynamic response of mode `k`, without its weight, at 0 ≤ `t` ≤ T.
+    pub fn mode_dynamic(&self, k: usize, t: f64) -> f64 {
+        let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
+        let offset = t - 0.5 * self.period;
+        if y < 1.0 {
+            // T [(y − sin y)/y³ − 2ξ² sinc²(x/2)] / (4 sinc y): the 1/y² of the static part is gone term by term.
+            let xi = offset / self.period;
+            let s = xi * sinc(0.5 * frequency * offset);
+            self.period * (cubic_defect(y) - 2.0 * s * s) / (4.0 * sinc(y))
+        } else {
+            ((frequency * offset).cos() / self.sin_half[k] - 1.0 / y) / (2.0 * frequency)
+        }
+    }
+
+    /// Velocity response of mode `k`, without its weight, at 0 < `t` < T; at the impulse itself the mean of both
+    /// sides, 0.
+    pub fn mode_slope(&self, k: usize, t: f64) -> f64 {
+        if t <= 0.0 || t >= self.period {
+            return 0.0;
+        }
+        let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
+        let offset = t - 0.5 * self.period;
+        if y < 1.0 {
+            -offset / self.period * sinc(frequency * offset) / sinc(y)
+        } else {
+            -(frequency * offset).sin() / (2.0 * self.sin_half[k])
+        }
+    }
+
+    /// Dynamic part of K₀ at the impulse, t = 0: Σ b_k² [cot y/(2Ω) − 1/(Ω²T)].
+    pub fn dynamic_at_impulse(&self) -> f64 {
+        (0..self.modes())
+            .map(|k| {
+                let y = self.half_phase[k];
+                let mode = if y < 1.0 {
+                    self.mode_dynamic(k, 0.0)
+                } else {
+                    (self.cos_half[k] / self.sin_half[k] - 1.0 / y) / (2.0 * self.frequencies[k])
+                };
+                self.weights[k] * mode
+            })
+            .sum()
+    }
+
+    /// Dynamic part of K₀ half a period after the impulse: Σ b_k² [1/(2Ω sin y) − 1/(Ω²T)].
+    pub fn dynamic_at_half(&self) -> f64 {
+        (0..self.modes()).map(|k| self.weights[k] * self.mode_dynamic(k, 0.5 * self.period)).sum()
+    }
+
+    /// Dynamic part of K₀, K₀′ and K₀″ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
+    /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
+    pub fn jet_from_half(&self, offset: f64) -> KernelJet {
+        let mut jet = KernelJet::default();
+        for k in 0..self.modes() {
+            let (frequency, weight, y) = (self.frequencies[k], self.weights[k], self.half_phase[k]);
+            if y < 1.0 {
+                let xi = offset / self.period;
+                let x = frequency * offset;
+                let (s, c) = (xi * sinc(0.5 * x), x.cos());
+                let scale = weight / sinc(y);
+                jet.value += scale * self.period * (cubic_defect(y) - 2.0 * s * s) * 0.25;
+                jet.slope -= scale * xi * sinc(x);
+                jet.curvature -= scale * c / self.period;
+            } else {
+                let (sin, cos) = (frequency * offset).sin_cos();
+                let scale = weight / (2.0 * self.sin_half[k]);
+                jet.value += scale * (cos - self.sin_half[k] / y) / frequency;
+                jet.slope -= scale * sin;
+                jet.curvature -= scale * frequency * cos;
+            }
+        }
+        jet
+    }
+
+    /// K_n(t) for 0 ≤ `t` ≤ T (other times are folded into the period).
+    ///
+    /// For γ₁ = 0 the uniform mode's static part is infinite and left out: K_n is then defined up to a constant
+    /// common to all sites, which cancels wherever the net impulse is zero.
+    pub fn value(&self, site: usize, t: f64) -> f64 {
+        let t = self.fold(t);
+        let shape = |k| self.weights[k] * self.cosines.shape(k, site);
+        (0..self.modes()).map(|k| shape(k) * (self.mode_static(k) + self.mode_dynamic(k, t))).sum()
+    }
+
+    /// dK_n/dt; at the impulse itself (t = 0) the mean of both sides, 0.
+    pub fn derivative(&self, site: usize, t: f64) -> f64 {
+        let t = self.fold(t);
+        (0..self.modes()).map(|k| self.weights[k] * self.cosines.shape(k, site) * self.mode_slope(k, t)).sum()
+    }
+
+    /// K_n(t) at the sites n = 0 … ⌊M/2⌋ (the ring is symmetric about site 0), written to `out`; one sine a mode
+    /// for all of them. Entries of `out` beyond ⌊M/2⌋ are left alone.
+    pub fn profile(&self, t: f64, out: &mut [f64]) {
+        let t = self.fold(t);
+        out.iter_mut().take(self.modes()).for_each(|o| *o = 0.0);
+        for k in 0..self.modes() {
+            let amplitude = self.weights[k] * (self.mode_static(k) + self.mode_dynamic(k, t));
+            for (n, o) in out.iter_mut().take(self.modes()).enumerate() {
+                *o += amplitude * self.cosines.shape(k, n);
+            }
+        }
+    }
+
+    fn fold(&self, t: f64) -> f64 {
+        if (0.0..=self.period).contains(&t) { t } else { t.rem_euclid(self.period) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Chain;
+
+    fn response(sites: usize, g1: f64, g2: f64, omega: f64) -> ImpulseResponse {
+        ImpulseResponse::new(&Spectrum::new(Chain::new(sites, g1, g2).unwrap()), omega).unwrap()
+    }
+
+    /// Fourier series of the same, the way the paper sums it (with its static term), for J harmonics.
+    fn series(r: &ImpulseResponse, n: usize, t: f64, terms: u32) -> f64 {
+        let per_mode = |k: usize| {
+            let square = r.frequencies[k].powi(2);
+            let sum: f64 = (1..=terms)
+                .map(|j| {
+                    let w = f64::from(j) * r.omega;
+                    2.0 * (w * t).cos() / (square - w * w)
+                })
+                .sum();
+            (1.0 / square + sum) / r.period
+        };
+        (0..r.modes()).map(|k| r.weights[k] * r.cosines.shape(k, n) * per_mode(k)).sum()
+    }
+
+    #[test]
+    fn closed_form_is_the_limit_of_the_series() {
+        for (sites, g1, g2, omega) in
+            [(1, 0.2, 0.1, 1.5), (2, 0.2, 0.1, 0.31), (5, 0.2, 0.1, 0.9), (6, 0.01, 3.0, 0.4), (21, 1e-3, 1e-3, 2.0)]
+        {
+            let r = response(sites, g1, g2, omega);
+            for n in [0, 1, sites / 2] {
+                for fraction in [0.07, 0.3, 0.5, 0.81] {
+                    let t = fraction * r.period;
+                    let expected = series(&r, n, t, 20_000);
+                    assert!((r.value(n, t) - expected).abs() < 2e-8 * r.period, "{sites} {n} {fraction}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn equation_of_motion_holds_between_impulses_and_the_velocity_jumps_by_one() {
+        for sites in [1, 2, 3, 8, 21] {
+            let (g1, g2, omega) = (0.2, 0.1, 0.83);
+            let r = response(sites, g1, g2, omega);
+            let (t, h) = (0.37 * r.period, 1e-3);
+            for n in 0..sites {
+                let k = |n: usize, t: f64| r.value(n % sites, t);
+                let second = (k(n, t + h) - 2.0 * k(n, t) + k(n, t - h)) / (h * h);
+                let force = -g1 * k(n, t) - g2 * (2.0 * k(n, t) - k(n + 1, t) - k(n + sites - 1, t));
+                assert!((second - force).abs() < 1e-6, "{sites} {n}");
+                let slope = (k(n, t + h) - k(n, t - h)) / (2.0 * h);
+                assert!((slope - r.derivative(n, t)).abs() < 1e-6);
+                let jump = r.derivative(n, 1e-13) - r.derivative(n, r.period - 1e-13);
+                assert!((jump - f64::from(u8::from(n == 0))).abs() < 1e-11);
+            }
+        }
+    }
+
+    #[test]
+    fn jet_and_shortcuts_agree_with_the_plain_sum() {
+        for omega in [0.21, 1.5, 60.0] {
+            let r = response(9, 0.2, 0.1, omega);
+            let s: f64 = (0..r.modes()).map(|k| r.weights[k] * r.mode_static(k)).sum();
+            assert!((r.static_stiffness() * s - 1.0).abs() < 1e-14);
+            assert!((r.dynamic_at_impulse() + s - r.value(0, 0.0)).abs() < 1e-13 * s);
+            assert!((r.dynamic_at_half() + s - r.value(0, 0.5 * r.period)).abs() < 1e-13 * s);
+            for fraction in [-0.41, -0.1, 0.0, 0.3] {
+                let (offset, h) = (fraction * r.period, 1e-4 * r.period);
+                let jet = r.jet_from_half(offset);
+                let t = 0.5 * r.period + offset;
+                assert!((jet.value + s - r.value(0, t)).abs() < 1e-13 * s);
+                assert!((jet.slope - r.derivative(0, t)).abs() < 1e-14);
+                let curvature = (r.derivative(0, t + h) - r.derivative(0, t - h)) / (2.0 * h);
+                assert!((jet.curvature - curvature).abs() < 1e-6 / h.min(1.0), "{omega} {fraction}");
+            }
+        }
+    }
+
+    #[test]
+    fn soft_and_stiff_forms_meet_where_they_change_over() {
+        // y crosses 1 at omega = π Ω for one mass.
+        let omega = std::f64::consts::PI * 0.7;
+        let above = response(1, 0.49, 0.0, omega * (1.0 - 1e-12));
+        let below = response(1, 0.49, 0.0, omega * (1.0 + 1e-12));
+        assert!(above.half_phase[0] >= 1.0 && below.half_phase[0] < 1.0);
+        for fraction in [0.0, 0.2, 0.5, 0.9] {
+            let t = fraction * above.period;
+            assert!((above.mode_dynamic(0, t) - below.mode_dynamic(0, t)).abs() < 1e-11);
+            assert!((above.mode_slope(0, t) - below.mode_slope(0, t)).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn rigid_mode_moves_in_straight_lines_between_impulses() {
+        // γ₁ = 0, one free mass: the dynamic part is the Bernoulli parabola T/24 − (t−T/2)²/(2T).
+        let spectrum = Spectrum::new(Chain::new(1, 0.0, 1.0).unwrap());
+        let r = ImpulseResponse::new(&spectrum, 2.0).unwrap();
+        assert_eq!(r.static_stiffness(), 0.0);
+        assert!(r.uniform_static().is_none());
+        for fraction in [0.0, 0.25, 0.6] {
+            let offset = (fraction - 0.5) * r.period;
+            let expected = r.period / 24.0 - offset * offset / (2.0 * r.period);
+            assert!((r.mode_dynamic(0, fraction * r.period) - expected).abs() < 1e-15);
+        }
+        assert!((r.mode_slope(0, 0.25 * r.period) - 0.25).abs() < 1e-16);
+    }
+
+    #[test]
+    fn resonance_names_harmonic_mode_and_distance() {
+        let spectrum = Spectrum::new(Chain::new(3, 0.25, 0.1).unwrap());
+        let error = ImpulseResponse::new(&spectrum, 0.125).unwrap_err();
+        assert_eq!((error.harmonic, error.mode, error.distance), (4, 0, 0.0));
+        let near = ImpulseResponse::new(&spectrum, 0.125 * (1.0 + 1e-9)).unwrap();
+        assert!(near.condition() > 0.9e9);
+    }
+}

@@ -1,0 +1,56 @@
+//! The linear ring underneath a vibro-impact chain.
+//!
+//! Between impacts the chain is linear: `M` unit masses on a ring, each held by an on-site spring γ₁ and
+//! coupled to both neighbours by γ₂,
+//!
+//! ```text
+//! ü_n = −γ₁ u_n − γ₂ (2u_n − u_{n+1} − u_{n−1}) + A cos ω(t+ψ),     |u_n − a| ≤ 1 .
+//! ```
+//!
+//! Everything is dimensionless: the half width of the gap and the mass are 1.
+//!
+//! Conventions, the same in every layer above:
+//! - a ring has `sites` = M masses, numbered 0 … M−1 (the paper's N is M − 1);
+//! - modes are numbered by wavenumber k, Ω_k² = γ₁ + 4γ₂ sin²(πk/M); a vector over modes holds those even
+//!   about site 0, k = 0 … ⌊M/2⌋, because impacts at site 0 excite no others;
+//! - `omega` is the frequency of the force and of a map, T = 2π/ω its period;
+//! - transforms carry their normalisation in the weights b_k² (1/M or 2/M), so that Σ b_k² = 1.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `params` | [`Chain`], [`Model`], [`Barrier`]: validated parameters |
+//! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
+//! | `ring` | [`RingCosines`]: cos(2πj/M) to the last digit |
+//! | `impulse` | [`ImpulseResponse`]: the periodic impulse response K_n(t) in closed form |
+//! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
+//! | `propagator` | [`Propagator`]: exact free flight |
+//!
+//! # Example
+//!
+//! ```
+//! use vibrochain_lattice::{Chain, ImpulseResponse, Spectrum};
+//!
+//! let spectrum = Spectrum::new(Chain::new(21, 0.2, 0.1)?);
+//! let response = ImpulseResponse::new(&spectrum, 1.5)?;
+//! // χ₂ of the paper is −2 K₀(0).
+//! assert!((-2.0 * response.value(0, 0.0) + 0.5788951801307799).abs() < 1e-14);
+//! # Ok::<(), vibrochain_lattice::LatticeError>(())
+//! ```
+
+mod decay;
+mod error;
+mod impulse;
+mod params;
+mod propagator;
+mod ring;
+mod small;
+mod spectrum;
+
+pub use decay::{Decay, decay, far_field, harmonic_response};
+pub use error::{LatticeError, ParameterError, Resonance};
+pub use impulse::{ImpulseResponse, KernelJet};
+pub use params::{Barrier, Chain, MAX_MAGNITUDE, MAX_SITES, Model};
+pub use propagator::Propagator;
+pub use ring::RingCosines;
+pub use small::{sinc, sine_over};
+pub use spectrum::{RESONANCE_TOLERANCE, Spectrum};

@@ -1,0 +1,259 @@
+//! Validated parameters. A value of these types is always in range; nothing downstream checks again.
+
+use crate::error::{ParameterError, Resonance};
+use crate::spectrum::RESONANCE_TOLERANCE;
+
+/// The most masses a ring may have; beyond it the work arrays would not fit a usual machine.
+pub const MAX_SITES: usize = 10_000_000;
+
+/// The largest stiffness and frequency, and (inverted) the smallest frequency: their squares and products
+/// must stay within the range of `f64`.
+pub const MAX_MAGNITUDE: f64 = 1e100;
+
+fn check(ok: bool, name: &'static str, value: f64, requirement: &'static str) -> Result<(), ParameterError> {
+    if ok { Ok(()) } else { Err(ParameterError { name, value, requirement }) }
+}
+
+/// One of the two rigid barriers of a mass, at a − 1 and a + 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Barrier {
+    /// The barrier at a − 1, the nearer one for a > 0.
+    Lower,
+    /// The barrier at a + 1.
+    Upper,
+}
+
+impl Barrier {
+    /// Outward direction: −1 at the lower barrier, +1 at the upper one.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Lower => -1.0,
+            Self::Upper => 1.0,
+        }
+    }
+
+    /// Position of the barrier for a gap centred on `asymmetry`.
+    pub fn position(self, asymmetry: f64) -> f64 {
+        asymmetry + self.sign()
+    }
+
+    /// The name used in files: `lower` or `upper`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lower => "lower",
+            Self::Upper => "upper",
+        }
+    }
+}
+
+/// The linear ring: number of masses and the two stiffnesses of the equations of motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chain {
+    sites: usize,
+    gamma1: f64,
+    gamma2: f64,
+}
+
+impl Chain {
+    /// A ring of `sites` unit masses with on-site stiffness `gamma1` and coupling stiffness `gamma2`.
+    ///
+    /// On a ring of two masses both springs join the same pair; on a ring of one the coupling does nothing.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] unless 1 ≤ `sites` ≤ [`MAX_SITES`], 0 ≤ γ₁, γ₂ ≤ [`MAX_MAGNITUDE`], not both zero.
+    ///
+    /// ```
+    /// use vibrochain_lattice::Chain;
+    /// assert!(Chain::new(21, 0.2, 0.1).is_ok());
+    /// assert!(Chain::new(21, -0.2, 0.1).is_err());
+    /// ```
+    pub fn new(sites: usize, gamma1: f64, gamma2: f64) -> Result<Self, ParameterError> {
+        let stiffness = "a finite number from 0 to 1e100";
+        check((1..=MAX_SITES).contains(&sites), "sites", sites as f64, "a whole number from 1 to 10000000")?;
+        check((0.0..=MAX_MAGNITUDE).contains(&gamma1), "gamma1", gamma1, stiffness)?;
+        check((0.0..=MAX_MAGNITUDE).contains(&gamma2), "gamma2", gamma2, stiffness)?;
+        let both = "a positive gamma1 or gamma2: with both zero no mass is held by any spring";
+        check(gamma1 > 0.0 || gamma2 > 0.0, "gamma1", gamma1, both)?;
+        // A minus zero would survive the range check and change signs downstream.
+        Ok(Self { sites, gamma1: gamma1 + 0.0, gamma2: gamma2 + 0.0 })
+    }
+
+    /// Number M of masses.
+    pub fn sites(&self) -> usize {
+        self.sites
+    }
+
+    /// On-site stiffness γ₁.
+    pub fn gamma1(&self) -> f64 {
+        self.gamma1
+    }
+
+    /// Coupling stiffness γ₂.
+    pub fn gamma2(&self) -> f64 {
+        self.gamma2
+    }
+
+    /// Number of modes even about a site: ⌊M/2⌋ + 1.
+    pub fn even_modes(&self) -> usize {
+        self.sites / 2 + 1
+    }
+
+    /// Number of modes odd about a site: ⌊(M−1)/2⌋; each shares its frequency with the even mode k = 1, 2, ….
+    pub fn odd_modes(&self) -> usize {
+        (self.sites - 1) / 2
+    }
+
+    /// Distance on the ring between two sites, at most ⌊M/2⌋.
+    pub fn distance(&self, from: usize, to: usize) -> usize {
+        let d = from.abs_diff(to) % self.sites;
+        d.min(self.sites - d)
+    }
+}
+
+/// A chain with its barriers, its force and its law of impact: one point of the parameter space.
+///
+/// Without force (`amplitude` = 0) and with elastic impacts (`restitution` = 1) it is conservative; `omega`
+/// is then the frequency of the orbit that is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Model {
+    chain: Chain,
+    omega: f64,
+    asymmetry: f64,
+    amplitude: f64,
+    restitution: f64,
+}
+
+impl Model {
+    /// A conservative model: no force, elastic impacts, orbits of frequency `omega`.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] unless 1e-100 ≤ ω ≤ 1e100 and 0 ≤ a < 1.
+    pub fn conservative(chain: Chain, omega: f64, asymmetry: f64) -> Result<Self, ParameterError> {
+        Self::forced(chain, omega, asymmetry, 0.0, 1.0)
+    }
+
+    /// A model under the uniform force A cos ω(t+ψ) with restitution coefficient e.
+    ///
+    /// # Errors
+    /// As [`Model::conservative`], and unless 0 ≤ A ≤ 1e100 and 0 < e ≤ 1.
+    ///
+    /// ```
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+    /// assert!(!model.is_conservative());
+    /// assert!((model.loss() - 0.1 / 1.9).abs() < 1e-16);
+    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
+    /// ```
+    pub fn forced(
+        chain: Chain,
+        omega: f64,
+        asymmetry: f64,
+        amplitude: f64,
+        restitution: f64,
+    ) -> Result<Self, ParameterError> {
+        let omega_ok = (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega);
+        check(omega_ok, "omega", omega, "a positive number, 1e-100 to 1e100")?;
+        check((0.0..1.0).contains(&asymmetry), "asymmetry", asymmetry, "a number from 0 up to but not including 1")?;
+        check((0.0..=MAX_MAGNITUDE).contains(&amplitude), "amplitude", amplitude, "a finite number from 0 to 1e100")?;
+        let e_ok = restitution > 0.0 && restitution <= 1.0;
+        check(e_ok, "restitution", restitution, "a number above 0 and up to 1")?;
+        Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, amplitude: amplitude + 0.0, restitution })
+    }
+
+    /// The linear ring.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// Frequency ω of the force (and of a map).
+    pub fn omega(&self) -> f64 {
+        self.omega
+    }
+
+    /// Period T = 2π/ω of the force.
+    pub fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.omega
+    }
+
+    /// Centre a of the gap.
+    pub fn asymmetry(&self) -> f64 {
+        self.asymmetry
+    }
+
+    /// Amplitude A of the force.
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    /// Coefficient e of restitution.
+    pub fn restitution(&self) -> f64 {
+        self.restitution
+    }
+
+    /// q = (1−e)/(1+e): the part of an impact's momentum that Newton's law loses.
+    pub fn loss(&self) -> f64 {
+        (1.0 - self.restitution) / (1.0 + self.restitution)
+    }
+
+    /// No force and elastic impacts.
+    pub fn is_conservative(&self) -> bool {
+        self.amplitude == 0.0 && self.restitution == 1.0
+    }
+
+    /// Position of a barrier.
+    pub fn barrier(&self, barrier: Barrier) -> f64 {
+        barrier.position(self.asymmetry)
+    }
+
+    /// Ã = A/(γ₁ − ω²): amplitude of the uniform motion that the force drives without impacts (paper, sec. II B).
+    ///
+    /// # Errors
+    /// [`Resonance`] when ω meets the uniform mode, Ω₀ = √γ₁.
+    pub fn force_response(&self) -> Result<f64, Resonance> {
+        if self.amplitude == 0.0 {
+            return Ok(0.0);
+        }
+        let (gamma1, omega) = (self.chain.gamma1, self.omega);
+        // One rounding only: the difference is what resonance hangs on.
+        let stiffness = (-omega).mul_add(omega, gamma1);
+        if stiffness.abs() <= 2.0 * RESONANCE_TOLERANCE * omega * omega {
+            let frequency = gamma1.sqrt();
+            return Err(Resonance { harmonic: 1, mode: 0, frequency, omega, distance: frequency - omega });
+        }
+        Ok(self.amplitude / stiffness)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_closed_where_they_should_be() {
+        assert!(Chain::new(1, 0.0, 1e-300).is_ok());
+        for (sites, g1, g2) in
+            [(0, 1., 1.), (1, -1., 1.), (1, 1., -1.), (2, 0., 0.), (2, f64::NAN, 1.), (2, 1., f64::INFINITY)]
+        {
+            assert!(Chain::new(sites, g1, g2).is_err(), "{sites} {g1} {g2}");
+        }
+        let chain = Chain::new(3, 1.0, 0.0).unwrap();
+        for (w, a, f, e) in [
+            (0., 0., 0., 1.),
+            (1., 1., 0., 1.),
+            (1., -0.1, 0., 1.),
+            (1., 0., -1., 1.),
+            (1., 0., 0., 0.),
+            (1., 0., 0., 1.1),
+        ] {
+            assert!(Model::forced(chain, w, a, f, e).is_err(), "{w} {a} {f} {e}");
+        }
+        assert!(Model::forced(chain, 2.0, 0.0, 1.0, 1.0).is_ok());
+    }
+
+    #[test]
+    fn force_on_the_uniform_mode_is_a_resonance() {
+        let model = Model::forced(Chain::new(5, 0.25, 0.1).unwrap(), 0.5, 0.0, 1.0, 0.5).unwrap();
+        let error = model.force_response().unwrap_err();
+        assert_eq!((error.harmonic, error.mode), (1, 0));
+    }
+}

@@ -1,0 +1,44 @@
+//! Quotients that stay smooth at zero.
+
+/// sin(x)/x, 1 at 0. Below 2⁻¹³ the series is exact to the last digit and avoids 0/0.
+pub fn sinc(x: f64) -> f64 {
+    if x.abs() < 1.220703125e-4 { 1.0 - x * x / 6.0 } else { x.sin() / x }
+}
+
+/// sin(Ωt)/Ω, t at Ω = 0.
+pub fn sine_over(frequency: f64, t: f64) -> f64 {
+    t * sinc(frequency * t)
+}
+
+/// (y − sin y)/y³ for |y| ≤ 1, where the difference itself would cancel; 1/6 at 0.
+pub(crate) fn cubic_defect(y: f64) -> f64 {
+    // 1/3! − y²/5! + y⁴/7! − … + … 1/19!: the first term left out is below 1e-18 of the sum.
+    const COEFFICIENTS: [f64; 9] = [
+        1.0 / 6.0,
+        -1.0 / 120.0,
+        1.0 / 5040.0,
+        -1.0 / 362_880.0,
+        1.0 / 39_916_800.0,
+        -1.0 / 6_227_020_800.0,
+        1.0 / 1_307_674_368_000.0,
+        -1.0 / 355_687_428_096_000.0,
+        1.0 / 121_645_100_408_832_000.0,
+    ];
+    let z = y * y;
+    COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * z + c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn series_meet_the_plain_forms() {
+        for x in [1.2e-4_f64, 1.3e-4, 0.3, 1.0, 3.0] {
+            assert!((sinc(x) - x.sin() / x).abs() < 1e-15);
+        }
+        assert_eq!(sinc(0.0), 1.0);
+        assert!((cubic_defect(1.0) - (1.0 - 1f64.sin())).abs() < 1e-16);
+        assert_eq!(cubic_defect(0.0), 1.0 / 6.0);
+    }
+}
