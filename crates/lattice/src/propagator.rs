@@ -73,7 +73,7 @@ mod tests {
     use crate::params::Chain;
 
     /// Classical fourth-order Runge–Kutta with small steps: shares nothing with the closed form.
-    fn integrate(chain: &Chain, u: &mut Vec<f64>, v: &mut Vec<f64>, time: f64) {
+    fn integrate(chain: &Chain, u: &mut [f64], v: &mut [f64], time: f64) {
         let (m, steps) = (chain.sites(), 4000);
         let h = time / f64::from(steps);
         let force = |u: &[f64]| -> Vec<f64> {
@@ -83,7 +83,7 @@ mod tests {
         };
         let add = |x: &[f64], k: &[f64], c: f64| -> Vec<f64> { x.iter().zip(k).map(|(x, k)| x + c * k).collect() };
         for _ in 0..steps {
-            let (k1, l1) = (v.clone(), force(u));
+            let (k1, l1) = (v.to_vec(), force(u));
             let (k2, l2) = (add(v, &l1, h / 2.0), force(&add(u, &k1, h / 2.0)));
             let (k3, l3) = (add(v, &l2, h / 2.0), force(&add(u, &k2, h / 2.0)));
             let (k4, l4) = (add(v, &l3, h), force(&add(u, &k3, h)));
