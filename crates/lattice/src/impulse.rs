@@ -31,6 +31,8 @@ pub struct KernelJet {
     pub slope: f64,
     /// d²K₀/dt², without the impulse itself.
     pub curvature: f64,
+    /// d³K₀/dt³.
+    pub third: f64,
 }
 
 /// Closed form of the periodic impulse response for one spectrum and one period.
@@ -203,6 +205,11 @@ impl ImpulseResponse {
         self.period / sum
     }
 
+    /// Share of the uniform mode in the static response at site 0: (1/γ₁MT)/S₀, 1 for γ₁ = 0.
+    pub fn uniform_share(&self) -> f64 {
+        self.uniform_static().map_or(1.0, |uniform| uniform * self.static_stiffness())
+    }
+
     /// Dynamic response of mode `k`, without its weight, at 0 ≤ `t` ≤ T.
     pub fn mode_dynamic(&self, k: usize, t: f64) -> f64 {
         let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
@@ -213,7 +220,15 @@ impl ImpulseResponse {
             let s = xi * sinc(0.5 * frequency * offset);
             self.period * (cubic_defect(y) - 2.0 * s * s) / (4.0 * sinc(y))
         } else {
-            ((frequency * offset).cos() / self.sin_half[k] - 1.0 / y) / (2.0 * frequency)
+            // At the impulse and half-way the cosine is known, and known better.
+            let cosine = if t == 0.0 || t == self.period {
+                self.cos_half[k]
+            } else if offset == 0.0 {
+                1.0
+            } else {
+                (frequency * offset).cos()
+            };
+            (cosine / self.sin_half[k] - 1.0 / y) / (2.0 * frequency)
         }
     }
 
@@ -234,25 +249,36 @@ impl ImpulseResponse {
 
     /// Dynamic part of K₀ at the impulse, t = 0: Σ b_k² [cot y/(2Ω) − 1/(Ω²T)].
     pub fn dynamic_at_impulse(&self) -> f64 {
-        (0..self.modes())
-            .map(|k| {
-                let y = self.half_phase[k];
-                let mode = if y < 1.0 {
-                    self.mode_dynamic(k, 0.0)
-                } else {
-                    (self.cos_half[k] / self.sin_half[k] - 1.0 / y) / (2.0 * self.frequencies[k])
-                };
-                self.weights[k] * mode
-            })
-            .sum()
+        self.dynamic(0.0)
     }
 
     /// Dynamic part of K₀ half a period after the impulse: Σ b_k² [1/(2Ω sin y) − 1/(Ω²T)].
     pub fn dynamic_at_half(&self) -> f64 {
-        (0..self.modes()).map(|k| self.weights[k] * self.mode_dynamic(k, 0.5 * self.period)).sum()
+        self.dynamic(0.5 * self.period)
     }
 
-    /// Dynamic part of K₀, K₀′ and K₀″ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
+    fn dynamic(&self, t: f64) -> f64 {
+        self.weights.iter().enumerate().map(|(k, weight)| weight * self.mode_dynamic(k, t)).sum()
+    }
+
+    /// Bounds over the open period on |K₀′|, |K₀″|, |K₀‴| and |K₀⁗|, from the modes' amplitudes.
+    pub fn derivative_bounds(&self) -> [f64; 4] {
+        let mut bounds = [0.0; 4];
+        for k in 0..self.modes() {
+            let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
+            let sine = if y < 1.0 { y * sinc(y) } else { self.sin_half[k].abs() };
+            // K′ of a mode is sin x/(2 sin y) with |x| ≤ y: a soft mode does not reach the crest of its sine.
+            let soft = if y < 1.0 { 0.5 } else { 0.5 / sine };
+            let curvature = if y < 1.0 { 1.0 / (self.period * sinc(y)) } else { 0.5 * frequency / sine };
+            let square = frequency * frequency;
+            for (bound, term) in bounds.iter_mut().zip([soft, curvature, soft * square, curvature * square]) {
+                *bound += self.weights[k] * term;
+            }
+        }
+        bounds
+    }
+
+    /// Dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
         let mut jet = KernelJet::default();
@@ -264,14 +290,17 @@ impl ImpulseResponse {
                 let (s, c) = (xi * sinc(0.5 * x), x.cos());
                 let scale = weight / sinc(y);
                 jet.value += scale * self.period * (cubic_defect(y) - 2.0 * s * s) * 0.25;
-                jet.slope -= scale * xi * sinc(x);
+                let slope = scale * xi * sinc(x);
+                jet.slope -= slope;
                 jet.curvature -= scale * c / self.period;
+                jet.third += frequency * frequency * slope;
             } else {
                 let (sin, cos) = (frequency * offset).sin_cos();
                 let scale = weight / (2.0 * self.sin_half[k]);
                 jet.value += scale * (cos - self.sin_half[k] / y) / frequency;
                 jet.slope -= scale * sin;
                 jet.curvature -= scale * frequency * cos;
+                jet.third += scale * frequency * frequency * sin;
             }
         }
         jet
@@ -385,7 +414,13 @@ mod tests {
                 assert!((jet.value + s - r.value(0, t)).abs() < 1e-13 * s);
                 assert!((jet.slope - r.derivative(0, t)).abs() < 1e-14);
                 let curvature = (r.derivative(0, t + h) - r.derivative(0, t - h)) / (2.0 * h);
-                assert!((jet.curvature - curvature).abs() < 1e-6 / h.min(1.0), "{omega} {fraction}");
+                assert!((jet.curvature - curvature).abs() < 1e-5 * omega, "{omega} {fraction}");
+                let step = |o: f64| r.jet_from_half(offset + o).curvature;
+                assert!((jet.third - (step(h) - step(-h)) / (2.0 * h)).abs() < 1e-5 * omega.max(1.0).powi(2));
+                let bounds = r.derivative_bounds();
+                for (value, bound) in [jet.slope, jet.curvature, jet.third].iter().zip(bounds) {
+                    assert!(value.abs() <= bound, "{omega} {fraction}");
+                }
             }
         }
     }

@@ -23,6 +23,21 @@ impl RingCosines {
         let sites = self.table.len();
         self.table[((k % sites) as u128 * (n % sites) as u128 % sites as u128) as usize]
     }
+
+    /// cos(2πkn/M) for k = 0, 1, 2, …: the amplitudes at site `n` of all modes, without a multiplication a step.
+    pub fn shapes(&self, n: usize) -> impl Iterator<Item = f64> + '_ {
+        let sites = self.table.len();
+        let step = n % sites;
+        let mut index = 0;
+        std::iter::from_fn(move || {
+            let value = self.table.get(index).copied();
+            index += step;
+            if index >= sites {
+                index -= sites;
+            }
+            value
+        })
+    }
 }
 
 /// cos(2πj/m) for j < m; beyond the first octant the complement is smaller, hence exact to more digits.
@@ -50,6 +65,10 @@ mod tests {
                 let expected = (std::f64::consts::TAU * j as f64 / m as f64).cos();
                 assert!((ring.shape(1, j) - expected).abs() < 2e-15, "{j}/{m}");
             }
+        }
+        let ring = RingCosines::new(21);
+        for n in [0, 1, 5, 20] {
+            assert!(ring.shapes(n).take(11).enumerate().all(|(k, shape)| shape == ring.shape(k, n)));
         }
         assert_eq!(RingCosines::new(4).shape(1, 1), 0.0);
         assert_eq!(RingCosines::new(12).shape(2, 3), -1.0);
