@@ -1,1 +1,51 @@
+//! Exact periodic orbits (discrete breathers) of vibro-impact chains.
+//!
+//! Between impacts the chain is linear, so that a periodic orbit is a superposition of periodic impulse responses.
+//! What remains are the conditions at the impacts: position on the barrier, Newton's law. Every family of the paper has
+//! a closed form or, with a force and two impacts, one analytic function of one variable whose zeros are all its
+//! orbits. An orbit is *physical* if every impact meets its barrier from inside and every mass stays strictly inside
+//! the gap at all other times.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `orbit` | [`Orbit`], [`Impact`], [`Family`] |
+//! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
+//! | `conservative`, `forced_single`, `forced_double`, `two_impacts` | the families |
+//! | `motion` | [`Motion`]: every mass at any time |
+//! | `admissibility` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
+//! | `enclosure`, `roots` | all zeros of a function, with proof |
+//!
+//! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
+//! double-sided orbit, the only or first impact of the others.
+//!
+//! # Example
+//!
+//! ```
+//! use vibrochain_breather::{Family, breathers, admissibility};
+//! use vibrochain_lattice::{Chain, Model};
+//!
+//! let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
+//! let found = breathers(&model, Family::DoubleSided)?;
+//! let orbit = &found.orbits[0];
+//! assert!((orbit.impacts()[1].impulse - 2.0 * 0.9739394321743282).abs() < 1e-13);
+//! assert!(admissibility(orbit)?.is_physical());
+//! # Ok::<(), vibrochain_breather::BreatherError>(())
+//! ```
 
+mod admissibility;
+mod conservative;
+mod enclosure;
+mod error;
+mod finder;
+mod forced_double;
+mod forced_single;
+mod motion;
+mod orbit;
+mod roots;
+mod two_impacts;
+
+pub use admissibility::{Admissibility, Obstruction, admissibility};
+pub use error::{BreatherError, NoBreather};
+pub use finder::{Finder, Found, breathers};
+pub use motion::{Kinematics, Motion};
+pub use orbit::{Family, Impact, Orbit};

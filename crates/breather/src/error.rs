@@ -1,0 +1,71 @@
+//! Outcomes that are not orbits.
+
+use std::fmt;
+
+use thiserror::Error;
+use vibrochain_lattice::{ParameterError, Resonance};
+
+/// Why a request could not be computed. "There is no such breather" is not among these: it is an answer, see
+/// [`NoBreather`].
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum BreatherError {
+    /// A parameter is outside its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A harmonic of the motion meets a mode of the ring, or the force meets the uniform mode.
+    #[error(transparent)]
+    Resonance(#[from] Resonance),
+    /// An impact of a given word is not possible.
+    #[error("impact {index}: {what}")]
+    Impact {
+        /// Position in the list of impacts.
+        index: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+}
+
+/// Why a family has no orbit at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NoBreather {
+    /// Inelastic impacts and no force: every impact loses energy, nothing brings it back.
+    LossWithoutForce,
+    /// The family lives under a force only.
+    NeedsForce,
+    /// γ₁ = 0 and a word with net impulse: nothing would hold the ring in place.
+    NetImpulse,
+    /// The force is below the least one, given here, that sustains the family at this point.
+    ForceTooWeak {
+        /// The least amplitude.
+        threshold: f64,
+    },
+    /// No phase of the force meets the conditions at the impacts.
+    NoPhase,
+    /// The conditions at the impacts are singular: the two impacts do not determine their impulses.
+    Singular,
+}
+
+impl fmt::Display for NoBreather {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LossWithoutForce => {
+                write!(
+                    f,
+                    "impacts lose energy (restitution < 1) and no force restores it: give an amplitude or restitution 1"
+                )
+            }
+            Self::NeedsForce => write!(f, "this family exists under a force only: give amplitude and restitution"),
+            Self::NetImpulse => {
+                write!(
+                    f,
+                    "gamma1 = 0 leaves the ring free to drift and impacts on one side push it away: no periodic orbit"
+                )
+            }
+            Self::ForceTooWeak { threshold } => {
+                write!(f, "the force is too weak: this family needs an amplitude of at least {threshold}")
+            }
+            Self::NoPhase => write!(f, "no phase of the force meets the conditions at the impacts"),
+            Self::Singular => write!(f, "the conditions at the impacts are singular here"),
+        }
+    }
+}

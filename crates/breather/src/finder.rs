@@ -1,0 +1,193 @@
+//! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
+//! same, the impulse response as long as chain and frequency do, and all scratch space.
+
+use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
+
+use crate::admissibility::{Admissibility, Watch};
+use crate::error::{BreatherError, NoBreather};
+use crate::motion::Motion;
+use crate::orbit::{Draft, Family, Orbit};
+use crate::roots::Zeros;
+use crate::{conservative, forced_double, forced_single};
+
+/// All orbits of a family at a point.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Found {
+    /// The orbits, physical or not, in order of φ.
+    pub orbits: Vec<Orbit>,
+    /// Why there are none.
+    pub none: Option<NoBreather>,
+    /// Places where two orbits may have merged (a fold) closer than rounding can tell; 0 means that `orbits` is
+    /// complete.
+    pub unresolved: usize,
+}
+
+/// Reusable work space for finding and checking orbits.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_lattice::{Chain, Model};
+/// let mut finder = Finder::new(21);
+/// let mut found = Found::default();
+/// for omega in [1.4, 1.5, 1.6] {
+///     let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, omega, 0.4)?;
+///     finder.find(&model, Family::DoubleSided, &mut found)?;
+///     assert!(finder.admissibility(&found.orbits[0])?.is_physical());
+/// }
+/// # Ok::<(), vibrochain_breather::BreatherError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Finder {
+    spectrum: Option<Spectrum>,
+    response: ImpulseResponse,
+    current: Option<f64>,
+    motion: Motion,
+    zeros: Zeros,
+    watch: Watch,
+}
+
+impl Finder {
+    /// A finder for rings of `sites` masses (others work too, at the price of new scratch space).
+    pub fn new(sites: usize) -> Self {
+        let sites = sites.max(1);
+        Self {
+            spectrum: None,
+            response: ImpulseResponse::vacant(sites),
+            current: None,
+            motion: Motion::vacant(sites),
+            zeros: Zeros::default(),
+            watch: Watch::default(),
+        }
+    }
+
+    /// Spectrum and impulse response of the model's chain for impulses of frequency `omega`.
+    fn prepare(&mut self, model: &Model, omega: f64) -> Result<(), BreatherError> {
+        let chain = *model.chain();
+        match &mut self.spectrum {
+            Some(spectrum) if *spectrum.chain() == chain => {}
+            Some(spectrum) => {
+                spectrum.reset(chain);
+                self.current = None;
+            }
+            None => self.spectrum = Some(Spectrum::new(chain)),
+        }
+        if let Some(spectrum) = &self.spectrum
+            && self.current != Some(omega)
+        {
+            self.current = None;
+            self.response.reset(spectrum, omega)?;
+            self.current = Some(omega);
+        }
+        Ok(())
+    }
+
+    /// All orbits of `family` at a point, into `found`.
+    ///
+    /// # Errors
+    /// [`BreatherError::Resonance`].
+    pub fn find(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
+        self.search(model, family, true, found)
+    }
+
+    /// As [`Finder::find`], without the conservative double-sided orbits with φ ≠ T/2.
+    ///
+    /// # Errors
+    /// As [`Finder::find`].
+    pub fn find_symmetric(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
+        self.search(model, family, false, found)
+    }
+
+    fn search(&mut self, model: &Model, family: Family, all: bool, found: &mut Found) -> Result<(), BreatherError> {
+        found.orbits.clear();
+        (found.none, found.unresolved) = (None, 0);
+        let conservative = model.is_conservative();
+        if !conservative && model.amplitude() == 0.0 {
+            found.none = Some(NoBreather::LossWithoutForce);
+            return Ok(());
+        }
+        if family == Family::PeriodDoubled && conservative {
+            found.none = Some(NoBreather::NeedsForce);
+            return Ok(());
+        }
+        let force = model.force_response()?;
+        self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
+        let (response, motion, zeros) = (&self.response, &mut self.motion, &mut self.zeros);
+        let mut failure = None;
+        let mut add = |draft: Draft| match Orbit::assemble(model, response, motion, draft) {
+            Ok(orbit) => found.orbits.push(orbit),
+            Err(error) => failure = Some(error),
+        };
+        let outcome = match (family, conservative) {
+            (Family::DoubleSided, true) => conservative::double_sided(model, response).map(|draft| {
+                add(draft);
+                if all { conservative::double_sided_asymmetric(model, response, zeros, &mut add) } else { 0 }
+            }),
+            (Family::SingleSided, true) => conservative::single_sided(model, response).map(|draft| {
+                add(draft);
+                0
+            }),
+            (Family::DoubleSided, false) => forced_double::double_sided(model, response, force, zeros, &mut add),
+            (Family::SingleSided, false) => forced_single::single_sided(model, response, force).map(|drafts| {
+                drafts.into_iter().for_each(&mut add);
+                0
+            }),
+            (Family::PeriodDoubled, _) => forced_double::period_doubled(model, response, force, zeros, &mut add),
+            (Family::Word, _) => Err(NoBreather::Singular),
+        };
+        match outcome {
+            Ok(unresolved) => found.unresolved = unresolved,
+            Err(reason) => found.none = Some(reason),
+        }
+        if let Some(error) = failure {
+            return Err(error);
+        }
+        if all {
+            found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
+        }
+        Ok(())
+    }
+
+    /// Whether an orbit is physical, see [`Admissibility`].
+    ///
+    /// # Errors
+    /// [`BreatherError::Resonance`], which an orbit that exists has already passed.
+    pub fn admissibility(&mut self, orbit: &Orbit) -> Result<Admissibility, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        self.motion.load(orbit, &self.response);
+        Ok(self.watch.check(orbit, &mut self.motion))
+    }
+
+    /// The motion of an orbit, in this finder's scratch space.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn motion(&mut self, orbit: &Orbit) -> Result<&mut Motion, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        self.motion.load(orbit, &self.response);
+        Ok(&mut self.motion)
+    }
+
+    /// The impulse response last used.
+    pub fn response(&self) -> &ImpulseResponse {
+        &self.response
+    }
+}
+
+/// All orbits of a family at a point: the one-shot form of [`Finder::find`].
+///
+/// # Errors
+/// [`BreatherError::Resonance`].
+///
+/// ```
+/// use vibrochain_breather::{Family, breathers};
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+/// let found = breathers(&model, Family::DoubleSided)?;
+/// assert!((found.orbits[0].phi().unwrap() - 2.0771604154348533).abs() < 1e-12);
+/// # Ok::<(), vibrochain_breather::BreatherError>(())
+/// ```
+pub fn breathers(model: &Model, family: Family) -> Result<Found, BreatherError> {
+    let mut found = Found::default();
+    Finder::new(model.chain().sites()).find(model, family, &mut found)?;
+    Ok(found)
+}

@@ -1,0 +1,121 @@
+//! Forced double-sided and period-doubled breathers: all of them, from the zeros of E(δ) (see `two_impacts`).
+
+use smallvec::smallvec;
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
+
+use crate::conservative::double_sided_draft;
+use crate::error::NoBreather;
+use crate::orbit::{Draft, Family, Source};
+use crate::roots::Zeros;
+use crate::two_impacts::{TwoImpactSolution, TwoImpacts, Word};
+
+/// Where δ = 0 solves by itself (a = 0, e = 1, and always for a doubled orbit), E has a double zero there that is not a
+/// pair of orbits; the search stays this fraction of the half period away from it. Asymmetric orbits closer
+/// than that to their bifurcation are not told from the symmetric one.
+const SYMMETRIC_GUARD: f64 = 1e-7;
+
+/// All double-sided solutions; the number of unresolved zeros is returned.
+pub(crate) fn double_sided(
+    model: &Model,
+    response: &ImpulseResponse,
+    force: f64,
+    zeros: &mut Zeros,
+    mut found: impl FnMut(Draft),
+) -> Result<usize, NoBreather> {
+    let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
+    let problem = TwoImpacts::new(Word::DoubleSided, response, omega, a, q, force);
+    let half = 0.5 * response.period();
+    let mut emit = |solution: TwoImpactSolution| {
+        let phi = half + solution.delta;
+        let psi = phase(solution.theta, phi, omega);
+        let draft = double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement);
+        found(draft);
+    };
+    *zeros = Zeros::default();
+    let edge = half - shortest_flight(response, omega, force);
+    let mut symmetric = 0;
+    if q * a == 0.0 {
+        // The first row vanishes at δ = 0; the second, ωD X + q Y = q, is a line that meets the circle.
+        let distance = q / q.hypot(omega * 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse()));
+        symmetric = symmetric_phases(response, omega, q, force)
+            .into_iter()
+            .flatten()
+            .filter_map(|theta| problem.with_phase(0.0, theta))
+            .map(&mut emit)
+            .count();
+        problem.zeros(zeros, -edge, -SYMMETRIC_GUARD * half);
+        problem.zeros(zeros, SYMMETRIC_GUARD * half, edge);
+        if symmetric == 0 && zeros.simple.is_empty() && a == 0.0 {
+            let threshold = (model.chain().gamma1() - omega * omega).abs() * distance;
+            return Err(NoBreather::ForceTooWeak { threshold });
+        }
+    } else {
+        problem.zeros(zeros, -edge, edge);
+    }
+    let others = zeros.simple.iter().filter_map(|&delta| problem.solution(delta)).map(&mut emit).count();
+    if symmetric + others + zeros.unresolved.len() == 0 { Err(NoBreather::NoPhase) } else { Ok(zeros.unresolved.len()) }
+}
+
+/// θ of the solutions with φ = T/2, where they exist: ωDX + qY = q on the circle X² + Y² = Ã².
+fn symmetric_phases(response: &ImpulseResponse, omega: f64, q: f64, force: f64) -> [Option<f64>; 2] {
+    let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
+    let (normal_x, normal_y) = (omega * d, q);
+    let length = normal_x.hypot(normal_y);
+    let cosine = q / (length * force);
+    if cosine.is_nan() || cosine.abs() > 1.0 {
+        return [None, None];
+    }
+    let (direction, opening) = (normal_y.atan2(normal_x), cosine.acos());
+    [Some(direction + opening), (opening > 0.0).then_some(direction - opening)]
+}
+
+/// All period-doubled solutions; `response` is that of the doubled period. The orbit and its shift by one period of the
+/// force are listed once, as the one with φ beyond half the doubled period.
+pub(crate) fn period_doubled(
+    model: &Model,
+    response: &ImpulseResponse,
+    force: f64,
+    zeros: &mut Zeros,
+    mut found: impl FnMut(Draft),
+) -> Result<usize, NoBreather> {
+    let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
+    if response.static_stiffness() == 0.0 {
+        return Err(NoBreather::NetImpulse);
+    }
+    let problem = TwoImpacts::new(Word::PeriodDoubled, response, omega, a, q, force);
+    let half = 0.5 * response.period();
+    *zeros = Zeros::default();
+    problem.zeros(zeros, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD));
+    let mut count = 0;
+    for solution in zeros.simple.iter().filter_map(|&delta| problem.solution(delta)) {
+        let phi = half + solution.delta;
+        let net_impulse = solution.static_displacement * response.static_stiffness();
+        count += 1;
+        found(Draft {
+            family: Family::PeriodDoubled,
+            force_periods: 2,
+            psi: phase(solution.theta, phi, omega),
+            impacts: smallvec![
+                (0, Barrier::Lower, 0.0, 2.0 * solution.p2),
+                (0, Barrier::Lower, phi, 2.0 * solution.p1)
+            ],
+            sources: smallvec![Source { site: 0, net_impulse }],
+            uniform_offset: solution.static_displacement * response.uniform_share(),
+        });
+    }
+    if count + zeros.unresolved.len() == 0 { Err(NoBreather::NoPhase) } else { Ok(zeros.unresolved.len()) }
+}
+
+/// ψ = θ/ω − φ/2, folded into one period of the force.
+fn phase(theta: f64, phi: f64, omega: f64) -> f64 {
+    (theta - 0.5 * omega * phi).rem_euclid(std::f64::consts::TAU) / omega
+}
+
+/// A time shorter than any flight between the two barriers. From the conditions,
+/// (m²+d²)(χ₃²+q²) ≤ ω²Ã² and Dm = 1 − Y sin h; with |χ₃| ≤ V, |χ₃′| ≤ W and χ₃(0⁺) = 1 one has χ₃ ≥ ½ and D ≤ Vφ for
+/// φ ≤ 1/(2W), hence 2Vφω|Ã| ≥ 1 − ½ω|Ã|φ.
+fn shortest_flight(response: &ImpulseResponse, omega: f64, force: f64) -> f64 {
+    let [slope, curvature, ..] = response.derivative_bounds();
+    let (v, w) = (2.0 * slope, 2.0 * curvature);
+    (0.5 / w).min(1.0 / (omega * force.abs() * (2.0 * v + 0.5))).min(0.5 * response.period())
+}

@@ -1,0 +1,249 @@
+//! The motion of every mass along an orbit, exact at any time.
+//!
+//! Between two impacts each mode is one sinusoid. A [`Motion`] holds, for every interval between impacts, the
+//! modes' displacement and velocity at its start (from the periodic impulse response, so that no error is carried
+//! from one interval to the next) and swings them forward.
+
+use vibrochain_lattice::{ImpulseResponse, RingCosines, Spectrum};
+
+use crate::error::BreatherError;
+use crate::orbit::Orbit;
+
+/// Displacement, velocity and acceleration of one mass.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Kinematics {
+    /// v_n
+    pub displacement: f64,
+    /// v̇_n
+    pub velocity: f64,
+    /// v̈_n, force included
+    pub acceleration: f64,
+}
+
+/// An orbit's motion, ready to be evaluated; reusable from orbit to orbit without allocation.
+///
+/// ```
+/// use vibrochain_breather::{Family, Motion, breathers};
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
+/// let found = breathers(&model, Family::DoubleSided)?;
+/// let mut motion = Motion::of(&found.orbits[0])?;
+/// // At t = 0 the mass at site 0 is on the upper barrier, a + 1.
+/// assert!((motion.at(0, 0.0).displacement - 1.4).abs() < 1e-14);
+/// # Ok::<(), vibrochain_breather::BreatherError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Motion {
+    cosines: RingCosines,
+    frequencies: Vec<f64>,
+    period: f64,
+    omega: f64,
+    psi: f64,
+    force: f64,
+    gamma: (f64, f64),
+    amplitude: f64,
+    sites: Vec<usize>,
+    starts: Vec<f64>,
+    /// Modal displacement and velocity (weights included) at the start of each interval: [interval][source][mode].
+    states: Vec<(f64, f64)>,
+    /// The modes at the time last asked for: [source][mode] displacement, velocity, acceleration.
+    now: Vec<[f64; 3]>,
+    now_force: Kinematics,
+}
+
+impl Motion {
+    /// Room for rings of `sites` masses.
+    pub(crate) fn vacant(sites: usize) -> Self {
+        Self {
+            cosines: RingCosines::new(sites),
+            frequencies: Vec::new(),
+            period: 1.0,
+            omega: 1.0,
+            psi: 0.0,
+            force: 0.0,
+            gamma: (0.0, 0.0),
+            amplitude: 0.0,
+            sites: Vec::new(),
+            starts: Vec::new(),
+            states: Vec::new(),
+            now: Vec::new(),
+            now_force: Kinematics::default(),
+        }
+    }
+
+    /// The motion of an orbit.
+    ///
+    /// # Errors
+    /// [`BreatherError::Resonance`], which an orbit that exists has already passed.
+    pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
+        let response = ImpulseResponse::new(&Spectrum::new(*orbit.model().chain()), orbit.frequency())?;
+        let mut motion = Self::vacant(response.sites());
+        motion.load(orbit, &response);
+        Ok(motion)
+    }
+
+    /// Takes over another orbit; `response` must be of its chain and frequency.
+    pub fn load(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+        let model = orbit.model();
+        if self.cosines.sites() != response.sites() {
+            self.cosines = response.cosines().clone();
+        }
+        self.frequencies.clear();
+        self.frequencies.extend_from_slice(response.frequencies());
+        self.period = response.period();
+        (self.omega, self.psi, self.force) = (model.omega(), orbit.psi_or_zero(), orbit.force_response());
+        (self.gamma, self.amplitude) = ((model.chain().gamma1(), model.chain().gamma2()), model.amplitude());
+        self.sites.clear();
+        self.sites.extend(orbit.sources().iter().map(|source| source.site));
+        self.starts.clear();
+        self.starts.extend(orbit.impacts().iter().map(|impact| impact.time));
+        let weights = response.weights();
+        self.states.clear();
+        for &start in &self.starts {
+            for (s, source) in orbit.sources().iter().enumerate() {
+                for (k, &weight) in weights.iter().enumerate() {
+                    let (mut q, mut p) = match k {
+                        // The uniform mode's static part is common to all sources; the first one carries it.
+                        0 if s == 0 => (orbit.uniform_offset() / weight, 0.0),
+                        0 => (0.0, 0.0),
+                        _ => (source.net_impulse * response.mode_static(k), 0.0),
+                    };
+                    for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
+                        let mut elapsed = start - impact.time;
+                        if elapsed < 0.0 {
+                            elapsed += self.period;
+                        }
+                        q += impact.impulse * response.mode_dynamic(k, elapsed);
+                        // Just after the impact the velocity is half the jump above its mean.
+                        let slope = if elapsed == 0.0 { 0.5 } else { response.mode_slope(k, elapsed) };
+                        p += impact.impulse * slope;
+                    }
+                    self.states.push((weight * q, weight * p));
+                }
+            }
+        }
+        self.now.clear();
+        self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
+    }
+
+    /// Number of masses.
+    pub fn sites(&self) -> usize {
+        self.cosines.sites()
+    }
+
+    /// Number of intervals between impacts in one period.
+    pub fn intervals(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// Start and length of interval `i`.
+    pub fn interval(&self, i: usize) -> (f64, f64) {
+        let start = self.starts.get(i).copied().unwrap_or_default();
+        let end = match self.starts.get(i + 1) {
+            Some(&next) => next,
+            None => self.starts.first().copied().unwrap_or_default() + self.period,
+        };
+        (start, end - start)
+    }
+
+    /// Moves to the time `elapsed` after the start of interval `i`; [`Motion::site`] then reads any mass.
+    pub fn seek(&mut self, i: usize, elapsed: f64) {
+        let modes = self.frequencies.len();
+        let states = self.states.iter().skip(i * self.now.len());
+        for ((now, &(q, p)), frequency) in self.now.iter_mut().zip(states).zip(self.frequencies.iter().cycle()) {
+            let phase = frequency * elapsed;
+            let (sin, cos) = phase.sin_cos();
+            // sin Ωt/Ω through its series where Ωt is too small to divide by.
+            let sin_over = if phase.abs() > 1e-4 { sin / frequency } else { elapsed * (1.0 - phase * phase / 6.0) };
+            let displacement = q * cos + p * sin_over;
+            *now = [displacement, p * cos - q * frequency * sin, -frequency * frequency * displacement];
+        }
+        debug_assert_eq!(self.now.len() % modes.max(1), 0);
+        let start = self.starts.get(i).copied().unwrap_or_default();
+        let (sin, cos) = (self.omega * (start + elapsed + self.psi)).sin_cos();
+        let (g, w) = (self.force, self.omega);
+        self.now_force = Kinematics { displacement: g * cos, velocity: -g * w * sin, acceleration: -g * w * w * cos };
+    }
+
+    /// The mass at `site` at the time last sought.
+    pub fn site(&self, site: usize) -> Kinematics {
+        let mut sum = [0.0; 3];
+        let ring = self.cosines.sites();
+        for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
+            let distance = site.abs_diff(source).min(ring);
+            for (now, shape) in modes.iter().zip(self.cosines.shapes(distance)) {
+                for (sum, now) in sum.iter_mut().zip(now) {
+                    *sum += shape * now;
+                }
+            }
+        }
+        Kinematics {
+            displacement: sum[0] + self.now_force.displacement,
+            velocity: sum[1] + self.now_force.velocity,
+            acceleration: sum[2] + self.now_force.acceleration,
+        }
+    }
+
+    /// The mass at `site` at time `t` (any `t`; at an impact, just after it).
+    pub fn at(&mut self, site: usize, t: f64) -> Kinematics {
+        let t = if (0.0..self.period).contains(&t) { t } else { t.rem_euclid(self.period) };
+        let i = match self.starts.iter().rposition(|&start| start <= t) {
+            Some(i) => i,
+            None => self.starts.len().saturating_sub(1),
+        };
+        let (start, _) = self.interval(i);
+        let elapsed = if t >= start { t - start } else { t + self.period - start };
+        self.seek(i, elapsed);
+        self.site(site)
+    }
+
+    /// Displacements of all masses at time `t`.
+    pub fn displacements(&mut self, t: f64) -> Vec<f64> {
+        self.at(0, t);
+        (0..self.sites()).map(|n| self.site(n).displacement).collect()
+    }
+
+    /// Moves just after impact `i`; the interval that starts there and the state of `site`.
+    pub(crate) fn after_impact(&mut self, i: usize, site: usize) -> (usize, Kinematics) {
+        self.seek(i, 0.0);
+        (i, self.site(site))
+    }
+
+    /// v̈ of a mass at the start of interval `i` from the equation of motion, −γ₁v − γ₂(2v − v_l − v_r) + F: by the
+    /// neighbours, because the modal sum Σ Ω²q cancels where the coupling is stiff.
+    pub(crate) fn acceleration_from_forces(&mut self, i: usize, site: usize) -> f64 {
+        self.seek(i, 0.0);
+        let ring = self.sites();
+        let v = |n: usize| self.site(n % ring).displacement;
+        let (own, neighbours) = (v(site), v(site + 1) + v(site + ring - 1));
+        let start = self.starts.get(i).copied().unwrap_or_default();
+        let force = self.amplitude * (self.omega * (start + self.psi)).cos();
+        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - neighbours) + force
+    }
+
+    /// A bound on |v⃛_n| of every mass throughout interval `i`: the modes' amplitudes times Ω³.
+    pub(crate) fn jerk_bound(&self, i: usize) -> f64 {
+        let states = self.states.iter().skip(i * self.now.len()).take(self.now.len());
+        let modes: f64 = states
+            .zip(self.frequencies.iter().cycle())
+            .map(|(&(q, p), &f)| {
+                let swing = f * q;
+                f * f * (swing * swing + p * p).sqrt()
+            })
+            .sum();
+        modes + self.force.abs() * self.omega.powi(3)
+    }
+
+    /// The highest frequency in the motion between impacts.
+    pub(crate) fn top_frequency(&self) -> f64 {
+        let force = if self.force == 0.0 { 0.0 } else { self.omega };
+        self.frequencies.last().copied().unwrap_or_default().max(force)
+    }
+
+    /// Modal displacement, velocity and acceleration at the time last sought, for the first impacted site; weights
+    /// b_k² included (they sum to the motion of that site, without the uniform forced part).
+    pub fn modes(&self) -> &[[f64; 3]] {
+        let modes = self.frequencies.len().min(self.now.len());
+        &self.now[..modes]
+    }
+}

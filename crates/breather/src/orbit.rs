@@ -1,0 +1,303 @@
+//! The one type for all periodic orbits: a chain, a force, a period and a list of impacts.
+//!
+//! ```text
+//! v_n(t) = Σ_i P_i K_{n−n_i}(t−t_i) + G(t+ψ),          G(t) = Ã cos ωt                       (superposition)
+//! velocity before/after impact i:  w_i ∓ P_i/2,         w_i = Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ)
+//! Newton's law:  w_i = −q P_i/2,   q = (1−e)/(1+e);     position:  v(t_i) = a ± 1         (design, sec. 3)
+//! ```
+
+use smallvec::SmallVec;
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
+
+use crate::error::BreatherError;
+use crate::motion::Motion;
+
+/// The families of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Family {
+    /// One impact on each barrier a period.
+    DoubleSided,
+    /// One impact a period, on the nearer (lower) barrier.
+    SingleSided,
+    /// Two different impacts on the nearer barrier in two periods of the force.
+    PeriodDoubled,
+    /// An orbit given by its impacts, see [`Orbit::from_impulses`].
+    Word,
+}
+
+impl Family {
+    /// The name in command lines and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::DoubleSided => "double-sided",
+            Self::SingleSided => "single-sided",
+            Self::PeriodDoubled => "period-doubled",
+            Self::Word => "word",
+        }
+    }
+}
+
+/// One impact of an orbit. Dimensionless; momentum and velocity agree because the masses are 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Impact {
+    /// The mass that hits.
+    pub site: usize,
+    /// The barrier it hits.
+    pub barrier: Barrier,
+    /// Time within the orbit's period, 0 ≤ t < period.
+    pub time: f64,
+    /// Momentum P the barrier gives to the mass, signed (the paper's 2p₁, −2p₂).
+    pub impulse: f64,
+    /// Velocity just before, −P/(1+e).
+    pub velocity_before: f64,
+    /// Velocity just after, eP/(1+e).
+    pub velocity_after: f64,
+    /// Acceleration v̈ of the mass at the impact, force included; the impact does not change it.
+    pub acceleration: f64,
+}
+
+impl Impact {
+    /// An impact is right-signed if the mass moves outward, towards its barrier, before it.
+    pub fn is_right_signed(&self) -> bool {
+        self.velocity_before * self.barrier.sign() > 0.0
+    }
+}
+
+/// A periodic orbit with impacts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Orbit {
+    model: Model,
+    family: Family,
+    force_periods: u32,
+    psi: f64,
+    force: f64,
+    impacts: SmallVec<[Impact; 2]>,
+    sources: SmallVec<[Source; 1]>,
+    uniform_offset: f64,
+    reversible: bool,
+    residual: f64,
+}
+
+/// A site that receives impulses, and their sum over a period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Source {
+    pub(crate) site: usize,
+    pub(crate) net_impulse: f64,
+}
+
+/// What a family knows of an orbit before velocities, accelerations and residual are worked out.
+#[derive(Debug, Clone)]
+pub(crate) struct Draft {
+    pub(crate) family: Family,
+    pub(crate) force_periods: u32,
+    pub(crate) psi: f64,
+    /// (site, barrier, time, impulse)
+    pub(crate) impacts: SmallVec<[(usize, Barrier, f64, f64); 2]>,
+    /// Net impulse of each site that is hit. Given, not summed: it may be far smaller than its terms.
+    pub(crate) sources: SmallVec<[Source; 1]>,
+    /// Mean displacement of the ring, Σ net impulse/(γ₁MT); for γ₁ = 0 its limit.
+    pub(crate) uniform_offset: f64,
+}
+
+impl Orbit {
+    /// Works out velocities, accelerations and the residual. `motion` is left holding this orbit.
+    pub(crate) fn assemble(
+        model: &Model,
+        response: &ImpulseResponse,
+        motion: &mut Motion,
+        draft: Draft,
+    ) -> Result<Self, BreatherError> {
+        let e = model.restitution();
+        let impact = |&(site, barrier, time, impulse): &(usize, Barrier, f64, f64)| Impact {
+            site,
+            barrier,
+            time,
+            impulse,
+            velocity_before: -impulse / (1.0 + e),
+            velocity_after: e * impulse / (1.0 + e),
+            acceleration: 0.0,
+        };
+        let mut orbit = Self {
+            model: *model,
+            family: draft.family,
+            force_periods: draft.force_periods,
+            psi: draft.psi,
+            force: model.force_response()?,
+            impacts: draft.impacts.iter().map(impact).collect(),
+            sources: draft.sources,
+            uniform_offset: draft.uniform_offset,
+            reversible: false,
+            residual: 0.0,
+        };
+        let half = 0.5 * response.period();
+        orbit.reversible = model.is_conservative()
+            && orbit.sources.len() == 1
+            && orbit.impacts.iter().all(|impact| impact.time == 0.0 || impact.time == half);
+        motion.load(&orbit, response);
+        for i in 0..orbit.impacts.len() {
+            let impact = &mut orbit.impacts[i];
+            let (segment, after) = motion.after_impact(i, impact.site);
+            impact.acceleration = motion.acceleration_from_forces(segment, impact.site);
+            let barrier = model.barrier(impact.barrier);
+            let mean = after.velocity - 0.5 * impact.impulse;
+            let newton = (mean + 0.5 * model.loss() * impact.impulse) / impact.impulse.abs().max(1.0);
+            orbit.residual = orbit.residual.max((after.displacement - barrier).abs()).max(newton.abs());
+        }
+        Ok(orbit)
+    }
+
+    /// An orbit from any list of impacts at any sites: `(site, barrier, time, impulse)`, times within the orbit's
+    /// period of `force_periods` periods of the force, rising. Whether the impacts meet their barriers and obey
+    /// Newton's law is told by [`Orbit::residual`].
+    ///
+    /// # Errors
+    /// [`BreatherError::Impact`] for a site that does not exist, a time outside the period or out of order, or an
+    /// impulse that is not finite; for a net impulse with γ₁ = 0 (with none, the ring is put where its first impact
+    /// meets the barrier). [`BreatherError::Resonance`] where the linear
+    /// ring has no periodic response.
+    ///
+    /// ```
+    /// use vibrochain_breather::Orbit;
+    /// use vibrochain_lattice::{Barrier, Chain, Model};
+    /// // A free-flying mass between its barriers: |velocity| 2/(T/2), impulses ±8/T. γ₁ is negligible.
+    /// let model = Model::conservative(Chain::new(1, 1e-20, 0.0)?, 1.0, 0.0)?;
+    /// let period = model.period();
+    /// let hits = [(0, Barrier::Upper, 0.0, -8.0 / period), (0, Barrier::Lower, period / 2.0, 8.0 / period)];
+    /// let orbit = Orbit::from_impulses(&model, 1, 0.0, &hits)?;
+    /// assert!(orbit.residual() < 1e-14);
+    /// # Ok::<(), vibrochain_breather::BreatherError>(())
+    /// ```
+    pub fn from_impulses(
+        model: &Model,
+        force_periods: u32,
+        psi: f64,
+        impacts: &[(usize, Barrier, f64, f64)],
+    ) -> Result<Self, BreatherError> {
+        let chain = model.chain();
+        let bad = |index, what| Err(BreatherError::Impact { index, what });
+        if force_periods == 0 || impacts.is_empty() {
+            return bad(0, "give at least one impact and one period");
+        }
+        let omega = model.omega() / f64::from(force_periods);
+        let response = ImpulseResponse::new(&Spectrum::new(*chain), omega)?;
+        let mut sources: SmallVec<[Source; 1]> = SmallVec::new();
+        let mut previous = 0.0;
+        for (index, &(site, _, time, impulse)) in impacts.iter().enumerate() {
+            if site >= chain.sites() {
+                return bad(index, "the site does not exist on this ring");
+            }
+            if !(previous..response.period()).contains(&time) {
+                return bad(index, "the times must rise from 0 and stay below the period");
+            }
+            if !impulse.is_finite() {
+                return bad(index, "the impulse is not finite");
+            }
+            previous = time;
+            match sources.iter_mut().find(|source| source.site == site) {
+                Some(source) => source.net_impulse += impulse,
+                None => sources.push(Source { site, net_impulse: impulse }),
+            }
+        }
+        let net: f64 = sources.iter().map(|source| source.net_impulse).sum();
+        let uniform_offset = match response.uniform_static() {
+            Some(uniform) => net * uniform,
+            None => {
+                let scale: f64 = impacts.iter().map(|impact| impact.3.abs()).sum();
+                if net.abs() > 4.0 * f64::EPSILON * scale {
+                    return bad(0, "gamma1 = 0 needs a net impulse of zero");
+                }
+                0.0
+            }
+        };
+        let mut draft =
+            Draft { family: Family::Word, force_periods, psi, impacts: impacts.into(), sources, uniform_offset };
+        let mut motion = Motion::vacant(chain.sites());
+        if chain.gamma1() == 0.0 {
+            // A ring that nothing holds may stand anywhere: where its first impact meets the barrier.
+            Self::assemble(model, &response, &mut motion, draft.clone())?;
+            let &(site, barrier, _, _) = &impacts[0];
+            draft.uniform_offset = model.barrier(barrier) - motion.after_impact(0, site).1.displacement;
+        }
+        Self::assemble(model, &response, &mut motion, draft)
+    }
+
+    /// The parameters.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The family.
+    pub fn family(&self) -> Family {
+        self.family
+    }
+
+    /// Periods of the force in one period of the orbit: 1, or 2 for a doubled orbit.
+    pub fn force_periods(&self) -> u32 {
+        self.force_periods
+    }
+
+    /// Period of the orbit.
+    pub fn period(&self) -> f64 {
+        self.model.period() * f64::from(self.force_periods)
+    }
+
+    /// Base frequency of the orbit, 2π/period.
+    pub fn frequency(&self) -> f64 {
+        self.model.omega() / f64::from(self.force_periods)
+    }
+
+    /// Phase ψ of the force at t = 0, as a time, 0 ≤ ψ < T. `None` without force.
+    pub fn psi(&self) -> Option<f64> {
+        (self.model.amplitude() > 0.0).then_some(self.psi)
+    }
+
+    /// Time φ of the second impact of a family with two. `None` for the others.
+    pub fn phi(&self) -> Option<f64> {
+        match (self.family, self.impacts.as_slice()) {
+            (Family::DoubleSided | Family::PeriodDoubled, [_, second]) => Some(second.time),
+            _ => None,
+        }
+    }
+
+    /// Ã = A/(γ₁−ω²), 0 without force.
+    pub fn force_response(&self) -> f64 {
+        self.force
+    }
+
+    /// The impacts in order of time.
+    pub fn impacts(&self) -> &[Impact] {
+        &self.impacts
+    }
+
+    /// The site that takes all impacts, if there is only one.
+    pub fn impact_site(&self) -> Option<usize> {
+        match self.sources.as_slice() {
+            [source] => Some(source.site),
+            _ => None,
+        }
+    }
+
+    /// The orbit is its own mirror image in time about t = 0 (conservative, impacts at 0 and half a period): half a
+    /// period tells all.
+    pub fn is_reversible(&self) -> bool {
+        self.reversible
+    }
+
+    /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)|
+    /// and |w_i + qP_i/2|/max(1, |P_i|) over all impacts. Rounding level for a sound orbit.
+    pub fn residual(&self) -> f64 {
+        self.residual
+    }
+
+    pub(crate) fn psi_or_zero(&self) -> f64 {
+        self.psi
+    }
+
+    pub(crate) fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
+    pub(crate) fn uniform_offset(&self) -> f64 {
+        self.uniform_offset
+    }
+}

@@ -1,0 +1,159 @@
+//! All zeros of a smooth function on an interval, each one proved to be alone or reported as unresolved.
+//!
+//! An interval is discarded when an enclosure shows that the function cannot vanish there, settled when the
+//! derivative cannot (at most one zero, found by its change of sign), and halved otherwise. What cannot be decided
+//! at the resolution of the arithmetic is a double zero, or two closer than can be told apart: it is returned as
+//! unresolved, not dropped.
+
+use crate::enclosure::Dual;
+
+/// A function of one variable with an enclosure on any interval.
+pub(crate) trait Enclosed {
+    /// Encloses the function and its derivative on |x − centre| ≤ radius.
+    fn enclose(&self, centre: f64, radius: f64) -> Dual;
+}
+
+/// The zeros found.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Zeros {
+    /// Simple zeros, rising.
+    pub(crate) simple: Vec<f64>,
+    /// Centres of intervals, as narrow as can be told apart, on which a double zero may sit.
+    pub(crate) unresolved: Vec<f64>,
+    /// Evaluations spent.
+    pub(crate) evaluations: usize,
+    stack: Vec<(f64, f64)>,
+}
+
+/// More evaluations than any sound problem needs; what is left then is reported as unresolved.
+const MAX_EVALUATIONS: usize = 20_000;
+
+impl Zeros {
+    /// Finds the zeros of `f` between `from` and `to`, starting from about `pieces` equal intervals. Intervals are
+    /// not halved below the width `resolution(centre)`. Zero is a boundary of intervals where it lies inside, so that
+    /// they can shrink towards it without end.
+    pub(crate) fn find(
+        &mut self,
+        f: &impl Enclosed,
+        from: f64,
+        to: f64,
+        pieces: usize,
+        resolution: impl Fn(f64) -> f64,
+    ) {
+        self.stack.clear();
+        let mut share = |from: f64, to: f64, pieces: usize| {
+            // Intervals are kept by their ends, which neighbours share: no gap opens by rounding. Later ones go on the
+            // stack first, so that zeros come out in order.
+            let end = |i: usize| if i == pieces { to } else { from + (to - from) * (i as f64 / pieces as f64) };
+            self.stack.extend((0..pieces).rev().map(|i| (end(i), end(i + 1))));
+        };
+        if from < 0.0 && to > 0.0 {
+            share(0.0, to, pieces.div_ceil(2));
+            share(from, 0.0, pieces.div_ceil(2));
+        } else {
+            share(from, to, pieces);
+        }
+        let budget = self.evaluations + MAX_EVALUATIONS;
+        while let Some((low, high)) = self.stack.pop() {
+            self.evaluations += 1;
+            let centre = 0.5 * (low + high);
+            let radius = (high - centre).max(centre - low);
+            let enclosed = f.enclose(centre, radius);
+            if enclosed.function.excludes_zero() {
+                continue;
+            }
+            if enclosed.derivative.excludes_zero() {
+                if let Some(zero) = self.bracketed(f, low, high) {
+                    push_distinct(&mut self.simple, zero, resolution(zero));
+                }
+            } else if radius <= resolution(centre) || self.evaluations > budget {
+                push_distinct(&mut self.unresolved, centre, 8.0 * radius);
+            } else {
+                self.stack.push((centre, high));
+                self.stack.push((low, centre));
+            }
+        }
+    }
+
+    /// The zero of a monotone function on an interval, if its sign changes: Newton kept inside the bracket.
+    fn bracketed(&mut self, f: &impl Enclosed, mut low: f64, mut high: f64) -> Option<f64> {
+        let at = |x: f64| {
+            let point = f.enclose(x, 0.0);
+            (point.function.value(), point.derivative.value())
+        };
+        let (f_low, f_high) = (at(low).0, at(high).0);
+        self.evaluations += 2;
+        if f_low == 0.0 {
+            return Some(low);
+        }
+        if f_high == 0.0 {
+            return Some(high);
+        }
+        if (f_low < 0.0) == (f_high < 0.0) {
+            return None;
+        }
+        let mut x = 0.5 * (low + high);
+        for _ in 0..100 {
+            self.evaluations += 1;
+            let (value, slope) = at(x);
+            if value == 0.0 {
+                return Some(x);
+            }
+            if (value < 0.0) == (f_low < 0.0) {
+                low = x;
+            } else {
+                high = x;
+            }
+            let newton = x - value / slope;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if next == x || (next - x).abs() <= f64::EPSILON * x.abs() {
+                return Some(next);
+            }
+            x = next;
+        }
+        Some(x)
+    }
+}
+
+fn push_distinct(list: &mut Vec<f64>, value: f64, width: f64) {
+    if list.last().is_none_or(|&last| (value - last).abs() > width) {
+        list.push(value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// sin²x − level: pairs of zeros that merge as the level goes to 0.
+    struct Pairs {
+        level: f64,
+    }
+
+    impl Enclosed for Pairs {
+        fn enclose(&self, x: f64, radius: f64) -> Dual {
+            let sine = Dual::wave(x.sin(), -x.cos(), 1.0, radius);
+            (sine * sine).shifted(-self.level)
+        }
+    }
+
+    #[test]
+    fn close_pairs_are_told_apart_and_double_zeros_reported() {
+        let resolution = |_: f64| 1e-12;
+        for exponent in [1, 4, 8, 12] {
+            let level = 10f64.powi(-exponent);
+            let mut zeros = Zeros::default();
+            zeros.find(&Pairs { level }, -1.0, 4.0, 7, resolution);
+            let root = level.sqrt().asin();
+            let pi = std::f64::consts::PI;
+            assert_eq!(zeros.simple.len(), 4, "{level}");
+            for (found, expected) in zeros.simple.iter().zip([-root, root, pi - root, pi + root]) {
+                assert!((found - expected).abs() < 4e-16 / root, "{level}: {found} {expected}");
+            }
+            assert!(zeros.unresolved.is_empty() && zeros.evaluations < 500, "{}", zeros.evaluations);
+        }
+        let mut zeros = Zeros::default();
+        zeros.find(&Pairs { level: 0.0 }, -1.0, 4.0, 7, resolution);
+        assert!(zeros.simple.is_empty() && zeros.unresolved.len() == 2, "{zeros:?}");
+    }
+}
