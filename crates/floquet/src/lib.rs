@@ -1,1 +1,53 @@
+//! Linear stability of vibro-impact orbits.
+//!
+//! Between impacts perturbations fly freely, at an impact they go through a saltation matrix; one period of both is the
+//! monodromy matrix, its eigenvalues are the Floquet multipliers μ. An orbit is stable if none lies outside the unit
+//! circle; the leading one says how stability is lost: through +1 (pitchfork), through −1 (period doubling) or as a
+//! complex pair (Neimark–Sacker). See the paper, sec. III.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `saltation` | [`Saltation`]: a perturbation through an impact |
+//! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
+//! | `reversible` | half the dimension for conservative orbits |
+//! | `analyser` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
+//! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`] |
+//!
+//! Multipliers are per period of the orbit (two periods of the force for a doubled one). Dimensionless throughout.
+//!
+//! # Example
+//!
+//! ```
+//! use vibrochain_breather::{Family, breathers};
+//! use vibrochain_floquet::{Tolerance, stability};
+//! use vibrochain_lattice::{Chain, Model};
+//!
+//! let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+//! for orbit in &breathers(&model, Family::DoubleSided)?.orbits {
+//!     let verdict = stability(orbit, Tolerance::Growth(0.01))?.verdict;
+//!     println!("|μ| = {}, stable within 1 % a period: {}", verdict.spectral_radius, verdict.stable);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod analyser;
+mod eigen;
+mod eigenvectors;
+mod error;
+mod monodromy;
+mod multipliers;
+mod reversible;
+mod saltation;
+mod square;
+mod verdict;
+
+pub use analyser::{Analyser, Stability, stability};
+pub use eigenvectors::{FloquetMode, leading_modes};
+pub use error::FloquetError;
+pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
+pub use multipliers::{odd_multipliers, sort_multipliers};
+pub use nalgebra::Complex;
+pub use saltation::{Saltation, saltations};
+pub use square::Square;
+pub use verdict::{Mechanism, Tolerance, Verdict};

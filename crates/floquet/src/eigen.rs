@@ -1,0 +1,84 @@
+//! Eigenvalues of a small dense matrix, by the library that is fastest at its size.
+
+use faer::MatRef;
+use nalgebra::{Complex, DMatrix, Schur};
+
+use crate::error::FloquetError;
+use crate::square::Square;
+
+/// Up to this dimension nalgebra's unblocked QR is the faster one, beyond it faer's blocked one (measured by
+/// `cargo bench --bench spectrum_dense`).
+const SMALL: usize = 42;
+
+/// QR sweeps per eigenvalue after which nalgebra is told to give up; a handful is usual.
+const SWEEPS: usize = 60;
+
+/// All eigenvalues of `matrix`, unordered, appended to `values`.
+///
+/// # Errors
+/// [`FloquetError::NotConverged`], also for a matrix that is not finite, on which the iterations would never end.
+pub(crate) fn eigenvalues(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Result<(), FloquetError> {
+    let dimension = matrix.size();
+    let failed = FloquetError::NotConverged { dimension };
+    if !matrix.is_finite() {
+        return Err(failed);
+    }
+    match dimension {
+        0 => {}
+        1 => values.push(Complex::new(matrix.at(0, 0), 0.0)),
+        2..=SMALL => {
+            // The transpose has the same eigenvalues: rows are handed over as columns, without a shuffle.
+            let dense = DMatrix::from_column_slice(dimension, dimension, matrix.entries());
+            let schur = Schur::try_new(dense, f64::EPSILON, SWEEPS * dimension).ok_or(failed)?;
+            values.extend(schur.complex_eigenvalues().iter());
+        }
+        _ => {
+            let dense = MatRef::from_row_major_slice(matrix.entries(), dimension, dimension);
+            let found = dense.eigenvalues().map_err(|_| failed.clone())?;
+            // faer may stop without having converged; a lost eigenvalue shows in the trace.
+            let trace: f64 = (0..dimension).map(|i| matrix.at(i, i)).sum();
+            let sum: f64 = found.iter().map(|value| value.re).sum();
+            let slack = 1e3 * f64::EPSILON * dimension as f64 * (matrix.norm() + 1.0);
+            if found.iter().any(|value| !value.re.is_finite() || !value.im.is_finite()) || (trace - sum).abs() > slack {
+                return Err(failed);
+            }
+            values.extend(found.iter().map(|value| Complex::new(value.re, value.im)));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Companion matrix of (z−1)(z−2)…(z−n), padded to any size by a known diagonal.
+    fn with_known_spectrum(size: usize) -> Square {
+        let mut matrix = Square::identity(size);
+        for i in 0..size {
+            for j in i..size {
+                matrix.row_mut(i)[j] = if i == j { (i % 7) as f64 } else { 0.3 };
+            }
+        }
+        matrix
+    }
+
+    #[test]
+    fn both_libraries_find_a_triangular_matrix_diagonal() {
+        for size in [1, 2, 30, 42, 43, 60] {
+            let mut values = Vec::new();
+            eigenvalues(&with_known_spectrum(size), &mut values).unwrap();
+            assert_eq!(values.len(), size);
+            let sum: f64 = values.iter().map(|v| v.re).sum();
+            let expected: f64 = (0..size).map(|i| (i % 7) as f64).sum();
+            assert!((sum - expected).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_finite_is_refused() {
+        let mut matrix = Square::identity(4);
+        matrix.row_mut(1)[2] = f64::NAN;
+        assert!(eigenvalues(&matrix, &mut Vec::new()).is_err());
+    }
+}
