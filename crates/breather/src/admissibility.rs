@@ -1,22 +1,25 @@
 //! Is an orbit physical? Every impact must meet its barrier from inside, and between impacts every mass must stay
 //! strictly inside the gap, for the whole period: decided by bounds, not by samples.
 //!
-//! The distance of a mass to a barrier is smallest at a turning point, v̇_n = 0 (impacts of the mass itself aside, where it
-//! is 0 by definition). On an interval |t − c| ≤ r, with |v⃛| ≤ B,
+//! The distance of a mass to a barrier is smallest at a turning point, v̇_n = 0 (impacts of the mass itself aside, where
+//! it is 0 by definition). Window by window the motion of every mass is a polynomial p(s), exact to rounding. A mass is
+//! passed over if its polynomial cannot come closer than the smallest distance known so far. Otherwise its turning
+//! points are isolated: on |s − c| ≤ r, with |p‴| ≤ B,
 //!
 //! ```text
-//! v(t) ∈ v ± (|v̇| r + |v̈| r²/2 + B r³/6),        v̇(t) ∈ v̇ ± (|v̈| r + B r²/2)         (values at c)
+//! p′(s) ∈ p′ ± (|p″| r + B r²/2)     no turning point if 0 is outside,
+//! p″(s) ∈ p″ ± B r                   at most one if 0 is outside, found by its change of sign,
 //! ```
 //!
-//! so that an interval is discarded if it cannot come closer than the smallest distance known so far, or if v̇ has no
-//! zero on it; settled if v̈ has none (one turning point at most, found to rounding); and halved otherwise. The
-//! smallest distance of all is the margin.
+//! and the interval is halved otherwise. The smallest distance of all is the margin. Symmetry halves the work twice:
+//! masses n and M − n about a single impacted site, and a conservative orbit's mirror image in time.
 
 use vibrochain_lattice::Barrier;
 
 use crate::error::BreatherError;
-use crate::motion::{Kinematics, Motion};
+use crate::motion::Motion;
 use crate::orbit::Orbit;
+use crate::window::{Polynomial, Watched, Window};
 
 /// What keeps a solution from being an orbit of the real chain.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,17 +82,18 @@ impl Admissibility {
 /// Checks an orbit: the one-shot form of [`crate::Finder::admissibility`].
 ///
 /// # Errors
-/// [`BreatherError::Resonance`], which an orbit that exists has already passed.
+/// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
 pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
     let mut motion = Motion::of(orbit)?;
-    Ok(Watch::default().check(orbit, &mut motion))
+    Watch::default().check(orbit, &mut motion)
 }
 
 /// Work space of the check.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Watch {
-    /// (site, interval, centre, radius)
-    pending: Vec<(usize, usize, f64, f64)>,
+    watched: Watched,
+    window: Window,
+    pending: Vec<(f64, f64)>,
 }
 
 /// The closest approach so far.
@@ -112,150 +116,150 @@ impl Closest {
     }
 }
 
-/// Intervals this narrow against the fastest motion are settled as they are: v changes by less than rounding on them.
+/// Closer approaches than this are not told apart: it is the rounding of a displacement of order 1.
+const RESOLUTION: f64 = 8.0 * f64::EPSILON;
+
+/// Intervals this narrow, as a part of their window, are settled as they are: p changes by less than rounding on them.
 const NARROW: f64 = 1e-9;
+
+/// A window's length in radians of the fastest motion; with it the polynomials' order is enough.
+const WINDOW: f64 = 1.0;
+
+/// Windows that are looked at before a motion is declared too stiff to be followed.
+const MAX_WINDOWS: f64 = 5e6;
 
 impl Watch {
     /// Decides for `orbit`, whose motion `motion` holds.
-    pub(crate) fn check(&mut self, orbit: &Orbit, motion: &mut Motion) -> Admissibility {
+    pub(crate) fn check(&mut self, orbit: &Orbit, motion: &mut Motion) -> Result<Admissibility, BreatherError> {
         if let Some((impact, wrong)) = orbit.impacts().iter().enumerate().find(|(_, impact)| !impact.is_right_signed())
         {
-            let obstruction = Obstruction::WrongSign {
-                impact,
-                site: wrong.site,
-                time: wrong.time,
-                velocity_before: wrong.velocity_before,
-            };
-            return Admissibility { margin: None, obstruction: Some(obstruction) };
+            let (site, time, velocity_before) = (wrong.site, wrong.time, wrong.velocity_before);
+            let obstruction = Obstruction::WrongSign { impact, site, time, velocity_before };
+            return Ok(Admissibility { margin: None, obstruction: Some(obstruction) });
         }
         let model = orbit.model();
         let a = model.asymmetry();
-        let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
-        // Impacts at one site: the ring is symmetric about it. Reversible: so is time, about 0 and half a period.
-        let sites = motion.sites();
         let home = orbit.impact_site();
-        let watched = if home.is_some() { sites / 2 + 1 } else { sites };
-        let place = |n: usize| home.map_or(n, |home| (home + n) % sites);
+        self.watched.set(motion.sites(), home);
         let is_hit = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site);
         let horizon = if orbit.is_reversible() { 0.5 * orbit.period() } else { orbit.period() };
-        let top = motion.top_frequency();
+        let rate = motion.top_frequency() / WINDOW;
+        if horizon * rate > MAX_WINDOWS {
+            return Err(BreatherError::TooStiff { windows: horizon * rate, limit: MAX_WINDOWS });
+        }
+        let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
         for interval in 0..motion.intervals() {
             let (start, length) = motion.interval(interval);
             if start >= horizon {
                 break;
             }
             let length = length.min(horizon - start);
-            // About one radian of the fastest motion to begin with.
-            let pieces = 2 + (0.7 * length * top) as usize;
-            let radius = 0.5 * length / pieces as f64;
-            let jerk = motion.jerk_bound(interval);
-            self.pending.clear();
-            for piece in 0..pieces {
-                let centre = (2 * piece + 1) as f64 * radius;
-                motion.seek(interval, centre);
-                for n in 0..watched {
-                    let site = place(n);
-                    let now = motion.site(site);
+            let windows = 1 + (length * rate) as usize;
+            let step = length / windows as f64;
+            self.window.place(&self.watched, motion, interval, 0.0);
+            for w in 0..windows {
+                let elapsed = length * (w as f64 / windows as f64);
+                if w > 0 {
+                    self.window.advance(&self.watched, motion, interval, elapsed, step);
+                }
+                self.window.expand(&self.watched, model, motion.force_phase(interval, elapsed));
+                for (i, &site) in self.watched.sites.iter().enumerate() {
                     if !is_hit(site) {
-                        closest.note(a, site, start + centre, now.displacement);
+                        closest.note(a, site, start + elapsed, self.window.displacement(i));
                     }
-                    if may_turn_closer(&now, radius, jerk, a, closest.distance) {
-                        self.pending.push((site, interval, centre, radius));
+                }
+                for (i, &site) in self.watched.sites.iter().enumerate() {
+                    let (low, high) = self.window.range(i, step);
+                    if (1.0 - (high - a)).min(1.0 + (low - a)) < closest.distance - RESOLUTION {
+                        let polynomial = self.window.polynomial(i);
+                        turning_points(
+                            &polynomial,
+                            step,
+                            &mut self.pending,
+                            &mut |s, displacement| {
+                                closest.note(a, site, start + elapsed + s, displacement);
+                                closest.distance
+                            },
+                            a,
+                        );
                     }
                 }
             }
-            // A mass that is not hit may turn exactly where intervals meet; symmetry makes it turn at both ends of a
-            // reversible half period, and there a single-sided breather's own mass too.
-            for (elapsed, is_end) in [(0.0, false), (length, true)] {
-                motion.seek(interval, elapsed);
-                for n in 0..watched {
-                    let site = place(n);
-                    let turns_at_end = is_end && orbit.is_reversible() && orbit.impacts().len() == 1;
-                    if !is_hit(site) || turns_at_end {
-                        closest.note(a, site, start + elapsed, motion.site(site).displacement);
-                    }
+            // The end of the last window: masses that are not hit may turn right there, and at a reversible half period
+            // a single-sided breather's own mass does.
+            let ends = orbit.is_reversible() && orbit.impacts().len() == 1;
+            for (i, &site) in self.watched.sites.iter().enumerate() {
+                if ends || !is_hit(site) {
+                    let displacement = self.window.polynomial(i).evaluate(step).0;
+                    closest.note(a, site, start + length, displacement);
                 }
-            }
-            while let Some((site, interval, centre, radius)) = self.pending.pop() {
-                self.refine(motion, (site, interval), (centre, radius), start, jerk, a, &mut closest);
             }
         }
         let obstruction = (closest.distance <= 0.0).then_some(Obstruction::Crossing {
             site: closest.site,
             barrier: closest.barrier,
-            time: closest.time,
+            time: closest.time.rem_euclid(orbit.period()),
             excess: -closest.distance,
         });
-        Admissibility { margin: closest.distance.is_finite().then_some(closest.distance), obstruction }
+        Ok(Admissibility { margin: closest.distance.is_finite().then_some(closest.distance), obstruction })
     }
+}
 
-    /// One interval of one mass: discard, settle or halve.
-    #[expect(clippy::too_many_arguments, reason = "one interval and the state of the search")]
-    fn refine(
-        &mut self,
-        motion: &mut Motion,
-        (site, interval): (usize, usize),
-        (centre, radius): (f64, f64),
-        start: f64,
-        jerk: f64,
-        a: f64,
-        closest: &mut Closest,
-    ) {
-        motion.seek(interval, centre);
-        let now = motion.site(site);
-        if !may_turn_closer(&now, radius, jerk, a, closest.distance) {
-            return;
+/// Reports the turning points on 0 … `length` that could come closer than the smallest distance, which `note` returns.
+fn turning_points(
+    polynomial: &Polynomial,
+    length: f64,
+    pending: &mut Vec<(f64, f64)>,
+    note: &mut impl FnMut(f64, f64) -> f64,
+    a: f64,
+) {
+    let bound = polynomial.third_bound(length);
+    let mut distance = f64::INFINITY;
+    pending.clear();
+    pending.push((0.0, length));
+    while let Some((low, high)) = pending.pop() {
+        let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low));
+        let [value, slope, curvature] = polynomial.jet(centre);
+        let turn = radius * (curvature.abs() + 0.5 * bound * radius);
+        let reach = radius * (slope.abs() + 0.5 * turn);
+        if slope.abs() > turn || 1.0 - (value - a).abs() - reach >= distance {
+            continue;
         }
-        if now.acceleration.abs() > jerk * radius {
-            // v̇ is monotone: at most one turning point.
-            if let Some((elapsed, displacement)) = turning_point(motion, site, interval, centre, radius) {
-                closest.note(a, site, start + elapsed, displacement);
+        if curvature.abs() > bound * radius {
+            if let Some((s, value)) = turning_point(polynomial, low, high) {
+                distance = note(s, value);
             }
-        } else if radius * motion.top_frequency() < NARROW {
-            closest.note(a, site, start + centre, now.displacement);
+        } else if radius < NARROW * length {
+            distance = note(centre, value);
         } else {
-            self.pending.push((site, interval, centre - 0.5 * radius, 0.5 * radius));
-            self.pending.push((site, interval, centre + 0.5 * radius, 0.5 * radius));
+            pending.push((centre, high));
+            pending.push((low, centre));
         }
     }
 }
 
-/// Whether a mass could turn on the interval, nearer to a barrier than `distance`.
-fn may_turn_closer(now: &Kinematics, radius: f64, jerk: f64, a: f64, distance: f64) -> bool {
-    let (speed, acceleration) = (now.velocity.abs(), now.acceleration.abs());
-    if speed > radius * (acceleration + 0.5 * jerk * radius) {
-        return false;
-    }
-    let reach = radius * (speed + radius * (0.5 * acceleration + jerk * radius / 6.0));
-    1.0 - (now.displacement - a).abs() - reach < distance
-}
-
-/// The zero of a monotone v̇ on an interval, if there is one: time since the interval's start, and the displacement.
-fn turning_point(motion: &mut Motion, site: usize, interval: usize, centre: f64, radius: f64) -> Option<(f64, f64)> {
-    let mut at = |elapsed: f64| {
-        motion.seek(interval, elapsed);
-        motion.site(site)
-    };
-    let (mut low, mut high) = (centre - radius, centre + radius);
-    let (first, last) = (at(low).velocity, at(high).velocity);
+/// The zero of a monotone p′ on an interval, if there is one, and the displacement there.
+fn turning_point(polynomial: &Polynomial, mut low: f64, mut high: f64) -> Option<(f64, f64)> {
+    let (first, last) = (polynomial.evaluate(low).1, polynomial.evaluate(high).1);
     if first * last > 0.0 {
         return None;
     }
-    let mut x = centre;
+    let mut s = 0.5 * (low + high);
     for _ in 0..60 {
-        let now = at(x);
-        let step = now.velocity / now.acceleration;
-        // Near the zero the displacement is flat: an error of `step` in time is one of v̈·step²/2 in place.
-        if now.velocity == 0.0 || 0.5 * (now.velocity * step).abs() < 0.25 * f64::EPSILON {
-            return Some((x, now.displacement - 0.5 * now.velocity * step));
+        let [value, slope, curvature] = polynomial.jet(s);
+        let step = slope / curvature;
+        // Near the zero the displacement is flat: an error of `step` in time is one of p″·step²/2 in place.
+        if slope == 0.0 || 0.5 * (slope * step).abs() < 0.25 * f64::EPSILON {
+            let shift = if slope == 0.0 { 0.0 } else { step };
+            return Some((s - shift, value - 0.5 * slope * shift));
         }
-        if (now.velocity < 0.0) == (first < 0.0) {
-            low = x;
+        if (slope < 0.0) == (first < 0.0) {
+            low = s;
         } else {
-            high = x;
+            high = s;
         }
-        let newton = x - step;
-        x = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let newton = s - step;
+        s = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
     }
-    Some((x, at(x).displacement))
+    Some((s, polynomial.evaluate(s).0))
 }

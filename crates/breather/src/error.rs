@@ -15,6 +15,16 @@ pub enum BreatherError {
     /// A harmonic of the motion meets a mode of the ring, or the force meets the uniform mode.
     #[error(transparent)]
     Resonance(#[from] Resonance),
+    /// The fastest mode swings so often in a period that following every mass is out of reach.
+    #[error(
+        "too stiff to be checked: the fastest motion needs {windows:e} windows a period, the limit is {limit:e}; raise omega or lower gamma1 and gamma2"
+    )]
+    TooStiff {
+        /// Windows needed.
+        windows: f64,
+        /// Windows allowed.
+        limit: f64,
+    },
     /// An impact of a given word is not possible.
     #[error("impact {index}: {what}")]
     Impact {

@@ -150,11 +150,11 @@ impl Finder {
     /// Whether an orbit is physical, see [`Admissibility`].
     ///
     /// # Errors
-    /// [`BreatherError::Resonance`], which an orbit that exists has already passed.
+    /// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
     pub fn admissibility(&mut self, orbit: &Orbit) -> Result<Admissibility, BreatherError> {
         self.prepare(orbit.model(), orbit.frequency())?;
         self.motion.load(orbit, &self.response);
-        Ok(self.watch.check(orbit, &mut self.motion))
+        self.watch.check(orbit, &mut self.motion)
     }
 
     /// The motion of an orbit, in this finder's scratch space.

@@ -35,7 +35,7 @@ pub(crate) fn double_sided(
     let edge = half - shortest_flight(response, omega, force);
     let mut symmetric = 0;
     if q * a == 0.0 {
-        // The first row vanishes at δ = 0; the second, ωD X + q Y = q, is a line that meets the circle.
+        // At δ = 0 one condition vanishes; the other, ωD X + q Y = q, is a line that meets the circle.
         let distance = q / q.hypot(omega * 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse()));
         symmetric = symmetric_phases(response, omega, q, force)
             .into_iter()

@@ -12,7 +12,7 @@
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
 //! | `conservative`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `motion` | [`Motion`]: every mass at any time |
-//! | `admissibility` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
+//! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
@@ -43,6 +43,7 @@ mod motion;
 mod orbit;
 mod roots;
 mod two_impacts;
+mod window;
 
 pub use admissibility::{Admissibility, Obstruction, admissibility};
 pub use error::{BreatherError, NoBreather};

@@ -159,8 +159,7 @@ impl Motion {
             *now = [displacement, p * cos - q * frequency * sin, -frequency * frequency * displacement];
         }
         debug_assert_eq!(self.now.len() % modes.max(1), 0);
-        let start = self.starts.get(i).copied().unwrap_or_default();
-        let (sin, cos) = (self.omega * (start + elapsed + self.psi)).sin_cos();
+        let (sin, cos) = self.force_phase(i, elapsed).sin_cos();
         let (g, w) = (self.force, self.omega);
         self.now_force = Kinematics { displacement: g * cos, velocity: -g * w * sin, acceleration: -g * w * w * cos };
     }
@@ -216,22 +215,13 @@ impl Motion {
         let ring = self.sites();
         let v = |n: usize| self.site(n % ring).displacement;
         let (own, neighbours) = (v(site), v(site + 1) + v(site + ring - 1));
-        let start = self.starts.get(i).copied().unwrap_or_default();
-        let force = self.amplitude * (self.omega * (start + self.psi)).cos();
+        let force = self.amplitude * self.force_phase(i, 0.0).cos();
         -self.gamma.0 * own - self.gamma.1 * (2.0 * own - neighbours) + force
     }
 
-    /// A bound on |v⃛_n| of every mass throughout interval `i`: the modes' amplitudes times Ω³.
-    pub(crate) fn jerk_bound(&self, i: usize) -> f64 {
-        let states = self.states.iter().skip(i * self.now.len()).take(self.now.len());
-        let modes: f64 = states
-            .zip(self.frequencies.iter().cycle())
-            .map(|(&(q, p), &f)| {
-                let swing = f * q;
-                f * f * (swing * swing + p * p).sqrt()
-            })
-            .sum();
-        modes + self.force.abs() * self.omega.powi(3)
+    /// ω(t+ψ), the force's phase, `elapsed` after the start of interval `i`.
+    pub(crate) fn force_phase(&self, i: usize, elapsed: f64) -> f64 {
+        self.omega * (self.starts.get(i).copied().unwrap_or_default() + elapsed + self.psi)
     }
 
     /// The highest frequency in the motion between impacts.

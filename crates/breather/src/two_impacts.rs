@@ -18,13 +18,21 @@
 //!                 χ₃ d + q m − ωY cos h = 0  χ₃ m − q d − ωX sin h = 0
 //! ```
 //!
-//! For given φ they are linear in (m, d, X, Y); eliminating m and d leaves two linear equations for (X, Y), and
-//! X² + Y² = Ã² is the one equation left. Multiplied by the determinant it is an analytic function E(φ) without
-//! branches of ψ, without edges of existence and without poles, whose zeros on the period are all the solutions.
+//! For given φ they are linear in (m, d, X, Y). Cramer's rule gives X = x/Δ, Y = y/Δ with S = q² + χ₃²,
+//!
+//! ```text
+//! Δ = ωχ₃(D cos²h + Σ sin²h) − sin h cos h (S + ω²DΣ)
+//! double-sided    x = aω χ₃ D cos h − a S sin h − ωq Σ cos h      y = ω sin h (χ₃Σ + aqD) − S cos h
+//! period-doubled  x = (1−a)(S sin h − ωχ₃ D cos h)                y = −(1−a) ωq D sin h
+//! ```
+//!
+//! and the one condition left, X² + Y² = Ã², becomes E(φ) = x² + y² − Ã²Δ² = 0: an analytic function without branches of
+//! ψ, without edges of existence and without poles, whose zeros on the period are all the solutions.
 //!
 //! Everything is measured from half the orbit's period, δ = φ − T/2: there χ₃ and one of sin h, cos h vanish
 //! together, and keeping their relative accuracy keeps that of E down to δ → 0, where solutions crowd as q → 0, as
-//! a → 0 and at bifurcations. Σ is used as Σ/S₀⁻¹ (static stiffness g = 1/S₀): regular for γ₁ → 0.
+//! a → 0 and at bifurcations. Σ enters as gΣ with the static stiffness g = 1/S₀ (all three above times g): regular
+//! for γ₁ → 0.
 
 use vibrochain_lattice::ImpulseResponse;
 
@@ -67,9 +75,6 @@ pub(crate) struct TwoImpactSolution {
     pub(crate) static_displacement: f64,
 }
 
-/// The two equations a₁X + a₂Y = r.
-type Rows = [[Dual; 3]; 2];
-
 impl<'a> TwoImpacts<'a> {
     pub(crate) fn new(
         word: Word,
@@ -109,35 +114,24 @@ impl<'a> TwoImpacts<'a> {
         [difference, slope.scaled(2.0), sum, sin_h, cos_h]
     }
 
-    fn rows(&self, delta: f64, radius: f64) -> Rows {
+    /// (x, y, Δ) about δ.
+    fn cramer(&self, delta: f64, radius: f64) -> [Dual; 3] {
         let [d, chi3, sum, sin, cos] = self.pieces(delta, radius);
-        let (q, g, w) = (self.loss, self.stiffness, self.omega);
+        let (q, g, w, a) = (self.loss, self.stiffness, self.omega, self.asymmetry);
+        let s = (chi3 * chi3).shifted(q * q);
+        let (d_cos, sum_sin) = (d * cos, sum * sin);
+        let determinant = (chi3 * ((d_cos * cos).scaled(g) + sum_sin * sin)).scaled(w)
+            - sin * cos * (s.scaled(g) + (d * sum).scaled(w * w));
         match self.word {
             Word::DoubleSided => {
-                let a = self.asymmetry;
-                [
-                    [
-                        (d * cos).scaled(-q * g),
-                        ((d * cos).scaled(w) - chi3 * sin) * sum,
-                        (chi3 * sum).scaled(-1.0) - d.scaled(q * a * g),
-                    ],
-                    [
-                        ((sin * sum).scaled(w) - (chi3 * cos).scaled(g)) * d,
-                        (sin * sum).scaled(q),
-                        sum.scaled(q) - (chi3 * d).scaled(a * g),
-                    ],
-                ]
+                let x = (chi3 * d_cos).scaled(a * w * g) - (s * sin).scaled(a * g) - (sum * cos).scaled(w * q);
+                let y = (chi3 * sum_sin + (d * sin).scaled(a * q * g)).scaled(w) - (s * cos).scaled(g);
+                [x, y, determinant]
             }
             Word::PeriodDoubled => {
-                let gap = 1.0 - self.asymmetry;
-                [
-                    [(d * cos).scaled(q * g), (chi3 * sin - (d * cos).scaled(w)) * sum, d.scaled(-q * gap * g)],
-                    [
-                        ((chi3 * cos).scaled(g) - (sin * sum).scaled(w)) * d,
-                        (sin * sum).scaled(-q),
-                        (chi3 * d).scaled(-gap * g),
-                    ],
-                ]
+                let gap = (1.0 - a) * g;
+                let x = (s * sin - (chi3 * d_cos).scaled(w)).scaled(gap);
+                [x, (d * sin).scaled(-gap * w * q), determinant]
             }
         }
     }
@@ -152,15 +146,11 @@ impl<'a> TwoImpacts<'a> {
         zeros.find(self, from, to, pieces.min(4096), |delta| 64.0 * f64::EPSILON * delta.abs().max(1e-20 * half));
     }
 
-    /// Impulses and phase at a zero δ. `None` where the two equations do not determine them.
+    /// Impulses and phase at a zero δ. `None` where the conditions do not determine them.
     pub(crate) fn solution(&self, delta: f64) -> Option<TwoImpactSolution> {
-        let value = |dual: &Dual| dual.function.value();
-        let rows = self.rows(delta, 0.0);
-        let [[a11, a12, r1], [a21, a22, r2]] = [rows[0].each_ref().map(value), rows[1].each_ref().map(value)];
-        let det = a11 * a22 - a12 * a21;
-        let (x, y) = (r1 * a22 - a12 * r2, a11 * r2 - r1 * a21);
-        let theta = (y / det / self.force).atan2(x / det / self.force);
-        self.with_phase(delta, theta)
+        let [x, y, determinant] = self.cramer(delta, 0.0).map(|dual| dual.function.value());
+        let scale = determinant * self.force;
+        self.with_phase(delta, (y / scale).atan2(x / scale))
     }
 
     /// Impulses for given δ and θ.
@@ -184,11 +174,10 @@ impl<'a> TwoImpacts<'a> {
 }
 
 impl Enclosed for TwoImpacts<'_> {
-    /// E = x² + y² − Ã²Δ², by Cramer's rule on the two rows.
+    /// E = x² + y² − Ã²Δ².
     fn enclose(&self, delta: f64, radius: f64) -> Dual {
-        let [[a11, a12, r1], [a21, a22, r2]] = self.rows(delta, radius);
-        let det = (a11 * a22 - a12 * a21).scaled(self.force);
-        let (x, y) = (r1 * a22 - a12 * r2, a11 * r2 - r1 * a21);
-        x * x + y * y - det * det
+        let [x, y, determinant] = self.cramer(delta, radius);
+        let scaled = determinant.scaled(self.force);
+        x * x + y * y - scaled * scaled
     }
 }

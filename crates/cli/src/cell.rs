@@ -1,0 +1,235 @@
+//! One cell of a map: a parameter point and what lives there.
+
+use vibrochain_breather::{BreatherError, Family, Finder, Found};
+use vibrochain_floquet::{Analyser, FloquetError, Mechanism, Tolerance, Verdict};
+use vibrochain_lattice::Model;
+
+/// What a map is asked to compute.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    /// Families to look for: double-sided, single-sided.
+    pub families: Vec<Family>,
+    /// Whether stability is wanted; existence alone is cheaper.
+    pub stability: bool,
+    /// From which growth an orbit counts as unstable.
+    pub tolerance: Tolerance,
+}
+
+/// Existence and stability in one word, the `class` column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Class {
+    /// No physical breather.
+    None,
+    /// A stable double-sided breather.
+    StableDouble,
+    /// A stable single-sided breather.
+    StableSingle,
+    /// Double-sided, unstable.
+    UnstableDouble,
+    /// Single-sided, unstable.
+    UnstableSingle,
+    /// Double-sided, stability not asked for.
+    Double,
+    /// Single-sided, stability not asked for.
+    Single,
+}
+
+impl Class {
+    /// All classes, in the order of legends and summaries.
+    pub const ALL: [Self; 7] = [
+        Self::None,
+        Self::StableDouble,
+        Self::StableSingle,
+        Self::UnstableDouble,
+        Self::UnstableSingle,
+        Self::Double,
+        Self::Single,
+    ];
+
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::StableDouble => "stable-double",
+            Self::StableSingle => "stable-single",
+            Self::UnstableDouble => "unstable-double",
+            Self::UnstableSingle => "unstable-single",
+            Self::Double => "double",
+            Self::Single => "single",
+        }
+    }
+
+    fn of(family: Family, stable: Option<bool>) -> Self {
+        match (family, stable) {
+            (Family::SingleSided, Some(true)) => Self::StableSingle,
+            (Family::SingleSided, Some(false)) => Self::UnstableSingle,
+            (Family::SingleSided, None) => Self::Single,
+            (_, Some(true)) => Self::StableDouble,
+            (_, Some(false)) => Self::UnstableDouble,
+            (_, None) => Self::Double,
+        }
+    }
+}
+
+/// Whether a cell is what it seems, the `status` column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Status {
+    /// Computed.
+    Ok,
+    /// A harmonic meets a mode: no periodic motion is defined.
+    Resonance,
+    /// Computed, but two orbits may have merged closer than rounding can tell (a fold).
+    Unresolved,
+    /// An eigenvalue iteration did not converge; the class is not known.
+    NotConverged,
+    /// An impact grazes, or the chain is too stiff to be followed; the class is not known.
+    IllConditioned,
+    /// The ring is too large for the stability analysis; the class is not known.
+    TooLarge,
+}
+
+impl Status {
+    /// All of them, in the order of summaries.
+    pub const ALL: [Self; 6] =
+        [Self::Ok, Self::Resonance, Self::Unresolved, Self::NotConverged, Self::IllConditioned, Self::TooLarge];
+
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Resonance => "resonance",
+            Self::Unresolved => "unresolved",
+            Self::NotConverged => "not-converged",
+            Self::IllConditioned => "ill-conditioned",
+            Self::TooLarge => "too-large",
+        }
+    }
+
+    fn of(error: &FloquetError) -> Self {
+        match error {
+            FloquetError::Grazing { .. } => Self::IllConditioned,
+            FloquetError::NotConverged { .. } => Self::NotConverged,
+            FloquetError::TooLarge { .. } => Self::TooLarge,
+            FloquetError::Breather(_) => Self::Resonance,
+        }
+    }
+}
+
+/// The result at one point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// The class; `None` where it could not be decided (see `status`).
+    pub class: Option<Class>,
+    /// How the orbit that gives the class loses stability, if it does.
+    pub mechanism: Option<Mechanism>,
+    /// Its spectral radius.
+    pub spectral_radius: Option<f64>,
+    /// Its margin: the smallest distance left to a barrier at a turning point.
+    pub margin: Option<f64>,
+    /// Number of physical orbits of the families asked for.
+    pub solutions: u32,
+    /// Whether all of this could be computed.
+    pub status: Status,
+    /// Largest residual of the physical orbits.
+    pub residual: f64,
+}
+
+/// A candidate for the orbit that gives a cell its class.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    family: Family,
+    verdict: Option<Verdict>,
+    margin: Option<f64>,
+}
+
+impl Candidate {
+    /// A stable orbit wins, then a double-sided one, then the smaller spectral radius.
+    fn rank(&self) -> (bool, bool, f64) {
+        let stable = self.verdict.is_some_and(|verdict| verdict.stable);
+        let radius = self.verdict.map_or(0.0, |verdict| verdict.spectral_radius);
+        (!stable, self.family == Family::SingleSided, radius)
+    }
+}
+
+/// Work space for cells, one a thread.
+#[derive(Debug, Clone)]
+pub struct Worker {
+    finder: Finder,
+    analyser: Analyser,
+    found: Found,
+}
+
+impl Worker {
+    /// For rings of `sites` masses.
+    pub fn new(sites: usize) -> Self {
+        Self { finder: Finder::new(sites), analyser: Analyser::default(), found: Found::default() }
+    }
+
+    /// Computes one cell.
+    pub fn cell(&mut self, model: &Model, task: &Task) -> Cell {
+        let mut cell = Cell {
+            class: Some(Class::None),
+            mechanism: None,
+            spectral_radius: None,
+            margin: None,
+            solutions: 0,
+            status: Status::Ok,
+            residual: 0.0,
+        };
+        let mut best: Option<Candidate> = None;
+        for &family in &task.families {
+            // Conservative orbits with φ ≠ T/2 are left to `mapgen orbit`: none has been found physical (tests/maps.rs).
+            match self.finder.find_symmetric(model, family, &mut self.found) {
+                Ok(()) => {}
+                Err(BreatherError::Resonance(_)) => {
+                    cell.status = Status::Resonance;
+                    return cell;
+                }
+                // Neither can happen to a validated model; the cell is marked, not dropped.
+                Err(_) => return Cell { class: None, status: Status::IllConditioned, ..cell },
+            }
+            if self.found.unresolved > 0 {
+                cell.status = cell.status.max(Status::Unresolved);
+            }
+            for orbit in &self.found.orbits {
+                let Ok(admissibility) = self.finder.admissibility(orbit) else {
+                    cell.status = Status::IllConditioned;
+                    continue;
+                };
+                if !admissibility.is_physical() {
+                    continue;
+                }
+                cell.solutions += 1;
+                cell.residual = cell.residual.max(orbit.residual());
+                let verdict = if task.stability {
+                    match self.analyser.verdict(orbit, &mut self.finder, task.tolerance) {
+                        Ok(verdict) => Some(verdict),
+                        Err(error) => {
+                            cell.status = cell.status.max(Status::of(&error));
+                            continue;
+                        }
+                    }
+                } else {
+                    None
+                };
+                let candidate = Candidate { family, verdict, margin: admissibility.margin };
+                if best.as_ref().is_none_or(|best| candidate.rank() < best.rank()) {
+                    best = Some(candidate);
+                }
+            }
+        }
+        let unknown = cell.status >= Status::NotConverged;
+        match best {
+            // An orbit whose stability is unknown could still be the stable one that wins.
+            Some(best) if !unknown || best.verdict.is_some_and(|verdict| verdict.stable) => {
+                cell.class = Some(Class::of(best.family, best.verdict.map(|verdict| verdict.stable)));
+                cell.mechanism = best.verdict.and_then(|verdict| verdict.mechanism);
+                cell.spectral_radius = best.verdict.map(|verdict| verdict.spectral_radius);
+                cell.margin = best.margin;
+            }
+            _ if unknown => cell.class = None,
+            _ => {}
+        }
+        cell
+    }
+}
