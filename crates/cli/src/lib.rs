@@ -1,3 +1,24 @@
-//! The parts of the program `mapgen`, for benchmarks and tests; see `mapgen --help` for its use.
+//! The parts of the program `mapgen`, for its tests and benchmarks; see `mapgen --help` for its use.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `args` | the command line |
+//! | `parameter`, `scene` | points of the parameter space, scene files |
+//! | `cell`, `sweep` | one cell, all cells |
+//! | `table`, `manifest`, `output` | the files a sweep writes |
+//! | `plot` | pictures (feature `plot`) |
+//! | `sweep_command`, `orbit_command` | the subcommands |
 
+pub mod args;
 pub mod cell;
+pub mod error;
+pub mod manifest;
+pub mod orbit_command;
+pub mod output;
+pub mod parameter;
+#[cfg(feature = "plot")]
+pub mod plot;
+pub mod scene;
+pub mod sweep;
+pub mod sweep_command;
+pub mod table;

@@ -23,28 +23,28 @@ pub(crate) fn eigenvalues(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Re
     if !matrix.is_finite() {
         return Err(failed);
     }
-    match dimension {
-        0 => {}
-        1 => values.push(Complex::new(matrix.at(0, 0), 0.0)),
-        2..=SMALL => {
-            // The transpose has the same eigenvalues: rows are handed over as columns, without a shuffle.
-            let dense = DMatrix::from_column_slice(dimension, dimension, matrix.entries());
-            let schur = Schur::try_new(dense, f64::EPSILON, SWEEPS * dimension).ok_or(failed)?;
+    if dimension <= SMALL {
+        // The transpose has the same eigenvalues: rows are handed over as columns, without a shuffle.
+        let dense = DMatrix::from_column_slice(dimension, dimension, matrix.entries());
+        if dimension == 0 {
+            return Ok(());
+        }
+        if let Some(schur) = Schur::try_new(dense, f64::EPSILON, SWEEPS * dimension) {
             values.extend(schur.complex_eigenvalues().iter());
+            return Ok(());
         }
-        _ => {
-            let dense = MatRef::from_row_major_slice(matrix.entries(), dimension, dimension);
-            let found = dense.eigenvalues().map_err(|_| failed.clone())?;
-            // faer may stop without having converged; a lost eigenvalue shows in the trace.
-            let trace: f64 = (0..dimension).map(|i| matrix.at(i, i)).sum();
-            let sum: f64 = found.iter().map(|value| value.re).sum();
-            let slack = 1e3 * f64::EPSILON * dimension as f64 * (matrix.norm() + 1.0);
-            if found.iter().any(|value| !value.re.is_finite() || !value.im.is_finite()) || (trace - sum).abs() > slack {
-                return Err(failed);
-            }
-            values.extend(found.iter().map(|value| Complex::new(value.re, value.im)));
-        }
+        // Stagnation is known on multiples of the unit matrix plus rounding (uncoupled masses); faer takes those.
     }
+    let dense = MatRef::from_row_major_slice(matrix.entries(), dimension, dimension);
+    let found = dense.eigenvalues().map_err(|_| failed.clone())?;
+    // faer may stop without having converged; a lost eigenvalue shows in the trace.
+    let trace: f64 = (0..dimension).map(|i| matrix.at(i, i)).sum();
+    let sum: f64 = found.iter().map(|value| value.re).sum();
+    let slack = 1e3 * f64::EPSILON * dimension as f64 * (matrix.norm() + 1.0);
+    if found.iter().any(|value| !value.re.is_finite() || !value.im.is_finite()) || (trace - sum).abs() > slack {
+        return Err(failed);
+    }
+    values.extend(found.iter().map(|value| Complex::new(value.re, value.im)));
     Ok(())
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn eigenvalues(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Re
 mod tests {
     use super::*;
 
-    /// Companion matrix of (z−1)(z−2)…(z−n), padded to any size by a known diagonal.
+    /// A triangular matrix: its eigenvalues are its diagonal.
     fn with_known_spectrum(size: usize) -> Square {
         let mut matrix = Square::identity(size);
         for i in 0..size {
@@ -73,6 +73,20 @@ mod tests {
             let expected: f64 = (0..size).map(|i| (i % 7) as f64).sum();
             assert!((sum - expected).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn uncoupled_masses_multiple_of_the_unit_matrix_with_rounding() {
+        let mut matrix = Square::identity(10);
+        for i in 0..10 {
+            for j in 0..10 {
+                let noise = 1e-16 * ((i * 31 + j * 17) % 7) as f64;
+                matrix.row_mut(i)[j] = noise + if i == j { -0.83 } else { 0.0 };
+            }
+        }
+        let mut values = Vec::new();
+        eigenvalues(&matrix, &mut values).unwrap();
+        assert!(values.len() == 10 && values.iter().all(|v| (v.re + 0.83).abs() < 1e-14 && v.im.abs() < 1e-14));
     }
 
     #[test]

@@ -1,0 +1,123 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Existence and stability of breathers in vibro-impact chains.
+#[derive(Debug, Parser)]
+#[command(
+    name = "mapgen",
+    version,
+    about,
+    after_help = "Everything is dimensionless: unit masses, barriers at asymmetry ± 1.\nExit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 130 interrupted."
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Compute a map over two parameters from a scene file.
+    Sweep(SweepArgs),
+    /// All breathers of a family at one point, with their stability.
+    Orbit(OrbitArgs),
+}
+
+/// Colours of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum PaletteName {
+    /// Readable in grey and by colour-blind eyes.
+    #[default]
+    Colour,
+    /// The paper's greys.
+    Paper,
+}
+
+/// Arguments of `mapgen sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// Scene file (TOML), see scenes/.
+    pub scene: PathBuf,
+    /// Table to write (CSV); a manifest is written beside it.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Picture of the map as PNG.
+    #[arg(long, value_name = "FILE")]
+    pub png: Option<PathBuf>,
+    /// Picture of the map as SVG.
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Colours of the pictures.
+    #[arg(long, value_enum, default_value_t)]
+    pub palette: PaletteName,
+    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
+    /// Threads to use [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// No progress bar and no summary.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Families as named on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FamilyName {
+    /// One impact on each barrier a period.
+    DoubleSided,
+    /// One impact a period, on the nearer barrier.
+    SingleSided,
+    /// Two different impacts on the nearer barrier in two periods of the force.
+    PeriodDoubled,
+}
+
+/// The model's parameters as flags.
+#[derive(Debug, Args)]
+pub struct ModelArgs {
+    /// Number of masses on the ring (the paper's N + 1).
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub sites: i64,
+    /// On-site stiffness γ₁.
+    #[arg(long, value_name = "γ₁", allow_negative_numbers = true)]
+    pub gamma1: f64,
+    /// Coupling stiffness γ₂.
+    #[arg(long, value_name = "γ₂", allow_negative_numbers = true)]
+    pub gamma2: f64,
+    /// Frequency ω of the force, and of the map.
+    #[arg(long, value_name = "ω", allow_negative_numbers = true)]
+    pub omega: f64,
+    /// Centre a of the gap, 0 ≤ a < 1.
+    #[arg(long, value_name = "a", allow_negative_numbers = true)]
+    pub asymmetry: f64,
+    /// Amplitude A of the force [default: no force].
+    #[arg(long, value_name = "A", requires = "restitution", allow_negative_numbers = true)]
+    pub amplitude: Option<f64>,
+    /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
+    #[arg(long, value_name = "e", requires = "amplitude", allow_negative_numbers = true)]
+    pub restitution: Option<f64>,
+}
+
+/// Arguments of `mapgen orbit`.
+#[derive(Debug, Args)]
+pub struct OrbitArgs {
+    /// Family of breathers.
+    #[arg(long, value_enum)]
+    pub family: FamilyName,
+    /// The model.
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+    /// Picture of the orbits, .png or .svg: profile at the impacts, impacting mass over a period.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
+}

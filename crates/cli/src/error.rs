@@ -1,0 +1,42 @@
+//! What ends a run early, and with which exit code.
+
+use std::path::Path;
+
+use thiserror::Error;
+use vibrochain_lattice::ParameterError;
+
+/// A failed run.
+#[derive(Debug, Error)]
+pub enum CliError {
+    /// The request is wrong; exit code 2.
+    #[error("{0}")]
+    Request(String),
+    /// The computation could not be completed; exit code 1.
+    #[error("{0}")]
+    Computation(String),
+    /// Stopped by Ctrl-C or SIGTERM; exit code 130.
+    #[error("interrupted: nothing was written")]
+    Interrupted,
+}
+
+impl CliError {
+    /// 0 done, 1 the computation could not be completed, 2 the request is wrong; 130 interrupted, as shells have it.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Request(_) => 2,
+            Self::Computation(_) => 1,
+            Self::Interrupted => 130,
+        }
+    }
+
+    /// A file that cannot be used as asked.
+    pub fn file(what: &str, path: &Path, error: &std::io::Error) -> Self {
+        Self::Request(format!("{what} {}: {error}", path.display()))
+    }
+}
+
+impl From<ParameterError> for CliError {
+    fn from(error: ParameterError) -> Self {
+        Self::Request(error.to_string())
+    }
+}

@@ -1,0 +1,348 @@
+//! `mapgen orbit`: all breathers of a family at one point.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_breather::{Admissibility, Family, Finder, Found, Orbit};
+use vibrochain_floquet::{Analyser, Complex, FloquetError, Stability, Tolerance};
+use vibrochain_lattice::{MAX_SITES, Model};
+
+use crate::args::{FamilyName, ModelArgs, OrbitArgs};
+use crate::error::CliError;
+use crate::parameter::{Parameter, Point};
+use crate::scene::tolerance_from;
+
+/// The checked model of the flags.
+///
+/// # Errors
+/// [`CliError::Request`] for a value out of range.
+pub fn model(args: &ModelArgs) -> Result<Model, CliError> {
+    let sites = usize::try_from(args.sites).ok().filter(|&sites| sites <= MAX_SITES).ok_or_else(|| {
+        CliError::Request(format!("sites = {} is out of range: give a whole number from 1 to {MAX_SITES}", args.sites))
+    })?;
+    let (amplitude, restitution) = (args.amplitude.unwrap_or(0.0), args.restitution.unwrap_or(1.0));
+    let values = [args.gamma1, args.gamma2, args.omega, args.asymmetry, amplitude, restitution];
+    Ok(Point { sites, values }.model()?)
+}
+
+/// One orbit with all that is said about it.
+struct Solution {
+    orbit: Orbit,
+    admissibility: Admissibility,
+    stability: Result<Stability, FloquetError>,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`]; that there is no orbit is an answer.
+pub fn run(args: &OrbitArgs) -> Result<(), CliError> {
+    let model = model(&args.model)?;
+    let family = match args.family {
+        FamilyName::DoubleSided => Family::DoubleSided,
+        FamilyName::SingleSided => Family::SingleSided,
+        FamilyName::PeriodDoubled => Family::PeriodDoubled,
+    };
+    let tolerance = match args.threshold {
+        None => Tolerance::Rounding,
+        Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
+    };
+    let plot = Plot::open(args)?;
+    let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
+    let mut finder = Finder::new(model.chain().sites());
+    let mut analyser = Analyser::default();
+    let mut found = Found::default();
+    finder.find(&model, family, &mut found).map_err(|error| computation(&error))?;
+    let mut solutions = Vec::new();
+    for orbit in std::mem::take(&mut found.orbits) {
+        let admissibility = finder.admissibility(&orbit).map_err(|error| computation(&error))?;
+        let stability = analyser.stability(&orbit, &mut finder, tolerance);
+        solutions.push(Solution { orbit, admissibility, stability });
+    }
+    plot.finish(&solutions)?;
+    let text = if args.json {
+        let value = json(&model, &solutions, &found);
+        format!("{value:#}\n")
+    } else {
+        text(&model, family, &solutions, &found)
+    };
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| computation(&error))?;
+    match solutions.iter().find_map(|solution| solution.stability.as_ref().err()) {
+        Some(error) => Err(CliError::Computation(format!("stability could not be computed: {error}"))),
+        None => Ok(()),
+    }
+}
+
+fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
+    json!({
+        "parameters": {
+            "sites": model.chain().sites(),
+            "gamma1": model.chain().gamma1(),
+            "gamma2": model.chain().gamma2(),
+            "omega": model.omega(),
+            "asymmetry": model.asymmetry(),
+            "amplitude": model.amplitude(),
+            "restitution": model.restitution(),
+        },
+        "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
+        "reason": found.none.map(|reason| reason.to_string()),
+        "unresolved": found.unresolved,
+    })
+}
+
+impl Solution {
+    fn json(&self) -> Value {
+        let orbit = &self.orbit;
+        let impacts: Vec<Value> = orbit
+            .impacts()
+            .iter()
+            .map(|impact| {
+                json!({
+                    "site": impact.site,
+                    "barrier": impact.barrier.name(),
+                    "time": impact.time,
+                    "impulse": impact.impulse,
+                    "velocity_before": impact.velocity_before,
+                    "velocity_after": impact.velocity_after,
+                })
+            })
+            .collect();
+        let mut value = json!({
+            "family": orbit.family().name(),
+            "period": orbit.period(),
+            "phi": orbit.phi(),
+            "psi": orbit.psi(),
+            "impacts": impacts,
+            "residual": orbit.residual(),
+            "physical": self.admissibility.is_physical(),
+            "margin": self.admissibility.margin,
+            "obstruction": self.admissibility.obstruction.map(|obstruction| obstruction.to_string()),
+            "stability": null,
+        });
+        match &self.stability {
+            Ok(stability) => {
+                let verdict = stability.verdict;
+                let multipliers: Vec<[f64; 2]> = stability.multipliers.iter().map(|m| [m.re, m.im]).collect();
+                value["stability"] = json!({
+                    "stable": verdict.stable,
+                    "mechanism": verdict.mechanism.map(|mechanism| mechanism.name()),
+                    "spectral_radius": verdict.spectral_radius,
+                    "growth": verdict.growth(),
+                    "resolution": verdict.resolution,
+                    "multipliers": multipliers,
+                });
+            }
+            Err(error) => value["stability_error"] = error.to_string().into(),
+        }
+        value
+    }
+}
+
+fn complex(z: Complex<f64>) -> String {
+    if z.im == 0.0 {
+        format!("{}", z.re)
+    } else {
+        format!("{} {} {}i", z.re, if z.im < 0.0 { '-' } else { '+' }, z.im.abs())
+    }
+}
+
+/// The answer for people.
+fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) -> String {
+    let mut out = String::new();
+    let point: Vec<String> = [
+        (Parameter::Gamma1, model.chain().gamma1()),
+        (Parameter::Gamma2, model.chain().gamma2()),
+        (Parameter::Omega, model.omega()),
+        (Parameter::Asymmetry, model.asymmetry()),
+        (Parameter::Amplitude, model.amplitude()),
+        (Parameter::Restitution, model.restitution()),
+    ]
+    .iter()
+    .map(|(parameter, value)| format!("{} = {value}", parameter.name()))
+    .collect();
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "{} breathers, {} masses, {}", family.name(), model.chain().sites(), point.join(", "));
+    match found.none {
+        Some(reason) => {
+            let _ = writeln!(out, "none: {reason}");
+        }
+        None => {
+            let physical = solutions.iter().filter(|solution| solution.admissibility.is_physical()).count();
+            let _ = writeln!(out, "{} solutions, {physical} physical", solutions.len());
+        }
+    }
+    if found.unresolved > 0 {
+        let _ = writeln!(out, "{} places where two more may have merged: next to a fold", found.unresolved);
+    }
+    for (i, solution) in solutions.iter().enumerate() {
+        let orbit = &solution.orbit;
+        let _ = write!(out, "\nsolution {}: period {}", i + 1, orbit.period());
+        for (name, value) in [("phi", orbit.phi()), ("psi", orbit.psi())] {
+            if let Some(value) = value {
+                let _ = write!(out, ", {name} {value}");
+            }
+        }
+        let _ = writeln!(out);
+        for impact in orbit.impacts() {
+            let _ = writeln!(
+                out,
+                "  impact of site {} on the {} barrier at t = {}: impulse {}, velocity {} -> {}",
+                impact.site,
+                impact.barrier.name(),
+                impact.time,
+                impact.impulse,
+                impact.velocity_before,
+                impact.velocity_after
+            );
+        }
+        let _ = match (solution.admissibility.obstruction, solution.admissibility.margin) {
+            (Some(obstruction), _) => writeln!(out, "  not physical: {obstruction}"),
+            (None, Some(margin)) => writeln!(out, "  physical, margin {margin}"),
+            (None, None) => writeln!(out, "  physical"),
+        };
+        let _ = match &solution.stability {
+            Ok(stability) => {
+                let verdict = stability.verdict;
+                let how = match verdict.mechanism {
+                    Some(mechanism) => format!("unstable ({})", mechanism.name()),
+                    None => "stable".to_owned(),
+                };
+                writeln!(
+                    out,
+                    "  {how}: spectral radius {}, leading multiplier {}",
+                    verdict.spectral_radius,
+                    complex(verdict.leading)
+                )
+            }
+            Err(error) => writeln!(out, "  stability unknown: {error}"),
+        };
+        let _ = writeln!(out, "  residual {:.1e}", orbit.residual());
+    }
+    out
+}
+
+#[cfg(feature = "plot")]
+use with_plot::Plot;
+#[cfg(not(feature = "plot"))]
+use without_plot::Plot;
+
+#[cfg(feature = "plot")]
+mod with_plot {
+    use vibrochain_breather::Motion;
+
+    use super::{CliError, OrbitArgs, Solution};
+    use crate::output::Output;
+    use crate::plot::{Format, OrbitPanels, orbit_picture};
+
+    /// Points of a trace: smooth at the width of the panel.
+    const SAMPLES: usize = 1000;
+
+    /// Orbits beyond this are left to the printed list.
+    const MOST: usize = 8;
+
+    pub(super) struct Plot(Option<(Format, Output)>);
+
+    impl Plot {
+        pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
+            let Some(path) = &args.plot else { return Ok(Self(None)) };
+            let Some(format) = Format::of(path) else {
+                let message = format!(
+                    "--plot {}: the kind of picture is not known; end the name in .png or .svg",
+                    path.display()
+                );
+                return Err(CliError::Request(message));
+            };
+            Ok(Self(Some((format, Output::create(path)?))))
+        }
+
+        pub(super) fn finish(self, solutions: &[Solution]) -> Result<(), CliError> {
+            let Some((format, file)) = self.0 else { return Ok(()) };
+            let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
+            let mut panels = Vec::new();
+            for (i, solution) in solutions.iter().enumerate().take(MOST) {
+                panels.push(panel(i, solution).map_err(|error| computation(&error))?);
+            }
+            if panels.is_empty() {
+                return Err(CliError::Computation(format!(
+                    "nothing to plot: no solution, {} was not written",
+                    file.path().display()
+                )));
+            }
+            let bytes = orbit_picture(&panels, format).map_err(|error| computation(&error))?;
+            file.finish_with(&bytes)
+        }
+    }
+
+    fn panel(i: usize, solution: &Solution) -> Result<OrbitPanels, vibrochain_breather::BreatherError> {
+        let orbit = &solution.orbit;
+        let model = orbit.model();
+        let mut motion = Motion::of(orbit)?;
+        let sites = motion.sites() as i64;
+        let home = orbit.impacts().first().map_or(0, |impact| impact.site);
+        let profiles = orbit
+            .impacts()
+            .iter()
+            .map(|impact| {
+                let v = motion.displacements(impact.time);
+                let offsets = -(sites - 1) / 2..=sites / 2;
+                let profile = offsets.map(|n| (n, v[(home as i64 + n).rem_euclid(sites) as usize])).collect();
+                (impact.time, profile)
+            })
+            .collect();
+        let trace = (0..=SAMPLES)
+            .map(|k| {
+                let part = k as f64 / SAMPLES as f64;
+                (part, motion.at(home, part * orbit.period()).displacement)
+            })
+            .collect();
+        let state = match (&solution.admissibility.is_physical(), &solution.stability) {
+            (false, _) => "not physical".to_owned(),
+            (true, Err(_)) => "physical".to_owned(),
+            (true, Ok(stability)) => match stability.verdict.mechanism {
+                None => "stable".to_owned(),
+                Some(mechanism) => {
+                    format!("unstable by {}, |μ| = {:.6}", mechanism.name(), stability.verdict.spectral_radius)
+                }
+            },
+        };
+        let force = if model.is_conservative() {
+            String::new()
+        } else {
+            format!(", A = {}, e = {}", model.amplitude(), model.restitution())
+        };
+        let caption = format!(
+            "{} breather {}: N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}{force}; {state}",
+            orbit.family().name(),
+            i + 1,
+            sites - 1,
+            model.chain().gamma1(),
+            model.chain().gamma2(),
+            model.omega(),
+            model.asymmetry(),
+        );
+        let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
+        Ok(OrbitPanels { caption, profiles, trace, barriers })
+    }
+}
+
+#[cfg(not(feature = "plot"))]
+mod without_plot {
+    use super::{CliError, OrbitArgs, Solution};
+
+    pub(super) struct Plot;
+
+    impl Plot {
+        pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
+            match args.plot {
+                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
+                None => Ok(Self),
+            }
+        }
+
+        pub(super) fn finish(self, _: &[Solution]) -> Result<(), CliError> {
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! The picture of a map: classes as colours, mechanisms as textures, every cell the same whole number of pixels.
+
+use plotters::coord::Shift;
+use plotters::element::{BitMapElement, PathElement, Rectangle, Text};
+use plotters::prelude::{BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, RGBColor, WHITE};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use vibrochain_floquet::Mechanism;
+
+use crate::cell::Class;
+use crate::parameter::Parameter;
+use crate::plot::canvas::{Drawing, Format, PlotError, render};
+use crate::plot::palette::{Palette, Tile};
+use crate::scene::{Axis, Scene};
+
+/// About this many pixels wide and high the map itself becomes.
+const TARGET: usize = 900;
+
+/// A map wider or higher than this in cells shows every second (third …) one only.
+const MOST: usize = 6000;
+
+const LEFT: u32 = 90;
+const RIGHT: u32 = 300;
+const TOP: u32 = 64;
+const BOTTOM: u32 = 74;
+
+/// What is drawn.
+#[derive(Debug)]
+pub struct MapPicture<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Tiles by rows, the first row at the bottom.
+    pub tiles: &'a [Tile],
+    /// The colours.
+    pub palette: Palette,
+}
+
+/// The bytes of a map's picture.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn map_picture(picture: &MapPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
+    let (x, y) = (picture.scene.x.points, picture.scene.y.points);
+    let layout = Layout { columns: Grid::new(x), rows: Grid::new(y) };
+    let size = (layout.columns.pixels() + LEFT + RIGHT, layout.rows.pixels().max(360) + TOP + BOTTOM);
+    render(&Sheet { picture, layout }, format, size)
+}
+
+/// Cells along one axis.
+#[derive(Debug, Clone, Copy)]
+struct Grid {
+    shown: usize,
+    stride: usize,
+    cell: u32,
+}
+
+impl Grid {
+    fn new(points: usize) -> Self {
+        let stride = points.div_ceil(MOST).max(1);
+        let shown = points.div_ceil(stride);
+        Self { shown, stride, cell: (TARGET / shown.max(1)).clamp(1, 60) as u32 }
+    }
+
+    fn pixels(&self) -> u32 {
+        self.shown as u32 * self.cell
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Layout {
+    columns: Grid,
+    rows: Grid,
+}
+
+struct Sheet<'a> {
+    picture: &'a MapPicture<'a>,
+    layout: Layout,
+}
+
+fn label(axis: &Axis) -> String {
+    format!("{} {}", axis.parameter.meaning(), axis.parameter.symbol())
+}
+
+/// "N = 20 (21 masses), γ₁ = 0.2, …": what is fixed.
+fn fixed(scene: &Scene) -> String {
+    let mut text = format!("N = {} ({} masses)", scene.base.sites - 1, scene.base.sites);
+    for parameter in Parameter::ALL {
+        let swept = scene.x.parameter == parameter || scene.y.parameter == parameter;
+        let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
+        if !swept && !(forced && scene.is_conservative()) {
+            text += &format!(", {} = {}", parameter.symbol(), scene.base.get(parameter));
+        }
+    }
+    text
+}
+
+impl Sheet<'_> {
+    fn raster(&self) -> (u32, u32, Vec<u8>) {
+        let (columns, rows) = (self.layout.columns, self.layout.rows);
+        let (width, height) = (columns.pixels(), rows.pixels());
+        let points = self.picture.scene.x.points;
+        let mut pixels = Vec::with_capacity(3 * (width * height) as usize);
+        for py in 0..height {
+            let row = (rows.shown as u32 - 1 - py / rows.cell) as usize * rows.stride;
+            for px in 0..width {
+                let column = (px / columns.cell) as usize * columns.stride;
+                let unknown = Tile { class: None, mechanism: None };
+                let tile = self.picture.tiles.get(row * points + column).copied().unwrap_or(unknown);
+                pixels.extend(self.picture.palette.pixel(tile, px, py));
+            }
+        }
+        (width, height, pixels)
+    }
+
+    /// Legend entries that occur on this map.
+    fn legend(&self) -> Vec<(Tile, String)> {
+        let tiles = self.picture.tiles;
+        let mut entries = Vec::new();
+        for class in Class::ALL {
+            let text = match class {
+                Class::None => "no physical breather",
+                Class::StableDouble => "stable double-sided",
+                Class::StableSingle => "stable single-sided",
+                Class::UnstableDouble => "unstable double-sided",
+                Class::UnstableSingle => "unstable single-sided",
+                Class::Double => "double-sided",
+                Class::Single => "single-sided",
+            };
+            if tiles.iter().any(|tile| tile.class == Some(class)) {
+                entries.push((Tile { class: Some(class), mechanism: None }, text.to_owned()));
+            }
+        }
+        if tiles.iter().any(|tile| tile.class.is_none()) {
+            entries.push((Tile { class: None, mechanism: None }, "not computed (see status)".to_owned()));
+        }
+        entries
+    }
+
+    /// Textures that occur, shown on the unstable class that has them.
+    fn textures(&self) -> Vec<(Tile, &'static str)> {
+        [
+            (Mechanism::NeimarkSacker, "Neimark–Sacker"),
+            (Mechanism::PeriodDoubling, "period doubling"),
+            (Mechanism::Pitchfork, "pitchfork (+1)"),
+        ]
+        .into_iter()
+        .filter_map(|(mechanism, text)| {
+            let tile = self.picture.tiles.iter().find(|tile| tile.mechanism == Some(mechanism))?;
+            Some((*tile, text))
+        })
+        .collect()
+    }
+}
+
+impl Drawing for Sheet<'_> {
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
+        let scene = self.picture.scene;
+        area.fill(&WHITE).map_err(PlotError::from)?;
+        let (width, height, pixels) = self.raster();
+        let (left, top) = (LEFT as i32, TOP as i32);
+
+        let kind = if scene.is_conservative() { "Conservative breathers" } else { "Forced breathers" };
+        let title = scene.title.clone().unwrap_or_else(|| kind.to_owned());
+        let heading = ("sans-serif", 22).into_font().color(&BLACK);
+        area.draw(&Text::new(title, (left, 10), heading)).map_err(PlotError::from)?;
+        let small = ("sans-serif", 16).into_font().color(&RGBColor(60, 60, 60));
+        area.draw(&Text::new(fixed(scene), (left, 38), small.clone())).map_err(PlotError::from)?;
+
+        // Axes: a cell covers half a step on either side of its value.
+        let span = |axis: &Axis, grid: Grid| {
+            let half = 0.5 * axis.step();
+            let end = axis.from - half + axis.step() * (grid.shown * grid.stride) as f64;
+            axis.from - half..end
+        };
+        let (total_width, total_height) = area.dim_in_pixel();
+        let mut chart = ChartBuilder::on(area)
+            .margin_top(TOP)
+            .margin_right(total_width - LEFT - width)
+            .margin_bottom(total_height - TOP - BOTTOM - height)
+            .x_label_area_size(BOTTOM)
+            .y_label_area_size(LEFT)
+            .build_cartesian_2d(span(&scene.x, self.layout.columns), span(&scene.y, self.layout.rows))
+            .map_err(PlotError::from)?;
+        chart
+            .configure_mesh()
+            .disable_mesh()
+            .x_desc(label(&scene.x))
+            .y_desc(label(&scene.y))
+            .axis_desc_style(("sans-serif", 20))
+            .label_style(("sans-serif", 16))
+            .x_labels(8)
+            .y_labels(8)
+            .x_label_formatter(&|value| tick(*value))
+            .y_label_formatter(&|value| tick(*value))
+            .draw()
+            .map_err(PlotError::from)?;
+        let raster = BitMapElement::with_owned_buffer((left, top), (width, height), pixels)
+            .ok_or_else(|| PlotError("the raster does not fit its frame".to_owned()))?;
+        area.draw(&raster).map_err(PlotError::from)?;
+        let frame = [(left - 1, top - 1), (left + width as i32, top + height as i32)];
+        area.draw(&Rectangle::new(frame, BLACK)).map_err(PlotError::from)?;
+
+        let x = left + width as i32 + 24;
+        let mut y = top;
+        let text = ("sans-serif", 17).into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
+        for (tile, entry) in self.legend() {
+            self.swatch(area, tile, (x, y))?;
+            area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
+            y += 34;
+        }
+        let textures = self.textures();
+        if !textures.is_empty() {
+            y += 16;
+            area.draw(&Text::new("stability is lost by", (x, y), small)).map_err(PlotError::from)?;
+            y += 28;
+        }
+        for (tile, entry) in textures {
+            self.swatch(area, tile, (x, y))?;
+            area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
+            y += 34;
+        }
+        Ok(())
+    }
+}
+
+impl Sheet<'_> {
+    fn swatch<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        tile: Tile,
+        (x, y): (i32, i32),
+    ) -> Result<(), PlotError> {
+        let (width, height) = (32, 24);
+        let pixels = (0..height).flat_map(|py| (0..width).flat_map(move |px| self.picture.palette.pixel(tile, px, py)));
+        if let Some(patch) = BitMapElement::with_owned_buffer((x, y), (width, height), pixels.collect()) {
+            area.draw(&patch).map_err(PlotError::from)?;
+        }
+        let (right, bottom) = (x + width as i32, y + height as i32);
+        let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y)];
+        area.draw(&PathElement::new(outline, BLACK.stroke_width(1))).map_err(PlotError::from)
+    }
+}
+
+/// A tick in as few digits as it needs; values that are 0 up to rounding are 0.
+pub(crate) fn tick(value: f64) -> String {
+    let rounded = format!("{value:.6}");
+    let trimmed = rounded.trim_end_matches('0').trim_end_matches('.');
+    if value != 0.0 && value.abs() < 1e-3 && trimmed.trim_start_matches('-') != "0" || value.abs() >= 1e6 {
+        format!("{value:e}")
+    } else if trimmed == "-0" {
+        "0".to_owned()
+    } else {
+        trimmed.to_owned()
+    }
+}

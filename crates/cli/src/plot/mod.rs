@@ -1,0 +1,11 @@
+//! Pictures. All of them are drawn with a font that is shipped with the program, so that a bare machine will do.
+
+mod canvas;
+mod map;
+mod orbit;
+mod palette;
+
+pub use canvas::{Format, PlotError};
+pub use map::{MapPicture, map_picture};
+pub use orbit::{OrbitPanels, orbit_picture};
+pub use palette::{Palette, Tile};
