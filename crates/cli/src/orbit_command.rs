@@ -236,8 +236,8 @@ mod with_plot {
     use crate::output::Output;
     use crate::plot::{Format, OrbitPanels, orbit_picture};
 
-    /// Points of a trace: smooth at the width of the panel.
-    const SAMPLES: usize = 1000;
+    /// Points of a trace: a few pixels each, smooth to the eye.
+    const SAMPLES: usize = 160;
 
     /// Orbits beyond this are left to the printed list.
     const MOST: usize = 8;

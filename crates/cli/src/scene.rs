@@ -234,10 +234,11 @@ impl Scene {
                     *value.get_ref()
                 }
                 (None, true) => {
-                    let (axis, table) =
-                        if x.parameter == parameter { (&x, &file.sweep.x) } else { (&y, &file.sweep.y) };
-                    spans[parameter as usize] = Some(table.get_ref().from.span());
-                    axis.from
+                    if x.parameter == parameter {
+                        x.from
+                    } else {
+                        y.from
+                    }
                 }
                 (None, false) if conservative && parameter == Parameter::Amplitude => 0.0,
                 (None, false) if conservative && parameter == Parameter::Restitution => 1.0,
@@ -252,7 +253,13 @@ impl Scene {
         for x_value in [x.from, x.to] {
             for y_value in [y.from, y.to] {
                 if let Err(error) = base.with(x.parameter, x_value).with(y.parameter, y_value).model() {
-                    let span = Parameter::from_name(error.name).and_then(|parameter| spans[parameter as usize].clone());
+                    // The end of the axis that is out of range, or the fixed value.
+                    let end = |axis: &Axis, table: &Spanned<AxisTable>, value: f64| {
+                        let end = if value == axis.from { &table.get_ref().from } else { &table.get_ref().to };
+                        (axis.parameter.name() == error.name).then(|| end.span())
+                    };
+                    let span = end(&x, &file.sweep.x, x_value).or(end(&y, &file.sweep.y, y_value));
+                    let span = span.or(Parameter::from_name(error.name).and_then(|p| spans[p as usize].clone()));
                     return Err(source.error(span.unwrap_or_else(|| file.model.sites.span()), error));
                 }
             }

@@ -1,0 +1,170 @@
+//! A small simulator for tests. It shares nothing with the crates: modes from a dense symmetric eigensolver, impacts by
+//! Newton's method next to their nominal times.
+#![allow(dead_code, reason = "each test uses its part")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use vibrochain::breather::{Motion, Orbit};
+use vibrochain::lattice::Model;
+
+/// Free flight of a ring under its force.
+pub(crate) struct Ring {
+    frequencies: DVector<f64>,
+    shapes: DMatrix<f64>,
+    response: f64,
+    omega: f64,
+}
+
+impl Ring {
+    pub(crate) fn new(model: &Model) -> Self {
+        let (m, g1, g2) = (model.chain().sites(), model.chain().gamma1(), model.chain().gamma2());
+        let mut stiffness = DMatrix::from_diagonal_element(m, m, g1);
+        for n in 0..m {
+            stiffness[(n, n)] += 2.0 * g2;
+            stiffness[(n, (n + 1) % m)] -= g2;
+            stiffness[(n, (n + m - 1) % m)] -= g2;
+        }
+        let eigen = SymmetricEigen::new(stiffness);
+        let omega = model.omega();
+        Self {
+            frequencies: eigen.eigenvalues.map(|x| x.max(0.0).sqrt()),
+            shapes: eigen.eigenvectors,
+            response: model.amplitude() / (g1 - omega * omega),
+            omega,
+        }
+    }
+
+    /// State (u, v) after `time`; `phase` is the time t + ψ of the force at its start.
+    pub(crate) fn fly(
+        &self,
+        u: &DVector<f64>,
+        v: &DVector<f64>,
+        phase: f64,
+        time: f64,
+    ) -> (DVector<f64>, DVector<f64>) {
+        let force = |t: f64| {
+            let (sin, cos) = (self.omega * t).sin_cos();
+            (self.response * cos, -self.response * self.omega * sin)
+        };
+        let (g0, h0) = force(phase);
+        let (q, p) = (self.shapes.transpose() * u.add_scalar(-g0), self.shapes.transpose() * v.add_scalar(-h0));
+        let (mut q1, mut p1) = (q.clone(), p.clone());
+        for k in 0..q.len() {
+            let f = self.frequencies[k];
+            let (sin, cos) = (f * time).sin_cos();
+            let sin_over = if f > 1e-9 { sin / f } else { time };
+            q1[k] = q[k] * cos + p[k] * sin_over;
+            p1[k] = p[k] * cos - q[k] * f * sin;
+        }
+        let (g1, h1) = force(phase + time);
+        ((&self.shapes * q1).add_scalar(g1), (&self.shapes * p1).add_scalar(h1))
+    }
+
+    /// The matrix of free flight without force.
+    pub(crate) fn flow(&self, time: f64) -> DMatrix<f64> {
+        let m = self.frequencies.len();
+        let mut flow = DMatrix::zeros(2 * m, 2 * m);
+        for j in 0..2 * m {
+            let mut unit = DVector::zeros(2 * m);
+            unit[j] = 1.0;
+            let quiet =
+                Self { response: 0.0, shapes: self.shapes.clone(), frequencies: self.frequencies.clone(), omega: 1.0 };
+            let (u, v) = quiet.fly(&unit.rows(0, m).into(), &unit.rows(m, m).into(), 0.0, time);
+            flow.view_mut((0, j), (m, 1)).copy_from(&u);
+            flow.view_mut((m, j), (m, 1)).copy_from(&v);
+        }
+        flow
+    }
+}
+
+/// The return map of an orbit's impacts over one period, from the middle of its last interval.
+pub(crate) struct ReturnMap<'a> {
+    orbit: &'a Orbit,
+    pub(crate) ring: Ring,
+    /// Start, before the first impact (negative).
+    pub(crate) start: f64,
+}
+
+impl<'a> ReturnMap<'a> {
+    pub(crate) fn new(orbit: &'a Orbit) -> Self {
+        let last = orbit.impacts().last().unwrap().time;
+        Self { orbit, ring: Ring::new(orbit.model()), start: 0.5 * (last - orbit.period()) }
+    }
+
+    /// The orbit's own state at the start.
+    pub(crate) fn fixed_point(&self) -> DVector<f64> {
+        let mut motion = Motion::of(self.orbit).unwrap();
+        let m = motion.sites();
+        motion.at(0, self.start);
+        DVector::from_iterator(
+            2 * m,
+            (0..m).map(|n| motion.site(n).displacement).chain((0..m).map(|n| motion.site(n).velocity)),
+        )
+    }
+
+    /// One period. Each impact is found from the state of the moment; those of one instant in the order in which they
+    /// come.
+    pub(crate) fn apply(&self, state: &DVector<f64>) -> DVector<f64> {
+        let m = state.len() / 2;
+        let psi = self.orbit.psi().unwrap_or(0.0);
+        let e = self.orbit.model().restitution();
+        let (mut u, mut v): (DVector<f64>, DVector<f64>) = (state.rows(0, m).into(), state.rows(m, m).into());
+        let mut now = self.start;
+        let mut left: Vec<_> = self.orbit.impacts().to_vec();
+        while !left.is_empty() {
+            let first = left[0].time;
+            let simultaneous = left.iter().take_while(|impact| impact.time == first).count();
+            let time_of = |impact: &vibrochain::breather::Impact| {
+                let barrier = self.orbit.model().barrier(impact.barrier);
+                let mut t = impact.time;
+                for _ in 0..50 {
+                    let (u, v) = self.ring.fly(&u, &v, now + psi, t - now);
+                    let step = (u[impact.site] - barrier) / v[impact.site];
+                    t -= step;
+                    if step.abs() < 1e-15 {
+                        break;
+                    }
+                }
+                t
+            };
+            let (index, t) =
+                (0..simultaneous).map(|i| (i, time_of(&left[i]))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+            (u, v) = self.ring.fly(&u, &v, now + psi, t - now);
+            v[left[index].site] *= -e;
+            now = t;
+            left.remove(index);
+        }
+        (u, v) = self.ring.fly(&u, &v, now + psi, self.start + self.orbit.period() - now);
+        DVector::from_iterator(2 * m, u.iter().chain(v.iter()).copied())
+    }
+
+    /// Speed of the slowest impact, at most 1.
+    pub(crate) fn slowest_impact(&self) -> f64 {
+        self.orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(1.0, f64::min)
+    }
+
+    /// Central differences of the return map at two steps, extrapolated. The steps are small against the slowest impact:
+    /// near grazing the map bends on the scale of its velocity squared. Where impacts of several masses coincide it has
+    /// kinks at the point itself, which cost an error of order h.
+    pub(crate) fn jacobian(&self) -> DMatrix<f64> {
+        let point = self.fixed_point();
+        let kinked = self.orbit.impacts().windows(2).any(|pair| pair[0].time == pair[1].time);
+        let h = if kinked { 2e-8 } else { 1e-4 * self.slowest_impact().powi(2) };
+        let mut jacobian = DMatrix::zeros(point.len(), point.len());
+        for j in 0..point.len() {
+            let slope = |h: f64| {
+                let (mut plus, mut minus) = (point.clone(), point.clone());
+                plus[j] += h;
+                minus[j] -= h;
+                (self.apply(&plus) - self.apply(&minus)) / (2.0 * h)
+            };
+            jacobian.set_column(j, &((4.0 * slope(0.5 * h) - slope(h)) / 3.0));
+        }
+        jacobian
+    }
+}
+
+/// A library matrix as nalgebra's.
+pub(crate) fn dense(matrix: &vibrochain::floquet::Square) -> DMatrix<f64> {
+    DMatrix::from_row_slice(matrix.size(), matrix.size(), matrix.entries())
+}
