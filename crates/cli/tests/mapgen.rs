@@ -1,0 +1,345 @@
+//! The program as its users meet it.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use predicates::prelude::PredicateBooleanExt;
+use predicates::str::contains;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const SCENE: &str = r#"
+[model]
+sites = 11
+gamma1 = 0.2
+asymmetry = 0.4
+[sweep]
+x = { parameter = "omega", from = 0.4, to = 3.0, points = 40 }
+y = { parameter = "gamma2", from = 0.0, to = 0.3, points = 30 }
+[compute]
+families = ["double-sided", "single-sided"]
+stability = true
+"#;
+
+fn mapgen() -> Command {
+    Command::cargo_bin("mapgen").unwrap()
+}
+
+struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn scene(&self, text: &str) -> PathBuf {
+        let path = self.path("scene.toml");
+        fs::write(&path, text).unwrap();
+        path
+    }
+
+    fn sweep(&self, scene: &Path, flags: &[&str]) -> assert_cmd::assert::Assert {
+        mapgen().arg("sweep").arg(scene).arg("--out").arg(self.path("map.csv")).args(flags).assert()
+    }
+
+    /// Names of all files, temporary ones included.
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+#[test]
+fn a_sweep_writes_table_manifest_and_pictures_and_nothing_else() {
+    let desk = Desk::new();
+    let scene = desk.scene(SCENE);
+    let (png, svg) = (desk.path("map.png"), desk.path("map.svg"));
+    let flags = ["--png", png.to_str().unwrap(), "--svg", svg.to_str().unwrap()];
+    desk.sweep(&scene, &flags).success().stdout("").stderr(contains("1200 cells").and(contains("worst residual")));
+    assert_eq!(desk.files(), ["map.csv", "map.manifest.json", "map.png", "map.svg", "scene.toml"]);
+
+    let mut table = csv::Reader::from_path(desk.path("map.csv")).unwrap();
+    let header: Vec<_> = table.headers().unwrap().iter().map(str::to_owned).collect();
+    let columns = ["gamma2", "omega", "class", "mechanism", "spectral_radius", "margin", "solutions", "status"];
+    assert_eq!(header, columns);
+    let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 1200);
+    for row in &rows {
+        let (class, mechanism, radius, margin) = (&row[2], &row[3], &row[4], &row[5]);
+        assert!(["none", "stable-double", "stable-single", "unstable-double", "unstable-single"].contains(&class));
+        assert_eq!(mechanism.is_empty(), !class.starts_with("unstable"));
+        assert_eq!(radius.is_empty(), class == "none");
+        assert_eq!(margin.is_empty(), class == "none");
+        assert!(margin.parse::<f64>().map_or(class == "none", |margin| margin > 0.0));
+        assert_eq!(&row[7], "ok");
+    }
+    assert_eq!((&rows[0][0], &rows[0][1], &rows[1199][0], &rows[1199][1]), ("0", "0.4", "0.3", "3"));
+
+    let manifest: Value = serde_json::from_slice(&fs::read(desk.path("map.manifest.json")).unwrap()).unwrap();
+    assert_eq!((&manifest["cells"], &manifest["model"]["sites"]), (&1200.into(), &11.into()));
+    assert_eq!(manifest["sweep"]["x"]["parameter"], "omega");
+    assert!(manifest["wall_seconds"].as_f64().unwrap() > 0.0 && manifest["version"].is_string());
+    let counted: u64 = manifest["classes"].as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum();
+    assert_eq!(counted, 1200);
+
+    assert!(fs::read(png).unwrap().starts_with(b"\x89PNG"));
+    let svg = fs::read_to_string(svg).unwrap();
+    assert!(svg.contains("γ₂") && svg.contains("stable double-sided") && svg.contains("pixelated"));
+}
+
+/// The scene with the paper's force.
+fn forced() -> String {
+    SCENE.replace("sites = 11", "sites = 11\nforcing = { amplitude = 0.1, restitution = 0.9 }")
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let desk = Desk::new();
+    let scene = desk.scene(&forced());
+    let tables = ["1", "2", "3"].map(|threads| {
+        desk.sweep(&scene, &["--threads", threads]).success();
+        fs::read(desk.path("map.csv")).unwrap()
+    });
+    assert!(tables[0].len() > 1200 * 20 && tables[0] == tables[1] && tables[1] == tables[2]);
+}
+
+#[test]
+fn existence_alone_has_classes_without_a_word_on_stability() {
+    let desk = Desk::new();
+    let scene = desk.scene(&SCENE.replace("stability = true", ""));
+    desk.sweep(&scene, &["--quiet"]).success().stderr("");
+    let text = fs::read_to_string(desk.path("map.csv")).unwrap();
+    assert!(text.contains(",double,,,") && text.contains(",single,,,") && !text.contains("stable"));
+}
+
+#[test]
+fn other_axes_have_columns_of_their_own() {
+    let desk = Desk::new();
+    let text = SCENE
+        .replace("asymmetry = 0.4", "asymmetry = 0.4\ngamma2 = 0.1\nomega = 1.5\nforcing = {}")
+        .replace(r#""omega", from = 0.4, to = 3.0"#, r#""restitution", from = 0.2, to = 1.0"#)
+        .replace(r#""gamma2", from = 0.0"#, r#""amplitude", from = 0.05"#);
+    let scene = desk.scene(&text);
+    desk.sweep(&scene, &[]).success();
+    let text = fs::read_to_string(desk.path("map.csv")).unwrap();
+    assert!(text.starts_with("gamma2,omega,amplitude,restitution,class,"));
+    assert!(text.lines().nth(1).unwrap().starts_with("0.1,1.5,0.05,0.2,"));
+}
+
+#[test]
+fn a_cell_on_a_resonance_is_marked_and_the_sweep_goes_on() {
+    let desk = Desk::new();
+    // Ω₀ = 0.5 is met by ω = 0.5 and by its half.
+    let text = SCENE
+        .replace("gamma1 = 0.2", "gamma1 = 0.25")
+        .replace("from = 0.4, to = 3.0, points = 40", "from = 0.25, to = 1.0, points = 4");
+    let scene = desk.scene(&text);
+    desk.sweep(&scene, &[]).success().stderr(contains("status resonance"));
+    let text = fs::read_to_string(desk.path("map.csv")).unwrap();
+    assert!(text.lines().filter(|line| line.ends_with(",none,,,,0,resonance")).count() >= 60);
+    assert!(text.lines().any(|line| line.ends_with(",ok")));
+}
+
+#[test]
+fn a_threshold_makes_weak_growth_count_as_stable() {
+    let desk = Desk::new();
+    let scene = desk.scene(&forced());
+    let count = |flags: &[&str]| {
+        desk.sweep(&scene, flags).success();
+        fs::read_to_string(desk.path("map.csv")).unwrap().matches(",stable-double,").count()
+    };
+    let (strict, paper) = (count(&[]), count(&["--threshold", "0.01"]));
+    assert!(paper > strict + 50, "{strict} {paper}");
+}
+
+/// Every wrong scene is refused with exit code 2, at its line, with what would be right; no file appears.
+#[test]
+fn wrong_scenes() {
+    let forcing = |inside: &str| format!("sites = 11\nforcing = {{ {inside} }}");
+    let cases: Vec<(&str, String, &str)> = vec![
+        ("sites = 11", "sites = 0".into(), "3:9: sites = 0 is out of range: give a whole number from 1"),
+        ("sites = 11", "sites = -2".into(), "sites = -2 is out of range"),
+        ("sites = 11", "sites = 2.5".into(), "expected i64"),
+        ("sites = 11", "".into(), "missing field `sites`"),
+        ("gamma1 = 0.2", "gama1 = 0.2".into(), "4:1: unknown field `gama1`, expected one of"),
+        ("gamma1 = 0.2", "gamma1 = -0.2".into(), "4:10: gamma1 = -0.2 is out of range: give a finite number from 0"),
+        ("gamma1 = 0.2", "gamma1 = nan".into(), "gamma1 = NaN is out of range"),
+        ("gamma1 = 0.2", "gamma1 = 0".into(), "give a positive gamma1 or gamma2"),
+        ("gamma1 = 0.2", "".into(), "gamma1 is missing: set it in [model], or sweep it"),
+        ("gamma1 = 0.2", "gamma1 = 0.2\ngamma2 = 0.1".into(), "5:10: gamma2 is given twice"),
+        ("asymmetry = 0.4", "asymmetry = 1.0".into(), "asymmetry = 1 is out of range: give a number from 0 up to"),
+        ("asymmetry = 0.4", "asymmetry = \"0.4\"".into(), "expected f64"),
+        ("sites = 11", forcing("amplitude = 0.1"), "restitution is missing: set it in [model] forcing"),
+        (
+            "sites = 11",
+            forcing("amplitude = 0.1, restitution = 1.5"),
+            "restitution = 1.5 is out of range: give a number above 0",
+        ),
+        ("sites = 11", forcing("amplitude = inf, restitution = 0.5"), "amplitude = inf is out of range"),
+        ("sites = 11", forcing("amplitude = 0.1, e = 0.5"), "unknown field `e`"),
+        (r#""omega","#, r#""omga","#.into(), "`omga` cannot be swept: give one of gamma1"),
+        (r#""omega","#, r#""gamma2","#.into(), "gamma2 is swept twice"),
+        ("from = 0.4, to = 3.0", "from = 3.0, to = 0.4".into(), "is not a range: give finite values with from < to"),
+        (
+            "from = 0.4, to = 3.0",
+            "from = 0.0, to = 3.0".into(),
+            "7:35: omega = 0 is out of range: give a positive number",
+        ),
+        ("from = 0.0, to = 0.3", "from = 0.0, to = 1e200".into(), "8:46: gamma2 ="),
+        ("points = 40", "points = 1".into(), "points = 1 is out of range: give a whole number from 2"),
+        ("points = 40", "pts = 40".into(), "unknown field `pts`"),
+        (r#""single-sided""#, r#""one-sided""#.into(), "`one-sided` is not a family: give"),
+        (r#""single-sided""#, r#""period-doubled""#.into(), "mapgen orbit --family period-doubled"),
+        (r#""single-sided""#, r#""double-sided""#.into(), "double-sided is given twice"),
+        (r#"["double-sided", "single-sided"]"#, "[]".into(), "families is empty"),
+        ("stability = true", "stability = 1".into(), "expected a boolean"),
+        ("stability = true", "threshold = 0.1".into(), "threshold needs stability = true"),
+        ("stability = true", "stability = true\nthreshold = -1".into(), "threshold = -1 is out of range"),
+        ("[compute]", "[compute".into(), "unclosed"),
+        ("[compute]", "[computes]".into(), "unknown field `computes`"),
+    ];
+    for (from, to, message) in cases {
+        let desk = Desk::new();
+        assert!(SCENE.contains(from));
+        let scene = desk.scene(&SCENE.replacen(from, &to, 1));
+        desk.sweep(&scene, &[]).code(2).stdout("").stderr(contains(message).and(contains("scene.toml:")));
+        assert_eq!(desk.files(), ["scene.toml"], "{message}");
+    }
+}
+
+#[test]
+fn wrong_sweep_flags() {
+    let desk = Desk::new();
+    let scene = desk.scene(SCENE);
+    for (flags, message) in [
+        (vec!["--threads", "0"], "--threads 0 is out of range: give a whole number from 1"),
+        (vec!["--threads", "two"], "invalid value 'two'"),
+        (vec!["--threshold", "-0.1"], "threshold = -0.1 is out of range"),
+        (vec!["--threshold", "nan"], "threshold = NaN is out of range"),
+        (vec!["--palette", "rainbow"], "possible values: colour, paper"),
+        (vec!["--pgn", "x.png"], "unexpected argument '--pgn'"),
+        (vec!["--png", "/"], "cannot write /"),
+    ] {
+        desk.sweep(&scene, &flags).code(2).stderr(contains(message));
+        assert_eq!(desk.files(), ["scene.toml"]);
+    }
+    desk.sweep(&desk.path("missing.toml"), &[]).code(2).stderr(contains("cannot read scene"));
+    let twice = desk.scene(&format!("{SCENE}\nthreshold = 0.1"));
+    desk.sweep(&twice, &["--threshold", "0.1"]).code(2).stderr(contains("threshold is given twice"));
+    mapgen().args(["sweep", "x.toml"]).assert().code(2).stderr(contains("--out"));
+    mapgen().assert().code(2).stderr(contains("Usage"));
+    mapgen().arg("--help").assert().success().stdout(contains("sweep").and(contains("orbit")));
+}
+
+const POINT: [&str; 10] = ["--sites", "21", "--gamma1", ".2", "--gamma2", ".1", "--omega", "1.5", "--asymmetry", ".4"];
+
+#[test]
+fn wrong_orbit_flags() {
+    for (family, change, value, message) in [
+        ("double-sided", 1, "0", "sites = 0 is out of range"),
+        ("double-sided", 1, "-4", "sites = -4 is out of range"),
+        ("double-sided", 3, "-1", "gamma1 = -1 is out of range"),
+        ("double-sided", 5, "inf", "gamma2 = inf is out of range"),
+        ("double-sided", 7, "0", "omega = 0 is out of range"),
+        ("double-sided", 9, "1", "asymmetry = 1 is out of range"),
+        ("double", 9, ".4", "possible values: double-sided, single-sided, period-doubled"),
+    ] {
+        let mut point = POINT;
+        point[change] = value;
+        mapgen().args(["orbit", "--family", family]).args(point).assert().code(2).stdout("").stderr(contains(message));
+    }
+    let alone = ["orbit", "--family", "double-sided", "--amplitude", ".1"];
+    mapgen().args(alone).args(POINT).assert().code(2).stderr(contains("--restitution"));
+    let picture = ["orbit", "--family", "double-sided", "--plot", "orbit.gif"];
+    mapgen().args(picture).args(POINT).assert().code(2).stderr(contains("end the name in .png or .svg"));
+}
+
+fn orbit_json(family: &str, flags: &[&str]) -> Value {
+    let output = mapgen().args(["orbit", "--json", "--family", family]).args(flags).assert().success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+#[test]
+fn orbit_as_json() {
+    let flags = [&POINT[..], &["--amplitude", ".1", "--restitution", ".9"]].concat();
+    let value = orbit_json("double-sided", &flags);
+    assert_eq!(value["parameters"]["sites"], 21);
+    let solutions = value["solutions"].as_array().unwrap();
+    assert_eq!(solutions.len(), 2);
+    let first = &solutions[0];
+    assert!((first["phi"].as_f64().unwrap() - 2.0771604154348533).abs() < 1e-12);
+    assert_eq!((&first["physical"], &first["obstruction"]), (&true.into(), &Value::Null));
+    let impacts = first["impacts"].as_array().unwrap();
+    assert_eq!((&impacts[0]["barrier"], &impacts[1]["barrier"]), (&"upper".into(), &"lower".into()));
+    assert!((impacts[1]["impulse"].as_f64().unwrap() - 2.0 * 1.0044655320312839).abs() < 1e-12);
+    let stability = &first["stability"];
+    assert_eq!((&stability["stable"], &stability["mechanism"]), (&false.into(), &"neimark-sacker".into()));
+    let multipliers = stability["multipliers"].as_array().unwrap();
+    assert_eq!(multipliers.len(), 42);
+    let moduli: Vec<f64> = multipliers.iter().map(|m| m[0].as_f64().unwrap().hypot(m[1].as_f64().unwrap())).collect();
+    assert!(moduli.windows(2).all(|pair| pair[0] >= pair[1] - 1e-12));
+}
+
+#[test]
+fn no_orbit_is_an_answer_and_a_resonance_is_not() {
+    let value = orbit_json("period-doubled", &POINT);
+    assert!(value["solutions"].as_array().unwrap().is_empty());
+    assert!(value["reason"].as_str().unwrap().contains("force"));
+    let weak = [&POINT[..], &["--amplitude", "1e-6", "--restitution", ".5"]].concat();
+    assert!(orbit_json("single-sided", &weak)["reason"].as_str().unwrap().contains("at least"));
+    let mut resonant = POINT;
+    (resonant[3], resonant[7]) = ("0.25", "0.25");
+    let asked = mapgen().args(["orbit", "--family", "double-sided"]).args(resonant).assert();
+    asked.code(1).stderr(contains("harmonic 2").and(contains("mode 0")));
+}
+
+#[test]
+fn an_orbit_that_is_not_physical_says_where_when_and_by_how_much() {
+    let mut point = POINT;
+    point[7] = "0.42";
+    let value = orbit_json("double-sided", &point);
+    let obstruction = value["solutions"][0]["obstruction"].as_str().unwrap();
+    assert!(obstruction.contains("site 0 is 2.0664") && obstruction.contains("beyond the lower barrier at t = 10.78"));
+    assert!(value["solutions"][0]["margin"].as_f64().unwrap() < -2.0);
+}
+
+#[test]
+fn orbit_pictures() {
+    let desk = Desk::new();
+    for name in ["orbit.png", "orbit.svg"] {
+        let path = desk.path(name);
+        mapgen().args(["orbit", "--family", "double-sided", "--plot"]).arg(&path).args(POINT).assert().success();
+        assert!(fs::metadata(path).unwrap().len() > 5000);
+    }
+    assert!(fs::read_to_string(desk.path("orbit.svg")).unwrap().contains("impacting mass"));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_leaves_nothing_behind() {
+    let desk = Desk::new();
+    let scene = desk.scene(&SCENE.replace("points = 40", "points = 20000").replace("sites = 11", "sites = 101"));
+    let program = assert_cmd::cargo::cargo_bin("mapgen");
+    let mut command = std::process::Command::new(program);
+    let silent = std::process::Stdio::null();
+    let mut child =
+        command.arg("sweep").arg(scene).arg("--out").arg(desk.path("map.csv")).stderr(silent).spawn().unwrap();
+    // The temporary files appear before the first cell is computed.
+    while desk.files().len() < 2 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(desk.files(), ["scene.toml"]);
+}
