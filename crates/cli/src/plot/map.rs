@@ -86,7 +86,7 @@ fn fixed(scene: &Scene) -> String {
     for parameter in Parameter::ALL {
         let swept = scene.x.parameter == parameter || scene.y.parameter == parameter;
         let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-        if !swept && !(forced && scene.is_conservative()) {
+        if !(swept || forced && scene.is_conservative()) {
             text += &format!(", {} = {}", parameter.symbol(), scene.base.get(parameter));
         }
     }

@@ -52,7 +52,7 @@ impl Palette {
     /// neighbouring cells: period doubling is hatched, a pitchfork dotted, Neimark–Sacker plain.
     pub fn pixel(self, tile: Tile, x: u32, y: u32) -> Rgb {
         let marked = match (tile.class, tile.mechanism) {
-            (None, _) => (x + y) % 4 == 0,
+            (None, _) => (x + y) % 4 < 1,
             (_, Some(Mechanism::PeriodDoubling)) => (x + y) % 6 < 2,
             (_, Some(Mechanism::Pitchfork)) => x % 4 < 2 && y % 4 < 2,
             (_, Some(Mechanism::NeimarkSacker) | None) => false,
