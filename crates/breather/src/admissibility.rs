@@ -85,7 +85,16 @@ impl Admissibility {
 /// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
 pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
     let mut motion = Motion::of(orbit)?;
-    Watch::default().check(orbit, &mut motion)
+    Watch::default().check(orbit, &mut motion, Depth::Worst)
+}
+
+/// How far to look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// To the worst obstruction.
+    Worst,
+    /// To the first one.
+    First,
 }
 
 /// Work space of the check.
@@ -130,7 +139,12 @@ const MAX_WINDOWS: f64 = 5e6;
 
 impl Watch {
     /// Decides for `orbit`, whose motion `motion` holds.
-    pub(crate) fn check(&mut self, orbit: &Orbit, motion: &mut Motion) -> Result<Admissibility, BreatherError> {
+    pub(crate) fn check(
+        &mut self,
+        orbit: &Orbit,
+        motion: &mut Motion,
+        depth: Depth,
+    ) -> Result<Admissibility, BreatherError> {
         if let Some((impact, wrong)) = orbit.impacts().iter().enumerate().find(|(_, impact)| !impact.is_right_signed())
         {
             let (site, time, velocity_before) = (wrong.site, wrong.time, wrong.velocity_before);
@@ -148,7 +162,7 @@ impl Watch {
             return Err(BreatherError::TooStiff { windows: horizon * rate, limit: MAX_WINDOWS });
         }
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
-        for interval in 0..motion.intervals() {
+        'search: for interval in 0..motion.intervals() {
             let (start, length) = motion.interval(interval);
             if start >= horizon {
                 break;
@@ -183,6 +197,9 @@ impl Watch {
                             a,
                         );
                     }
+                }
+                if depth == Depth::First && closest.distance <= 0.0 {
+                    break 'search;
                 }
             }
             // The end of the last window: masses that are not hit may turn right there, and at a reversible half period

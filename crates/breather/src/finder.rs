@@ -3,7 +3,7 @@
 
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
-use crate::admissibility::{Admissibility, Watch};
+use crate::admissibility::{Admissibility, Depth, Watch};
 use crate::error::{BreatherError, NoBreather};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
@@ -147,14 +147,27 @@ impl Finder {
         Ok(())
     }
 
-    /// Whether an orbit is physical, see [`Admissibility`].
+    /// Whether an orbit is physical, see [`Admissibility`]; if not, with the worst obstruction.
     ///
     /// # Errors
     /// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
     pub fn admissibility(&mut self, orbit: &Orbit) -> Result<Admissibility, BreatherError> {
+        self.check(orbit, Depth::Worst)
+    }
+
+    /// As [`Finder::admissibility`], but stops at the first obstruction found: the same for a physical orbit, sooner done
+    /// with one that is not.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn quick_admissibility(&mut self, orbit: &Orbit) -> Result<Admissibility, BreatherError> {
+        self.check(orbit, Depth::First)
+    }
+
+    fn check(&mut self, orbit: &Orbit, depth: Depth) -> Result<Admissibility, BreatherError> {
         self.prepare(orbit.model(), orbit.frequency())?;
         self.motion.load(orbit, &self.response);
-        self.watch.check(orbit, &mut self.motion)
+        self.watch.check(orbit, &mut self.motion, depth)
     }
 
     /// The motion of an orbit, in this finder's scratch space.

@@ -192,7 +192,7 @@ impl Worker {
                 cell.status = cell.status.max(Status::Unresolved);
             }
             for orbit in &self.found.orbits {
-                let Ok(admissibility) = self.finder.admissibility(orbit) else {
+                let Ok(admissibility) = self.finder.quick_admissibility(orbit) else {
                     cell.status = Status::IllConditioned;
                     continue;
                 };
