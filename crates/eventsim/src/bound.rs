@@ -1,0 +1,117 @@
+//! Bounds of a Taylor series over a window: the arithmetic of "no impact can hide".
+//!
+//! Write x(s) = p₀(s) with p_k(s) = d_k + s/(k+1) · p_{k+1}(s). For 0 ≤ s ≤ H, U_{k+1} ≥ p_{k+1} implies
+//!
+//! ```text
+//! p_k(s) ≤ U_k = d_k + H/(k+1) · max(0, U_{k+1}) ,
+//! ```
+//!
+//! and mirrored for the lower bound. One pass from the highest order down gives U₀ ≥ x over the whole window,
+//! and on the way U₂ with x(s) ≤ d₀ + d₁s + U₂s²/2, a parabola above the motion. Started at the second derivative,
+//! d₂ + s d₃ + …, the same pass bounds the curvature.
+//!
+//! For the whole ring the pass begins at order J, not at the top: |d_{k+2}| ≤ r²|d_k| + |F_k| for the largest
+//! entries of the rows, so that with E the larger of max|d_J| and max|d_{J+1}|/r
+//!
+//! ```text
+//! |p_J| ≤ E/(1−q) + A r^{J−2} q/(2(1−q)²) ,      q = rH/(J+1) .
+//! ```
+
+use crate::series::{LANES, Rows};
+use crate::units::{MAX_ORDER, Units};
+
+/// Order at which the bound of a whole ring begins.
+pub(crate) const TAIL: usize = 8;
+
+/// Relative enlargement of every bound: the rounding of a pass of some seventy operations, with room.
+const INFLATE: f64 = 1.0 + 128.0 * f64::EPSILON;
+
+/// H/(k+1).
+pub(crate) fn fractions(horizon: f64) -> [f64; MAX_ORDER + 1] {
+    let mut table = [0.0; MAX_ORDER + 1];
+    for (k, entry) in table.iter_mut().enumerate() {
+        *entry = horizon / (k + 1) as f64;
+    }
+    table
+}
+
+fn positive(a: f64) -> f64 {
+    if a > 0.0 { a } else { 0.0 }
+}
+
+/// Bound on |p_J| for every mass of a ring.
+pub(crate) fn tail(rows: &Rows, sites: usize, units: &Units, horizon: f64) -> f64 {
+    let largest =
+        |k: usize| rows.row(k, 0)[..sites].iter().fold(0.0, |m: f64, d| if d.abs() > m { d.abs() } else { m });
+    let edge = positive(largest(TAIL).max(largest(TAIL + 1) / units.rate));
+    let q = units.rate * horizon / (TAIL + 1) as f64;
+    let forced = 0.5 * units.amplitude * units.rate.powi(TAIL as i32 - 2) * q / ((1.0 - q) * (1.0 - q));
+    (edge / (1.0 - q) + forced) * INFLATE
+}
+
+/// Bounds of eight neighbouring masses.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Group {
+    /// s·(upper bound of p₁) and s²/2·p₂: x ≤ d₀ + `rise`, and `bend_up` ≥ p₂.
+    pub(crate) rise: [f64; LANES],
+    pub(crate) fall: [f64; LANES],
+    pub(crate) bend_up: [f64; LANES],
+    pub(crate) bend_down: [f64; LANES],
+}
+
+/// Upper and lower bounds of the displacements of masses `base` … `base`+7 relative to their start, over the window
+/// whose `fractions` are given.
+pub(crate) fn group(rows: &Rows, base: usize, from: usize, tail: f64, fractions: &[f64; MAX_ORDER + 1]) -> Group {
+    let (mut up, mut down) = ([tail; LANES], [-tail; LANES]);
+    let mut pass = |k: usize| {
+        let row = &rows.row(k, base)[..LANES];
+        let h = fractions[k];
+        for i in 0..LANES {
+            up[i] = row[i] + h * positive(up[i]);
+            down[i] = row[i] - h * positive(-down[i]);
+        }
+        (up, down)
+    };
+    let mut bend = ([0.0; LANES], [0.0; LANES]);
+    for k in (2..from).rev() {
+        bend = pass(k);
+    }
+    let (up, down) = pass(1);
+    let h = fractions[0];
+    let mut group = Group { rise: [0.0; LANES], fall: [0.0; LANES], bend_up: [0.0; LANES], bend_down: [0.0; LANES] };
+    for i in 0..LANES {
+        group.rise[i] = h * positive(up[i]) * INFLATE;
+        group.fall[i] = -h * positive(-down[i]) * INFLATE;
+        group.bend_up[i] = bend.0[i] + bend.0[i].abs() * (INFLATE - 1.0);
+        group.bend_down[i] = bend.1[i] - bend.1[i].abs() * (INFLATE - 1.0);
+    }
+    group
+}
+
+/// Upper and lower bound over [0, H] of the polynomial Σ c_k s^k, plain Taylor coefficients.
+pub(crate) fn polynomial(c: &[f64], horizon: f64) -> (f64, f64) {
+    let (mut up, mut down) = (0.0, 0.0);
+    for &c in c.iter().rev() {
+        up = c + horizon * positive(up);
+        down = c - horizon * positive(-down);
+    }
+    (up + up.abs() * (INFLATE - 1.0), down - down.abs() * (INFLATE - 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_enclose_and_touch_where_no_term_turns_back() {
+        let c = [0.3, -0.2, 0.5, -0.1, 0.05];
+        let (up, down) = polynomial(&c, 0.8);
+        for i in 0..=1000 {
+            let s = 0.8 * f64::from(i) / 1000.0;
+            let value = c.iter().rev().fold(0.0, |p, c| p * s + c);
+            assert!(down <= value && value <= up);
+        }
+        let (up, down) = polynomial(&[1.0, 1.0, 1.0], 2.0);
+        assert!((up - 7.0).abs() < 1e-12 && (down - 1.0).abs() < 1e-12);
+    }
+}

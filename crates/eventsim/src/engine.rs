@@ -1,0 +1,401 @@
+//! Flight of the ring in windows, and restarts.
+//!
+//! A window starts with all masses at one instant, the base, and expands their series over a horizon H. One bound
+//! clears the masses that cannot reach a barrier; the others enter a queue, keyed by the time before which they have
+//! certainly no contact. What happens in between is a restart of the masses that can feel it before the window ends:
+//! all of them on a small ring, a few neighbours on a large one ([`crate::collision`]).
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use crate::bound;
+use crate::event::Work;
+use crate::ring::{Contact, Ring};
+use crate::series::{Extent, LANES, Rows, Weights};
+use crate::time::Clock;
+use crate::units::{MAX_ORDER, ORDERS, Units};
+use crate::watch::{Kind, Step, Watch, safe_step};
+use vibrochain_lattice::Barrier;
+
+/// A mass is cleared if its bound stays this far from the barriers: the rounding of displacements below 2, many times.
+const CLEARANCE: f64 = 64.0 * f64::EPSILON;
+
+/// Events this close together, in internal time (or relative to the time since the base, if that is longer), happen
+/// together: roots of series of size one are known no better.
+const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
+
+/// Cost of restarting a mass in the middle of a window relative to its share of a whole window; measured.
+const RESTART_COST: f64 = 2.0;
+
+const NONE: u32 = u32::MAX;
+
+/// A time before which a mass has no contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Entry {
+    key: f64,
+    site: u32,
+    version: u32,
+}
+
+impl Ord for Entry {
+    /// Earliest first, then by site: the queue is a max-heap.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.key.total_cmp(&self.key).then_with(|| other.site.cmp(&self.site))
+    }
+}
+impl PartialOrd for Entry {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl PartialEq for Entry {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Entry {}
+
+/// A contact that is due.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Due {
+    pub(crate) site: usize,
+    pub(crate) barrier: Barrier,
+    /// It is the release of a mass at rest.
+    pub(crate) release: bool,
+}
+
+/// The ring in flight.
+#[derive(Debug, Clone)]
+pub(crate) struct Engine {
+    pub(crate) units: Units,
+    /// Phase of the force at time zero, internal time.
+    pub(crate) psi: f64,
+    pub(crate) clock: Clock,
+    pub(crate) ring: Ring,
+    pub(crate) rows: Rows,
+    /// Origin of each mass's series, since the base; `moved` lists those that are not 0.
+    pub(crate) origin: Vec<f64>,
+    pub(crate) moved: Vec<usize>,
+    /// Certified length of the window, since the base.
+    pub(crate) horizon: f64,
+    /// Fastest velocity met so far, for the remainder of the series.
+    pub(crate) fastest: f64,
+    pub(crate) work: Work,
+    pub(crate) due: Vec<Due>,
+    pub(crate) force: [f64; MAX_ORDER + 1],
+    pub(crate) weights: Weights,
+    /// Events a unit of internal time, a running mean.
+    pub(crate) event_rate: f64,
+    /// Time since the last event, at the base.
+    pub(crate) since_event: f64,
+    /// Horizons of all orders, for velocities up to `horizons_for`.
+    horizons: [f64; ORDERS.len()],
+    horizons_for: f64,
+    fractions: [f64; MAX_ORDER + 1],
+    version: Vec<u32>,
+    slot: Vec<u32>,
+    watches: Vec<Watch>,
+    queue: BinaryHeap<Entry>,
+    soft: Vec<(usize, u8)>,
+    x_next: Vec<f64>,
+    v_next: Vec<f64>,
+}
+
+impl Engine {
+    pub(crate) fn new(units: Units, psi: f64, ring: Ring) -> Self {
+        let sites = ring.sites();
+        let fastest = ring.v.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let horizons = units.horizons(fastest);
+        Self {
+            clock: Clock::new(units.omega),
+            psi,
+            rows: Rows::new(sites),
+            origin: vec![0.0; sites],
+            moved: Vec::new(),
+            horizon: 0.0,
+            fastest,
+            work: Work::default(),
+            due: Vec::new(),
+            force: [0.0; MAX_ORDER + 1],
+            weights: Weights::zero(),
+            event_rate: 0.0,
+            since_event: 0.0,
+            horizons,
+            horizons_for: fastest,
+            fractions: [0.0; MAX_ORDER + 1],
+            version: vec![0; sites],
+            slot: vec![NONE; sites],
+            watches: Vec::new(),
+            queue: BinaryHeap::new(),
+            soft: Vec::new(),
+            x_next: vec![0.0; sites],
+            v_next: vec![0.0; sites],
+            units,
+            ring,
+        }
+    }
+
+    /// The force and its derivatives `after` the base.
+    pub(crate) fn set_force(&mut self, after: f64) {
+        self.units.force(self.clock.offset() + after + self.psi, &mut self.force);
+    }
+
+    /// Order and horizon of the next window: least cost a unit of time at the present rate of events.
+    fn choose_order(&mut self) -> (usize, f64) {
+        if self.fastest > self.horizons_for {
+            self.horizons_for = 2.0 * self.fastest;
+            self.horizons = self.units.horizons(self.horizons_for);
+        }
+        let (sites, rate) = (self.ring.sites() as f64, self.event_rate);
+        let mut best = (f64::INFINITY, ORDERS[0], self.horizons[0]);
+        for (&order, &horizon) in ORDERS.iter().zip(&self.horizons) {
+            let k = order as f64;
+            // Every event restarts the ring, and the rest of the window is lost …
+            let used = if rate * horizon > 1e-9 { -(-rate * horizon).exp_m1() / rate } else { horizon };
+            let mut cost = k * sites / used;
+            // … or its neighbours only.
+            let touched = (2 * self.units.reach(horizon, 1.0) + 3) as f64;
+            if touched < 0.5 * sites {
+                cost = cost.min(k * (sites / horizon + RESTART_COST * rate * touched));
+            }
+            if cost < best.0 {
+                best = (cost, order, horizon);
+            }
+        }
+        (best.1, best.2)
+    }
+
+    /// Expands and bounds the whole ring from the base.
+    pub(crate) fn begin_window(&mut self) {
+        self.work.windows += 1;
+        let (order, horizon) = self.choose_order();
+        self.horizon = horizon;
+        for watch in &self.watches {
+            self.slot[watch.site] = NONE;
+        }
+        self.watches.clear();
+        self.queue.clear();
+        self.set_force(0.0);
+        let sites = self.ring.sites();
+        for (to, (x, reference)) in self.rows.data[1..].iter_mut().zip(self.ring.x.iter().zip(&self.ring.reference)) {
+            *to = x + reference;
+        }
+        let stride = self.rows.stride;
+        self.rows.data[stride + 1..][..sites].copy_from_slice(&self.ring.v);
+        self.soft.clear();
+        self.ring.soft_departures(&mut self.soft);
+        let resting = std::mem::take(&mut self.ring.resting);
+        for &n in &resting {
+            self.watch_rest(n, order);
+        }
+        let watches = &mut self.watches;
+        let inverse = &self.units.inverse_factorial;
+        let pressed = |i: usize, k: usize, value: f64| watches[i].press(k, value * inverse[k]);
+        let extent = Extent { columns: sites, closed: true, resting: &resting, soft: &self.soft };
+        self.rows.expand(extent, &self.units, &self.force, order, pressed);
+        for &n in &resting {
+            self.queue_rest(n);
+        }
+        self.ring.resting = resting;
+        self.fractions = bound::fractions(horizon);
+        let tail = bound::tail(&self.rows, sites, &self.units, horizon);
+        for base in (0..sites).step_by(LANES) {
+            let bounds = bound::group(&self.rows, base, bound::TAIL, tail, &self.fractions);
+            self.sift(&bounds, base, 0..LANES.min(sites - base), |base, lane| base + lane);
+        }
+        self.work.bounds += sites as u64;
+    }
+
+    /// Queues those of eight masses that their bounds do not clear.
+    pub(crate) fn sift(
+        &mut self,
+        bounds: &bound::Group,
+        base: usize,
+        lanes: std::ops::Range<usize>,
+        site: impl Fn(usize, usize) -> usize,
+    ) {
+        for lane in lanes {
+            let n = site(base, lane);
+            let (x, reference) = (self.ring.x[n], self.ring.reference[n]);
+            let (lower, upper) = (self.units.lower - reference, self.units.upper - reference);
+            if x + bounds.rise[lane] < upper - CLEARANCE && x + bounds.fall[lane] > lower + CLEARANCE {
+                continue;
+            }
+            if self.ring.is_resting(n) {
+                continue;
+            }
+            let key = if self.ring.soft_departure(n).is_some() {
+                self.open(n)
+            } else {
+                let v = self.ring.v[n];
+                let up = safe_step(upper - x, -v, bounds.bend_up[lane]);
+                up.min(safe_step(x - lower, v, -bounds.bend_down[lane]))
+            };
+            self.enqueue(n, key);
+        }
+    }
+
+    fn enqueue(&mut self, n: usize, after_origin: f64) {
+        let key = self.origin[n] + after_origin;
+        if key <= self.horizon {
+            self.queue.push(Entry { key, site: n as u32, version: self.version[n] });
+        }
+    }
+
+    /// Forgets what is known of the contacts of mass `n`.
+    pub(crate) fn invalidate(&mut self, n: usize) {
+        self.version[n] = self.version[n].wrapping_add(1);
+        self.slot[n] = NONE;
+    }
+
+    /// Prepares the watch of a mass at rest; the expansion fills it in.
+    pub(crate) fn watch_rest(&mut self, n: usize, order: usize) {
+        let Contact::Resting(barrier) = self.ring.contact[n] else { return };
+        // Force on a mass at a barrier: springs over distances below 2(1+a), and the drive.
+        let size = self.units.rate * self.units.rate * 2.0 * self.units.upper + self.units.amplitude;
+        let horizon = self.horizon - self.origin[n];
+        self.slot[n] = self.watches.len() as u32;
+        self.watches.push(Watch::rest(n, barrier, order, horizon, 4.0 * f64::EPSILON * size));
+    }
+
+    pub(crate) fn watches_mut(&mut self) -> (&mut [Watch], &mut Rows, &Units, &Ring) {
+        (&mut self.watches, &mut self.rows, &self.units, &self.ring)
+    }
+
+    pub(crate) fn watch_count(&self) -> usize {
+        self.watches.len()
+    }
+
+    /// Bounds and queues the force of a mass at rest.
+    pub(crate) fn queue_rest(&mut self, n: usize) {
+        if let Some(watch) = self.watches.get_mut(self.slot[n] as usize) {
+            let key = watch.prepare();
+            self.work.bounds += 1;
+            self.enqueue(n, key);
+        }
+    }
+
+    /// Starts to follow mass `n`; the time since its origin before which it has no contact.
+    fn open(&mut self, n: usize) -> f64 {
+        let order = self.rows.order;
+        let mut c = [0.0; MAX_ORDER + 1];
+        for k in 1..=order {
+            c[k] = self.rows.get(k, n) * self.units.inverse_factorial[k];
+        }
+        c[0] = self.ring.x[n];
+        let reference = self.ring.reference[n];
+        let barriers = (self.units.lower - reference, self.units.upper - reference);
+        let horizon = self.horizon - self.origin[n];
+        let watch = Watch::flight(n, c, order, horizon, barriers, self.ring.contact[n]);
+        self.work.watched += 1;
+        self.slot[n] = self.watches.len() as u32;
+        self.watches.push(watch);
+        watch.tau
+    }
+
+    /// The next contacts up to `limit` (since the base): those within [`SIMULTANEOUS`] of the first are left in
+    /// `due`, by site. `None`: there are none up to `limit`.
+    ///
+    /// Completeness: every mass not cleared by its bound has one entry whose key is a time before which it has no
+    /// contact. The earliest entry is advanced by certified steps until it is no longer the earliest or its contact
+    /// is reached; so when a contact comes out first, no mass has an earlier one.
+    pub(crate) fn next_contacts(&mut self, limit: f64) -> Option<f64> {
+        self.due.clear();
+        let mut last = limit;
+        let mut first = None;
+        while let Some(&entry) = self.queue.peek() {
+            if entry.key > last {
+                break;
+            }
+            self.queue.pop();
+            let n = entry.site as usize;
+            if entry.version != self.version[n] {
+                continue;
+            }
+            if self.slot[n] == NONE {
+                let opened = self.open(n);
+                // The queue's key came from a parabola through the same point with its own bound: keep the better.
+                let known = entry.key - self.origin[n];
+                if let Some(watch) = self.watches.last_mut()
+                    && known > opened
+                {
+                    watch.tau = known;
+                }
+            }
+            let origin = self.origin[n];
+            let Some(watch) = self.watches.get_mut(self.slot[n] as usize) else { continue };
+            if let Some(barrier) = watch.hit {
+                if first.is_none() {
+                    first = Some(entry.key);
+                    last = entry.key + SIMULTANEOUS * entry.key.max(1.0);
+                }
+                self.due.push(Due { site: n, barrier, release: matches!(watch.kind, Kind::Rest(_)) });
+                continue;
+            }
+            let next = self.queue.peek().map_or(last, |e| e.key.min(last));
+            loop {
+                self.work.refinements += 1;
+                let step = watch.step();
+                let key = origin + watch.tau;
+                if step == Step::Clear {
+                    break;
+                }
+                if step == Step::Hit || key > next {
+                    if key <= self.horizon {
+                        self.queue.push(Entry { key, ..entry });
+                    }
+                    break;
+                }
+            }
+        }
+        self.due.sort_unstable_by_key(|due| due.site);
+        first
+    }
+
+    /// Moves the base to `s`: the states of all masses there, and nothing in flight.
+    pub(crate) fn rebase(&mut self, s: f64) {
+        let order = self.rows.order;
+        self.weights.precise(s, order, &self.units.inverse_factorial);
+        self.rows.at_all(&self.ring.x, &self.weights, &mut self.x_next, &mut self.v_next);
+        let mut moved = std::mem::take(&mut self.moved);
+        for n in moved.drain(..) {
+            self.weights.plain(s - self.origin[n], order, &self.units.inverse_factorial);
+            (self.x_next[n], self.v_next[n]) = self.rows.at(n, self.ring.x[n], &self.weights);
+            self.origin[n] = 0.0;
+        }
+        self.moved = moved;
+        std::mem::swap(&mut self.ring.x, &mut self.x_next);
+        std::mem::swap(&mut self.ring.v, &mut self.v_next);
+        self.ring.settle_all();
+        self.clock.advance(s);
+        self.since_event += s;
+    }
+
+    /// Displacements and velocities (internal) at `s` since the base, within the certified part of the window.
+    pub(crate) fn read(&self, s: f64, x: &mut [f64], v: &mut [f64]) {
+        let order = self.rows.order;
+        let mut weights = Weights::zero();
+        weights.precise(s, order, &self.units.inverse_factorial);
+        self.rows.at_all(&self.ring.x, &weights, x, v);
+        for &n in &self.moved {
+            weights.plain(s - self.origin[n], order, &self.units.inverse_factorial);
+            (x[n], v[n]) = self.rows.at(n, self.ring.x[n], &weights);
+        }
+    }
+
+    /// Carries the mass `n` alone to `s`, as the new origin of its series.
+    pub(crate) fn carry(&mut self, n: usize, s: f64) {
+        let lapse = s - self.origin[n];
+        if lapse > 0.0 {
+            if self.weights.high[1] != lapse {
+                self.weights.plain(lapse, self.rows.order, &self.units.inverse_factorial);
+            }
+            (self.ring.x[n], self.ring.v[n]) = self.rows.at(n, self.ring.x[n], &self.weights);
+            self.ring.settle(n);
+            if self.origin[n] == 0.0 {
+                self.moved.push(n);
+            }
+            self.origin[n] = s;
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! What can be wrong with the request for a simulation.
+
+use thiserror::Error;
+use vibrochain_lattice::Barrier;
+
+/// A state that no simulation can start from. What happens later is an [`Outcome`](crate::Outcome), never an error.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum StateError {
+    /// An array does not hold one number a mass.
+    #[error("{name} has {found} entries, the ring has {sites} masses: give one number a mass")]
+    Length {
+        /// `displacement` or `velocity`.
+        name: &'static str,
+        /// Entries given.
+        found: usize,
+        /// Masses of the ring.
+        sites: usize,
+    },
+    /// A number is infinite or not a number.
+    #[error("{name} of site {site} is {value}: give a finite number")]
+    NotFinite {
+        /// `displacement`, `velocity` or, with site 0, `psi`.
+        name: &'static str,
+        /// The mass.
+        site: usize,
+        /// The value as given.
+        value: f64,
+    },
+    /// A mass starts outside its gap.
+    #[error("site {site} starts at {value}, {excess:e} beyond its {} barrier: give a number from {low} to {high}", .barrier.name())]
+    OutsideGap {
+        /// The mass.
+        site: usize,
+        /// The barrier it is behind.
+        barrier: Barrier,
+        /// Its displacement.
+        value: f64,
+        /// How far behind the barrier it is.
+        excess: f64,
+        /// Position of the lower barrier.
+        low: f64,
+        /// Position of the upper barrier.
+        high: f64,
+    },
+    /// Something crosses the gap in less time than the clock resolves.
+    #[error(
+        "{name} = {value:e} is beyond {limit:e}: in units of the gap and of the fastest frequency it exceeds 1e12, \
+         and its impacts could not be told apart in time"
+    )]
+    TooFast {
+        /// `velocity` or `amplitude`.
+        name: &'static str,
+        /// The value.
+        value: f64,
+        /// The largest magnitude that can be followed.
+        limit: f64,
+    },
+}

@@ -1,0 +1,141 @@
+//! What a simulation reports: events, why it stopped, and how much it worked.
+
+use crate::time::Time;
+use vibrochain_lattice::Barrier;
+
+/// What happened to a mass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum EventKind {
+    /// It met a barrier and v⁺ = −e v⁻.
+    Impact,
+    /// It came to rest on a barrier that it is pressed against, at the limit of its impacts.
+    Stick,
+    /// The force that pressed it has changed sign, and it leaves the barrier from rest.
+    Release,
+}
+
+impl EventKind {
+    /// The name used in files: `impact`, `stick` or `release`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Impact => "impact",
+            Self::Stick => "stick",
+            Self::Release => "release",
+        }
+    }
+}
+
+/// One thing that happened to one mass. Masses that meet their barriers together make one event each, at the same
+/// time, in the order of their sites.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Event {
+    /// When.
+    pub time: Time,
+    /// The mass.
+    pub site: usize,
+    /// Its barrier.
+    pub barrier: Barrier,
+    /// Velocity just before, v⁻ (signed; 0 for stick and release).
+    pub velocity_before: f64,
+    /// Velocity just after, v⁺.
+    pub velocity_after: f64,
+    /// What happened.
+    pub kind: EventKind,
+}
+
+/// How far one call of [`Simulation::run`](crate::Simulation::run) may go; whatever is met first ends it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Simulate up to and including this time. `None`: no limit on time.
+    pub until: Option<Time>,
+    /// Stop once this many impacts (rows of kind impact, one a mass) have been counted in this call. Simultaneous
+    /// impacts are never cut in two, so the last of them may exceed it.
+    pub impacts: u64,
+    /// Give up on a mass that has met the same barrier this many times in succession, each within
+    /// [`BOUNCE_TIME`] of the one before.
+    pub bounces: u32,
+    /// Stop after this many windows of flight and restarts, whatever happened.
+    pub flights: u64,
+}
+
+/// Flights shorter than this, in units of 1/√(γ₁+4γ₂) (or 1/ω where the force is faster), count as bounces of one
+/// cascade. A resolved cascade ends when 1e-8 of that unit is left of it, see [`crate::CHATTER_TIME`].
+pub const BOUNCE_TIME: f64 = 1e-6;
+
+/// Default of [`Limits::bounces`]. A cascade with e = 0.999 needs about 10⁴ of them.
+pub const MAX_BOUNCES: u32 = 100_000;
+
+/// Default of [`Limits::flights`]: hours of work, met only where a period is astronomically long.
+pub const MAX_FLIGHTS: u64 = 10_000_000_000;
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { until: None, impacts: u64::MAX, bounces: MAX_BOUNCES, flights: MAX_FLIGHTS }
+    }
+}
+
+impl Limits {
+    /// Up to and including `time`, with defaults for the rest.
+    pub fn until(time: Time) -> Self {
+        Self { until: Some(time), ..Self::default() }
+    }
+
+    /// This many impacts, with defaults for the rest. A chain that never hits again would run for
+    /// [`MAX_FLIGHTS`]: set `until` as well.
+    pub fn impacts(impacts: u64) -> Self {
+        Self { impacts, ..Self::default() }
+    }
+}
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Outcome {
+    /// The time asked for was reached.
+    TimeReached,
+    /// The number of impacts asked for was reached.
+    ImpactsReached,
+    /// A cascade of impacts of one mass could not be resolved: with e = 1 (or within rounding of it) a pressed mass
+    /// bounces for ever, ever faster.
+    Cascade {
+        /// The mass.
+        site: usize,
+        /// Its barrier.
+        barrier: Barrier,
+        /// Impacts of the cascade so far.
+        bounces: u32,
+    },
+    /// [`Limits::flights`] was reached.
+    WorkLimit,
+}
+
+/// How much was done, since the simulation was created.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Windows of flight of the whole ring that were expanded.
+    pub windows: u64,
+    /// Restarts of a part of the ring around an event, in the middle of a window.
+    pub restarts: u64,
+    /// Masses whose motion was bounded over a window.
+    pub bounds: u64,
+    /// Masses a bound could not clear, which were followed one by one.
+    pub watched: u64,
+    /// Certified steps towards a first contact.
+    pub refinements: u64,
+    /// Impacts, one a mass.
+    pub impacts: u64,
+    /// Masses that came to rest on a barrier.
+    pub sticks: u64,
+    /// Masses that left a barrier from rest.
+    pub releases: u64,
+}
+
+/// The end of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Report {
+    /// Why it ended.
+    pub outcome: Outcome,
+    /// When.
+    pub time: Time,
+    /// Work since the simulation was created.
+    pub work: Work,
+}

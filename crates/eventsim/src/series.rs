@@ -1,0 +1,283 @@
+//! Exact flight: the Taylor series of every mass, from the stencil.
+//!
+//! With d_k the k-th time derivative of the displacements at the origin of a series,
+//!
+//! ```text
+//! d_{k+2}[n] = γ₂ ((d_k[n−1] + d_k[n+1]) − 2 d_k[n]) − γ₁ d_k[n] + F_k ,          u_n(s) = Σ_k d_k[n] s^k/k! ,
+//! ```
+//!
+//! for every mass that flies; a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
+//! barrier. Nothing here knows the modes, so that masses at rest change nothing, and no time step is made: a window
+//! is as long as the order allows with a remainder below rounding ([`Units::horizons`]).
+//!
+//! - Derivatives, not Taylor coefficients: the recurrence then has no division, whose constant rounding errors would
+//!   add up over a million windows. The divisions are in the weights s^k/k!, the first of them in two words.
+//! - The neighbours enter as one sum, so a mirror-symmetric ring stays symmetric to the bit. (d₋ + d₊) − 2d keeps
+//!   soft rings exact: γ₁ is never added to a larger γ₂.
+//! - Rows hold one order of all masses, with a ghost column on either side: the ring's other end, or, for a part of
+//!   the ring, its neighbours' known series. Rings of one and two masses are right without a special case.
+
+use crate::units::{MAX_ORDER, Units};
+
+/// Masses handled at once; rows are padded so that the last group may run over the end.
+pub(crate) const LANES: usize = 8;
+
+/// s^k/k!, the weights that turn derivatives at the origin into the motion at s.
+#[derive(Debug, Clone)]
+pub(crate) struct Weights {
+    pub(crate) high: [f64; MAX_ORDER + 1],
+    /// What rounding took from the weights 2 … `TWO_WORDS`−1. A periodic orbit uses the same s again and again, and
+    /// then these errors do not average out.
+    low: [f64; TWO_WORDS],
+}
+
+const TWO_WORDS: usize = 9;
+
+/// Splits a number into halves whose products are exact (Veltkamp).
+fn split(a: f64) -> (f64, f64) {
+    const FACTOR: f64 = 134_217_729.0; // 2²⁷ + 1
+    let t = FACTOR * a;
+    let high = t - (t - a);
+    (high, a - high)
+}
+
+impl Weights {
+    pub(crate) fn zero() -> Self {
+        Self { high: [0.0; MAX_ORDER + 1], low: [0.0; TWO_WORDS] }
+    }
+
+    /// The weights up to `order`, to working precision.
+    pub(crate) fn plain(&mut self, s: f64, order: usize, inverse_factorial: &[f64; MAX_ORDER + 1]) {
+        let mut power = 1.0;
+        for (weight, inverse) in self.high[..=order].iter_mut().zip(inverse_factorial) {
+            *weight = power * inverse;
+            power *= s;
+        }
+        self.low = [0.0; TWO_WORDS];
+    }
+
+    /// The same with the leading ones in two words.
+    pub(crate) fn precise(&mut self, s: f64, order: usize, inverse_factorial: &[f64; MAX_ORDER + 1]) {
+        self.plain(s, order, inverse_factorial);
+        let (s_high, s_low) = split(s);
+        let (mut high, mut low) = (s, 0.0);
+        for k in 2..TWO_WORDS {
+            // p + e = high · s exactly (Dekker), then divided by k with its remainder.
+            let p = high * s;
+            let (h, l) = split(high);
+            let e = ((h * s_high - p) + h * s_low + l * s_high) + l * s_low;
+            let divisor = k as f64;
+            let quotient = p / divisor;
+            let (q_high, q_low) = split(quotient);
+            let remainder = (p - q_high * divisor) - q_low * divisor;
+            let rest = (remainder + e + low * s) / divisor;
+            high = quotient + rest;
+            low = (quotient - high) + rest;
+            self.high[k] = high;
+            self.low[k] = low;
+        }
+    }
+}
+
+/// What an expansion covers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent<'a> {
+    pub(crate) columns: usize,
+    /// A whole ring, whose ends meet; otherwise the ghost columns already hold the neighbours' series.
+    pub(crate) closed: bool,
+    pub(crate) resting: &'a [usize],
+    pub(crate) soft: &'a [(usize, u8)],
+}
+
+/// Rows of derivatives, d_0 … d_K.
+#[derive(Debug, Clone)]
+pub(crate) struct Rows {
+    pub(crate) data: Vec<f64>,
+    pub(crate) stride: usize,
+    pub(crate) order: usize,
+}
+
+impl Rows {
+    pub(crate) fn new(columns: usize) -> Self {
+        let stride = (columns + 2).next_multiple_of(LANES) + LANES;
+        Self { data: vec![0.0; stride * (MAX_ORDER + 1)], stride, order: 0 }
+    }
+
+    /// d_k of column `n`.
+    pub(crate) fn get(&self, k: usize, n: usize) -> f64 {
+        self.data[k * self.stride + n + 1]
+    }
+
+    /// d_k of all columns from `n` on.
+    pub(crate) fn row(&self, k: usize, n: usize) -> &[f64] {
+        &self.data[k * self.stride + n + 1..(k + 1) * self.stride]
+    }
+
+    pub(crate) fn set(&mut self, k: usize, n: usize, value: f64) {
+        self.data[k * self.stride + n + 1] = value;
+    }
+
+    /// Joins the ends of row `k`, whose ring has `sites` masses.
+    pub(crate) fn close(&mut self, k: usize, sites: usize) {
+        let row = &mut self.data[k * self.stride..(k + 1) * self.stride];
+        row[0] = row[sites];
+        row[sites + 1] = row[1];
+    }
+
+    /// d_{k+2} of the first `columns` columns from d_k and its ghosts.
+    pub(crate) fn advance(&mut self, k: usize, columns: usize, units: &Units, force: f64) {
+        let (known, new) = self.data.split_at_mut((k + 2) * self.stride);
+        let from = &known[k * self.stride..];
+        let (left, own, right) = (&from[..columns], &from[1..=columns], &from[2..columns + 2]);
+        let (g1, g2) = (units.gamma1, units.gamma2);
+        for (((to, l), m), r) in new[1..=columns].iter_mut().zip(left).zip(own).zip(right) {
+            *to = g2 * ((l + r) - 2.0 * m) - g1 * m + force;
+        }
+    }
+
+    /// Room for `columns` masses, reusing the memory there is.
+    pub(crate) fn reset(&mut self, columns: usize) {
+        self.stride = (columns + 2).next_multiple_of(LANES) + LANES;
+        let needed = self.stride * (MAX_ORDER + 1);
+        if self.data.len() < needed {
+            self.data.resize(needed, 0.0);
+        }
+    }
+
+    /// Fills the rows 2 … `order` from the rows 0 and 1.
+    ///
+    /// `resting` and `soft` are columns: of masses at rest, for the i-th of which `pressed(i, k, value)` receives the
+    /// k-th derivative of the acceleration it is denied; and of masses that leave a barrier with an order above 1,
+    /// whose derivatives below it vanish exactly.
+    pub(crate) fn expand(
+        &mut self,
+        extent: Extent<'_>,
+        units: &Units,
+        force: &[f64; MAX_ORDER + 1],
+        order: usize,
+        mut pressed: impl FnMut(usize, usize, f64),
+    ) {
+        let Extent { columns, closed, resting, soft } = extent;
+        self.order = order;
+        if closed {
+            self.close(0, columns);
+            self.close(1, columns);
+        }
+        for k in 0..=order - 2 {
+            self.advance(k, columns, units, force[k]);
+            for (i, &n) in resting.iter().enumerate() {
+                pressed(i, k, self.get(k + 2, n));
+                self.set(k + 2, n, 0.0);
+            }
+            for &(n, first) in soft {
+                if k + 2 < usize::from(first) {
+                    self.set(k + 2, n, 0.0);
+                }
+            }
+            if closed {
+                self.close(k + 2, columns);
+            }
+        }
+    }
+
+    /// Displacement (relative to the reference) and velocity of column `n`, whose displacement at the origin is `x`.
+    pub(crate) fn at(&self, n: usize, x: f64, weights: &Weights) -> (f64, f64) {
+        let w = &weights.high;
+        let (mut u, mut v) = (0.0, 0.0);
+        for k in (2..=self.order).rev() {
+            let d = self.get(k, n);
+            u += w[k] * d;
+            v += w[k - 1] * d;
+        }
+        let first = self.get(1, n);
+        (x + (w[1] * first + u), first + v)
+    }
+
+    /// The same for the columns `from` … of a ring, written to `x_out` and `v_out`.
+    pub(crate) fn at_all(&self, x: &[f64], weights: &Weights, x_out: &mut [f64], v_out: &mut [f64]) {
+        for (group, ((x, x_out), v_out)) in
+            x.chunks(LANES).zip(x_out.chunks_mut(LANES)).zip(v_out.chunks_mut(LANES)).enumerate()
+        {
+            let (u, v) = self.group(group * LANES, weights);
+            let first = self.row(1, group * LANES);
+            let s = weights.high[1];
+            for (i, ((x, x_out), v_out)) in x.iter().zip(x_out).zip(v_out).enumerate() {
+                *x_out = x + (s * first[i] + u[i]);
+                *v_out = first[i] + v[i];
+            }
+        }
+    }
+
+    /// Σ_{k≥2} of eight neighbouring masses, smallest terms first.
+    fn group(&self, base: usize, weights: &Weights) -> ([f64; LANES], [f64; LANES]) {
+        let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+        let mut add = |k: usize, w_u: f64, w_v: f64| {
+            let row = &self.row(k, base)[..LANES];
+            for i in 0..LANES {
+                u[i] += w_u * row[i];
+                v[i] += w_v * row[i];
+            }
+        };
+        if weights.low[2] != 0.0 || weights.low[3] != 0.0 {
+            for k in 2..TWO_WORDS {
+                add(k, weights.low[k], weights.low[k - 1]);
+            }
+        }
+        for k in (2..=self.order).rev() {
+            add(k, weights.high[k], weights.high[k - 1]);
+        }
+        (u, v)
+    }
+
+    /// Derivatives of column `n` at the time of the `weights`, as far as the series reaches. `u` is the displacement
+    /// at the origin.
+    pub(crate) fn shifted(&self, n: usize, u: f64, weights: &Weights, out: &mut [f64; MAX_ORDER + 1]) {
+        let mut own = [0.0; MAX_ORDER + 1];
+        for k in 0..=self.order {
+            own[k] = self.get(k, n);
+        }
+        own[0] = u;
+        for k in 0..=self.order {
+            let terms = &own[k..=self.order];
+            out[k] = terms.iter().zip(&weights.high).rev().map(|(d, w)| d * w).sum();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_word_weights_hold_the_exact_quotients() {
+        let inverse = crate::units::inverse_factorials();
+        let mut weights = Weights::zero();
+        weights.precise(1.234_567_890_123_456_7, MAX_ORDER, &inverse);
+        // k · w_k = s · w_{k−1} in integers: check with 128-bit fixed point, 100 bits after the point.
+        let fixed = |x: f64| -> i128 {
+            let bits = x.to_bits();
+            let (mantissa, exponent) = ((bits & ((1 << 52) - 1) | 1 << 52) as i128, (bits >> 52 & 0x7ff) as i32);
+            let shift = exponent - 1075 + 100;
+            let value = if shift >= 0 { mantissa << shift } else { mantissa >> -shift };
+            if x == 0.0 {
+                0
+            } else if x < 0.0 {
+                -value
+            } else {
+                value
+            }
+        };
+        for k in 2..TWO_WORDS {
+            let (h, l) = (weights.high[k], weights.low[k]);
+            assert!(l.abs() <= h * f64::EPSILON);
+            let previous = fixed(weights.high[k - 1]) + fixed(weights.low[k - 1]);
+            // s in 52 fractional bits: previous · s without overflow, in two parts.
+            let s = (1.234_567_890_123_456_7_f64 * 2f64.powi(52)) as i128;
+            let (top, rest) = (previous >> 50, previous & ((1 << 50) - 1));
+            let product = ((top * s) >> 2) + ((rest * s) >> 52);
+            let expected = product / k as i128;
+            let found = fixed(h) + fixed(l);
+            assert!((found - expected).abs() < 1 << 10, "{k}: {}", found - expected);
+        }
+    }
+}

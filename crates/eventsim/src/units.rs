@@ -1,0 +1,159 @@
+//! Internal units and the table of Taylor orders.
+//!
+//! Time is scaled by a power of two (exactly, therefore) such that the fastest rate
+//!
+//! ```text
+//! r = max(√(γ₁+4γ₂), ω)          (ω only with a force; without one, ω/4, to keep windows near a period)
+//! ```
+//!
+//! lies in [1, 2). Every coefficient of every series then is of the size of the motion, for any γ and ω.
+
+use vibrochain_lattice::{Barrier, Model};
+
+/// Highest order of a Taylor series.
+pub(crate) const MAX_ORDER: usize = 24;
+
+/// Orders in use. All even: a displacement and a velocity start one chain of coefficients each.
+pub(crate) const ORDERS: [usize; 8] = [10, 12, 14, 16, 18, 20, 22, 24];
+
+/// What a truncated series may miss, relative to the gap: an eighth of a unit in the last place.
+const REMAINDER: f64 = f64::EPSILON / 8.0;
+
+/// 1/k!.
+pub(crate) fn inverse_factorials() -> [f64; MAX_ORDER + 1] {
+    let mut table = [1.0; MAX_ORDER + 1];
+    let mut factorial = 1.0; // exact up to 22!, and right to the last digit beyond
+    for (k, entry) in table.iter_mut().enumerate().skip(1) {
+        factorial *= k as f64;
+        *entry = 1.0 / factorial;
+    }
+    table
+}
+
+/// The model in internal units.
+#[derive(Debug, Clone)]
+pub(crate) struct Units {
+    /// Internal time is time × `scale`, a power of two; velocities are divided by it.
+    pub(crate) scale: f64,
+    pub(crate) sites: usize,
+    pub(crate) gamma1: f64,
+    pub(crate) gamma2: f64,
+    pub(crate) omega: f64,
+    pub(crate) amplitude: f64,
+    pub(crate) restitution: f64,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    /// r of the module's text.
+    pub(crate) rate: f64,
+    pub(crate) inverse_factorial: [f64; MAX_ORDER + 1],
+}
+
+impl Units {
+    pub(crate) fn new(model: &Model) -> Self {
+        let chain = model.chain();
+        // On a ring of one mass the coupling cancels.
+        let coupling = if chain.sites() == 1 { 0.0 } else { chain.gamma2() };
+        let stiffness = (chain.gamma1() + 4.0 * coupling).sqrt();
+        let forced = model.amplitude() > 0.0;
+        let rate = stiffness.max(if forced { model.omega() } else { 0.25 * model.omega() });
+        // The power of two below: the exponent alone.
+        let scale = f64::from_bits(rate.to_bits() & 0x7ff0_0000_0000_0000);
+        let square = scale * scale;
+        Self {
+            scale,
+            sites: chain.sites(),
+            gamma1: chain.gamma1() / square,
+            gamma2: coupling / square,
+            omega: model.omega() / scale,
+            amplitude: model.amplitude() / square,
+            restitution: model.restitution(),
+            lower: model.barrier(Barrier::Lower),
+            upper: model.barrier(Barrier::Upper),
+            rate: rate / scale,
+            inverse_factorial: inverse_factorials(),
+        }
+    }
+
+    pub(crate) fn barrier(&self, barrier: Barrier) -> f64 {
+        match barrier {
+            Barrier::Lower => self.lower,
+            Barrier::Upper => self.upper,
+        }
+    }
+
+    /// Longest window of each order when no mass is faster than `fastest`.
+    ///
+    /// Taylor's remainder after order K is at most z^{K+1}/(K+1)! times the size of the motion, z = rH, and
+    /// z^K/K! for the velocity. With the force in it the K-th derivative is at most
+    /// r^K [|u| + (K/2) A/r²]. The size of the motion is |u| ≤ 1+a up to the first impact; a window outlives impacts
+    /// of distant masses, after which the series of those nearer by describe a ring without barriers, with energy
+    /// enough for |u| + |v|/r: the factor 4 covers its growth, cosh z, over the longest window.
+    pub(crate) fn horizons(&self, fastest: f64) -> [f64; ORDERS.len()] {
+        let size = 4.0 * (self.upper + fastest / self.rate);
+        ORDERS.map(|order| {
+            let k = order as f64;
+            let amplitude = size + 0.5 * k * self.amplitude / (self.rate * self.rate);
+            let z = (REMAINDER / amplitude / self.inverse_factorial[order]).powf(1.0 / k);
+            z / self.rate
+        })
+    }
+
+    /// How many neighbours on either side can feel, within `time`, what happens to a mass now.
+    ///
+    /// A jump of velocity Δv displaces the m-th neighbour by at most about Δv γ₂^m τ^{2m+1}/(2m+1)!, and with `size`
+    /// for Δv this is compared with rounding.
+    pub(crate) fn reach(&self, time: f64, size: f64) -> usize {
+        let square = self.gamma2 * time * time;
+        let mut term = size * time;
+        let mut m = 0;
+        while term > REMAINDER {
+            m += 1;
+            let k = (2 * m) as f64;
+            term *= square / (k * (k + 1.0));
+        }
+        m
+    }
+
+    /// Derivatives F, F′, F″ … of the force A cos(ω·) at `phase` (internal time since the crest).
+    pub(crate) fn force(&self, phase: f64, derivatives: &mut [f64; MAX_ORDER + 1]) {
+        if self.amplitude == 0.0 {
+            return; // zero from the start
+        }
+        let (sin, cos) = (self.omega * phase).sin_cos();
+        let cycle = [cos, -sin, -cos, sin];
+        let mut size = self.amplitude;
+        for (k, derivative) in derivatives.iter_mut().enumerate() {
+            *derivative = size * cycle[k % 4];
+            size *= self.omega;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibrochain_lattice::Chain;
+
+    fn units(g1: f64, g2: f64, omega: f64, amplitude: f64) -> Units {
+        Units::new(&Model::forced(Chain::new(21, g1, g2).unwrap(), omega, 0.4, amplitude, 1.0).unwrap())
+    }
+
+    #[test]
+    fn rates_are_of_order_one_for_any_model() {
+        for (g1, g2, omega, amplitude) in
+            [(0.2, 0.1, 1.5, 0.0), (1e100, 1e99, 1.0, 0.0), (0.0, 1e-300, 1e-100, 0.0), (0.2, 0.1, 1e100, 1.0)]
+        {
+            let u = units(g1, g2, omega, amplitude);
+            assert!((1.0..2.0).contains(&u.rate), "{u:?}");
+            let horizons = u.horizons(1.0);
+            assert!(horizons.windows(2).all(|h| 0.0 < h[0] && h[0] < h[1]) && horizons[7] < 2.0);
+        }
+    }
+
+    #[test]
+    fn reach_covers_the_response_and_stops() {
+        let u = units(0.2, 0.1, 1.5, 0.0);
+        assert!(u.reach(0.3, 1.0) < u.reach(1.0, 1.0) && u.reach(1.9, 1.0) <= 12);
+        assert_eq!(units(0.2, 0.0, 1.5, 0.0).reach(1.0, 1.0), 1);
+    }
+}

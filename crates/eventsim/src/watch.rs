@@ -1,0 +1,324 @@
+//! The first contact of one mass, certified.
+//!
+//! Let f be the distance to a barrier (or, for a mass at rest, the force that holds it there) and B ≥ −f″ over the
+//! window ([`crate::bound`]). From any τ with f > 0,
+//!
+//! ```text
+//! f(τ+d) ≥ f(τ) + f′(τ) d − B d²/2      for all d ≥ 0 within the window,
+//! ```
+//!
+//! so the first positive root d of the parabola is never beyond the first root of f: stepping there is safe, and no
+//! contact can hide in the step, however short (a peak 1e-6 beyond the barrier, a graze). If the parabola has no root
+//! there is no contact. Near a root with f′ < 0 the step is Newton's plus terms of the second order: it converges
+//! quadratically, from the safe side. Near a touch it converges linearly until rounding decides.
+//!
+//! **Rounding.** f is computed to μ = 4 ε (|c₀| + |c₁|τ + |c₂|τ²) or better, ε = 2⁻⁵²: an approach to within μ is a
+//! contact. Where displacements are measured from the barrier itself, μ shrinks with the distance.
+//!
+//! **A mass that starts on its barrier** has f(0) = 0. If it leaves with f′ > 0 the parabola's second root is the
+//! answer, 2f′/B. If it leaves with a higher order m (3 after a release) the known zero is divided out:
+//! g = f/s^m, g(0) > 0, and g ≥ g(0) − G s with a bound G of the same kind gives the first safe step.
+
+use crate::bound;
+use crate::ring::Contact;
+use crate::units::MAX_ORDER;
+use vibrochain_lattice::Barrier;
+
+/// Rounding of a series relative to its terms, and of a step relative to the time: see the module's text.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Distance to the first root of f + f′d − B d²/2 for f ≥ 0 (a negative f is rounding, and counts as 0); infinite if
+/// there is none ahead.
+pub(crate) fn safe_step(f: f64, slope: f64, bend: f64) -> f64 {
+    let f = if f > 0.0 { f } else { 0.0 };
+    let discriminant = slope * slope + 2.0 * bend * f;
+    if discriminant < 0.0 {
+        return f64::INFINITY;
+    }
+    if slope < 0.0 {
+        2.0 * f / (discriminant.sqrt() - slope)
+    } else if bend > 0.0 {
+        (discriminant.sqrt() + slope) / bend
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// First safe step of a function that starts as g₀ s^m, g = `g[0]` + `g[1]` s + …, g₀ > 0; infinite if it stays
+/// positive.
+fn departure(g: &[f64], horizon: f64) -> f64 {
+    let (_, lowest) = bound::polynomial(g, horizon);
+    if lowest > 0.0 {
+        return f64::INFINITY;
+    }
+    let (_, slope) = bound::polynomial(g.get(1..).unwrap_or_default(), horizon);
+    if slope < 0.0 { g[0] / -slope } else { f64::INFINITY }
+}
+
+/// What is watched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Kind {
+    /// A flight between two barriers.
+    Flight,
+    /// The force that holds a mass on a barrier.
+    Rest(Barrier),
+}
+
+/// What a step found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Step {
+    /// No contact within the window.
+    Clear,
+    /// None before `tau`.
+    Later,
+    /// A contact, at `tau`.
+    Hit,
+}
+
+/// One side of a step.
+enum Side {
+    Ahead(f64),
+    Contact(f64),
+}
+
+fn side(f: f64, slope: f64, bend: f64, margin: f64, tau: f64) -> Side {
+    let step = safe_step(f, slope, bend);
+    if slope < 0.0 && (f <= margin || step <= ROUNDING * tau) {
+        // Newton's last step, of either sign, is below the rounding margin of the approach.
+        return Side::Contact(f / -slope);
+    }
+    if f <= 0.0 && step <= ROUNDING * tau {
+        return Side::Contact(0.0);
+    }
+    Side::Ahead(step)
+}
+
+/// A mass followed towards its first contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Watch {
+    pub(crate) site: usize,
+    pub(crate) kind: Kind,
+    /// No contact before this time, counted from the origin of the series.
+    pub(crate) tau: f64,
+    /// Set once the contact is found, at `tau`.
+    pub(crate) hit: Option<Barrier>,
+    horizon: f64,
+    order: usize,
+    /// Taylor coefficients of the displacement relative to its reference, or of the force.
+    pub(crate) c: [f64; MAX_ORDER + 1],
+    lower: f64,
+    upper: f64,
+    /// Bounds: second derivative ≤ `bend_up`, −(second derivative) ≤ `bend_down`.
+    bend_up: f64,
+    bend_down: f64,
+    /// Rounding of the force on a mass at rest.
+    margin: f64,
+}
+
+impl Watch {
+    /// A flight with coefficients `c` of `order` over `horizon`, barriers relative to the reference.
+    pub(crate) fn flight(
+        site: usize,
+        c: [f64; MAX_ORDER + 1],
+        order: usize,
+        horizon: f64,
+        barriers: (f64, f64),
+        contact: Contact,
+    ) -> Self {
+        let (lower, upper) = barriers;
+        let mut watch = Self {
+            site,
+            kind: Kind::Flight,
+            tau: 0.0,
+            hit: None,
+            horizon,
+            order,
+            c,
+            lower,
+            upper,
+            bend_up: 0.0,
+            bend_down: 0.0,
+            margin: 0.0,
+        };
+        watch.bend();
+        if let Contact::Leaving(barrier, m) = contact
+            && m > 1
+        {
+            let inward = -barrier.sign();
+            let m = usize::from(m);
+            let mut g = [0.0; MAX_ORDER + 1];
+            for (g, c) in g.iter_mut().zip(&c[m..=order]) {
+                *g = inward * c;
+            }
+            let leaving = departure(&g[..=order - m], horizon);
+            let across = match barrier {
+                Barrier::Lower => safe_step(upper - c[0], -c[1], watch.bend_up),
+                Barrier::Upper => safe_step(c[0] - lower, c[1], watch.bend_down),
+            };
+            watch.tau = leaving.min(across).max(0.0);
+        }
+        watch
+    }
+
+    /// A mass at rest; its force, positive while it presses, is filled in by the expansion before [`Watch::prepare`].
+    pub(crate) fn rest(site: usize, barrier: Barrier, order: usize, horizon: f64, margin: f64) -> Self {
+        Self {
+            site,
+            kind: Kind::Rest(barrier),
+            tau: 0.0,
+            hit: None,
+            horizon,
+            order: order - 2,
+            c: [0.0; MAX_ORDER + 1],
+            lower: 0.0,
+            upper: f64::INFINITY,
+            bend_up: 0.0,
+            bend_down: 0.0,
+            margin,
+        }
+    }
+
+    /// Takes the coefficient `k` of the acceleration that a mass at rest is denied: outward, it presses.
+    pub(crate) fn press(&mut self, k: usize, coefficient: f64) {
+        if let Kind::Rest(barrier) = self.kind {
+            self.c[k] = barrier.sign() * coefficient;
+        }
+    }
+
+    /// Bounds the force of a mass at rest; the first time before which it does not leave, infinite if it stays for
+    /// the whole window.
+    pub(crate) fn prepare(&mut self) -> f64 {
+        let c = &mut self.c[..=self.order];
+        if c[0] <= self.margin {
+            // The force starts at zero, to rounding: what it does next is in its first term that does not vanish.
+            c[0] = 0.0;
+            match c.iter().position(|&c| c != 0.0) {
+                None => return f64::INFINITY,
+                Some(m) if c[m] > 0.0 => self.tau = departure(&self.c[m..=self.order], self.horizon),
+                Some(_) => {}
+            }
+        } else if bound::polynomial(c, self.horizon).1 > self.margin {
+            return f64::INFINITY;
+        }
+        self.bend();
+        if self.tau == 0.0 && self.c[0] > 0.0 {
+            return safe_step(self.c[0], self.c[1], self.bend_down);
+        }
+        self.tau
+    }
+
+    fn bend(&mut self) {
+        let mut second = [0.0; MAX_ORDER + 1];
+        for k in 2..=self.order {
+            second[k - 2] = (k * (k - 1)) as f64 * self.c[k];
+        }
+        let (up, down) = bound::polynomial(&second[..=self.order - 2], self.horizon);
+        (self.bend_up, self.bend_down) = (up, -down);
+    }
+
+    /// Value and slope at `tau`.
+    fn value(&self) -> (f64, f64) {
+        let t = self.tau;
+        let (mut value, mut slope) = (0.0, 0.0);
+        for &c in self.c[1..=self.order].iter().rev() {
+            // value·t + c, one order short of the end: the constant is added last, to the smaller sum.
+            slope = slope * t + value;
+            value = value * t + c;
+        }
+        slope = slope * t + value;
+        (self.c[0] + value * t, slope)
+    }
+
+    /// One certified step.
+    pub(crate) fn step(&mut self) -> Step {
+        if self.tau > self.horizon {
+            return Step::Clear;
+        }
+        let (x, slope) = self.value();
+        let t = self.tau;
+        let (step, barrier) = match self.kind {
+            Kind::Rest(barrier) => {
+                if t == 0.0 && x <= 0.0 {
+                    self.hit = Some(barrier);
+                    return Step::Hit;
+                }
+                (side(x, slope, self.bend_down, self.margin, t), barrier)
+            }
+            Kind::Flight => {
+                let margin = ROUNDING * (self.c[0].abs() + (self.c[1].abs() + self.c[2].abs() * t) * t);
+                let up = side(self.upper - x, -slope, self.bend_up, margin, t);
+                let down = side(x - self.lower, slope, self.bend_down, margin, t);
+                match (up, down) {
+                    (Side::Contact(d), _) => (Side::Contact(d), Barrier::Upper),
+                    (_, Side::Contact(d)) => (Side::Contact(d), Barrier::Lower),
+                    (Side::Ahead(up), Side::Ahead(down)) => (Side::Ahead(up.min(down)), Barrier::Upper),
+                }
+            }
+        };
+        match step {
+            Side::Contact(d) => {
+                let tau = t + d;
+                self.tau = if tau > 0.0 { tau } else { 0.0 };
+                self.hit = Some(barrier);
+                Step::Hit
+            }
+            Side::Ahead(d) => {
+                self.tau = t + d;
+                if self.tau > self.horizon { Step::Clear } else { Step::Later }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flight(c: &[f64], horizon: f64, contact: Contact, barriers: (f64, f64)) -> (Option<(Barrier, f64)>, u32) {
+        let mut coefficients = [0.0; MAX_ORDER + 1];
+        coefficients[..c.len()].copy_from_slice(c);
+        let mut watch = Watch::flight(0, coefficients, 10, horizon, barriers, contact);
+        for steps in 0..200 {
+            match watch.step() {
+                Step::Clear => return (None, steps),
+                Step::Hit => return (watch.hit.map(|b| (b, watch.tau)), steps),
+                Step::Later => {}
+            }
+        }
+        panic!("no end: {watch:?}");
+    }
+
+    #[test]
+    fn a_peak_just_beyond_a_barrier_is_found_and_one_just_before_is_not() {
+        // x = 1 + h − (s−1)²: between the barriers −1 and 1 it touches at 1 − √h.
+        for (h, hit) in [(1e-6, true), (1e-13, true), (-1e-13, false), (-1e-6, false)] {
+            let (found, steps) = flight(&[h, 2.0, -1.0], 1.9, Contact::Free, (-1.0, 1.0));
+            assert_eq!(found.is_some(), hit, "{h}");
+            if let Some((barrier, time)) = found {
+                assert_eq!(barrier, Barrier::Upper);
+                // Rounding of 4 ε in x moves a root of slope 2√h by 2ε/√h.
+                assert!((time - (1.0 - h.sqrt())).abs() < 8.0 * f64::EPSILON / h.sqrt(), "{h} {time}");
+            }
+            assert!(steps < 80, "{steps}");
+        }
+    }
+
+    #[test]
+    fn known_zeros_are_not_found_again() {
+        // Off the upper barrier (at 0) with v = −1e-13 and curvature ½: back at 4e-13 to full relative accuracy.
+        let (found, _) = flight(&[0.0, -1e-13, 0.25], 1.0, Contact::Leaving(Barrier::Upper, 1), (-2.0, 0.0));
+        assert!((found.unwrap().1 / 4e-13 - 1.0).abs() < 1e-14);
+        // After a release: −s³ + s⁴/2 comes back at s = 2.
+        let release = Contact::Leaving(Barrier::Upper, 3);
+        let (found, _) = flight(&[0.0, 0.0, 0.0, -1.0, 0.5], 2.5, release, (-2.0, 0.0));
+        assert!((found.unwrap().1 - 2.0).abs() < 1e-14);
+        let (found, _) = flight(&[0.0, 0.0, 0.0, -1.0, 0.5], 1.9, release, (-2.0, 0.0));
+        assert_eq!(found, None);
+    }
+
+    #[test]
+    fn convergence_is_quadratic() {
+        let (found, steps) = flight(&[0.0, 0.9, 0.4, -0.3, 0.05, 0.01], 1.5, Contact::Free, (-1.0, 1.0));
+        assert!(found.is_some() && steps <= 8, "{steps}");
+    }
+}
