@@ -94,9 +94,13 @@ pub(crate) struct Engine {
     fractions: [f64; MAX_ORDER + 1],
     version: Vec<u32>,
     slot: Vec<u32>,
-    watches: Vec<Watch>,
+    pub(crate) watches: Vec<Watch>,
     queue: BinaryHeap<Entry>,
-    soft: Vec<(usize, u8)>,
+    /// Work space of an expansion, of a part of the ring, and of the parts themselves.
+    pub(crate) soft: Vec<(usize, u8)>,
+    pub(crate) resting_columns: Vec<usize>,
+    pub(crate) part_rows: Rows,
+    pub(crate) parts: Vec<(usize, usize)>,
     x_next: Vec<f64>,
     v_next: Vec<f64>,
 }
@@ -128,6 +132,9 @@ impl Engine {
             watches: Vec::new(),
             queue: BinaryHeap::new(),
             soft: Vec::new(),
+            resting_columns: Vec::new(),
+            part_rows: Rows::default(),
+            parts: Vec::new(),
             x_next: vec![0.0; sites],
             v_next: vec![0.0; sites],
             units,
@@ -201,21 +208,15 @@ impl Engine {
         let tail = bound::tail(&self.rows, sites, &self.units, horizon);
         for base in (0..sites).step_by(LANES) {
             let bounds = bound::group(&self.rows, base, bound::TAIL, tail, &self.fractions);
-            self.sift(&bounds, base, 0..LANES.min(sites - base), |base, lane| base + lane);
+            self.sift(&bounds, 0..LANES.min(sites - base), |lane| base + lane);
         }
         self.work.bounds += sites as u64;
     }
 
     /// Queues those of eight masses that their bounds do not clear.
-    pub(crate) fn sift(
-        &mut self,
-        bounds: &bound::Group,
-        base: usize,
-        lanes: std::ops::Range<usize>,
-        site: impl Fn(usize, usize) -> usize,
-    ) {
+    pub(crate) fn sift(&mut self, bounds: &bound::Group, lanes: std::ops::Range<usize>, site: impl Fn(usize) -> usize) {
         for lane in lanes {
-            let n = site(base, lane);
+            let n = site(lane);
             let (x, reference) = (self.ring.x[n], self.ring.reference[n]);
             let (lower, upper) = (self.units.lower - reference, self.units.upper - reference);
             if x + bounds.rise[lane] < upper - CLEARANCE && x + bounds.fall[lane] > lower + CLEARANCE {
@@ -256,14 +257,6 @@ impl Engine {
         let horizon = self.horizon - self.origin[n];
         self.slot[n] = self.watches.len() as u32;
         self.watches.push(Watch::rest(n, barrier, order, horizon, 4.0 * f64::EPSILON * size));
-    }
-
-    pub(crate) fn watches_mut(&mut self) -> (&mut [Watch], &mut Rows, &Units, &Ring) {
-        (&mut self.watches, &mut self.rows, &self.units, &self.ring)
-    }
-
-    pub(crate) fn watch_count(&self) -> usize {
-        self.watches.len()
     }
 
     /// Bounds and queues the force of a mass at rest.

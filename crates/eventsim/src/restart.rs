@@ -10,17 +10,132 @@
 use crate::bound;
 use crate::collision::Change;
 use crate::engine::Engine;
-use crate::series::{Extent, LANES, Rows, Weights};
+use crate::series::{Extent, LANES};
 use crate::units::MAX_ORDER;
+
+/// Least number of neighbours restarted on either side: the derivatives that decide a contact look two masses far.
+const LEAST_REACH: usize = 3;
+
+/// A part of the ring: first site and number of masses.
+type Part = (usize, usize);
 
 impl Engine {
     /// Restarts the flight at `s` since the base with the contacts in `due`. True if the base has moved to `s`.
     pub(crate) fn restart(&mut self, s: f64, changes: &mut Vec<Change>) -> bool {
         self.note_event(s);
-        self.rebase(s);
-        self.collide(0.0, changes);
-        self.begin_window();
+        let reach = self.units.reach(self.horizon - s, self.fastest.max(1.0)).max(LEAST_REACH);
+        let mut parts = std::mem::take(&mut self.parts);
+        let apart = self.split(reach, &mut parts);
+        if apart {
+            for &(start, length) in &parts {
+                for i in 0..length {
+                    self.carry((start + i) % self.ring.sites(), s);
+                }
+            }
+            self.collide(s, changes);
+            for &part in &parts {
+                self.expand_part(part, s);
+            }
+        } else {
+            self.rebase(s);
+            self.collide(0.0, changes);
+            self.begin_window();
+        }
+        self.parts = parts;
+        !apart
+    }
+
+    /// The parts of the ring within `reach` of the contacts that are due, merged where less than a mass is between
+    /// them. False if they make up so much of the ring that all of it had better be restarted.
+    fn split(&self, reach: usize, parts: &mut Vec<Part>) -> bool {
+        parts.clear();
+        let (sites, due) = (self.ring.sites(), &self.due);
+        if (2 * reach + 1).saturating_mul(due.len()).saturating_mul(2) > sites {
+            return false;
+        }
+        // Distance from a contact to the next around the ring; a part begins after a wide one.
+        let count = due.len();
+        let gap = |i: usize| {
+            let (from, to) = (due[i].site, due[(i + 1) % count].site);
+            if to > from { to - from } else { to + sites - from }
+        };
+        let wide = |i: usize| gap(i) > 2 * reach + 2;
+        let Some(cut) = (0..count).find(|&i| wide(i)) else { return false };
+        let mut length = 0;
+        let mut start = None;
+        for i in (0..count).map(|i| (cut + 1 + i) % count) {
+            let first = *start.get_or_insert((due[i].site + sites - reach) % sites);
+            length += 1;
+            if wide(i) {
+                parts.push((first, length + 2 * reach));
+                start = None;
+                length = 0;
+            } else {
+                length += gap(i) - 1;
+            }
+        }
         true
+    }
+
+    /// New series, bounds and watches for a part whose masses are at `s`.
+    fn expand_part(&mut self, part: Part, s: f64) {
+        let (start, length) = part;
+        let sites = self.ring.sites();
+        let site = |i: usize| if start + i < sites { start + i } else { start + i - sites };
+        let order = self.rows.order;
+        self.work.restarts += 1;
+        let mut rows = std::mem::take(&mut self.part_rows);
+        rows.reset(length);
+        for (column, n) in [(0, site(sites - 1)), (length + 1, site(length))] {
+            let mut edge = [0.0; MAX_ORDER + 1];
+            let lapse = s - self.origin[n];
+            if self.weights.high[1] != lapse {
+                self.weights.plain(lapse, order, &self.units.inverse_factorial);
+            }
+            self.rows.shifted(n, self.ring.position(n), &self.weights, &mut edge);
+            for k in 0..=order {
+                rows.data[k * rows.stride + column] = edge[k];
+            }
+        }
+        let (mut resting, mut soft) = (std::mem::take(&mut self.resting_columns), std::mem::take(&mut self.soft));
+        resting.clear();
+        soft.clear();
+        let first_watch = self.watches.len();
+        for i in 0..length {
+            let n = site(i);
+            rows.set(0, i, self.ring.position(n));
+            rows.set(1, i, self.ring.v[n]);
+            self.invalidate(n);
+            if self.ring.is_resting(n) {
+                resting.push(i);
+                self.watch_rest(n, order);
+            }
+            if let Some(first) = self.ring.soft_departure(n) {
+                soft.push((i, first));
+            }
+        }
+        let watches = &mut self.watches[first_watch..];
+        let inverse = &self.units.inverse_factorial;
+        let pressed = |i: usize, k: usize, value: f64| watches[i].press(k, value * inverse[k]);
+        let extent = Extent { columns: length, closed: false, resting: &resting, soft: &soft };
+        rows.expand(extent, &self.units, &self.force, order, pressed);
+        for &i in &resting {
+            self.queue_rest(site(i));
+        }
+        for k in 1..=order {
+            let from = rows.row(k, 0);
+            for i in 0..length {
+                self.rows.set(k, site(i), from[i]);
+            }
+        }
+        let fractions = bound::fractions(self.horizon - s);
+        for base in (0..length).step_by(LANES) {
+            // A part has no tail bound of its own: the pass starts at the top.
+            let bounds = bound::group(&rows, base, order + 1, 0.0, &fractions);
+            self.sift(&bounds, 0..LANES.min(length - base), |lane| site(base + lane));
+        }
+        self.work.bounds += length as u64;
+        (self.part_rows, self.resting_columns, self.soft) = (rows, resting, soft);
     }
 
     /// Takes note of an event at `s` since the base: a mean over some sixteen events; the rate is its inverse.

@@ -90,7 +90,7 @@ pub(crate) struct Extent<'a> {
 }
 
 /// Rows of derivatives, d_0 … d_K.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Rows {
     pub(crate) data: Vec<f64>,
     pub(crate) stride: usize,
@@ -99,8 +99,9 @@ pub(crate) struct Rows {
 
 impl Rows {
     pub(crate) fn new(columns: usize) -> Self {
-        let stride = (columns + 2).next_multiple_of(LANES) + LANES;
-        Self { data: vec![0.0; stride * (MAX_ORDER + 1)], stride, order: 0 }
+        let mut rows = Self::default();
+        rows.reset(columns);
+        rows
     }
 
     /// d_k of column `n`.
@@ -237,9 +238,12 @@ impl Rows {
             own[k] = self.get(k, n);
         }
         own[0] = u;
-        for k in 0..=self.order {
-            let terms = &own[k..=self.order];
-            out[k] = terms.iter().zip(&weights.high).rev().map(|(d, w)| d * w).sum();
+        out.fill(0.0);
+        for j in (0..=self.order).rev() {
+            let w = weights.high[j];
+            for (out, d) in out.iter_mut().zip(&own[j..=self.order]) {
+                *out += w * d;
+            }
         }
     }
 }
