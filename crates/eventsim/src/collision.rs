@@ -23,6 +23,7 @@
 
 use crate::engine::{Due, Engine};
 use crate::event::EventKind;
+use crate::time::two_sum;
 use vibrochain_lattice::Barrier;
 
 /// An accumulation of impacts is completed at its limit when so much time is left of it, in units of
@@ -77,7 +78,9 @@ impl Engine {
             return;
         }
         let position = self.units.barrier(barrier);
-        let gap = (position - self.ring.reference[site]) - self.ring.x[site];
+        // The distance between the barriers is no floating-point number; its rounding would count at every crossing.
+        let (distance, rest) = two_sum(position, -self.ring.reference[site]);
+        let gap = (distance - self.ring.x[site]) + rest;
         let acceleration = self.ring.derivative(&self.units, &self.force, site, 2);
         let before = speed_at_barrier(barrier, self.ring.v[site], gap, acceleration);
         let after = 0.0 - self.units.restitution * before;

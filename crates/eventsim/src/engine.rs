@@ -11,7 +11,7 @@ use std::collections::BinaryHeap;
 use crate::bound;
 use crate::event::Work;
 use crate::ring::{Contact, Ring};
-use crate::series::{Extent, LANES, Rows, Weights};
+use crate::series::{Extent, LANES, NOTHING, Rows, TWO_WORDS, Weights};
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, ORDERS, Units};
 use crate::watch::{Kind, Step, Watch, safe_step};
@@ -26,6 +26,10 @@ const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
 
 /// Cost of restarting a mass in the middle of a window relative to its share of a whole window; measured.
 const RESTART_COST: f64 = 2.0;
+
+/// On rings this small the rounding errors of every mass repeat with every impact, not only those of the mass that
+/// leaves a barrier.
+const FEW: usize = 4;
 
 const NONE: u32 = u32::MAX;
 
@@ -86,6 +90,11 @@ pub(crate) struct Engine {
     pub(crate) weights: Weights,
     /// Events a unit of internal time, a running mean.
     pub(crate) event_rate: f64,
+    /// State of the generator that spreads the instants of restarts.
+    pub(crate) seed: u64,
+    /// Masses that leave a barrier, and what rounding took from their series.
+    departures: Vec<usize>,
+    lost: Vec<(usize, [f64; TWO_WORDS])>,
     /// Time since the last event, at the base.
     pub(crate) since_event: f64,
     /// Horizons of all orders, for velocities up to `horizons_for`.
@@ -123,6 +132,9 @@ impl Engine {
             force: [0.0; MAX_ORDER + 1],
             weights: Weights::zero(),
             event_rate: 0.0,
+            seed: 1,
+            departures: Vec::new(),
+            lost: Vec::new(),
             since_event: 0.0,
             horizons,
             horizons_for: fastest,
@@ -204,6 +216,14 @@ impl Engine {
             self.queue_rest(n);
         }
         self.ring.resting = resting;
+        self.departures.clear();
+        if sites <= FEW {
+            self.departures.extend(0..sites);
+        } else {
+            self.ring.departures(&mut self.departures);
+        }
+        self.lost.clear();
+        self.lost.extend(self.departures.iter().map(|&n| (n, self.rows.lost(n, &self.units))));
         self.fractions = bound::fractions(horizon);
         let tail = bound::tail(&self.rows, sites, &self.units, horizon);
         for base in (0..sites).step_by(LANES) {
@@ -350,10 +370,16 @@ impl Engine {
         let order = self.rows.order;
         self.weights.precise(s, order, &self.units.inverse_factorial);
         self.rows.at_all(&self.ring.x, &self.weights, &mut self.x_next, &mut self.v_next);
+        for (n, lost) in &self.lost {
+            // For a mass restarted since, it has served its turn.
+            if self.origin[*n] == 0.0 {
+                (self.x_next[*n], self.v_next[*n]) = self.rows.at(*n, self.ring.x[*n], &self.weights, lost);
+            }
+        }
         let mut moved = std::mem::take(&mut self.moved);
         for n in moved.drain(..) {
             self.weights.plain(s - self.origin[n], order, &self.units.inverse_factorial);
-            (self.x_next[n], self.v_next[n]) = self.rows.at(n, self.ring.x[n], &self.weights);
+            (self.x_next[n], self.v_next[n]) = self.rows.at(n, self.ring.x[n], &self.weights, &NOTHING);
             self.origin[n] = 0.0;
         }
         self.moved = moved;
@@ -372,7 +398,7 @@ impl Engine {
         self.rows.at_all(&self.ring.x, &weights, x, v);
         for &n in &self.moved {
             weights.plain(s - self.origin[n], order, &self.units.inverse_factorial);
-            (x[n], v[n]) = self.rows.at(n, self.ring.x[n], &weights);
+            (x[n], v[n]) = self.rows.at(n, self.ring.x[n], &weights, &NOTHING);
         }
     }
 
@@ -383,7 +409,7 @@ impl Engine {
             if self.weights.high[1] != lapse {
                 self.weights.plain(lapse, self.rows.order, &self.units.inverse_factorial);
             }
-            (self.ring.x[n], self.ring.v[n]) = self.rows.at(n, self.ring.x[n], &self.weights);
+            (self.ring.x[n], self.ring.v[n]) = self.rows.at(n, self.ring.x[n], &self.weights, &NOTHING);
             self.ring.settle(n);
             if self.origin[n] == 0.0 {
                 self.moved.push(n);

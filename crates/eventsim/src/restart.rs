@@ -16,13 +16,20 @@ use crate::units::MAX_ORDER;
 /// Least number of neighbours restarted on either side: the derivatives that decide a contact look two masses far.
 const LEAST_REACH: usize = 3;
 
+/// How far from the computed instant, relative to its distance from the base, a restart may take place: the rounding
+/// of that instant. A breather repeats its flights to the bit, and rounding errors that repeat add up; spread over the
+/// neighbouring instants they average out. The impact law corrects for the distance left to the barrier.
+const DITHER: f64 = 8.0 * f64::EPSILON;
+
 /// A part of the ring: first site and number of masses.
 type Part = (usize, usize);
 
 impl Engine {
-    /// Restarts the flight at `s` since the base with the contacts in `due`. True if the base has moved to `s`.
-    pub(crate) fn restart(&mut self, s: f64, changes: &mut Vec<Change>) -> bool {
+    /// Restarts the flight at `s` since the base, not before `floor`, with the contacts in `due`. The instant of the
+    /// restart, and whether the base has moved there.
+    pub(crate) fn restart(&mut self, s: f64, floor: f64, changes: &mut Vec<Change>) -> (f64, bool) {
         self.note_event(s);
+        let s = self.dither(s).max(floor);
         let reach = self.units.reach(self.horizon - s, self.fastest.max(1.0)).max(LEAST_REACH);
         let mut parts = std::mem::take(&mut self.parts);
         let apart = self.split(reach, &mut parts);
@@ -42,7 +49,14 @@ impl Engine {
             self.begin_window();
         }
         self.parts = parts;
-        !apart
+        (s, !apart)
+    }
+
+    /// An instant within rounding of `s`, from a reproducible sequence (Knuth's linear congruential generator).
+    fn dither(&mut self, s: f64) -> f64 {
+        self.seed = self.seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+        let signed = ((self.seed >> 32) as i32) as f64 * 2f64.powi(-31);
+        s + s * (DITHER * signed)
     }
 
     /// The parts of the ring within `reach` of the contacts that are due, merged where less than a mass is between

@@ -103,7 +103,8 @@ impl Ring {
         let mut near = std::mem::take(&mut self.near);
         near.retain(|&n| {
             self.settle(n);
-            let keep = self.x[n].abs() <= FORGET;
+            // At the other barrier, too: it is about to be struck, and the change would round its distance.
+            let keep = (self.x[n].abs() - 1.0).abs() >= 1.0 - FORGET;
             if !keep {
                 self.x[n] += self.reference[n];
                 self.reference[n] = 0.0;
@@ -116,6 +117,11 @@ impl Ring {
     /// Masses that leave a barrier with an order above 1, among all, appended to `out`.
     pub(crate) fn soft_departures(&self, out: &mut Vec<(usize, u8)>) {
         out.extend(self.near.iter().filter_map(|&n| self.soft_departure(n).map(|order| (n, order))));
+    }
+
+    /// Masses that leave a barrier, appended to `out`.
+    pub(crate) fn departures(&self, out: &mut Vec<usize>) {
+        out.extend(self.near.iter().filter(|&&n| matches!(self.contact[n], Contact::Leaving(..))));
     }
 
     /// The order with which mass `n` leaves a barrier, if above 1.

@@ -294,10 +294,11 @@ impl Simulation {
     fn event(&mut self, first: f64, limits: &Limits, observer: &mut impl FnMut(&Event)) -> Option<Outcome> {
         let mut changes = std::mem::take(&mut self.changes);
         changes.clear();
-        if self.engine.restart(first, &mut changes) {
-            self.rebased(first);
+        let (at, moved) = self.engine.restart(first, self.now, &mut changes);
+        if moved {
+            self.rebased(at);
         } else {
-            self.now = first;
+            self.now = at;
         }
         let outcome = self.tell(&changes, limits, observer);
         self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };

@@ -80,7 +80,7 @@ pub(crate) struct Clock {
 const TAU_LOW: f64 = 2.449_293_598_294_706_4e-16;
 
 /// a + b and its rounding error, exactly (Knuth).
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let part = sum - a;
     (sum, (a - (sum - part)) + (b - part))

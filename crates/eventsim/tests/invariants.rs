@@ -1,0 +1,155 @@
+//! What must hold whatever happens: energy, symmetry, periodicity, independence of sampling.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+mod support;
+
+use support::{Random, breather, half_impulses};
+use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
+use vibrochain_lattice::{Barrier, Chain, Model};
+
+fn conservative(sites: usize) -> Model {
+    Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4).unwrap()
+}
+
+/// Relative change of the energy over a million impacts.
+fn drift(model: &Model, u: &[f64], v: &[f64]) -> f64 {
+    let mut simulation = Simulation::new(model, 0.0, u, v).unwrap();
+    let energy = simulation.energy();
+    let report = simulation.run(&Limits::impacts(1_000_000), |_| {});
+    assert_eq!(report.outcome, Outcome::ImpactsReached);
+    (simulation.energy() / energy - 1.0).abs()
+}
+
+#[test]
+fn a_million_impacts_of_a_hot_ring_keep_the_energy() {
+    for sites in [1, 2, 21, 64] {
+        let model = conservative(sites);
+        let (u, v) = Random(sites as u64).state(&model, 2.0);
+        let drift = drift(&model, &u, &v);
+        println!("{sites}: {drift:e}");
+        assert!(drift <= 1e-11, "{sites}: {drift:e}");
+    }
+}
+
+#[test]
+fn a_million_impacts_of_the_breather_keep_its_energy() {
+    let model = conservative(21);
+    let (u, v) = breather(&model);
+    let drift = drift(&model, &u, &v);
+    println!("{drift:e}");
+    assert!(drift <= 1e-11, "{drift:e}");
+}
+
+#[test]
+fn the_breather_of_the_paper_closes_after_one_period() {
+    let model = conservative(21);
+    let [p1, p2] = half_impulses(&model);
+    assert!((p1 - 0.973_939_432_174_328_2).abs() < 1e-14 && (p2 - 0.640_169_940_982_344_7).abs() < 1e-14);
+    let (u, v) = breather(&model);
+    let mut simulation = Simulation::new(&model, 0.0, &u, &v).unwrap();
+    let (_, lower) = simulation.collect(&Limits::until(Time::new(&model, 0, 0.75)));
+    assert_eq!(lower.len(), 1);
+    assert_eq!((lower[0].site, lower[0].barrier), (0, Barrier::Lower));
+    assert!((lower[0].time.to_f64() - 0.5 * model.period()).abs() < 1e-13);
+    assert!((lower[0].velocity_before + p1).abs() < 1e-13);
+    // To just before the second impact on the upper barrier, where the state is that at 0 with v₀ reversed.
+    let (_, events) = simulation.collect(&Limits { impacts: 1, ..Limits::until(Time::new(&model, 1, 0.25)) });
+    assert!((events[0].time.to_f64() - model.period()).abs() < 1e-13);
+    assert!((events[0].velocity_before - p2).abs() < 1e-13);
+    let state = simulation.state();
+    let error = state.displacement.iter().zip(&u).chain(state.velocity.iter().zip(&v));
+    let error = error.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    assert!(error <= 1e-12, "{error:e}");
+}
+
+#[test]
+fn impact_times_of_the_breather_are_right_after_a_hundred_periods() {
+    let model = conservative(21);
+    let (u, v) = breather(&model);
+    let mut simulation = Simulation::new(&model, 0.0, &u, &v).unwrap();
+    let (_, events) = simulation.collect(&Limits::until(Time::new(&model, 100, 0.25)));
+    assert_eq!(events.len(), 200);
+    for (i, event) in events.iter().enumerate() {
+        let half = (i + 1) as u64;
+        let expected = Time::new(&model, half / 2, 0.5 * (half % 2) as f64);
+        let whole = event.time.periods() as f64 - expected.periods() as f64;
+        let error = whole * model.period() + (event.time.offset() - expected.offset());
+        assert!(error.abs() <= 1e-12, "{i}: {error:e}");
+    }
+}
+
+/// Runs a mirror-symmetric state and compares every mass with its image, to the bit.
+fn stays_symmetric(model: &Model, seed: u64, periods: u64) -> u64 {
+    let sites = model.chain().sites();
+    let (mut u, mut v) = Random(seed).state(model, 2.0);
+    for n in 1..sites {
+        (u[n], v[n]) = (u[n.min(sites - n)], v[n.min(sites - n)]);
+    }
+    let mut simulation = Simulation::new(model, 0.1, &u, &v).unwrap();
+    let mut work = simulation.work();
+    for i in 0..periods {
+        work = simulation.run(&Limits::until(Time::new(model, i, 0.37)), |_| {}).work;
+        let state = simulation.state();
+        for n in 1..sites {
+            assert_eq!(state.displacement[n].to_bits(), state.displacement[sites - n].to_bits(), "{sites} {n} at {i}");
+            assert_eq!(state.velocity[n].to_bits(), state.velocity[sites - n].to_bits(), "{sites} {n} at {i}");
+        }
+    }
+    assert!(work.impacts > periods, "no test: {work:?}");
+    work.restarts
+}
+
+#[test]
+fn a_mirror_symmetric_ring_stays_so_to_the_bit() {
+    for (sites, amplitude, e) in [(2, 0.0, 1.0), (9, 0.0, 1.0), (12, 0.8, 0.6), (21, 0.0, 1.0)] {
+        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 0.9, 0.3, amplitude, e).unwrap();
+        stays_symmetric(&model, 11, 200);
+    }
+    for (sites, amplitude, e) in [(80, 0.0, 1.0), (131, 0.5, 0.8)] {
+        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 0.9, 0.3, amplitude, e).unwrap();
+        assert!(stays_symmetric(&model, 7, 40) > 100, "no restart in parts");
+    }
+}
+
+#[test]
+fn looking_changes_nothing() {
+    for sites in [7, 90] {
+        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 0.9, 0.3, 0.7, 0.8).unwrap();
+        let (u, v) = Random(8).state(&model, 2.0);
+        let run = |pieces: u32| -> (Vec<Event>, Vec<f64>) {
+            let mut simulation = Simulation::new(&model, 0.0, &u, &v).unwrap();
+            let mut events = Vec::new();
+            for i in 1..=pieces {
+                let until = Time::new(&model, 0, 5.0 * f64::from(i) / f64::from(pieces));
+                simulation.run(&Limits::until(until), |event| events.push(*event));
+                simulation.state();
+            }
+            (events, simulation.state().displacement)
+        };
+        assert_eq!(run(1), run(997));
+    }
+}
+
+#[test]
+fn time_runs_backwards_without_loss() {
+    // Reversing all velocities of a conservative ring retraces its way, impacts included.
+    for sites in [8, 70] {
+        let model = conservative(sites);
+        let (u, v) = Random(21).state(&model, 1.0);
+        let mut forward = Simulation::new(&model, 0.0, &u, &v).unwrap();
+        let (_, there) = forward.collect(&Limits::until(Time::new(&model, 1, 0.3)));
+        let turned = forward.state();
+        let back: Vec<f64> = turned.velocity.iter().map(|v| -v).collect();
+        let mut backward = Simulation::new(&model, 0.0, &turned.displacement, &back).unwrap();
+        let (_, again) = backward.collect(&Limits::until(Time::new(&model, 1, 0.3)));
+        assert_eq!(there.len(), again.len());
+        for (a, b) in there.iter().zip(again.iter().rev()) {
+            assert_eq!((a.site, a.barrier), (b.site, b.barrier));
+            assert!((a.time.to_f64() + b.time.to_f64() - 1.3 * model.period()).abs() < 1e-9);
+        }
+        let state = backward.state();
+        for (a, b) in u.iter().zip(&state.displacement) {
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+    }
+}
