@@ -72,6 +72,8 @@ pub struct Simulation {
     engine: Engine,
     /// Present time since the base of the engine's window.
     now: f64,
+    /// Time of the latest event since the base; no later one is told with an earlier time.
+    told: f64,
     pending: Vec<Pending>,
     bounces: Vec<Option<Bounces>>,
     changes: Vec<Change>,
@@ -124,6 +126,7 @@ impl Simulation {
             psi,
             engine,
             now: 0.0,
+            told: 0.0,
             pending: Vec::new(),
             bounces: vec![None; displacement.len()],
             changes: Vec::new(),
@@ -261,11 +264,12 @@ impl Simulation {
             let pending = self.pending.iter().map(|p| p.at).fold(f64::INFINITY, f64::min);
             let limit = target.min(horizon).min(pending);
             if let Some(first) = self.engine.next_contacts(limit) {
-                if let Some(outcome) = self.event(first.max(self.now), limits, observer) {
+                if let Some(outcome) = self.event(first, limits, observer) {
                     return outcome;
                 }
             } else if pending <= limit {
                 self.now = self.now.max(pending);
+                self.told = pending;
                 self.tell_pending(pending, observer);
             } else if target <= horizon {
                 self.now = self.now.max(target);
@@ -284,7 +288,7 @@ impl Simulation {
 
     /// What is kept here moves with the base.
     fn rebased(&mut self, by: f64) {
-        self.now = 0.0;
+        (self.now, self.told) = (0.0, 0.0);
         for pending in &mut self.pending {
             pending.at = (pending.at - by).max(0.0);
         }
@@ -294,11 +298,11 @@ impl Simulation {
     fn event(&mut self, first: f64, limits: &Limits, observer: &mut impl FnMut(&Event)) -> Option<Outcome> {
         let mut changes = std::mem::take(&mut self.changes);
         changes.clear();
-        let (at, moved) = self.engine.restart(first, self.now, &mut changes);
+        let (at, moved) = self.engine.restart(first, self.told, &mut changes);
         if moved {
             self.rebased(at);
         } else {
-            self.now = at;
+            (self.now, self.told) = (at, at);
         }
         let outcome = self.tell(&changes, limits, observer);
         self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };

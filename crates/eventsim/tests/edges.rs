@@ -239,7 +239,8 @@ proptest! {
     ) {
         let g1 = if g1 == 0.0 { 0.0 } else { 10f64.powf(g1) };
         let g2 = 10f64.powf(g2);
-        let scale = (g1 + 4.0 * g2).sqrt();
+        // The coupling of a single mass cancels.
+        let scale = (if sites == 1 { g1 } else { g1 + 4.0 * g2 }).sqrt().max(10f64.powf(omega));
         let amplitude = amplitude.map_or(0.0, |a| 10f64.powf(a) * scale * scale);
         let model = forced(sites, g1, g2, 10f64.powf(omega), asymmetry, amplitude, e);
         let (mut u, v) = Random(seed).state(&model, 10f64.powf(speed) * scale);
