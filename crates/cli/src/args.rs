@@ -25,6 +25,8 @@ pub enum Command {
     Sweep(SweepArgs),
     /// All breathers of a family at one point, with their stability.
     Orbit(OrbitArgs),
+    /// Simulate event by event, from a breather or from any state.
+    Simulate(SimulateArgs),
 }
 
 /// Colours of a map.
@@ -120,4 +122,61 @@ pub struct OrbitArgs {
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
+}
+
+/// Direction of a perturbation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Direction {
+    /// Random, by --seed.
+    #[default]
+    Random,
+    /// Along the eigenvector of the leading multiplier.
+    Unstable,
+}
+
+/// Arguments of `mapgen simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// Start on a breather of this family, in the flight before its impact at t = 0.
+    #[arg(long, value_enum, required_unless_present = "state", conflicts_with = "state")]
+    pub family: Option<FamilyName>,
+    /// Start from a state, JSON {"displacement":[…],"velocity":[…]}, at t = 0.
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
+    /// Phase ψ of the force at t = 0, as a time; with --state [default: 0].
+    #[arg(long, value_name = "ψ", requires = "state", allow_negative_numbers = true)]
+    pub psi: Option<f64>,
+    /// Which of several solutions, numbered as `mapgen orbit` lists them [default: the first physical one].
+    #[arg(long, value_name = "K", conflicts_with = "state")]
+    pub solution: Option<usize>,
+    /// The model.
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Perturb the start: largest change of a displacement, or of a velocity over ω.
+    #[arg(long, value_name = "SIZE", conflicts_with = "state", allow_negative_numbers = true)]
+    pub perturb: Option<f64>,
+    /// Direction of the perturbation.
+    #[arg(long, value_enum, default_value_t, requires = "perturb")]
+    pub direction: Direction,
+    /// Seed of a random perturbation.
+    #[arg(long, default_value_t = 1, requires = "perturb")]
+    pub seed: u64,
+    /// Periods of the force to simulate.
+    #[arg(long, value_name = "P", default_value_t = 20)]
+    pub periods: u64,
+    /// Stop after this many impacts.
+    #[arg(long, value_name = "K")]
+    pub max_impacts: Option<u64>,
+    /// Table of all events (CSV): time, site, barrier, velocity_before, velocity_after, kind (impact, stick, release).
+    #[arg(long, value_name = "FILE")]
+    pub impacts: Option<PathBuf>,
+    /// Table of displacements and velocities of all masses (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub trajectory: Option<PathBuf>,
+    /// Samples a period of tables and pictures.
+    #[arg(long, value_name = "S", default_value_t = 64)]
+    pub samples: u64,
+    /// Picture of the run, .png or .svg: the impacting mass over the analytic orbit, all masses in space and time.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
 }

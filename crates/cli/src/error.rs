@@ -17,6 +17,9 @@ pub enum CliError {
     /// Stopped by Ctrl-C or SIGTERM; exit code 130.
     #[error("interrupted: nothing was written")]
     Interrupted,
+    /// The same, with what was done until then on disk.
+    #[error("interrupted: the files hold the run up to here")]
+    Stopped,
 }
 
 impl CliError {
@@ -25,7 +28,7 @@ impl CliError {
         match self {
             Self::Request(_) => 2,
             Self::Computation(_) => 1,
-            Self::Interrupted => 130,
+            Self::Interrupted | Self::Stopped => 130,
         }
     }
 

@@ -7,7 +7,8 @@
 //! | `cell`, `sweep` | one cell, all cells |
 //! | `table`, `manifest`, `output` | the files a sweep writes |
 //! | `plot` | pictures (feature `plot`) |
-//! | `sweep_command`, `orbit_command` | the subcommands |
+//! | `start` | where a simulation starts |
+//! | `sweep_command`, `orbit_command`, `simulate_command`, `validate_command` | the subcommands |
 
 pub mod args;
 pub mod cell;
@@ -19,6 +20,8 @@ pub mod parameter;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod scene;
+pub mod simulate_command;
+pub mod start;
 pub mod sweep;
 pub mod sweep_command;
 pub mod table;

@@ -5,13 +5,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use vibrochain_cli::args::{Cli, Command};
-use vibrochain_cli::{orbit_command, sweep_command};
+use vibrochain_cli::{orbit_command, simulate_command, sweep_command};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Sweep(args) => sweep_command::run(args),
         Command::Orbit(args) => orbit_command::run(args),
+        Command::Simulate(args) => simulate_command::run(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -26,6 +26,15 @@ pub fn model(args: &ModelArgs) -> Result<Model, CliError> {
     Ok(Point { sites, values }.model()?)
 }
 
+/// The family of that name.
+pub fn family(name: FamilyName) -> Family {
+    match name {
+        FamilyName::DoubleSided => Family::DoubleSided,
+        FamilyName::SingleSided => Family::SingleSided,
+        FamilyName::PeriodDoubled => Family::PeriodDoubled,
+    }
+}
+
 /// One orbit with all that is said about it.
 struct Solution {
     orbit: Orbit,
@@ -39,11 +48,7 @@ struct Solution {
 /// [`CliError`]; that there is no orbit is an answer.
 pub fn run(args: &OrbitArgs) -> Result<(), CliError> {
     let model = model(&args.model)?;
-    let family = match args.family {
-        FamilyName::DoubleSided => Family::DoubleSided,
-        FamilyName::SingleSided => Family::SingleSided,
-        FamilyName::PeriodDoubled => Family::PeriodDoubled,
-    };
+    let family = family(args.family);
     let tolerance = match args.threshold {
         None => Tolerance::Rounding,
         Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,

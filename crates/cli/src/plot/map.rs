@@ -19,6 +19,8 @@ const TARGET: usize = 900;
 const MOST: usize = 6000;
 
 const LEFT: u32 = 90;
+/// Air between the edge of the picture and the name of the y axis.
+const EDGE: u32 = 12;
 const RIGHT: u32 = 300;
 const TOP: u32 = 64;
 const BOTTOM: u32 = 74;
@@ -177,7 +179,8 @@ impl Drawing for Sheet<'_> {
             .margin_right(total_width - LEFT - width)
             .margin_bottom(total_height - TOP - BOTTOM - height)
             .x_label_area_size(BOTTOM)
-            .y_label_area_size(LEFT)
+            .margin_left(EDGE)
+            .y_label_area_size(LEFT - EDGE)
             .build_cartesian_2d(span(&scene.x, self.layout.columns), span(&scene.y, self.layout.rows))
             .map_err(PlotError::from)?;
         chart

@@ -4,8 +4,10 @@ mod canvas;
 mod map;
 mod orbit;
 mod palette;
+mod run;
 
 pub use canvas::{Format, PlotError};
 pub use map::{MapPicture, map_picture};
 pub use orbit::{OrbitPanels, orbit_picture};
 pub use palette::{Palette, Tile};
+pub use run::{RunPicture, run_picture};
