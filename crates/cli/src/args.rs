@@ -27,6 +27,8 @@ pub enum Command {
     Orbit(OrbitArgs),
     /// Simulate event by event, from a breather or from any state.
     Simulate(SimulateArgs),
+    /// Print the table of closed forms against simulation (docs/validation.md).
+    Validate(ValidateArgs),
 }
 
 /// Colours of a map.
@@ -179,4 +181,12 @@ pub struct SimulateArgs {
     /// Picture of the run, .png or .svg: the impacting mass over the analytic orbit, all masses in space and time.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+}
+
+/// Arguments of `mapgen validate`.
+#[derive(Debug, Args)]
+pub struct ValidateArgs {
+    /// File to write instead of standard output (Markdown).
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }

@@ -25,3 +25,4 @@ pub mod start;
 pub mod sweep;
 pub mod sweep_command;
 pub mod table;
+pub mod validate_command;

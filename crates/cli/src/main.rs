@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use vibrochain_cli::args::{Cli, Command};
-use vibrochain_cli::{orbit_command, simulate_command, sweep_command};
+use vibrochain_cli::{orbit_command, simulate_command, sweep_command, validate_command};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -13,6 +13,7 @@ fn main() -> ExitCode {
         Command::Sweep(args) => sweep_command::run(args),
         Command::Orbit(args) => orbit_command::run(args),
         Command::Simulate(args) => simulate_command::run(args),
+        Command::Validate(args) => validate_command::run(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -129,7 +129,9 @@ fn starting_point(args: &SimulateArgs, model: &Model) -> Result<(Start, Option<O
         }
         (_, _, Some(reason)) => return Err(CliError::Computation(format!("no orbit to start from: {reason}"))),
         _ => {
-            return Err(CliError::Computation(format!("no orbit to start from: none of {count} solutions is physical")));
+            return Err(CliError::Computation(format!(
+                "no orbit to start from: none of {count} solutions is physical"
+            )));
         }
     };
     let mut start = Start::on(&orbit)?;

@@ -13,11 +13,19 @@ const SMALL: usize = 42;
 /// QR sweeps per eigenvalue after which nalgebra is told to give up; a handful is usual.
 const SWEEPS: usize = 60;
 
-/// All eigenvalues of `matrix`, unordered, appended to `values`.
+/// All eigenvalues of a matrix, unordered, appended to `values`.
 ///
 /// # Errors
 /// [`FloquetError::NotConverged`], also for a matrix that is not finite, on which the iterations would never end.
-pub(crate) fn eigenvalues(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Result<(), FloquetError> {
+///
+/// ```
+/// use vibrochain_floquet::{Square, eigenvalues};
+/// let mut values = Vec::new();
+/// eigenvalues(&Square::from_rows(2, vec![0.0, -1.0, 1.0, 0.0]).unwrap(), &mut values)?;
+/// assert!(values.iter().all(|value| value.re.abs() < 1e-15 && (value.im.abs() - 1.0).abs() < 1e-15));
+/// # Ok::<(), vibrochain_floquet::FloquetError>(())
+/// ```
+pub fn eigenvalues(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Result<(), FloquetError> {
     let dimension = matrix.size();
     let failed = FloquetError::NotConverged { dimension };
     if !matrix.is_finite() {

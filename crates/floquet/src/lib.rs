@@ -43,6 +43,7 @@ mod square;
 mod verdict;
 
 pub use analyser::{Analyser, Stability, stability};
+pub use eigen::eigenvalues;
 pub use eigenvectors::{FloquetMode, leading_modes};
 pub use error::FloquetError;
 pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};

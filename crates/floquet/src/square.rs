@@ -13,6 +13,11 @@ impl Square {
         Self { size, entries: vec![0.0; size * size] }
     }
 
+    /// The matrix with these entries, row after row; `None` unless there are `size`² of them.
+    pub fn from_rows(size: usize, entries: Vec<f64>) -> Option<Self> {
+        (Some(entries.len()) == size.checked_mul(size)).then_some(Self { size, entries })
+    }
+
     /// The unit matrix.
     pub fn identity(size: usize) -> Self {
         let mut unit = Self::zeros(size);
