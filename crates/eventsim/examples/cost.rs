@@ -11,6 +11,9 @@ use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
 /// changes them below 1e-6).
 const IMPULSES: [f64; 2] = [0.973_939_432_174_328_2, 0.640_169_940_982_344_7];
 
+/// Measurements of each case.
+const REPEATS: u64 = 8;
+
 type Failure = Box<dyn std::error::Error>;
 
 /// State just after the impact at t = 0.
@@ -41,7 +44,7 @@ fn hot(model: &Model) -> (Vec<f64>, Vec<f64>) {
     };
     let sites = model.chain().sites();
     let u = (0..sites).map(|_| model.asymmetry() + random() - 0.5).collect();
-    let v = (0..sites).map(|_| 5.0 * random() - 2.5).collect();
+    let v = (0..sites).map(|_| 2.6 * random() - 1.3).collect();
     (u, v)
 }
 
@@ -50,15 +53,19 @@ fn main() -> Result<(), Failure> {
     for sites in [21, 100, 1000, 10_000] {
         let model = Model::conservative(Chain::new(sites, 0.2, 0.1)?, 1.5, 0.4)?;
         for (name, (u, v)) in [("breather", breather(&model)?), ("hot", hot(&model))] {
-            let periods = (2_000_000 / sites as u64 / if name == "hot" { 20 } else { 2 }).max(10);
+            let periods = (500_000 / sites as u64 / if name == "hot" { 20 } else { 2 }).max(5);
             let mut simulation = Simulation::new(&model, 0.0, &u, &v)?;
-            simulation.run(&Limits::until(Time::new(&model, periods / 10 + 1, 0.0)), |_| {});
-            let before = simulation.work();
-            let end = Limits::until(Time::new(&model, periods / 10 + 1 + periods, 0.0));
-            let start = Instant::now();
-            let report = simulation.run(&end, |_| {});
-            let time = start.elapsed().as_secs_f64() * 1e6 / periods as f64;
-            let per = |after: u64, before: u64| (after - before) as f64 / periods as f64;
+            let mut report = simulation.run(&Limits::until(Time::new(&model, 5, 0.0)), |_| {});
+            let before = report.work;
+            // The least of several measurements is the one least disturbed by the machine's other work.
+            let mut time = f64::INFINITY;
+            for i in 1..=REPEATS {
+                let end = Limits::until(Time::new(&model, 5 + i * periods, 0.0));
+                let start = Instant::now();
+                report = simulation.run(&end, |_| {});
+                time = time.min(start.elapsed().as_secs_f64() * 1e6 / periods as f64);
+            }
+            let per = |after: u64, before: u64| (after - before) as f64 / (REPEATS * periods) as f64;
             let work = report.work;
             let impacts = per(work.impacts, before.impacts);
             println!(

@@ -21,7 +21,7 @@ use crate::series::{LANES, Rows};
 use crate::units::{MAX_ORDER, Units};
 
 /// Order at which the bound of a whole ring begins.
-pub(crate) const TAIL: usize = 8;
+pub(crate) const TAIL: usize = 6;
 
 /// Relative enlargement of every bound: the rounding of a pass of some seventy operations, with room.
 const INFLATE: f64 = 1.0 + 128.0 * f64::EPSILON;
@@ -59,24 +59,26 @@ pub(crate) struct Group {
     pub(crate) bend_down: [f64; LANES],
 }
 
-/// Upper and lower bounds of the displacements of masses `base` … `base`+7 relative to their start, over the window
-/// whose `fractions` are given.
-pub(crate) fn group(rows: &Rows, base: usize, from: usize, tail: f64, fractions: &[f64; MAX_ORDER + 1]) -> Group {
-    let (mut up, mut down) = ([tail; LANES], [-tail; LANES]);
-    let mut pass = |k: usize| {
-        let row = &rows.row(k, base)[..LANES];
-        let h = fractions[k];
+/// From bounds of p_{k+1} to bounds of p_k. Inlined, so that they stay in registers.
+#[inline(always)]
+fn pass(rows: &Rows, k: usize, base: usize, h: f64, up: &mut [f64; LANES], down: &mut [f64; LANES]) {
+    if let Some(row) = rows.row(k, base).first_chunk::<LANES>() {
         for i in 0..LANES {
             up[i] = row[i] + h * positive(up[i]);
             down[i] = row[i] - h * positive(-down[i]);
         }
-        (up, down)
-    };
-    let mut bend = ([0.0; LANES], [0.0; LANES]);
-    for k in (2..from).rev() {
-        bend = pass(k);
     }
-    let (up, down) = pass(1);
+}
+
+/// Upper and lower bounds of the displacements of masses `base` … `base`+7 relative to their start, over the window
+/// whose `fractions` are given.
+pub(crate) fn group(rows: &Rows, base: usize, from: usize, tail: f64, fractions: &[f64; MAX_ORDER + 1]) -> Group {
+    let (mut up, mut down) = ([tail; LANES], [-tail; LANES]);
+    for k in (2..from).rev() {
+        pass(rows, k, base, fractions[k], &mut up, &mut down);
+    }
+    let bend = (up, down);
+    pass(rows, 1, base, fractions[1], &mut up, &mut down);
     let h = fractions[0];
     let mut group = Group { rise: [0.0; LANES], fall: [0.0; LANES], bend_up: [0.0; LANES], bend_down: [0.0; LANES] };
     for i in 0..LANES {

@@ -11,7 +11,7 @@ use std::collections::BinaryHeap;
 use crate::bound;
 use crate::event::Work;
 use crate::ring::{Contact, Ring};
-use crate::series::{Extent, LANES, NOTHING, Rows, TWO_WORDS, Weights};
+use crate::series::{CORRECTED, Extent, LANES, Rows, Weights};
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, ORDERS, Units};
 use crate::watch::{Kind, Step, Watch, safe_step};
@@ -25,11 +25,14 @@ const CLEARANCE: f64 = 64.0 * f64::EPSILON;
 const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
 
 /// Cost of restarting a mass in the middle of a window relative to its share of a whole window; measured.
-const RESTART_COST: f64 = 2.0;
+const RESTART_COST: f64 = 3.0;
 
 /// On rings this small the rounding errors of every mass repeat with every impact, not only those of the mass that
 /// leaves a barrier.
 const FEW: usize = 4;
+
+/// From this size on an event restarts a part of the ring, as a rule.
+const LARGE: usize = 64;
 
 const NONE: u32 = u32::MAX;
 
@@ -94,7 +97,7 @@ pub(crate) struct Engine {
     pub(crate) seed: u64,
     /// Masses that leave a barrier, and what rounding took from their series.
     departures: Vec<usize>,
-    lost: Vec<(usize, [f64; TWO_WORDS])>,
+    lost: Vec<(usize, [f64; CORRECTED])>,
     /// Time since the last event, at the base.
     pub(crate) since_event: f64,
     /// Horizons of all orders, for velocities up to `horizons_for`.
@@ -187,7 +190,9 @@ impl Engine {
     /// Expands and bounds the whole ring from the base.
     pub(crate) fn begin_window(&mut self) {
         self.work.windows += 1;
-        let (order, horizon) = self.choose_order();
+        let (order, longest) = self.choose_order();
+        // Windows of varying length, so that the rounding errors of their weights do not add up.
+        let horizon = longest * (1.0 - self.spread().abs() / 64.0);
         self.horizon = horizon;
         for watch in &self.watches {
             self.slot[watch.site] = NONE;
@@ -365,21 +370,39 @@ impl Engine {
         first
     }
 
+    /// Weights of the whole ring at `s` since the base. On a small ring every event restarts all masses, at instants that
+    /// may repeat; on a large one the varying windows spread the rounding of the weights.
+    fn weights_at(&self, s: f64) -> Weights {
+        let mut weights = Weights::zero();
+        if self.ring.sites() < LARGE {
+            weights.precise(s, self.rows.order, &self.units.inverse_factorial);
+        } else {
+            weights.plain(s, self.rows.order, &self.units.inverse_factorial);
+        }
+        weights
+    }
+
+    /// The next number of a reproducible sequence in −1 … 1 (Knuth's linear congruential generator).
+    pub(crate) fn spread(&mut self) -> f64 {
+        self.seed = self.seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+        f64::from((self.seed >> 32) as i32) * 2f64.powi(-31)
+    }
+
     /// Moves the base to `s`: the states of all masses there, and nothing in flight.
     pub(crate) fn rebase(&mut self, s: f64) {
         let order = self.rows.order;
-        self.weights.precise(s, order, &self.units.inverse_factorial);
+        self.weights = self.weights_at(s);
         self.rows.at_all(&self.ring.x, &self.weights, &mut self.x_next, &mut self.v_next);
         for (n, lost) in &self.lost {
             // For a mass restarted since, it has served its turn.
             if self.origin[*n] == 0.0 {
-                (self.x_next[*n], self.v_next[*n]) = self.rows.at(*n, self.ring.x[*n], &self.weights, lost);
+                (self.x_next[*n], self.v_next[*n]) = self.rows.at(*n, self.ring.x[*n], &self.weights, Some(lost));
             }
         }
         let mut moved = std::mem::take(&mut self.moved);
         for n in moved.drain(..) {
             self.weights.plain(s - self.origin[n], order, &self.units.inverse_factorial);
-            (self.x_next[n], self.v_next[n]) = self.rows.at(n, self.ring.x[n], &self.weights, &NOTHING);
+            (self.x_next[n], self.v_next[n]) = self.rows.at(n, self.ring.x[n], &self.weights, None);
             self.origin[n] = 0.0;
         }
         self.moved = moved;
@@ -393,12 +416,11 @@ impl Engine {
     /// Displacements and velocities (internal) at `s` since the base, within the certified part of the window.
     pub(crate) fn read(&self, s: f64, x: &mut [f64], v: &mut [f64]) {
         let order = self.rows.order;
-        let mut weights = Weights::zero();
-        weights.precise(s, order, &self.units.inverse_factorial);
+        let mut weights = self.weights_at(s);
         self.rows.at_all(&self.ring.x, &weights, x, v);
         for &n in &self.moved {
             weights.plain(s - self.origin[n], order, &self.units.inverse_factorial);
-            (x[n], v[n]) = self.rows.at(n, self.ring.x[n], &weights, &NOTHING);
+            (x[n], v[n]) = self.rows.at(n, self.ring.x[n], &weights, None);
         }
     }
 
@@ -409,7 +431,7 @@ impl Engine {
             if self.weights.high[1] != lapse {
                 self.weights.plain(lapse, self.rows.order, &self.units.inverse_factorial);
             }
-            (self.ring.x[n], self.ring.v[n]) = self.rows.at(n, self.ring.x[n], &self.weights, &NOTHING);
+            (self.ring.x[n], self.ring.v[n]) = self.rows.at(n, self.ring.x[n], &self.weights, None);
             self.ring.settle(n);
             if self.origin[n] == 0.0 {
                 self.moved.push(n);

@@ -29,7 +29,7 @@ impl Engine {
     /// restart, and whether the base has moved there.
     pub(crate) fn restart(&mut self, s: f64, floor: f64, changes: &mut Vec<Change>) -> (f64, bool) {
         self.note_event(s);
-        let s = self.dither(s).max(floor);
+        let s = (s + s * (DITHER * self.spread())).max(floor);
         let reach = self.units.reach(self.horizon - s, self.fastest.max(1.0)).max(LEAST_REACH);
         let mut parts = std::mem::take(&mut self.parts);
         let apart = self.split(reach, &mut parts);
@@ -50,13 +50,6 @@ impl Engine {
         }
         self.parts = parts;
         (s, !apart)
-    }
-
-    /// An instant within rounding of `s`, from a reproducible sequence (Knuth's linear congruential generator).
-    fn dither(&mut self, s: f64) -> f64 {
-        self.seed = self.seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-        let signed = ((self.seed >> 32) as i32) as f64 * 2f64.powi(-31);
-        s + s * (DITHER * signed)
     }
 
     /// The parts of the ring within `reach` of the contacts that are due, merged where less than a mass is between
@@ -136,12 +129,9 @@ impl Engine {
         for &i in &resting {
             self.queue_rest(site(i));
         }
-        for k in 1..=order {
-            let from = rows.row(k, 0);
-            for i in 0..length {
-                self.rows.set(k, site(i), from[i]);
-            }
-        }
+        let before_end = length.min(sites - start);
+        self.rows.take(&rows, 0, start, before_end);
+        self.rows.take(&rows, before_end, 0, length - before_end);
         let fractions = bound::fractions(self.horizon - s);
         for base in (0..length).step_by(LANES) {
             // A part has no tail bound of its own: the pass starts at the top.

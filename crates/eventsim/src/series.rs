@@ -32,8 +32,11 @@ pub(crate) struct Weights {
     low: [f64; TWO_WORDS],
 }
 
-/// Orders below this are held in two words where that matters.
-pub(crate) const TWO_WORDS: usize = 9;
+/// Weights below this order are held in two words.
+const TWO_WORDS: usize = 9;
+
+/// Orders below this are corrected for what rounding took from a mass that leaves a barrier.
+pub(crate) const CORRECTED: usize = 9;
 
 /// Splits a number into halves whose products are exact (Veltkamp).
 fn split(a: f64) -> (f64, f64) {
@@ -81,9 +84,6 @@ impl Weights {
     }
 }
 
-/// Nothing lost.
-pub(crate) const NOTHING: [f64; TWO_WORDS] = [0.0; TWO_WORDS];
-
 /// What an expansion covers.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent<'a> {
@@ -117,6 +117,14 @@ impl Rows {
     /// d_k of all columns from `n` on.
     pub(crate) fn row(&self, k: usize, n: usize) -> &[f64] {
         &self.data[k * self.stride + n + 1..(k + 1) * self.stride]
+    }
+
+    /// Takes d_1 … d_K of `count` columns of `from`, from `first` there, to the columns from `n` on.
+    pub(crate) fn take(&mut self, from: &Rows, first: usize, n: usize, count: usize) {
+        for k in 1..=self.order {
+            let to = k * self.stride + n + 1;
+            self.data[to..to + count].copy_from_slice(&from.row(k, first)[..count]);
+        }
     }
 
     pub(crate) fn set(&mut self, k: usize, n: usize, value: f64) {
@@ -190,10 +198,10 @@ impl Rows {
     ///
     /// A mass that leaves a barrier is at the same place at every impact, to the bit, and its rounding errors with it.
     /// Alone among all they do not average out: they would change the energy by up to ε/2 an impact.
-    pub(crate) fn lost(&self, n: usize, units: &Units) -> [f64; TWO_WORDS] {
+    pub(crate) fn lost(&self, n: usize, units: &Units) -> [f64; CORRECTED] {
         let (g1, g2) = (units.gamma1, units.gamma2);
-        let mut lost = [0.0; TWO_WORDS];
-        for k in 2..TWO_WORDS {
+        let mut lost = [0.0; CORRECTED];
+        for k in 2..CORRECTED {
             let at = (k - 2) * self.stride + n + 1;
             let (left, own, right) = (self.data[at - 1], self.data[at], self.data[at + 1]);
             let (sum, a) = two_sum(left, right);
@@ -208,14 +216,20 @@ impl Rows {
 
     /// Displacement (relative to the reference) and velocity of column `n`, whose displacement at the origin is `x`
     /// and to whose derivatives `lost` is added.
-    pub(crate) fn at(&self, n: usize, x: f64, weights: &Weights, lost: &[f64; TWO_WORDS]) -> (f64, f64) {
+    pub(crate) fn at(&self, n: usize, x: f64, weights: &Weights, lost: Option<&[f64; CORRECTED]>) -> (f64, f64) {
         let (w, low) = (&weights.high, &weights.low);
         let (mut u, mut v) = (0.0, 0.0);
-        // Least first: what is lost would vanish beside the whole.
-        for k in 2..TWO_WORDS {
-            let d = self.get(k, n);
-            u += low[k] * d + w[k] * lost[k];
-            v += low[k - 1] * d + w[k - 1] * lost[k];
+        if let Some(lost) = lost {
+            // Least first: what is lost would vanish beside the whole.
+            for k in 2..CORRECTED {
+                u += w[k] * lost[k];
+                v += w[k - 1] * lost[k];
+            }
+            for k in 2..TWO_WORDS {
+                let d = self.get(k, n);
+                u += low[k] * d;
+                v += low[k - 1] * d;
+            }
         }
         for k in (2..=self.order).rev() {
             let d = self.get(k, n);
@@ -244,22 +258,27 @@ impl Rows {
     /// Σ_{k≥2} of eight neighbouring masses, smallest terms first.
     fn group(&self, base: usize, weights: &Weights) -> ([f64; LANES], [f64; LANES]) {
         let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
-        let mut add = |k: usize, w_u: f64, w_v: f64| {
-            let row = &self.row(k, base)[..LANES];
+        if weights.low[3] != 0.0 {
+            for k in 2..TWO_WORDS {
+                self.accumulate(k, base, weights.low[k], weights.low[k - 1], &mut u, &mut v);
+            }
+        }
+        for k in (2..=self.order).rev() {
+            self.accumulate(k, base, weights.high[k], weights.high[k - 1], &mut u, &mut v);
+        }
+        (u, v)
+    }
+
+    /// Adds the derivatives of order `k`, weighted, to the sums of eight masses. Inlined, so that the sums stay in
+    /// registers.
+    #[inline(always)]
+    fn accumulate(&self, k: usize, base: usize, w_u: f64, w_v: f64, u: &mut [f64; LANES], v: &mut [f64; LANES]) {
+        if let Some(row) = self.row(k, base).first_chunk::<LANES>() {
             for i in 0..LANES {
                 u[i] += w_u * row[i];
                 v[i] += w_v * row[i];
             }
-        };
-        if weights.low[2] != 0.0 || weights.low[3] != 0.0 {
-            for k in 2..TWO_WORDS {
-                add(k, weights.low[k], weights.low[k - 1]);
-            }
         }
-        for k in (2..=self.order).rev() {
-            add(k, weights.high[k], weights.high[k - 1]);
-        }
-        (u, v)
     }
 
     /// Derivatives of column `n` at the time of the `weights`, as far as the series reaches. `u` is the displacement
