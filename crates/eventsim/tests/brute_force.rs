@@ -63,7 +63,7 @@ fn rings_large_enough_for_restarts_in_parts() {
     let mut compared = 0;
     for (sites, g2, amplitude, e) in [(48, 0.1, 0.0, 1.0), (61, 0.4, 0.2, 0.9), (96, 0.02, 0.3, 1.0)] {
         let model = model(sites, 0.2, g2, amplitude, e);
-        compared += compare(&model, sites as u64, 1.8, 1.2, 20_000);
+        compared += compare(&model, sites as u64, 1.8, 1.2, 100_000);
         let (u, v) = Random(3).state(&model, 1.8);
         let mut simulation = Simulation::new(&model, 0.0, &u, &v).unwrap();
         let work = simulation.run(&Limits::until(Time::new(&model, 2, 0.0)), |_| {}).work;

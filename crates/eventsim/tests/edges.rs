@@ -226,7 +226,7 @@ fn bad_states_are_refused_with_the_reason() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Whatever the parameters: an outcome, finite numbers, masses within their gap, events in order.
     #[test]
