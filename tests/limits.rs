@@ -77,12 +77,8 @@ fn the_elastic_limit_is_regular() {
     for family in [Family::DoubleSided, Family::SingleSided] {
         let at = |e: f64| {
             let (omega, a, amplitude) = if family == Family::DoubleSided { (1.5, 0.4, 0.9) } else { (0.92, 0.4, 0.1) };
-            let mut all: Vec<_> = breathers(&forced(omega, a, amplitude, e), family)
-                .unwrap()
-                .orbits
-                .iter()
-                .map(|orbit| impulses(orbit))
-                .collect();
+            let mut all: Vec<_> =
+                breathers(&forced(omega, a, amplitude, e), family).unwrap().orbits.iter().map(impulses).collect();
             all.sort_by(|a, b| a[0].total_cmp(&b[0]));
             all
         };

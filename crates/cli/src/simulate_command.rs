@@ -142,7 +142,7 @@ fn starting_point(args: &SimulateArgs, model: &Model) -> Result<(Start, Option<O
         match args.direction {
             Direction::Random => start.perturb_at_random(model, size, args.seed),
             Direction::Unstable => {
-                let (_, mode) = leading_mode_at(&orbit, start.time).map_err(|error| computation(&error))?;
+                let mode = leading_mode_at(&orbit, start.time).map_err(|error| computation(&error))?;
                 start.perturb_along(model, size, &mode);
             }
         }

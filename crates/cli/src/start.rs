@@ -7,7 +7,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{Motion, Orbit};
-use vibrochain_floquet::{Complex, FloquetError, FloquetMode, leading_modes};
+use vibrochain_floquet::{Complex, FloquetError, leading_modes};
 use vibrochain_lattice::{Model, Propagator, Spectrum};
 
 use crate::error::CliError;
@@ -82,15 +82,14 @@ impl Start {
     }
 }
 
-/// The leading Floquet mode of an orbit at the time `start` ≤ 0 of a run, (displacement, velocity) of each mass: carried
-/// back by free flight from just before the first impact.
+/// A Floquet mode: (displacement, velocity) of each mass.
+pub type ModeShape = Vec<(Complex<f64>, Complex<f64>)>;
+
+/// The leading Floquet mode of an orbit at the time `start` ≤ 0 of a run: carried back by free flight from just before the first impact.
 ///
 /// # Errors
 /// [`FloquetError`].
-pub fn leading_mode_at(
-    orbit: &Orbit,
-    start: f64,
-) -> Result<(FloquetMode, Vec<(Complex<f64>, Complex<f64>)>), FloquetError> {
+pub fn leading_mode_at(orbit: &Orbit, start: f64) -> Result<ModeShape, FloquetError> {
     let failed = FloquetError::NotConverged { dimension: 0 };
     let mode = leading_modes(orbit, 1)?.into_iter().next().ok_or(failed)?;
     let flow = Propagator::new(&Spectrum::new(*orbit.model().chain()), start);
@@ -103,6 +102,5 @@ pub fn leading_mode_at(
     };
     let ((u_re, v_re), (u_im, v_im)) = (carry(|z| z.re), carry(|z| z.im));
     let complex = |re: Vec<f64>, im: Vec<f64>| re.into_iter().zip(im).map(|(re, im)| Complex::new(re, im));
-    let carried = complex(u_re, u_im).zip(complex(v_re, v_im)).collect();
-    Ok((mode, carried))
+    Ok(complex(u_re, u_im).zip(complex(v_re, v_im)).collect())
 }

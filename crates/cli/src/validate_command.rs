@@ -195,7 +195,7 @@ impl<'a> ReturnMap<'a> {
 
     /// Growth per period of a small perturbation along the leading eigenvector.
     fn growth(&self, radius: f64) -> Result<f64, CliError> {
-        let (_, mode) = leading_mode_at(self.orbit, self.start.time).map_err(computation)?;
+        let mode = leading_mode_at(self.orbit, self.start.time).map_err(computation)?;
         let size = 1e-8;
         // From 1e-8 to 1e-5, in as many periods as that takes.
         let periods = ((1e3_f64.ln() / radius.ln()) as u64).clamp(1, LONG);

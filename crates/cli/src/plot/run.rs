@@ -93,7 +93,7 @@ impl Sheet<'_> {
             let line = DashedPathElement::new(vec![(first, barrier), (last, barrier)], 6, 4, style);
             chart.draw_series([line]).map_err(PlotError::from)?;
         }
-        let series: [(&str, &[(f64, f64)], RGBColor, u32); 2] = [
+        let series = [
             ("analytic orbit", &self.picture.analytic, RGBColor(240, 170, 90), 5),
             ("simulation", &self.picture.simulated, RGBColor(16, 50, 98), 2),
         ];
