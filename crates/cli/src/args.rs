@@ -62,7 +62,7 @@ pub struct SweepArgs {
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
     /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// No progress bar and no summary.
     #[arg(long, short)]
@@ -149,7 +149,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "ψ", requires = "state", allow_negative_numbers = true)]
     pub psi: Option<f64>,
     /// Which of several solutions, numbered as `mapgen orbit` lists them [default: the first physical one].
-    #[arg(long, value_name = "K", conflicts_with = "state")]
+    #[arg(long, value_name = "K", conflicts_with = "state", allow_negative_numbers = true)]
     pub solution: Option<usize>,
     /// The model.
     #[command(flatten)]
@@ -161,13 +161,13 @@ pub struct SimulateArgs {
     #[arg(long, value_enum, default_value_t, requires = "perturb")]
     pub direction: Direction,
     /// Seed of a random perturbation.
-    #[arg(long, default_value_t = 1, requires = "perturb")]
+    #[arg(long, default_value_t = 1, requires = "perturb", allow_negative_numbers = true)]
     pub seed: u64,
     /// Periods of the force to simulate.
-    #[arg(long, value_name = "P", default_value_t = 20)]
+    #[arg(long, value_name = "P", default_value_t = 20, allow_negative_numbers = true)]
     pub periods: u64,
     /// Stop after this many impacts.
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub max_impacts: Option<u64>,
     /// Table of all events (CSV): time, site, barrier, velocity_before, velocity_after, kind (impact, stick, release).
     #[arg(long, value_name = "FILE")]
@@ -176,7 +176,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "FILE")]
     pub trajectory: Option<PathBuf>,
     /// Samples a period of tables and pictures.
-    #[arg(long, value_name = "S", default_value_t = 64)]
+    #[arg(long, value_name = "S", default_value_t = 64, allow_negative_numbers = true)]
     pub samples: u64,
     /// Picture of the run, .png or .svg: the impacting mass over the analytic orbit, all masses in space and time.
     #[arg(long, value_name = "FILE")]

@@ -7,7 +7,7 @@
 //! | `cell`, `sweep` | one cell, all cells |
 //! | `table`, `manifest`, `output` | the files a sweep writes |
 //! | `plot` | pictures (feature `plot`) |
-//! | `start` | where a simulation starts |
+//! | `start`, `recording` | where a simulation starts, what it leaves behind |
 //! | `sweep_command`, `orbit_command`, `simulate_command`, `validate_command` | the subcommands |
 
 pub mod args;
@@ -19,6 +19,7 @@ pub mod output;
 pub mod parameter;
 #[cfg(feature = "plot")]
 pub mod plot;
+mod recording;
 pub mod scene;
 pub mod simulate_command;
 pub mod start;

@@ -448,7 +448,7 @@ fn wrong_simulations() {
         (vec!["--family", "double-sided", "--perturb", "inf"], "--perturb inf is out of range"),
         (vec!["--family", "double-sided", "--perturb", "5"], "beyond its upper barrier"),
         (vec!["--family", "double-sided", "--solution", "7"], "--solution 7 is out of range"),
-        (vec!["--family", "double-sided", "--periods", "-1"], "--periods"),
+        (vec!["--family", "double-sided", "--periods", "-1"], "invalid value '-1' for '--periods <P>'"),
         (vec!["--family", "double-sided", "--plot", "run.jpg"], "end the name in .png or .svg"),
     ] {
         mapgen().arg("simulate").args(POINT).args(&flags).assert().code(2).stdout("").stderr(contains(message));
