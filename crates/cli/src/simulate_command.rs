@@ -196,11 +196,10 @@ impl Counts {
             Outcome::WorkLimit => "limit on work reached",
         };
         format!(
-            "{how} after {} periods and {:.6} of one ({} events)\n\
+            "{how} after {:.6} periods ({} events)\n\
              impacts {}, sticks {}, releases {}\n\
              windows of flight {}, restarts {}, bounds {}, masses watched {}, refinements {}\n",
-            time.periods(),
-            time.part(),
+            time.periods() as f64 + time.part(),
             self.events,
             work.impacts,
             work.sticks,

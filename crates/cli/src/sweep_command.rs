@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use vibrochain_floquet::Tolerance;
 
 use crate::args::SweepArgs;
@@ -118,10 +118,12 @@ fn progress(scene: &Scene, quiet: bool) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(Some(scene.cells() as u64), ProgressDrawTarget::stderr());
-    let style =
-        ProgressStyle::with_template("{bar:32} {percent:>3}%  {human_pos}/{human_len} cells  {per_sec}  {eta} left");
-    if let Ok(style) = style {
-        bar.set_style(style);
+    let template = "{bar:32} {percent:>3}%  {human_pos}/{human_len} cells  {rate} cells/s  {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        // A broken line of progress is no reason to stop: the result of writing it is left alone.
+        bar.set_style(style.with_key("rate", |state: &ProgressState, line: &mut dyn std::fmt::Write| {
+            let _ = write!(line, "{}", HumanCount(state.per_sec() as u64));
+        }));
     }
     bar.enable_steady_tick(Duration::from_millis(200));
     bar

@@ -345,7 +345,7 @@ fn a_simulation_from_an_orbit_stays_on_it_and_writes_events_and_trajectory() {
         .assert()
         .success();
     let text = String::from_utf8(simulate.get_output().stdout.clone()).unwrap();
-    assert!(text.contains("time reached after 10 periods") && text.contains("impacts 20, sticks 0"), "{text}");
+    assert!(text.contains("time reached after 10.000000 periods") && text.contains("impacts 20, sticks 0"), "{text}");
     let distance: f64 = text.lines().last().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
     assert!(distance < 1e-12, "{text}");
     let header = "time,site,barrier,velocity_before,velocity_after,kind";
