@@ -310,17 +310,15 @@ mod tests {
         weights.precise(1.234_567_890_123_456_7, MAX_ORDER, &inverse);
         // k · w_k = s · w_{k−1} in integers: check with 128-bit fixed point, 100 bits after the point.
         let fixed = |x: f64| -> i128 {
+            if x == 0.0 {
+                return 0;
+            }
             let bits = x.to_bits();
             let (mantissa, exponent) = ((bits & ((1 << 52) - 1) | 1 << 52) as i128, (bits >> 52 & 0x7ff) as i32);
             let shift = exponent - 1075 + 100;
-            let value = if shift >= 0 { mantissa << shift } else { mantissa >> -shift };
-            if x == 0.0 {
-                0
-            } else if x < 0.0 {
-                -value
-            } else {
-                value
-            }
+            let value =
+                if shift >= 0 { mantissa << shift } else { mantissa.checked_shr(shift.unsigned_abs()).unwrap_or(0) };
+            if x < 0.0 { -value } else { value }
         };
         for k in 2..TWO_WORDS {
             let (h, l) = (weights.high[k], weights.low[k]);
