@@ -7,7 +7,22 @@ use clap::Parser;
 use vibrochain_cli::args::{Cli, Command};
 use vibrochain_cli::{orbit_command, simulate_command, sweep_command, validate_command};
 
+/// Whether this build's instructions exist on this machine; without the check an old one would just say "illegal
+/// instruction".
+fn processor_will_do() -> bool {
+    #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+    return std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma");
+    #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
+    true
+}
+
 fn main() -> ExitCode {
+    if !processor_will_do() {
+        let advice =
+            "error: this build needs a processor with AVX2 and FMA; build with RUSTFLAGS=\"-C target-cpu=x86-64\"";
+        let _ = writeln!(std::io::stderr(), "{advice}");
+        return ExitCode::from(1);
+    }
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Sweep(args) => sweep_command::run(args),
