@@ -90,7 +90,6 @@ pub(crate) fn double_sided_asymmetric(
         return 0;
     }
     let half = 0.5 * response.period();
-    *zeros = Zeros::default();
     let balance = Balance { response, fourth: response.derivative_bounds()[3] };
     // χ₃ is odd in δ and χ₃(T) = −1: δ > 0 is enough, less the known zero at 0.
     let pieces = 8 + (half * top) as usize;

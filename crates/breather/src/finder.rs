@@ -18,8 +18,11 @@ pub struct Found {
     /// Why there are none.
     pub none: Option<NoBreather>,
     /// Places where two orbits may have merged (a fold) closer than rounding can tell; 0 means that `orbits` is
-    /// complete.
+    /// complete, if `exhausted` is 0 too.
     pub unresolved: usize,
+    /// Intervals of φ that were not searched because the budget for one point was spent (hundreds of solutions at very
+    /// low frequency): the list may be incomplete.
+    pub exhausted: usize,
 }
 
 /// Reusable work space for finding and checking orbits.
@@ -99,7 +102,8 @@ impl Finder {
 
     fn search(&mut self, model: &Model, family: Family, all: bool, found: &mut Found) -> Result<(), BreatherError> {
         found.orbits.clear();
-        (found.none, found.unresolved) = (None, 0);
+        (found.none, found.unresolved, found.exhausted) = (None, 0, 0);
+        self.zeros = Zeros::default();
         let conservative = model.is_conservative();
         if !conservative && model.amplitude() == 0.0 {
             found.none = Some(NoBreather::LossWithoutForce);
@@ -141,6 +145,7 @@ impl Finder {
         if let Some(error) = failure {
             return Err(error);
         }
+        found.exhausted = self.zeros.exhausted;
         if all {
             found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
         }

@@ -9,10 +9,14 @@ use crate::orbit::{Draft, Family, Source};
 use crate::roots::Zeros;
 use crate::two_impacts::{TwoImpactSolution, TwoImpacts, Word};
 
-/// Where δ = 0 solves by itself (a = 0, e = 1, and always for a doubled orbit), E has a double zero there that is not a
-/// pair of orbits; the search stays this fraction of the half period away from it. Asymmetric orbits closer
+/// Where δ = 0 solves by itself (a = 0, e = 1 or γ₁ = 0, and always for a doubled orbit), E has a double zero there that
+/// is not a pair of orbits; the search stays this fraction of the half period away from it. Asymmetric orbits closer
 /// than that to their bifurcation are not told from the symmetric one.
 const SYMMETRIC_GUARD: f64 = 1e-7;
+
+/// What breaks the symmetry is q a gD, which puts the two orbits next to δ = 0 at δ/T of that order: below this, they
+/// are at δ = 0 to rounding.
+const SYMMETRIC: f64 = 1e-18;
 
 /// All double-sided solutions; the number of unresolved zeros is returned.
 pub(crate) fn double_sided(
@@ -31,13 +35,13 @@ pub(crate) fn double_sided(
         let draft = double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement);
         found(draft);
     };
-    *zeros = Zeros::default();
     let edge = half - shortest_flight(response, omega, force);
     let mut symmetric = 0;
-    if q * a == 0.0 {
+    let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
+    if q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC {
         // At δ = 0 one condition vanishes; the other, ωD X + q Y = q, is a line that meets the circle.
-        let distance = q / q.hypot(omega * 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse()));
-        symmetric = symmetric_phases(response, omega, q, force)
+        let distance = q / q.hypot(omega * d);
+        symmetric = symmetric_phases(omega * d, q, force)
             .into_iter()
             .flatten()
             .filter_map(|theta| problem.with_phase(0.0, theta))
@@ -45,7 +49,7 @@ pub(crate) fn double_sided(
             .count();
         problem.zeros(zeros, -edge, -SYMMETRIC_GUARD * half);
         problem.zeros(zeros, SYMMETRIC_GUARD * half, edge);
-        if symmetric == 0 && zeros.simple.is_empty() && a == 0.0 {
+        if symmetric == 0 && zeros.simple.is_empty() && zeros.unresolved.is_empty() {
             let threshold = (model.chain().gamma1() - omega * omega).abs() * distance;
             return Err(NoBreather::ForceTooWeak { threshold });
         }
@@ -53,13 +57,16 @@ pub(crate) fn double_sided(
         problem.zeros(zeros, -edge, edge);
     }
     let others = zeros.simple.iter().filter_map(|&delta| problem.solution(delta)).map(&mut emit).count();
-    if symmetric + others + zeros.unresolved.len() == 0 { Err(NoBreather::NoPhase) } else { Ok(zeros.unresolved.len()) }
+    if symmetric + others + zeros.unresolved.len() + zeros.exhausted == 0 {
+        Err(NoBreather::NoPhase)
+    } else {
+        Ok(zeros.unresolved.len())
+    }
 }
 
 /// θ of the solutions with φ = T/2, where they exist: ωDX + qY = q on the circle X² + Y² = Ã².
-fn symmetric_phases(response: &ImpulseResponse, omega: f64, q: f64, force: f64) -> [Option<f64>; 2] {
-    let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
-    let (normal_x, normal_y) = (omega * d, q);
+fn symmetric_phases(normal_x: f64, q: f64, force: f64) -> [Option<f64>; 2] {
+    let normal_y = q;
     let length = normal_x.hypot(normal_y);
     let cosine = q / (length * force);
     if cosine.is_nan() || cosine.abs() > 1.0 {
@@ -84,7 +91,6 @@ pub(crate) fn period_doubled(
     }
     let problem = TwoImpacts::new(Word::PeriodDoubled, response, omega, a, q, force);
     let half = 0.5 * response.period();
-    *zeros = Zeros::default();
     problem.zeros(zeros, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD));
     let mut count = 0;
     for solution in zeros.simple.iter().filter_map(|&delta| problem.solution(delta)) {
@@ -103,7 +109,11 @@ pub(crate) fn period_doubled(
             uniform_offset: solution.static_displacement * response.uniform_share(),
         });
     }
-    if count + zeros.unresolved.len() == 0 { Err(NoBreather::NoPhase) } else { Ok(zeros.unresolved.len()) }
+    if count + zeros.unresolved.len() + zeros.exhausted == 0 {
+        Err(NoBreather::NoPhase)
+    } else {
+        Ok(zeros.unresolved.len())
+    }
 }
 
 /// ψ = θ/ω − φ/2, folded into one period of the force.

@@ -20,13 +20,18 @@ pub(crate) struct Zeros {
     pub(crate) simple: Vec<f64>,
     /// Centres of intervals, as narrow as can be told apart, on which a double zero may sit.
     pub(crate) unresolved: Vec<f64>,
+    /// Intervals not looked at because the budget was spent.
+    pub(crate) exhausted: usize,
     /// Evaluations spent.
     pub(crate) evaluations: usize,
     stack: Vec<(f64, f64)>,
 }
 
-/// More evaluations than any sound problem needs; what is left then is reported as unresolved.
-const MAX_EVALUATIONS: usize = 20_000;
+/// Evaluations per piece that no sound problem needs on average; what is left then is reported as exhausted.
+const MOST_PER_PIECE: usize = 200;
+
+/// And at least this many in all, for problems of few pieces whose zeros crowd.
+const LEAST_BUDGET: usize = 20_000;
 
 impl Zeros {
     /// Finds the zeros of `f` between `from` and `to`, starting from about `pieces` equal intervals. Intervals are
@@ -53,8 +58,12 @@ impl Zeros {
         } else {
             share(from, to, pieces);
         }
-        let budget = self.evaluations + MAX_EVALUATIONS;
+        let budget = self.evaluations + LEAST_BUDGET.max(MOST_PER_PIECE * pieces);
         while let Some((low, high)) = self.stack.pop() {
+            if self.evaluations > budget {
+                self.exhausted += 1 + self.stack.len();
+                return;
+            }
             self.evaluations += 1;
             let centre = 0.5 * (low + high);
             let radius = (high - centre).max(centre - low);
@@ -66,7 +75,7 @@ impl Zeros {
                 if let Some(zero) = self.bracketed(f, low, high) {
                     push_distinct(&mut self.simple, zero, resolution(zero));
                 }
-            } else if radius <= resolution(centre) || self.evaluations > budget {
+            } else if radius <= resolution(centre) {
                 push_distinct(&mut self.unresolved, centre, 8.0 * radius);
             } else {
                 self.stack.push((centre, high));

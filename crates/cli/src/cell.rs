@@ -78,20 +78,30 @@ pub enum Status {
     Ok,
     /// A harmonic meets a mode: no periodic motion is defined.
     Resonance,
-    /// Computed, but two orbits may have merged closer than rounding can tell (a fold).
+    /// Computed, but two orbits may have merged closer than rounding can tell (a fold), or the search for solutions was
+    /// cut short (hundreds of them at very low frequency).
     Unresolved,
     /// An eigenvalue iteration did not converge; the class is not known.
     NotConverged,
-    /// An impact grazes, or the chain is too stiff to be followed; the class is not known.
+    /// An impact grazes: its saltation matrix is not finite; the class is not known.
     IllConditioned,
     /// The ring is too large for the stability analysis; the class is not known.
     TooLarge,
+    /// The fastest mode swings too often in a period for every mass to be followed; the class is not known.
+    TooStiff,
 }
 
 impl Status {
     /// All of them, in the order of summaries.
-    pub const ALL: [Self; 6] =
-        [Self::Ok, Self::Resonance, Self::Unresolved, Self::NotConverged, Self::IllConditioned, Self::TooLarge];
+    pub const ALL: [Self; 7] = [
+        Self::Ok,
+        Self::Resonance,
+        Self::Unresolved,
+        Self::NotConverged,
+        Self::IllConditioned,
+        Self::TooLarge,
+        Self::TooStiff,
+    ];
 
     /// The name in files.
     pub fn name(self) -> &'static str {
@@ -102,6 +112,16 @@ impl Status {
             Self::NotConverged => "not-converged",
             Self::IllConditioned => "ill-conditioned",
             Self::TooLarge => "too-large",
+            Self::TooStiff => "too-stiff",
+        }
+    }
+
+    fn of_orbit(error: &BreatherError) -> Self {
+        match error {
+            BreatherError::Resonance(_) => Self::Resonance,
+            BreatherError::TooStiff { .. } => Self::TooStiff,
+            // Neither can happen to a validated model; the cell is marked, not dropped.
+            BreatherError::Parameter(_) | BreatherError::Impact { .. } => Self::IllConditioned,
         }
     }
 
@@ -110,7 +130,7 @@ impl Status {
             FloquetError::Grazing { .. } => Self::IllConditioned,
             FloquetError::NotConverged { .. } => Self::NotConverged,
             FloquetError::TooLarge { .. } => Self::TooLarge,
-            FloquetError::Breather(_) => Self::Resonance,
+            FloquetError::Breather(error) => Self::of_orbit(error),
         }
     }
 }
@@ -181,20 +201,22 @@ impl Worker {
             // Conservative orbits with φ ≠ T/2 are left to `mapgen orbit`: none has been found physical (tests/maps.rs).
             match self.finder.find_symmetric(model, family, &mut self.found) {
                 Ok(()) => {}
-                Err(BreatherError::Resonance(_)) => {
-                    cell.status = Status::Resonance;
-                    return cell;
+                Err(error) => {
+                    let status = Status::of_orbit(&error);
+                    let class = if status == Status::Resonance { Some(Class::None) } else { None };
+                    return Cell { class, status, ..cell };
                 }
-                // Neither can happen to a validated model; the cell is marked, not dropped.
-                Err(_) => return Cell { class: None, status: Status::IllConditioned, ..cell },
             }
-            if self.found.unresolved > 0 {
+            if self.found.unresolved + self.found.exhausted > 0 {
                 cell.status = cell.status.max(Status::Unresolved);
             }
             for orbit in &self.found.orbits {
-                let Ok(admissibility) = self.finder.quick_admissibility(orbit) else {
-                    cell.status = Status::IllConditioned;
-                    continue;
+                let admissibility = match self.finder.quick_admissibility(orbit) {
+                    Ok(admissibility) => admissibility,
+                    Err(error) => {
+                        cell.status = cell.status.max(Status::of_orbit(&error));
+                        continue;
+                    }
                 };
                 if !admissibility.is_physical() {
                     continue;

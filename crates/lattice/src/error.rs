@@ -16,10 +16,7 @@ pub struct ParameterError {
 
 /// A harmonic jω of a periodic motion meets a mode's frequency Ω_k: no periodic response exists.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error(
-    "resonance: harmonic {harmonic} of omega = {omega} meets mode {mode} (frequency {frequency}), \
-     {distance:e} away; move omega, gamma1 or gamma2 off it"
-)]
+#[error("{}", self.describe())]
 pub struct Resonance {
     /// The number j of the harmonic.
     pub harmonic: u64,
@@ -31,6 +28,22 @@ pub struct Resonance {
     pub omega: f64,
     /// Ω_k − jω, as far as it can be resolved.
     pub distance: f64,
+}
+
+impl Resonance {
+    fn describe(&self) -> String {
+        let Self { harmonic, mode, frequency, omega, distance } = self;
+        if frequency * crate::spectrum::RESONANCE_TOLERANCE >= 0.5 * omega {
+            return format!(
+                "omega = {omega:e} is too small against mode {mode} (frequency {frequency:e}): its harmonics there are \
+                 closer than rounding; raise omega, or lower gamma1 and gamma2"
+            );
+        }
+        format!(
+            "resonance: harmonic {harmonic} of omega = {omega} meets mode {mode} (frequency {frequency}), {distance:e} \
+             away; move omega, gamma1 or gamma2 off it"
+        )
+    }
 }
 
 /// Any failure of this crate.
