@@ -1,15 +1,15 @@
 //! `mapgen orbit`: all breathers of a family at one point.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Admissibility, Family, Finder, Found, Orbit};
+use vibrochain_breather::{Admissibility, Family, Finder, Found, Obstruction, Orbit};
 use vibrochain_floquet::{Analyser, Complex, FloquetError, Stability, Tolerance};
 use vibrochain_lattice::{MAX_SITES, Model};
 
 use crate::args::{FamilyName, ModelArgs, OrbitArgs};
 use crate::error::CliError;
+use crate::output::{number, print};
 use crate::parameter::{Parameter, Point};
 use crate::scene::tolerance_from;
 
@@ -65,15 +65,14 @@ pub fn run(args: &OrbitArgs) -> Result<(), CliError> {
         let stability = analyser.stability(&orbit, &mut finder, tolerance);
         solutions.push(Solution { orbit, admissibility, stability });
     }
-    plot.finish(&solutions)?;
     let text = if args.json {
         let value = json(&model, &solutions, &found);
         format!("{value:#}\n")
     } else {
         text(&model, family, &solutions, &found)
     };
-    let mut stdout = std::io::stdout().lock();
-    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| computation(&error))?;
+    print(&text)?;
+    plot.finish(&solutions)?;
     match solutions.iter().find_map(|solution| solution.stability.as_ref().err()) {
         Some(error) => Err(CliError::Computation(format!("stability could not be computed: {error}"))),
         None => Ok(()),
@@ -94,6 +93,7 @@ fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
         "reason": found.none.map(|reason| reason.to_string()),
         "unresolved": found.unresolved,
+        "exhausted": found.exhausted,
     })
 }
 
@@ -123,7 +123,7 @@ impl Solution {
             "residual": orbit.residual(),
             "physical": self.admissibility.is_physical(),
             "margin": self.admissibility.margin,
-            "obstruction": self.admissibility.obstruction.map(|obstruction| obstruction.to_string()),
+            "obstruction": self.admissibility.obstruction.map(obstruction),
             "stability": null,
         });
         match &self.stability {
@@ -142,6 +142,19 @@ impl Solution {
             Err(error) => value["stability_error"] = error.to_string().into(),
         }
         value
+    }
+}
+
+/// What is in the way: kind, site, time, and by how much.
+fn obstruction(obstruction: Obstruction) -> Value {
+    let message = obstruction.to_string();
+    match obstruction {
+        Obstruction::Crossing { site, barrier, time, excess } => {
+            json!({ "kind": "crossing", "site": site, "barrier": barrier.name(), "time": time, "excess": excess, "message": message })
+        }
+        Obstruction::WrongSign { impact, site, time, velocity_before } => {
+            json!({ "kind": "wrong-sign", "impact": impact, "site": site, "time": time, "velocity_before": velocity_before, "message": message })
+        }
     }
 }
 
@@ -165,7 +178,7 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         (Parameter::Restitution, model.restitution()),
     ]
     .iter()
-    .map(|(parameter, value)| format!("{} = {value}", parameter.name()))
+    .map(|(parameter, value)| format!("{} = {}", parameter.name(), number(*value)))
     .collect();
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{} breathers, {} masses, {}", family.name(), model.chain().sites(), point.join(", "));
@@ -181,12 +194,19 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
     if found.unresolved > 0 {
         let _ = writeln!(out, "{} places where two more may have merged: next to a fold", found.unresolved);
     }
+    if found.exhausted > 0 {
+        let _ = writeln!(
+            out,
+            "the search for solutions was cut short ({} intervals left): the list may be incomplete",
+            found.exhausted
+        );
+    }
     for (i, solution) in solutions.iter().enumerate() {
         let orbit = &solution.orbit;
-        let _ = write!(out, "\nsolution {}: period {}", i + 1, orbit.period());
+        let _ = write!(out, "\nsolution {}: period {}", i + 1, number(orbit.period()));
         for (name, value) in [("phi", orbit.phi()), ("psi", orbit.psi())] {
             if let Some(value) = value {
-                let _ = write!(out, ", {name} {value}");
+                let _ = write!(out, ", {name} {}", number(value));
             }
         }
         let _ = writeln!(out);
@@ -196,10 +216,10 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
                 "  impact of site {} on the {} barrier at t = {}: impulse {}, velocity {} -> {}",
                 impact.site,
                 impact.barrier.name(),
-                impact.time,
-                impact.impulse,
-                impact.velocity_before,
-                impact.velocity_after
+                number(impact.time),
+                number(impact.impulse),
+                number(impact.velocity_before),
+                number(impact.velocity_after)
             );
         }
         let _ = match (solution.admissibility.obstruction, solution.admissibility.margin) {
@@ -235,6 +255,8 @@ use without_plot::Plot;
 
 #[cfg(feature = "plot")]
 mod with_plot {
+    use std::io::Write;
+
     use vibrochain_breather::Motion;
 
     use super::{CliError, OrbitArgs, Solution};
@@ -270,10 +292,10 @@ mod with_plot {
                 panels.push(panel(i, solution).map_err(|error| computation(&error))?);
             }
             if panels.is_empty() {
-                return Err(CliError::Computation(format!(
-                    "nothing to plot: no solution, {} was not written",
-                    file.path().display()
-                )));
+                // The answer has been printed; that there is nothing to draw is not a failure.
+                let path = file.path().display();
+                let _ = writeln!(std::io::stderr(), "nothing to plot: there is no solution, {path} was not written");
+                return Ok(());
             }
             let bytes = orbit_picture(&panels, format).map_err(|error| computation(&error))?;
             file.finish_with(&bytes)

@@ -85,9 +85,64 @@ impl Write for Output {
     }
 }
 
+/// Makes sure that no two of the files a command reads or writes are the same. Each comes with the flag that named it.
+///
+/// # Errors
+/// [`CliError::Request`] naming both flags.
+pub fn distinct(files: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
+    // A file that does not exist yet is known by its folder.
+    let resolved = |path: &Path| match (path.canonicalize(), path.parent(), path.file_name()) {
+        (Ok(whole), _, _) => whole,
+        (Err(_), Some(folder), Some(name)) => {
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(name)
+        }
+        _ => path.to_owned(),
+    };
+    let given: Vec<_> = files.iter().filter_map(|(flag, path)| path.map(|path| (flag, path, resolved(path)))).collect();
+    for (i, (flag, path, place)) in given.iter().enumerate() {
+        if let Some((other, _, _)) = given[..i].iter().find(|(_, _, earlier)| earlier == place) {
+            let message = format!("{other} and {flag} are the same file, {}: name another", path.display());
+            return Err(CliError::Request(message));
+        }
+    }
+    Ok(())
+}
+
+/// Prints the answer of a command. A reader that has seen enough (`| head`) is no failure.
+///
+/// # Errors
+/// [`CliError::Computation`] if standard output cannot be written.
+pub fn print(text: &str) -> Result<(), CliError> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CliError::Computation(format!("cannot write to standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A number in the fewest digits that read back the same, with an exponent where it would be a row of zeros.
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-5..1e16).contains(&size) || !value.is_finite() {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_read_back_and_stay_short() {
+        for value in [0.0, -0.4, 1e-300, 1e100, 123_456.789, f64::MIN_POSITIVE, 0.1 + 0.2] {
+            assert!(number(value).parse::<f64>().unwrap() == value && number(value).len() < 25);
+        }
+    }
 
     #[test]
     fn nothing_is_left_of_a_dropped_file_and_all_of_a_committed_one() {

@@ -1,7 +1,7 @@
 //! `mapgen simulate`: an event-driven run from an orbit or from any state.
 
 use std::fmt::Write as _;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -9,16 +9,24 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use vibrochain_breather::{Finder, Found, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
+use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::Model;
 
 use crate::args::{Direction, SimulateArgs};
 use crate::error::CliError;
 use crate::orbit_command::{family, model};
+use crate::output::{distinct, print};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::start::{Start, leading_mode_at};
 
 /// Steps of a run that writes no samples: often enough for a progress bar and Ctrl-C.
 const STEPS: u64 = 400;
+
+/// Samples that may be asked for in all; more would be centuries of work.
+const MAX_STEPS: u64 = 1 << 48;
+
+/// Windows of flight between two looks at the stop flag: some milliseconds of work.
+const FLIGHTS: u64 = 20_000;
 
 /// Runs the subcommand.
 ///
@@ -30,6 +38,19 @@ pub fn run(args: &SimulateArgs) -> Result<(), CliError> {
         let message = format!("--samples {} is out of range: give a whole number from 1 to 1000000", args.samples);
         return Err(CliError::Request(message));
     }
+    let steps = args.periods.checked_mul(args.samples).filter(|steps| *steps <= MAX_STEPS).ok_or_else(|| {
+        let message = format!(
+            "--periods {} with {} samples each is out of range: give at most {MAX_STEPS} samples in all",
+            args.periods, args.samples
+        );
+        CliError::Request(message)
+    })?;
+    distinct(&[
+        ("--state", args.state.as_deref()),
+        ("--impacts", args.impacts.as_deref()),
+        ("--trajectory", args.trajectory.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ])?;
     let (start, orbit) = starting_point(args, &model)?;
     let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
@@ -45,7 +66,8 @@ pub fn run(args: &SimulateArgs) -> Result<(), CliError> {
 
     // Samples a period if somebody wants them, otherwise a step of whole periods.
     let sampled = trajectory.is_some() || plot.is_wanted();
-    let (per_period, stride) = if sampled { (args.samples, 1) } else { (1, args.periods.div_ceil(STEPS).max(1)) };
+    let (per_period, total, stride) =
+        if sampled { (args.samples, steps, 1) } else { (1, args.periods, args.periods.div_ceil(STEPS).max(1)) };
     let bar = progress(args.periods);
     let mut counts = Counts::default();
     let mut report = simulation.run(&Limits::until(Time::new(&model, 0, 0.0)), |event| counts.see(event, &mut impacts));
@@ -58,15 +80,22 @@ pub fn run(args: &SimulateArgs) -> Result<(), CliError> {
             return Err(error);
         }
         bar.set_position(report.time.periods());
-        stopped = stopped || stop.load(Ordering::Relaxed);
-        if stopped || report.outcome != Outcome::TimeReached || step >= args.periods * per_period {
+        if stopped || report.outcome != Outcome::TimeReached || step >= total {
             break;
         }
-        step = (step + stride).min(args.periods * per_period);
+        step = (step + stride).min(total);
         let time = Time::new(&model, step / per_period, (step % per_period) as f64 / per_period as f64);
-        let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
-        let limits = Limits { until: Some(time), impacts: left, ..Limits::default() };
-        report = simulation.run(&limits, |event| counts.see(event, &mut impacts));
+        // In portions of work, so that Ctrl-C is heard however long a period takes.
+        loop {
+            let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
+            let limits = Limits { until: Some(time), impacts: left, flights: FLIGHTS, ..Limits::default() };
+            report = simulation.run(&limits, |event| counts.see(event, &mut impacts));
+            stopped = stop.load(Ordering::Relaxed);
+            if stopped || report.outcome != Outcome::WorkLimit {
+                break;
+            }
+            bar.set_position(report.time.periods());
+        }
     }
     bar.finish_and_clear();
 
@@ -79,9 +108,7 @@ pub fn run(args: &SimulateArgs) -> Result<(), CliError> {
         let distance = deviation(orbit, &simulation, start.time)?;
         let _ = writeln!(text, "largest distance from the orbit at the end: {distance:.3e}");
     }
-    std::io::stdout()
-        .write_all(text.as_bytes())
-        .map_err(|error| CliError::Computation(format!("cannot write to standard output: {error}")))?;
+    print(&text)?;
     match report.outcome {
         _ if stopped => Err(CliError::Stopped),
         Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
@@ -141,6 +168,11 @@ fn starting_point(args: &SimulateArgs, model: &Model) -> Result<(Start, Option<O
         match args.direction {
             Direction::Random => start.perturb_at_random(model, size, args.seed),
             Direction::Unstable => {
+                let verdict = stability(&orbit, Tolerance::Rounding).map_err(|error| computation(&error))?.verdict;
+                if verdict.stable {
+                    let message = "--direction unstable: this breather is stable, it has no such direction; use --direction random";
+                    return Err(CliError::Request(message.to_owned()));
+                }
                 let mode = leading_mode_at(&orbit, start.time).map_err(|error| computation(&error))?;
                 start.perturb_along(model, size, &mode);
             }

@@ -13,7 +13,7 @@ use crate::args::SweepArgs;
 use crate::cell::{Class, Status};
 use crate::error::CliError;
 use crate::manifest::{Run, manifest};
-use crate::output::Output;
+use crate::output::{Output, distinct};
 use crate::scene::{Scene, tolerance_from};
 use crate::sweep::{Ended, Summary, sweep};
 use crate::table::Table;
@@ -21,9 +21,13 @@ use crate::table::Table;
 /// The most threads that may be asked for.
 const MAX_THREADS: usize = 1024;
 
-/// Where the manifest of a table goes: map.csv → map.manifest.json.
+/// Where the manifest of a table goes: map.csv → map.manifest.json, map → map.manifest.json, map.5 → map.5.manifest.json.
 fn manifest_path(table: &Path) -> PathBuf {
-    table.with_extension("manifest.json")
+    let mut name = table.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if let Some(stem) = name.strip_suffix(".csv") {
+        name = stem.to_owned();
+    }
+    table.with_file_name(name + ".manifest.json")
 }
 
 /// Runs the subcommand.
@@ -52,9 +56,17 @@ pub fn run(args: &SweepArgs) -> Result<(), CliError> {
     let pool = threads(args.threads)?;
     let threads = pool.current_num_threads();
 
+    let manifest_file = manifest_path(&args.out);
+    distinct(&[
+        ("the scene", Some(&args.scene)),
+        ("--out", Some(&args.out)),
+        ("the manifest of --out", Some(&manifest_file)),
+        ("--png", args.png.as_deref()),
+        ("--svg", args.svg.as_deref()),
+    ])?;
     // Destinations first: an impossible one should not cost a computation.
     let table_file = Output::create(&args.out)?;
-    let manifest_file = Output::create(&manifest_path(&args.out))?;
+    let manifest_file = Output::create(&manifest_file)?;
     let mut pictures = Pictures::open(args)?;
 
     let stop = Arc::new(AtomicBool::new(false));

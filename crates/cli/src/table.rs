@@ -64,11 +64,15 @@ impl<W: Write> Table<W> {
         self.writer.write_byte_record(&self.record)
     }
 
-    /// A number in the fewest digits that read back the same.
     fn number(&mut self, value: Option<f64>) {
         self.text.clear();
         if let Some(value) = value {
-            let _ = write!(self.text, "{value}");
+            // Writing to a String cannot fail.
+            let _ = if value == 0.0 || (1e-5..1e16).contains(&value.abs()) {
+                write!(self.text, "{value}")
+            } else {
+                write!(self.text, "{value:e}")
+            };
         }
         self.record.push_field(self.text.as_bytes());
     }

@@ -3,7 +3,6 @@
 //! The simulation shares no formula with them: it knows the ring, its barriers and the law of impact.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
@@ -12,7 +11,7 @@ use vibrochain_lattice::{Chain, Model};
 
 use crate::args::ValidateArgs;
 use crate::error::CliError;
-use crate::output::Output;
+use crate::output::{Output, print};
 use crate::start::{Start, leading_mode_at};
 
 /// One parameter point: family, sites, γ₁, γ₂, ω, a, A, e.
@@ -55,9 +54,7 @@ pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
     }
     match file {
         Some(file) => file.finish_with(table.as_bytes()),
-        None => std::io::stdout()
-            .write_all(table.as_bytes())
-            .map_err(|error| CliError::Computation(format!("cannot write to standard output: {error}"))),
+        None => print(&table),
     }
 }
 

@@ -301,6 +301,10 @@ fn no_orbit_is_an_answer_and_a_resonance_is_not() {
     (resonant[3], resonant[7]) = ("0.25", "0.25");
     let asked = mapgen().args(["orbit", "--family", "double-sided"]).args(resonant).assert();
     asked.code(1).stderr(contains("harmonic 2").and(contains("mode 0")));
+    // A frequency so low that its harmonics cannot be told apart is not called a resonance.
+    resonant[7] = "1e-100";
+    let asked = mapgen().args(["orbit", "--family", "double-sided"]).args(resonant).assert();
+    asked.code(1).stderr(contains("too small against mode").and(contains("raise omega")));
 }
 
 #[test]
@@ -308,8 +312,15 @@ fn an_orbit_that_is_not_physical_says_where_when_and_by_how_much() {
     let mut point = POINT;
     point[7] = "0.42";
     let value = orbit_json("double-sided", &point);
-    let obstruction = value["solutions"][0]["obstruction"].as_str().unwrap();
-    assert!(obstruction.contains("site 0 is 2.0664") && obstruction.contains("beyond the lower barrier at t = 10.78"));
+    let obstruction = &value["solutions"][0]["obstruction"];
+    assert_eq!(
+        (&obstruction["kind"], &obstruction["site"], &obstruction["barrier"]),
+        (&"crossing".into(), &0.into(), &"lower".into())
+    );
+    assert!((obstruction["excess"].as_f64().unwrap() - 2.0664391).abs() < 1e-6);
+    assert!((obstruction["time"].as_f64().unwrap() - 10.781921).abs() < 1e-5);
+    assert!(obstruction["message"].as_str().unwrap().contains("beyond the lower barrier at t = 10.78"));
+    assert_eq!(value["solutions"][1]["obstruction"]["kind"], "wrong-sign");
     assert!(value["solutions"][0]["margin"].as_f64().unwrap() < -2.0);
 }
 
@@ -449,6 +460,8 @@ fn wrong_simulations() {
         (vec!["--family", "double-sided", "--perturb", "5"], "beyond its upper barrier"),
         (vec!["--family", "double-sided", "--solution", "7"], "--solution 7 is out of range"),
         (vec!["--family", "double-sided", "--periods", "-1"], "invalid value '-1' for '--periods <P>'"),
+        (vec!["--family", "double-sided", "--perturb", "1e-3", "--direction", "unstable"], "this breather is stable"),
+        (vec!["--family", "double-sided", "--periods", "288230376151711744"], "give at most"),
         (vec!["--family", "double-sided", "--plot", "run.jpg"], "end the name in .png or .svg"),
     ] {
         mapgen().arg("simulate").args(POINT).args(&flags).assert().code(2).stdout("").stderr(contains(message));
@@ -473,6 +486,74 @@ fn the_validation_table_is_what_the_command_prints() {
         let leading = number(12).unwrap();
         assert!(number(13).is_none_or(|growth| (growth / leading - 1.0).abs() < 1e-3), "{row:?}");
     }
+}
+
+#[test]
+fn no_file_may_have_two_uses() {
+    let desk = Desk::new();
+    let scene = desk.scene(SCENE);
+    let same = desk.path("map.csv");
+    desk.sweep(&scene, &["--png", same.to_str().unwrap()])
+        .code(2)
+        .stderr(contains("--out and --png are the same file"));
+    let manifest = desk.path("map.manifest.json");
+    desk.sweep(&scene, &["--svg", manifest.to_str().unwrap()])
+        .code(2)
+        .stderr(contains("the manifest of --out and --svg"));
+    let onto = mapgen().arg("sweep").arg(&scene).arg("--out").arg(&scene).assert();
+    onto.code(2).stderr(contains("the scene and --out are the same file"));
+    assert_eq!(desk.files(), ["scene.toml"]);
+    let table = desk.path("table.csv");
+    let mut command = mapgen();
+    command
+        .args(["simulate", "--family", "double-sided"])
+        .args(POINT)
+        .arg("--impacts")
+        .arg(&table)
+        .arg("--trajectory")
+        .arg(&table);
+    command.assert().code(2).stderr(contains("--impacts and --trajectory are the same file"));
+}
+
+#[test]
+fn nothing_to_plot_does_not_hide_the_answer() {
+    let desk = Desk::new();
+    let plot = desk.path("orbit.png");
+    let run =
+        mapgen().args(["orbit", "--family", "period-doubled", "--json", "--plot"]).arg(&plot).args(POINT).assert();
+    run.success().stdout(contains("\"solutions\": []")).stderr(contains("nothing to plot"));
+    assert!(desk.files().is_empty());
+}
+
+#[test]
+fn a_ring_that_nothing_holds_is_swept_with_a_force() {
+    let desk = Desk::new();
+    let text = forced().replace("gamma1 = 0.2", "gamma1 = 0.0").replace("from = 0.0, to = 0.3", "from = 0.1, to = 0.3");
+    desk.sweep(&desk.scene(&text), &[]).success();
+    let table = rows(&desk.path("map.csv"));
+    assert!(table.iter().all(|row| &row[7] == "ok"));
+    assert!(table.iter().filter(|row| &row[6] == "2").count() > 100);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_simulation_keeps_what_it_has_however_long_a_period_is() {
+    let desk = Desk::new();
+    let (state, impacts) = (desk.path("state.json"), desk.path("impacts.csv"));
+    fs::write(&state, r#"{"displacement":[0,0,0,0,0],"velocity":[1,1,1,1,1]}"#).unwrap();
+    let mut arguments: Vec<_> = SMALL.to_vec();
+    arguments[7] = "1e-50";
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("mapgen"));
+    command.arg("simulate").arg("--state").arg(&state).arg("--impacts").arg(&impacts).args(arguments);
+    let mut child = command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null()).spawn().unwrap();
+    while desk.files().len() < 2 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert!(std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(desk.files(), ["impacts.csv", "state.json"]);
+    assert!(rows(&impacts).len() > 100);
 }
 
 #[cfg(unix)]
