@@ -6,7 +6,7 @@ mod support;
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 use support::dense;
-use vibrochain::breather::{Family, Orbit, breathers};
+use vibrochain::breather::{Family, Orbit, admissibility, breathers};
 use vibrochain::floquet::{Tolerance, even_monodromy, full_monodromy, stability};
 use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
 
@@ -81,8 +81,7 @@ proptest! {
     }
 
     #[test]
-    fn units_of_time_do_not_matter(model in prop_oneof![conservative(), forced()]) {
-        let s: f64 = 2.25;
+    fn units_of_time_do_not_matter(model in prop_oneof![conservative(), forced()], s in 1e-4..1e4_f64) {
         let chain = model.chain();
         let scaled = Model::forced(
             Chain::new(chain.sites(), s * chain.gamma1(), s * chain.gamma2()).unwrap(),
@@ -101,6 +100,16 @@ proptest! {
                 prop_assert!((q.impulse - s.sqrt() * p.impulse).abs() < 1e-7 * size, "{} {}", p.impulse, q.impulse);
                 prop_assert!((q.time * s.sqrt() - p.time).abs() < 1e-7 * a.period());
             }
+            let (p, q) = (admissibility(a).unwrap(), admissibility(b).unwrap());
+            prop_assert_eq!(p.is_physical(), q.is_physical());
+            if let (Some(p), Some(q)) = (p.margin, q.margin) {
+                prop_assert!((p - q).abs() < 1e-7 * (1.0 + p.abs()), "{p} {q}");
+            }
+            // The radius of nearly meeting multipliers moves like a square root of rounding.
+            let radius = |orbit: &Orbit| stability(orbit, Tolerance::Rounding).unwrap().verdict;
+            let (p, q) = (radius(a), radius(b));
+            let slack = 1e-6 * p.spectral_radius + 10.0 * p.resolution.max(q.resolution);
+            prop_assert!((p.spectral_radius - q.spectral_radius).abs() < slack, "{p:?} {q:?}");
         }
     }
 }

@@ -188,7 +188,8 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         }
         None => {
             let physical = solutions.iter().filter(|solution| solution.admissibility.is_physical()).count();
-            let _ = writeln!(out, "{} solutions, {physical} physical", solutions.len());
+            let plural = if solutions.len() == 1 { "" } else { "s" };
+            let _ = writeln!(out, "{} solution{plural}, {physical} physical", solutions.len());
         }
     }
     if found.unresolved > 0 {

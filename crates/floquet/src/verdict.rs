@@ -54,7 +54,8 @@ pub struct Verdict {
     /// How stability is lost, for an unstable orbit.
     pub mechanism: Option<Mechanism>,
     /// Largest modulus of the non-trivial multipliers whose perturbations reach an impact. (Modes odd about the one
-    /// site that is hit do not: their multipliers lie on the circle exactly.) 1 for a chain that has none.
+    /// site that is hit do not: their multipliers lie on the circle exactly.) 1 for a chain that has none. Without
+    /// coupling, γ₂ = 0, the masses that are not hit count too, with modulus 1.
     pub spectral_radius: f64,
     /// The multiplier of that modulus.
     pub leading: Complex<f64>,
