@@ -24,7 +24,7 @@ fn on_breather(sites: usize, perturbation: f64) -> (Orbit, f64, Vec<f64>, Vec<f6
     (orbit.clone(), start, u.collect(), (0..sites).map(|n| motion.site(n).velocity).collect())
 }
 
-/// A hot ring: every mass moves, about one impact a mass and period.
+/// A hot ring: every mass moves and hits, 26 impacts a period on 21 masses.
 fn hot(sites: usize) -> (Vec<f64>, Vec<f64>) {
     let wave = |n: usize, k: f64| (n as f64 * k).sin();
     ((0..sites).map(|n| 0.4 + 0.5 * wave(n, 1.3)).collect(), (0..sites).map(|n| 1.2 * wave(n, 2.1)).collect())
