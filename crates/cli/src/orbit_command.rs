@@ -262,7 +262,7 @@ mod with_plot {
 
     use super::{CliError, OrbitArgs, Solution};
     use crate::output::Output;
-    use crate::plot::{Format, OrbitPanels, orbit_picture};
+    use crate::plot::{Format, OrbitPanels, open, orbit_picture};
 
     /// Points of a trace: a few pixels each, smooth to the eye.
     const SAMPLES: usize = 160;
@@ -274,15 +274,7 @@ mod with_plot {
 
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            let Some(path) = &args.plot else { return Ok(Self(None)) };
-            let Some(format) = Format::of(path) else {
-                let message = format!(
-                    "--plot {}: the kind of picture is not known; end the name in .png or .svg",
-                    path.display()
-                );
-                return Err(CliError::Request(message));
-            };
-            Ok(Self(Some((format, Output::create(path)?))))
+            open(args.plot.as_deref()).map(Self)
         }
 
         pub(super) fn finish(self, solutions: &[Solution]) -> Result<(), CliError> {

@@ -100,7 +100,7 @@ mod with_plot {
     use vibrochain_lattice::Model;
 
     use super::{CliError, Output, SimulateArgs, Start, orbit_time};
-    use crate::plot::{Format, RunPicture, run_picture};
+    use crate::plot::{Format, RunPicture, open, run_picture};
 
     /// Columns of the space–time picture.
     const COLUMNS: u64 = 1000;
@@ -131,14 +131,7 @@ mod with_plot {
             orbit: Option<&Orbit>,
             start: &Start,
         ) -> Result<Self, CliError> {
-            let Some(path) = &args.plot else { return Ok(Self(None)) };
-            let Some(format) = Format::of(path) else {
-                let message = format!(
-                    "--plot {}: the kind of picture is not known; end the name in .png or .svg",
-                    path.display()
-                );
-                return Err(CliError::Request(message));
-            };
+            let Some((format, file)) = open(args.plot.as_deref())? else { return Ok(Self(None)) };
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose();
             let motion = motion.map_err(|error| CliError::Computation(error.to_string()))?;
             let sites = model.chain().sites();
@@ -166,7 +159,7 @@ mod with_plot {
             let samples = args.periods * args.samples;
             Ok(Self(Some(Collected {
                 format,
-                file: Output::create(path)?,
+                file,
                 picture,
                 home: orbit.and_then(Orbit::impact_site).unwrap_or(0),
                 orbit: motion,

@@ -10,6 +10,9 @@ use plotters::prelude::{BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingA
 use plotters::style::{FontStyle, register_font};
 use thiserror::Error;
 
+use crate::error::CliError;
+use crate::output::Output;
+
 /// A picture that could not be drawn.
 #[derive(Debug, Clone, Error)]
 #[error("could not draw the picture: {0}")]
@@ -39,6 +42,19 @@ impl Format {
             _ => None,
         }
     }
+}
+
+/// Opens the file of a picture that was asked for with --plot; its ending says what kind it is.
+///
+/// # Errors
+/// [`CliError::Request`] for another ending, or a place that cannot be written.
+pub(crate) fn open(path: Option<&Path>) -> Result<Option<(Format, Output)>, CliError> {
+    let Some(path) = path else { return Ok(None) };
+    let format = Format::of(path).ok_or_else(|| {
+        let name = path.display();
+        CliError::Request(format!("--plot {name}: the kind of picture is not known; end the name in .png or .svg"))
+    })?;
+    Ok(Some((format, Output::create(path)?)))
 }
 
 /// A drawing that does not care which kind of file it ends up in.

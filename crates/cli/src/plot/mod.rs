@@ -1,11 +1,13 @@
 //! Pictures. All of them are drawn with a font that is shipped with the program, so that a bare machine will do.
 
+mod axes;
 mod canvas;
 mod map;
 mod orbit;
 mod palette;
 mod run;
 
+pub(crate) use canvas::open;
 pub use canvas::{Format, PlotError};
 pub use map::{MapPicture, map_picture};
 pub use orbit::{OrbitPanels, orbit_picture};

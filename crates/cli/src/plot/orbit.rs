@@ -1,14 +1,14 @@
 //! The picture of orbits: for each, the profile along the ring at its impacts, and the impacting mass over a period.
 
-use plotters::chart::{LabelAreaPosition, SeriesLabelPosition};
+use plotters::chart::LabelAreaPosition;
 use plotters::coord::Shift;
-use plotters::element::{Circle, DashedPathElement, PathElement, Text};
+use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{
     BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE,
 };
 
+use crate::plot::axes::{axes, barriers, legend};
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
-use crate::plot::map::tick;
 
 /// One orbit's data.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +28,6 @@ const HEIGHT: u32 = 420;
 
 /// Blue and vermilion, told apart by lightness and by colour-blind eyes.
 const SERIES: [RGBColor; 3] = [RGBColor(16, 50, 98), RGBColor(213, 94, 0), RGBColor(46, 134, 171)];
-const BARRIER: RGBColor = RGBColor(110, 110, 110);
 
 /// The bytes of a picture with one row of panels for each orbit.
 ///
@@ -76,22 +75,8 @@ fn profile_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, orbit: &OrbitP
         .set_label_area_size(LabelAreaPosition::Bottom, 50)
         .build_cartesian_2d(-reach..reach, values)
         .map_err(PlotError::from)?;
-    chart
-        .configure_mesh()
-        .light_line_style(WHITE)
-        .bold_line_style(RGBColor(230, 230, 230))
-        .x_desc("site, from the impacting mass")
-        .y_desc("displacement vₙ")
-        .axis_desc_style(("sans-serif", 17))
-        .label_style(("sans-serif", 14))
-        .x_label_formatter(&|value| tick(*value))
-        .y_label_formatter(&|value| tick(*value))
-        .draw()
-        .map_err(PlotError::from)?;
-    for barrier in [lower, upper] {
-        let line = DashedPathElement::new(vec![(-reach, barrier), (reach, barrier)], 6, 4, BARRIER.stroke_width(1));
-        chart.draw_series([line]).map_err(PlotError::from)?;
-    }
+    axes(&mut chart, "site, from the impacting mass", "displacement vₙ", true)?;
+    barriers(&mut chart, (lower, upper), (-reach, reach))?;
     for (i, (time, profile)) in orbit.profiles.iter().enumerate() {
         let colour = SERIES[i % SERIES.len()];
         let line = profile.iter().map(|&(n, v)| (n as f64, v));
@@ -105,14 +90,7 @@ fn profile_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, orbit: &OrbitP
         });
         chart.draw_series(dots).map_err(PlotError::from)?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .background_style(WHITE.mix(0.8))
-        .border_style(RGBColor(200, 200, 200))
-        .label_font(("sans-serif", 15))
-        .draw()
-        .map_err(PlotError::from)
+    legend(&mut chart)
 }
 
 fn trace_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, orbit: &OrbitPanels) -> Result<(), PlotError> {
@@ -125,22 +103,8 @@ fn trace_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, orbit: &OrbitPan
         .set_label_area_size(LabelAreaPosition::Bottom, 50)
         .build_cartesian_2d(0.0..1.0, values)
         .map_err(PlotError::from)?;
-    chart
-        .configure_mesh()
-        .light_line_style(WHITE)
-        .bold_line_style(RGBColor(230, 230, 230))
-        .x_desc("time, in periods of the orbit")
-        .y_desc("impacting mass v₀")
-        .axis_desc_style(("sans-serif", 17))
-        .label_style(("sans-serif", 14))
-        .x_label_formatter(&|value| tick(*value))
-        .y_label_formatter(&|value| tick(*value))
-        .draw()
-        .map_err(PlotError::from)?;
-    for barrier in [lower, upper] {
-        let line = DashedPathElement::new(vec![(0.0, barrier), (1.0, barrier)], 6, 4, BARRIER.stroke_width(1));
-        chart.draw_series([line]).map_err(PlotError::from)?;
-    }
+    axes(&mut chart, "time, in periods of the orbit", "impacting mass v₀", true)?;
+    barriers(&mut chart, (lower, upper), (0.0, 1.0))?;
     let line = LineSeries::new(orbit.trace.iter().copied(), SERIES[0].stroke_width(2));
     chart.draw_series(line).map_err(PlotError::from)?;
     Ok(())

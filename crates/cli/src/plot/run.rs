@@ -1,12 +1,13 @@
 //! The picture of a simulated run: the impacting mass over the analytic orbit, and all masses in space and time.
 
-use plotters::chart::{LabelAreaPosition, SeriesLabelPosition};
+use plotters::chart::LabelAreaPosition;
 use plotters::coord::Shift;
-use plotters::element::{BitMapElement, DashedPathElement, PathElement, Rectangle, Text};
+use plotters::element::{BitMapElement, PathElement, Rectangle, Text};
 use plotters::prelude::{
     BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE,
 };
 
+use crate::plot::axes::{axes, barriers, legend};
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
 use crate::plot::map::tick;
 
@@ -76,23 +77,8 @@ impl Sheet<'_> {
             .set_label_area_size(LabelAreaPosition::Bottom, 60)
             .build_cartesian_2d(first..last, lower - 0.15..upper + 0.15)
             .map_err(PlotError::from)?;
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE)
-            .bold_line_style(RGBColor(230, 230, 230))
-            .x_desc("time, in periods since the start (end of the run)")
-            .y_desc("impacting mass u₀")
-            .axis_desc_style(("sans-serif", 17))
-            .label_style(("sans-serif", 14))
-            .x_label_formatter(&|value| tick(*value))
-            .y_label_formatter(&|value| tick(*value))
-            .draw()
-            .map_err(PlotError::from)?;
-        for barrier in [lower, upper] {
-            let style = RGBColor(110, 110, 110).stroke_width(1);
-            let line = DashedPathElement::new(vec![(first, barrier), (last, barrier)], 6, 4, style);
-            chart.draw_series([line]).map_err(PlotError::from)?;
-        }
+        axes(&mut chart, "time, in periods since the start (end of the run)", "impacting mass u₀", true)?;
+        barriers(&mut chart, (lower, upper), (first, last))?;
         let series = [
             ("analytic orbit", &self.picture.analytic, RGBColor(240, 170, 90), 5),
             ("simulation", &self.picture.simulated, RGBColor(16, 50, 98), 2),
@@ -104,14 +90,7 @@ impl Sheet<'_> {
                 .label(name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], colour.stroke_width(width)));
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(200, 200, 200))
-            .label_font(("sans-serif", 15))
-            .draw()
-            .map_err(PlotError::from)
+        legend(&mut chart)
     }
 
     fn field<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
@@ -128,17 +107,7 @@ impl Sheet<'_> {
             .set_label_area_size(LabelAreaPosition::Bottom, 60)
             .build_cartesian_2d(0.0..self.picture.periods, -(half as f64) - 0.5..other as f64 + 0.5)
             .map_err(PlotError::from)?;
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .x_desc("time, in periods since the start (whole run)")
-            .y_desc("site, from site 0")
-            .axis_desc_style(("sans-serif", 17))
-            .label_style(("sans-serif", 14))
-            .x_label_formatter(&|value| tick(*value))
-            .y_label_formatter(&|value| tick(*value))
-            .draw()
-            .map_err(PlotError::from)?;
+        axes(&mut chart, "time, in periods since the start (whole run)", "site, from site 0", false)?;
         let (columns, rows) = chart.plotting_area().get_pixel_range();
         let (w, h) = ((columns.end - columns.start).max(1) as u32, (rows.end - rows.start).max(1) as u32);
         let mut pixels = Vec::with_capacity(3 * (w * h) as usize);
