@@ -148,7 +148,6 @@ impl Motion {
 
     /// Moves to the time `elapsed` after the start of interval `i`; [`Motion::site`] then reads any mass.
     pub fn seek(&mut self, i: usize, elapsed: f64) {
-        let modes = self.frequencies.len();
         let states = self.states.iter().skip(i * self.now.len());
         for ((now, &(q, p)), frequency) in self.now.iter_mut().zip(states).zip(self.frequencies.iter().cycle()) {
             let phase = frequency * elapsed;
@@ -158,7 +157,6 @@ impl Motion {
             let displacement = q * cos + p * sin_over;
             *now = [displacement, p * cos - q * frequency * sin, -frequency * frequency * displacement];
         }
-        debug_assert_eq!(self.now.len() % modes.max(1), 0);
         let (sin, cos) = self.force_phase(i, elapsed).sin_cos();
         let (g, w) = (self.force, self.omega);
         self.now_force = Kinematics { displacement: g * cos, velocity: -g * w * sin, acceleration: -g * w * w * cos };
@@ -202,21 +200,19 @@ impl Motion {
         (0..self.sites()).map(|n| self.site(n).displacement).collect()
     }
 
-    /// Moves just after impact `i`; the interval that starts there and the state of `site`.
-    pub(crate) fn after_impact(&mut self, i: usize, site: usize) -> (usize, Kinematics) {
+    /// Moves just after impact `i`, where interval `i` starts; the state of `site` there.
+    pub(crate) fn after_impact(&mut self, i: usize, site: usize) -> Kinematics {
         self.seek(i, 0.0);
-        (i, self.site(site))
+        self.site(site)
     }
 
-    /// v̈ of a mass at the start of interval `i` from the equation of motion, −γ₁v − γ₂(2v − v_l − v_r) + F: by the
-    /// neighbours, because the modal sum Σ Ω²q cancels where the coupling is stiff.
-    pub(crate) fn acceleration_from_forces(&mut self, i: usize, site: usize) -> f64 {
-        self.seek(i, 0.0);
+    /// v̈ of a mass at the time last sought, where the force has the given phase, from the equation of motion,
+    /// −γ₁v − γ₂(2v − v_l − v_r) + F: by the neighbours, because the modal sum Σ Ω²q cancels where the coupling is stiff.
+    pub(crate) fn acceleration_from_forces(&self, site: usize, phase: f64) -> f64 {
         let ring = self.sites();
         let v = |n: usize| self.site(n % ring).displacement;
         let (own, neighbours) = (v(site), v(site + 1) + v(site + ring - 1));
-        let force = self.amplitude * self.force_phase(i, 0.0).cos();
-        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - neighbours) + force
+        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - neighbours) + self.amplitude * phase.cos()
     }
 
     /// ω(t+ψ), the force's phase, `elapsed` after the start of interval `i`.

@@ -136,8 +136,8 @@ impl Orbit {
         motion.load(&orbit, response);
         for i in 0..orbit.impacts.len() {
             let impact = &mut orbit.impacts[i];
-            let (segment, after) = motion.after_impact(i, impact.site);
-            impact.acceleration = motion.acceleration_from_forces(segment, impact.site);
+            let after = motion.after_impact(i, impact.site);
+            impact.acceleration = motion.acceleration_from_forces(impact.site, motion.force_phase(i, 0.0));
             let barrier = model.barrier(impact.barrier);
             let mean = after.velocity - 0.5 * impact.impulse;
             let newton = (mean + 0.5 * model.loss() * impact.impulse) / impact.impulse.abs().max(1.0);
@@ -216,7 +216,7 @@ impl Orbit {
             // A ring that nothing holds may stand anywhere: where its first impact meets the barrier.
             Self::assemble(model, &response, &mut motion, draft.clone())?;
             let &(site, barrier, _, _) = &impacts[0];
-            draft.uniform_offset = model.barrier(barrier) - motion.after_impact(0, site).1.displacement;
+            draft.uniform_offset = model.barrier(barrier) - motion.after_impact(0, site).displacement;
         }
         Self::assemble(model, &response, &mut motion, draft)
     }

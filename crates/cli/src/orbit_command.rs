@@ -9,7 +9,7 @@ use vibrochain_lattice::{MAX_SITES, Model};
 
 use crate::args::{FamilyName, ModelArgs, OrbitArgs};
 use crate::error::CliError;
-use crate::output::{number, print};
+use crate::output::{Number, print};
 use crate::parameter::{Parameter, Point};
 use crate::scene::tolerance_from;
 
@@ -178,7 +178,7 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         (Parameter::Restitution, model.restitution()),
     ]
     .iter()
-    .map(|(parameter, value)| format!("{} = {}", parameter.name(), number(*value)))
+    .map(|(parameter, value)| format!("{} = {}", parameter.name(), Number(*value)))
     .collect();
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{} breathers, {} masses, {}", family.name(), model.chain().sites(), point.join(", "));
@@ -204,10 +204,10 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
     }
     for (i, solution) in solutions.iter().enumerate() {
         let orbit = &solution.orbit;
-        let _ = write!(out, "\nsolution {}: period {}", i + 1, number(orbit.period()));
+        let _ = write!(out, "\nsolution {}: period {}", i + 1, Number(orbit.period()));
         for (name, value) in [("phi", orbit.phi()), ("psi", orbit.psi())] {
             if let Some(value) = value {
-                let _ = write!(out, ", {name} {}", number(value));
+                let _ = write!(out, ", {name} {}", Number(value));
             }
         }
         let _ = writeln!(out);
@@ -217,10 +217,10 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
                 "  impact of site {} on the {} barrier at t = {}: impulse {}, velocity {} -> {}",
                 impact.site,
                 impact.barrier.name(),
-                number(impact.time),
-                number(impact.impulse),
-                number(impact.velocity_before),
-                number(impact.velocity_after)
+                Number(impact.time),
+                Number(impact.impulse),
+                Number(impact.velocity_before),
+                Number(impact.velocity_after)
             );
         }
         let _ = match (solution.admissibility.obstruction, solution.admissibility.margin) {

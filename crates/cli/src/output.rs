@@ -1,6 +1,7 @@
 //! Files that appear whole or not at all: written beside their destination under a temporary name, flushed to disk,
 //! renamed.
 
+use std::fmt;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -124,12 +125,17 @@ pub fn print(text: &str) -> Result<(), CliError> {
 }
 
 /// A number in the fewest digits that read back the same, with an exponent where it would be a row of zeros.
-pub fn number(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 || (1e-5..1e16).contains(&size) || !value.is_finite() {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
+#[derive(Debug, Clone, Copy)]
+pub struct Number(pub f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = self.0;
+        if value == 0.0 || (1e-5..1e16).contains(&value.abs()) || !value.is_finite() {
+            write!(f, "{value}")
+        } else {
+            write!(f, "{value:e}")
+        }
     }
 }
 
@@ -140,7 +146,8 @@ mod tests {
     #[test]
     fn numbers_read_back_and_stay_short() {
         for value in [0.0, -0.4, 1e-300, 1e100, 123_456.789, f64::MIN_POSITIVE, 0.1 + 0.2] {
-            assert!(number(value).parse::<f64>().unwrap() == value && number(value).len() < 25);
+            let text = Number(value).to_string();
+            assert!(text.parse::<f64>().unwrap() == value && text.len() < 25);
         }
     }
 

@@ -6,6 +6,7 @@ use std::io::Write;
 use csv::{ByteRecord, Writer};
 
 use crate::cell::Cell;
+use crate::output::Number;
 use crate::parameter::{Parameter, Point};
 use crate::scene::Scene;
 
@@ -68,11 +69,7 @@ impl<W: Write> Table<W> {
         self.text.clear();
         if let Some(value) = value {
             // Writing to a String cannot fail.
-            let _ = if value == 0.0 || (1e-5..1e16).contains(&value.abs()) {
-                write!(self.text, "{value}")
-            } else {
-                write!(self.text, "{value:e}")
-            };
+            let _ = write!(self.text, "{}", Number(value));
         }
         self.record.push_field(self.text.as_bytes());
     }

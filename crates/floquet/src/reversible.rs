@@ -32,6 +32,7 @@ pub(crate) struct Reversible {
     b: Vec<f64>,
     cb: Vec<f64>,
     sb: Vec<f64>,
+    sin_over: Vec<f64>,
     wsb: Vec<f64>,
     left: Vec<f64>,
     column: Vec<f64>,
@@ -55,7 +56,7 @@ impl Reversible {
         let response = finder.response();
         let (frequencies, weights) = (response.frequencies(), response.weights());
         let (cos, sin, half) = (response.cos_half(), response.sin_half(), 0.5 * response.period());
-        for vector in [&mut self.b, &mut self.cb, &mut self.sb, &mut self.wsb] {
+        for vector in [&mut self.b, &mut self.cb, &mut self.sb, &mut self.wsb, &mut self.sin_over] {
             vector.clear();
         }
         for k in 0..weights.len() {
@@ -66,6 +67,7 @@ impl Reversible {
             self.b.push(b);
             self.cb.push(cos[k] * b);
             self.sb.push(sin_over * b);
+            self.sin_over.push(sin_over);
             self.wsb.push(f * sin[k] * b);
         }
         let modes = weights.len();
@@ -81,7 +83,7 @@ impl Reversible {
             }
         }
         if double {
-            self.double_sided(cos, sin, frequencies, half, (kappas[0], kappa), -0.5 * impulse, response.omega());
+            self.double_sided(cos, sin, frequencies, (kappas[0], kappa), -0.5 * impulse, response.omega());
         } else {
             // ẍ(T/2) ∝ bΩ/S; multiplied through by the smallest S it could not overflow, but rings off resonance do not.
             self.left.clear();
@@ -94,13 +96,11 @@ impl Reversible {
     }
 
     /// Turns A into the block of M = W S₀ on Qx = x, coordinates (β/ω, x⊥), and `left` into its left eigenvector.
-    #[expect(clippy::too_many_arguments, reason = "the pieces of one formula")]
     fn double_sided(
         &mut self,
         cos: &[f64],
         sin: &[f64],
         frequencies: &[f64],
-        half: f64,
         (kappa0, kappa1): (f64, f64),
         velocity: f64,
         omega: f64,
@@ -111,7 +111,7 @@ impl Reversible {
         self.row.clear();
         for k in 0..self.b.len() {
             let f = frequencies[k];
-            let sin_over = if f * half > 1e-3 { sin[k] / f } else { sine_over(f, half) };
+            let sin_over = self.sin_over[k];
             let (b, cb, sb, wsb) = (self.b[k], self.cb[k], self.sb[k], self.wsb[k]);
             // B·b and C·b
             self.column.push(2.0 * cos[k] * sin_over * b - 2.0 * cb * bsb - 2.0 * sb * bcb + kappa1 * sb * bsb);
