@@ -4,6 +4,7 @@
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::{Admissibility, Depth, Watch};
+use crate::condition::Condition;
 use crate::error::{BreatherError, NoBreather};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
@@ -183,6 +184,27 @@ impl Finder {
         self.prepare(orbit.model(), orbit.frequency())?;
         self.motion.load(orbit, &self.response);
         Ok(&mut self.motion)
+    }
+
+    /// How far an orbit can be trusted. Not part of a sweep's inner loop: it costs as much as finding the orbit.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    ///
+    /// ```
+    /// use vibrochain_breather::{Family, Finder, Found};
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+    /// let (mut finder, mut found) = (Finder::new(21), Found::default());
+    /// finder.find(&model, Family::DoubleSided, &mut found)?;
+    /// let condition = finder.condition(&found.orbits[0])?;
+    /// assert!(condition.impulse_error(&found.orbits[0]) < 1e-13);
+    /// # Ok::<(), vibrochain_breather::BreatherError>(())
+    /// ```
+    pub fn condition(&mut self, orbit: &Orbit) -> Result<Condition, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        self.motion.load(orbit, &self.response);
+        Ok(Condition::of(orbit, &self.response, &mut self.motion))
     }
 
     /// The impulse response last used.

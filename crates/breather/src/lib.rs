@@ -13,6 +13,7 @@
 //! | `conservative`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `motion` | [`Motion`]: every mass at any time |
 //! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
+//! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
@@ -33,6 +34,7 @@
 //! ```
 
 mod admissibility;
+mod condition;
 mod conservative;
 mod enclosure;
 mod error;
@@ -46,6 +48,7 @@ mod two_impacts;
 mod window;
 
 pub use admissibility::{Admissibility, Obstruction, admissibility};
+pub use condition::{Condition, ImpactError};
 pub use error::{BreatherError, NoBreather};
 pub use finder::{Finder, Found, breathers};
 pub use motion::{Kinematics, Motion};

@@ -81,6 +81,9 @@ pub enum Status {
     /// Computed, but two orbits may have merged closer than rounding can tell (a fold), or the search for solutions was
     /// cut short (hundreds of them at very low frequency).
     Unresolved,
+    /// The growth of an orbit that could decide the class is closer to the border of stability than its own error: the
+    /// class is not known.
+    Marginal,
     /// An eigenvalue iteration did not converge; the class is not known.
     NotConverged,
     /// An impact grazes: its saltation matrix is not finite; the class is not known.
@@ -93,10 +96,11 @@ pub enum Status {
 
 impl Status {
     /// All of them, in the order of summaries.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Ok,
         Self::Resonance,
         Self::Unresolved,
+        Self::Marginal,
         Self::NotConverged,
         Self::IllConditioned,
         Self::TooLarge,
@@ -109,6 +113,7 @@ impl Status {
             Self::Ok => "ok",
             Self::Resonance => "resonance",
             Self::Unresolved => "unresolved",
+            Self::Marginal => "marginal",
             Self::NotConverged => "not-converged",
             Self::IllConditioned => "ill-conditioned",
             Self::TooLarge => "too-large",
@@ -163,11 +168,11 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// A stable orbit wins, then a double-sided one, then the smaller spectral radius.
-    fn rank(&self) -> (bool, bool, f64) {
-        let stable = self.verdict.is_some_and(|verdict| verdict.stable);
+    /// A stable orbit wins, then one that may be, then a double-sided one, then the smaller spectral radius.
+    fn rank(&self) -> (u8, bool, f64) {
+        let doubt = self.verdict.map_or(2, |verdict| if verdict.stable { 0 } else { 2 - u8::from(verdict.marginal) });
         let radius = self.verdict.map_or(0.0, |verdict| verdict.spectral_radius);
-        (!stable, self.family == Family::SingleSided, radius)
+        (doubt, self.family == Family::SingleSided, radius)
     }
 }
 
@@ -244,7 +249,12 @@ impl Worker {
         match best {
             // An orbit whose stability is unknown could still be the stable one that wins.
             Some(best) if !unknown || best.verdict.is_some_and(|verdict| verdict.stable) => {
-                cell.class = Some(Class::of(best.family, best.verdict.map(|verdict| verdict.stable)));
+                if best.verdict.is_some_and(|verdict| verdict.marginal) {
+                    cell.class = None;
+                    cell.status = Status::Marginal;
+                } else {
+                    cell.class = Some(Class::of(best.family, best.verdict.map(|verdict| verdict.stable)));
+                }
                 cell.mechanism = best.verdict.and_then(|verdict| verdict.mechanism);
                 cell.spectral_radius = best.verdict.map(|verdict| verdict.spectral_radius);
                 cell.margin = best.margin;

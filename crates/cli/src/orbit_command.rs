@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Admissibility, Family, Finder, Found, Obstruction, Orbit};
+use vibrochain_breather::{Admissibility, Condition, Family, Finder, Found, Obstruction, Orbit};
 use vibrochain_floquet::{Analyser, Complex, FloquetError, Stability, Tolerance};
 use vibrochain_lattice::{MAX_SITES, Model};
 
@@ -39,6 +39,7 @@ pub fn family(name: FamilyName) -> Family {
 struct Solution {
     orbit: Orbit,
     admissibility: Admissibility,
+    condition: Condition,
     stability: Result<Stability, FloquetError>,
 }
 
@@ -62,8 +63,9 @@ pub fn run(args: &OrbitArgs) -> Result<(), CliError> {
     let mut solutions = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {
         let admissibility = finder.admissibility(&orbit).map_err(|error| computation(&error))?;
+        let condition = finder.condition(&orbit).map_err(|error| computation(&error))?;
         let stability = analyser.stability(&orbit, &mut finder, tolerance);
-        solutions.push(Solution { orbit, admissibility, stability });
+        solutions.push(Solution { orbit, admissibility, condition, stability });
     }
     let text = if args.json {
         let value = json(&model, &solutions, &found);
@@ -121,6 +123,13 @@ impl Solution {
             "psi": orbit.psi(),
             "impacts": impacts,
             "residual": orbit.residual(),
+            "condition": {
+                "resonance": self.condition.resonance,
+                "grazing": self.condition.grazing,
+                "fold": self.condition.fold,
+                "impulse_error": finite(self.condition.impulse_error(orbit)),
+                "time_error": finite(self.condition.time_error(orbit)),
+            },
             "physical": self.admissibility.is_physical(),
             "margin": self.admissibility.margin,
             "obstruction": self.admissibility.obstruction.map(obstruction),
@@ -132,10 +141,11 @@ impl Solution {
                 let multipliers: Vec<[f64; 2]> = stability.multipliers.iter().map(|m| [m.re, m.im]).collect();
                 value["stability"] = json!({
                     "stable": verdict.stable,
+                    "marginal": verdict.marginal,
                     "mechanism": verdict.mechanism.map(|mechanism| mechanism.name()),
                     "spectral_radius": verdict.spectral_radius,
                     "growth": verdict.growth(),
-                    "resolution": verdict.resolution,
+                    "resolution": finite(verdict.resolution),
                     "multipliers": multipliers,
                 });
             }
@@ -143,6 +153,11 @@ impl Solution {
         }
         value
     }
+}
+
+/// An estimate that has no bound is `null`, not a number.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }
 
 /// What is in the way: kind, site, time, and by how much.
@@ -233,18 +248,35 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
                 let verdict = stability.verdict;
                 let how = match verdict.mechanism {
                     Some(mechanism) => format!("unstable ({})", mechanism.name()),
+                    None if verdict.marginal => "marginal (closer to the border than its own error)".to_owned(),
                     None => "stable".to_owned(),
                 };
+                // Structure puts it on the circle exactly, or the eigenvalue has an error.
+                let error =
+                    if verdict.resolution > 0.0 { format!(" ± {:.0e}", verdict.resolution) } else { String::new() };
                 writeln!(
                     out,
-                    "  {how}: spectral radius {}, leading multiplier {}",
+                    "  {how}: spectral radius {}{error}, leading multiplier {}",
                     verdict.spectral_radius,
                     complex(verdict.leading)
                 )
             }
             Err(error) => writeln!(out, "  stability unknown: {error}"),
         };
-        let _ = writeln!(out, "  residual {:.1e}", orbit.residual());
+        let condition = &solution.condition;
+        let fold = condition.fold.map_or(String::new(), |fold| format!(", to a fold {fold:.1e}"));
+        let _ = writeln!(
+            out,
+            "  residual {:.1e}; errors: impulses {:.0e}, times {:.0e} of a period",
+            orbit.residual(),
+            condition.impulse_error(orbit),
+            condition.time_error(orbit)
+        );
+        let _ = writeln!(
+            out,
+            "  distance to resonance {:.1e}, to grazing {:.1e}{fold}",
+            condition.resonance, condition.grazing
+        );
     }
     out
 }
@@ -321,6 +353,7 @@ mod with_plot {
             (false, _) => "not physical".to_owned(),
             (true, Err(_)) => "physical".to_owned(),
             (true, Ok(stability)) => match stability.verdict.mechanism {
+                None if stability.verdict.marginal => "marginal".to_owned(),
                 None => "stable".to_owned(),
                 Some(mechanism) => {
                     format!("unstable by {}, |μ| = {:.6}", mechanism.name(), stability.verdict.spectral_radius)

@@ -51,7 +51,7 @@ pub struct Analyser {
     left: Vec<f64>,
     rows: (Vec<f64>, Vec<f64>),
     reflector: Reflector,
-    values: Vec<Complex<f64>>,
+    pub(crate) values: Vec<Complex<f64>>,
 }
 
 impl Analyser {
@@ -65,21 +65,10 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Verdict, FloquetError> {
-        let norm = self.solve(orbit, finder)?;
-        let size = self.values.len() as f64;
-        let error = size.max(1.0) * f64::EPSILON * norm;
-        if orbit.is_reversible() {
-            // A block eigenvalue off [−1, 1] by `error` means a multiplier off the circle by its root.
-            let leading = self.values.iter().map(|&nu| pair(nu)[0]).max_by(by_modulus);
-            return Ok(Verdict::new(leading, (2.0 * error).sqrt(), tolerance));
-        }
-        let leading = self.values.iter().copied().max_by(by_modulus);
-        // Elastic impacts, or as good as: multipliers meet on the circle itself and part like a square root.
-        let elastic = orbit.model().loss() <= error.sqrt();
-        Ok(Verdict::new(leading, if elastic { error.sqrt() } else { error }, tolerance))
+        self.judge(orbit, finder, tolerance, false)
     }
 
-    /// The verdict and all multipliers.
+    /// The verdict, with its error, and all multipliers.
     ///
     /// # Errors
     /// [`FloquetError`].
@@ -89,7 +78,7 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Stability, FloquetError> {
-        let verdict = self.verdict(orbit, finder, tolerance)?;
+        let verdict = self.judge(orbit, finder, tolerance, true)?;
         let mut multipliers: Vec<Complex<f64>> = if orbit.is_reversible() {
             self.values.iter().flat_map(|&nu| pair(nu)).collect()
         } else {
@@ -99,15 +88,31 @@ impl Analyser {
             multipliers.extend([Complex::new(1.0, 0.0); 2]);
         }
         multipliers.extend(odd_multipliers(orbit).unwrap_or_default());
+        if uncoupled(orbit) {
+            let chain = orbit.model().chain();
+            let phase = chain.gamma1().sqrt() * orbit.period();
+            let spared = [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * phase));
+            (1..chain.even_modes()).for_each(|_| multipliers.extend(spared));
+        }
         sort_multipliers(&mut multipliers);
         Ok(Stability { verdict, multipliers })
     }
 
+    /// The matrix whose eigenvalues `values` are.
+    pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
+        if orbit.is_reversible() { &self.reversible.block } else { &self.matrix }
+    }
+
     /// Fills `values` with the non-trivial multipliers of the space that feels impacts (for a reversible orbit with
     /// their ν) and returns the norm of the matrix.
-    fn solve(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<f64, FloquetError> {
+    pub(crate) fn solve(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<f64, FloquetError> {
         self.values.clear();
         let chain = orbit.model().chain();
+        let alone = uncoupled(orbit);
+        if alone && orbit.model().is_conservative() {
+            // One mass, whose only pair is the trivial one.
+            return Ok(0.0);
+        }
         if orbit.is_reversible() {
             check_dimension(chain.even_modes())?;
             self.reversible.build(orbit, finder)?;
@@ -118,7 +123,11 @@ impl Analyser {
             check_dimension(2 * chain.even_modes())?;
             finder.motion(orbit)?;
             let response = finder.response();
-            self.coordinates.set(response.frequencies(), response.weights(), orbit.frequency());
+            let (frequencies, weights) = (response.frequencies(), response.weights());
+            match frequencies.first() {
+                Some(&frequency) if alone => self.coordinates.set(&[frequency], &[1.0], orbit.frequency()),
+                _ => self.coordinates.set(frequencies, weights, orbit.frequency()),
+            }
             self.coordinates.monodromy(orbit, &mut self.matrix, (&mut self.rows.0, &mut self.rows.1))?;
         } else {
             self.matrix = full_monodromy(orbit)?;
@@ -166,8 +175,10 @@ impl Analyser {
     }
 }
 
-fn by_modulus(a: &Complex<f64>, b: &Complex<f64>) -> std::cmp::Ordering {
-    a.norm_sqr().total_cmp(&b.norm_sqr())
+/// No coupling that a number could hold: the modes share one frequency and the masses that are not hit swing alone.
+fn uncoupled(orbit: &Orbit) -> bool {
+    let chain = orbit.model().chain();
+    orbit.impact_site().is_some() && chain.gamma2().mul_add(4.0, chain.gamma1()) == chain.gamma1()
 }
 
 /// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].

@@ -12,6 +12,7 @@
 //! | `reversible` | half the dimension for conservative orbits |
 //! | `analyser` | [`stability`], [`Analyser`]: the path that fits an orbit |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
+//! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
 //! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`] |
 //!
 //! Multipliers are per period of the orbit (two periods of the force for a doubled one). Dimensionless throughout.
@@ -32,9 +33,11 @@
 //! ```
 
 mod analyser;
+mod certainty;
 mod eigen;
 mod eigenvectors;
 mod error;
+mod judge;
 mod monodromy;
 mod multipliers;
 mod reversible;

@@ -342,7 +342,7 @@ impl ImpulseResponse {
         }
     }
 
-    fn fold(&self, t: f64) -> f64 {
+    pub(crate) fn fold(&self, t: f64) -> f64 {
         if (0.0..=self.period).contains(&t) { t } else { t.rem_euclid(self.period) }
     }
 }

@@ -22,6 +22,7 @@
 //! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
 //! | `ring` | [`RingCosines`]: cos(2πj/M) to the last digit |
 //! | `impulse` | [`ImpulseResponse`]: the periodic impulse response K_n(t) in closed form |
+//! | `sensitivity` | condition of the impulse response |
 //! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
 //! | `propagator` | [`Propagator`]: exact free flight |
 //!
@@ -43,6 +44,7 @@ mod impulse;
 mod params;
 mod propagator;
 mod ring;
+mod sensitivity;
 mod small;
 mod spectrum;
 
