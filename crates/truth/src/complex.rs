@@ -68,6 +68,10 @@ impl Complex {
         Self { re: &self.re * factor, im: &self.im * factor }
     }
 
+    fn times(&self, other: &Self) -> Self {
+        Self { re: &self.re * &other.re - &self.im * &other.im, im: &self.re * &other.im + &self.im * &other.re }
+    }
+
     /// 1/z.
     pub fn inverse(&self) -> Self {
         let norm = self.norm_sqr();
@@ -120,8 +124,8 @@ macro_rules! operator {
 
 operator!(Add, add, |a, b| Complex { re: &a.re + &b.re, im: &a.im + &b.im });
 operator!(Sub, sub, |a, b| Complex { re: &a.re - &b.re, im: &a.im - &b.im });
-operator!(Mul, mul, |a, b| Complex { re: &a.re * &b.re - &a.im * &b.im, im: &a.re * &b.im + &a.im * &b.re });
-operator!(Div, div, |a, b| a * b.inverse());
+operator!(Mul, mul, |a, b| a.times(b));
+operator!(Div, div, |a, b| a.times(&b.inverse()));
 
 impl Neg for Complex {
     type Output = Complex;

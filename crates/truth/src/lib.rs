@@ -8,17 +8,21 @@
 //! |---|---|
 //! | `real`, `complex` | [`Real`], [`Complex`]: numbers that carry their precision |
 //! | `kernel` | [`Kernel`]: the periodic impulse response, plain modal sum |
+//! | `orbit` | [`TrueOrbit`]: the conditions at the impacts by Newton's method |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`.
 
 mod complex;
 mod error;
 mod kernel;
+mod linear;
+mod orbit;
 mod real;
 
 pub use complex::Complex;
 pub use error::TruthError;
 pub use kernel::{Jet, Kernel};
+pub use orbit::{OrbitError, TrueImpact, TrueOrbit};
 pub use real::Real;
 
 /// Binary digits that serve most checks: 57 decimal digits.
