@@ -9,6 +9,7 @@
 //! | `real`, `complex` | [`Real`], [`Complex`]: numbers that carry their precision |
 //! | `kernel` | [`Kernel`]: the periodic impulse response, plain modal sum |
 //! | `orbit` | [`TrueOrbit`]: the conditions at the impacts by Newton's method |
+//! | `spectrum` | [`TrueSpectrum`]: multipliers from the secular determinant |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`.
 
@@ -18,12 +19,14 @@ mod kernel;
 mod linear;
 mod orbit;
 mod real;
+mod spectrum;
 
 pub use complex::Complex;
 pub use error::TruthError;
 pub use kernel::{Jet, Kernel};
 pub use orbit::{OrbitError, TrueImpact, TrueOrbit};
 pub use real::Real;
+pub use spectrum::TrueSpectrum;
 
 /// Binary digits that serve most checks: 57 decimal digits.
 pub const DEFAULT_BITS: usize = 192;

@@ -469,7 +469,7 @@ impl Problem<'_> {
             }
             let settled = size <= floor || (size < -(bits as f64) && size > previous - 1.0);
             if settled {
-                return if moved < MAX_MOVE && self.in_order(&state) { Ok((state, size)) } else { Err(failed()) };
+                return if moved < MAX_MOVE && self.in_order(&state, bits) { Ok((state, size)) } else { Err(failed()) };
             }
             if step_number == MAX_STEPS || size > 64.0 {
                 return Err(failed());
@@ -491,8 +491,10 @@ impl Problem<'_> {
             .exp2()
     }
 
-    fn in_order(&self, state: &State) -> bool {
-        let ordered = state.times.windows(2).all(|pair| pair[0] <= pair[1]);
+    /// Times rise and stay within the period; those of simultaneous impacts agree to the digits asked for.
+    fn in_order(&self, state: &State, bits: usize) -> bool {
+        let slack = -self.kernel.period().times_power_of_two(-(bits.min(1 << 20) as i32));
+        let ordered = state.times.windows(2).all(|pair| &pair[1] - &pair[0] >= slack);
         ordered && state.times.last().is_none_or(|last| last < self.kernel.period())
     }
 }

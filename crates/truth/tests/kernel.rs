@@ -131,7 +131,7 @@ fn it_solves_the_problem_it_is_the_solution_of() {
             force = force - fixed(n) * gamma1 - stretch * gamma2;
             if gamma1 == 0.0 {
                 // A rigid mode is pulled back evenly by the mean of the impulses.
-                force = force - Real::one(256) / kernel.period() / sites as f64;
+                force -= Real::one(256) / kernel.period() / sites as f64;
             }
             assert_close(&kernel.curvature(n, &t), &force, &scale, 54.0);
             let after = kernel.slope(n, &(Real::new(1e-70, 512)));
