@@ -6,19 +6,22 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `real`, `complex` | [`Real`], [`Complex`]: numbers that carry their precision |
+//! | `real`, `operators`, `complex` | [`Real`], [`Complex`]: numbers that carry their precision |
 //! | `kernel` | [`Kernel`]: the periodic impulse response, plain modal sum |
-//! | `orbit` | [`TrueOrbit`]: the conditions at the impacts by Newton's method |
-//! | `spectrum` | [`TrueSpectrum`]: multipliers from the secular determinant |
+//! | `orbit`, `conditions` | [`TrueOrbit`]: the conditions at the impacts by Newton's method |
+//! | `spectrum`, `secular` | [`TrueSpectrum`]: multipliers from the secular determinant |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`.
 
 mod complex;
+mod conditions;
 mod error;
 mod kernel;
 mod linear;
+mod operators;
 mod orbit;
 mod real;
+mod secular;
 mod spectrum;
 
 pub use complex::Complex;

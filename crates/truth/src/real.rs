@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::fmt;
-use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use std::ops::Neg;
 
 use astro_float_num::{BigFloat, Consts, NAN, Radix, RoundingMode};
 
@@ -191,7 +191,12 @@ impl Real {
         }
     }
 
-    fn combine(&self, other: &Self, f: impl FnOnce(&BigFloat, &BigFloat, usize, RoundingMode) -> BigFloat) -> Self {
+    /// An operation of the library with the larger of both precisions.
+    pub(crate) fn combine(
+        &self,
+        other: &Self,
+        f: impl FnOnce(&BigFloat, &BigFloat, usize, RoundingMode) -> BigFloat,
+    ) -> Self {
         let bits = self.bits.max(other.bits);
         Self { value: f(&self.value, &other.value, bits, ROUNDING), bits }
     }
@@ -214,72 +219,6 @@ fn scaled(value: &BigFloat, power: i32) -> BigFloat {
 fn power_of_two(power: i32) -> f64 {
     if power >= -1022 { f64::from_bits(((power + 1023) as u64) << 52) } else { f64::from_bits(1 << (power + 1074)) }
 }
-
-macro_rules! operator {
-    ($operator:ident, $method:ident, $assign:ident, $assign_method:ident) => {
-        operator!($operator, $method);
-
-        impl $assign<&Real> for Real {
-            fn $assign_method(&mut self, other: &Real) {
-                *self = (&*self).$method(other);
-            }
-        }
-
-        impl $assign for Real {
-            fn $assign_method(&mut self, other: Real) {
-                *self = (&*self).$method(&other);
-            }
-        }
-    };
-    ($operator:ident, $method:ident) => {
-        impl $operator<&Real> for &Real {
-            type Output = Real;
-            fn $method(self, other: &Real) -> Real {
-                self.combine(other, BigFloat::$method)
-            }
-        }
-
-        impl $operator<Real> for &Real {
-            type Output = Real;
-            fn $method(self, other: Real) -> Real {
-                self.$method(&other)
-            }
-        }
-
-        impl $operator<&Real> for Real {
-            type Output = Real;
-            fn $method(self, other: &Real) -> Real {
-                (&self).$method(other)
-            }
-        }
-
-        impl $operator for Real {
-            type Output = Real;
-            fn $method(self, other: Real) -> Real {
-                (&self).$method(&other)
-            }
-        }
-
-        impl $operator<f64> for &Real {
-            type Output = Real;
-            fn $method(self, other: f64) -> Real {
-                self.$method(&Real::new(other, 64))
-            }
-        }
-
-        impl $operator<f64> for Real {
-            type Output = Real;
-            fn $method(self, other: f64) -> Real {
-                (&self).$method(&Real::new(other, 64))
-            }
-        }
-    };
-}
-
-operator!(Add, add, AddAssign, add_assign);
-operator!(Sub, sub, SubAssign, sub_assign);
-operator!(Mul, mul, MulAssign, mul_assign);
-operator!(Div, div);
 
 impl Neg for Real {
     type Output = Real;

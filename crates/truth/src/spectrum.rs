@@ -1,27 +1,19 @@
 //! Floquet multipliers in many digits, from the secular determinant of an orbit with all impacts at one site.
 //!
-//! A perturbation x, multiplied by z a period, that has the displacement and velocity s_i at the site just before impact i,
-//! is what all earlier impacts have sent out: with R(τ) the free flight of the modes even about the site, B their amplitudes
-//! there, and D_j = S_j − 1 = [[−(1+e), 0], [κ_j, −(1+e)]],
-//!
-//! ```text
-//! s_i = Σ_j G(t_i−t_j) D_j s_j,   G(τ) = Bᵀ(1−R(T)/z)⁻¹R(τ)B for τ > 0,  G(τ+T)/z for τ ≤ 0
-//! D(z) = det(1 − [G(t_i−t_j) D_j]) = det(z−M)/det(z−R(T))
-//! ```
-//!
-//! Mode by mode, with c = cos ΩT and ν = ½(z+1/z): (1−R(T)/z)⁻¹R(τ) = (zR(τ) − R(τ−T))/(2(ν−c)).
-//!
-//! Roots are sought of det(z−M) = D(z) Π 2z(ν−c_k), which has no poles. Modes with their pole next to the root keep their two
+//! With ν = ½(z+1/z) and c_k = cos Ω_kT, roots are sought of det(z−M) = D(z) Π 2z(ν−c_k), which has no poles. Modes with their pole next to the root keep their two
 //! coordinates in the determinant instead of being summed, so that nothing cancels there. Where M is symplectic (e = 1),
 //! D depends on z through ν alone and ν is solved for: reciprocal pairs, the trivial one among them, are then simple roots.
 
 use crate::complex::Complex;
 use crate::error::TruthError;
-use crate::linear::determinant;
 use crate::orbit::TrueOrbit;
 use crate::real::Real;
+use crate::secular::Flight;
 
 const MAX_STEPS: usize = 400;
+
+/// Second starts are turned by this angle.
+const OFF_AXIS: f64 = 1e-4;
 
 /// |ν − c| below which a mode is kept out of the sums, and how many are at most.
 const NEAR_POLE: f64 = 1e-6;
@@ -29,36 +21,14 @@ const MAX_EXPLICIT: usize = 6;
 
 /// All even modes of one frequency (more than one only if they agree in all digits).
 #[derive(Debug, Clone)]
-struct Pole {
+pub(crate) struct Pole {
     mode: usize,
     multiplicity: usize,
-    weight: Real,
+    pub(crate) weight: Real,
     frequency: Real,
     /// cos ΩT
-    cos: Real,
+    pub(crate) cos: Real,
 }
-
-/// R(τ) = [[cos, sin/Ω], [−Ω sin, cos]] of one mode.
-#[derive(Debug, Clone)]
-struct Flight {
-    cos: Real,
-    sin_over: Real,
-    sin_times: Real,
-}
-
-impl Flight {
-    fn new(frequency: &Real, time: &Real) -> Self {
-        if frequency.is_zero() {
-            let (one, zero) = (Real::one(time.bits()), Real::zero(time.bits()));
-            return Self { cos: one, sin_over: time.clone(), sin_times: zero };
-        }
-        let (sin, cos) = (frequency * time).sin_cos();
-        Self { cos, sin_over: &sin / frequency, sin_times: sin * frequency }
-    }
-}
-
-/// [[a, b], [c, d]]
-type Block = [[Complex; 2]; 2];
 
 /// The secular determinant of an orbit, ready to be evaluated in O(modes · impacts²).
 ///
@@ -79,14 +49,14 @@ type Block = [[Complex; 2]; 2];
 #[derive(Debug, Clone)]
 pub struct TrueSpectrum {
     bits: usize,
-    work: usize,
+    pub(crate) work: usize,
     /// M is symplectic: ν is the variable.
     symplectic: bool,
-    restitution: Real,
-    kappas: Vec<Real>,
-    poles: Vec<Pole>,
+    pub(crate) restitution: Real,
+    pub(crate) kappas: Vec<Real>,
+    pub(crate) poles: Vec<Pole>,
     /// [i][j][pole] over τ_ij, t_i − t_j brought to 0 < τ ≤ T.
-    flights: Vec<Vec<Vec<Flight>>>,
+    pub(crate) flights: Vec<Vec<Vec<Flight>>>,
 }
 
 impl TrueSpectrum {
@@ -248,108 +218,6 @@ impl TrueSpectrum {
         near
     }
 
-    /// The determinant with the modes `explicit` kept, which multiplies it by z²−2cz+1 each; and Π(ν−c) over the others.
-    fn evaluate(&self, z: &Complex, nu: &Complex, explicit: &[usize]) -> Option<(Complex, Complex)> {
-        let n = self.kappas.len();
-        let zero = || Complex::new(0.0, 0.0, self.work);
-        let one = || Complex::new(1.0, 0.0, self.work);
-        let mut factor = one();
-        let mut shares: Vec<Option<Complex>> = Vec::with_capacity(self.poles.len());
-        for (p, pole) in self.poles.iter().enumerate() {
-            if explicit.contains(&p) {
-                shares.push(None);
-                continue;
-            }
-            let distance = shifted(nu, &-&pole.cos);
-            if distance.is_zero() {
-                return None;
-            }
-            shares.push(Some((&distance + &distance).inverse().scale(&pole.weight)));
-            factor = factor * distance;
-        }
-        let total = shares.iter().flatten().fold(zero(), |sum, share| sum + share);
-        let sums: Vec<Vec<[Complex; 3]>> = self
-            .flights
-            .iter()
-            .map(|row| {
-                let sum = |flights: &Vec<Flight>| {
-                    let mut sums = [zero(), zero(), zero()];
-                    for (flight, share) in flights.iter().zip(&shares) {
-                        let Some(share) = share else { continue };
-                        for (sum, part) in sums.iter_mut().zip([&flight.cos, &flight.sin_over, &flight.sin_times]) {
-                            *sum = &*sum + share.scale(part);
-                        }
-                    }
-                    sums
-                };
-                row.iter().map(sum).collect()
-            })
-            .collect();
-        let inverse = z.inverse();
-        let size = 2 * (n + explicit.len());
-        let mut matrix: Vec<Vec<Complex>> =
-            (0..size).map(|i| (0..size).map(|j| if i == j { one() } else { zero() }).collect()).collect();
-        let mut subtract = |row: usize, column: usize, block: Block| {
-            for (i, line) in block.into_iter().enumerate() {
-                for (j, entry) in line.into_iter().enumerate() {
-                    let target = &mut matrix[row + i][column + j];
-                    *target = &*target - entry;
-                }
-            }
-        };
-        for i in 0..n {
-            for j in 0..n {
-                let [cos, up, down] = &sums[i][j];
-                let [cos_back, up_back, down_back] = &sums[j][i];
-                // zR(τ_ij) − R(−τ_ji), over z unless j < i; for j = i that is R(T) − 1/z.
-                let mut parts = if i == j {
-                    [cos - &inverse * &total, up.clone(), down.clone()]
-                } else {
-                    [z * cos - cos_back, z * up + up_back, z * down + down_back]
-                };
-                if j > i {
-                    parts = parts.map(|part| part * &inverse);
-                }
-                let [cos, up, down] = parts;
-                subtract(2 * i, 2 * j, self.after_impact(j, [[cos.clone(), up], [-down, cos]]));
-            }
-        }
-        for (place, &p) in explicit.iter().enumerate() {
-            let column = 2 * (n + place);
-            let weight = &self.poles[p].weight;
-            let block = |flight: &Flight| {
-                let cos = Complex::real(flight.cos.clone());
-                let (up, down) = (Complex::real(flight.sin_over.clone()), Complex::real(-&flight.sin_times));
-                [[cos.clone(), up], [down, cos]]
-            };
-            let weighted = |block: Block| block.map(|line| line.map(|entry| entry.scale(weight)));
-            let identity = || [[one(), zero()], [zero(), one()]];
-            // (z − R(T)) x − Σ_j R(T−(t_j−t_0)) D_j s_j = 0
-            let minus_z = identity().map(|line| line.map(|entry| (one() - z) * entry));
-            subtract(column, column, minus_z);
-            subtract(column, column, block(&self.flights[0][0][p]));
-            for j in 0..n {
-                subtract(column, 2 * j, self.after_impact(j, block(&self.flights[0][j][p])));
-            }
-            // and in the impacts' rows b²R(t_i−t_0) x + Σ_{j<i} b²R(t_i−t_j) D_j s_j.
-            for i in 0..n {
-                let arrival = if i == 0 { identity() } else { block(&self.flights[i][0][p]) };
-                subtract(2 * i, column, weighted(arrival));
-                for j in 0..i {
-                    subtract(2 * i, 2 * j, self.after_impact(j, weighted(block(&self.flights[i][j][p]))));
-                }
-            }
-        }
-        Some((determinant(matrix, self.work), factor))
-    }
-
-    /// A block times D_j.
-    fn after_impact(&self, j: usize, block: Block) -> Block {
-        let loss = &self.restitution + 1.0;
-        let kappa = &self.kappas[j];
-        block.map(|[left, right]| [right.scale(kappa) - left.scale(&loss), -right.scale(&loss)])
-    }
-
     /// Step of a difference quotient at a point of modulus 2^`size`: its error, the square of it, and rounding balance.
     fn step(&self, size: f64) -> Real {
         Real::one(self.work).times_power_of_two(size.round() as i32 - self.work as i32 / 3)
@@ -368,7 +236,15 @@ impl TrueSpectrum {
             return Err(TruthError::Parameter { name: "|multiplier|", value: modulus, requirement });
         }
         let start = Complex::new(multiplier.0, multiplier.1, self.work);
-        let outcome = if self.symplectic { self.reciprocal_root(&start) } else { self.root(&start) };
+        let from = |start: &Complex| if self.symplectic { self.reciprocal_root(start) } else { self.root(start) };
+        let outcome = match from(&start) {
+            // From the real axis Newton's method never leaves it, be the roots where they may.
+            Err(TruthError::NotConverged { .. }) => {
+                let aside = Complex::new(1.0, OFF_AXIS, self.work);
+                from(&(&start * aside))
+            }
+            outcome => outcome,
+        };
         // How far Newton's method went tells whether the shared pole itself was meant.
         let moved = match &outcome {
             Ok(root) => (root - &start).abs(),
@@ -470,13 +346,14 @@ fn pair_of(nu: &Complex) -> (Complex, Complex) {
 }
 
 /// z + x
-fn shifted(z: &Complex, x: &Real) -> Complex {
+pub(crate) fn shifted(z: &Complex, x: &Real) -> Complex {
     Complex { re: &z.re + x, im: z.im.clone() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear::determinant;
     use vibrochain_breather::{Family, breathers};
     use vibrochain_lattice::{Chain, Model};
 

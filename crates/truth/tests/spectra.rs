@@ -90,6 +90,55 @@ fn every_multiplier_of_the_reference_table() {
 }
 
 #[test]
+fn random_parameters_of_every_family() {
+    let mut state = 12_345_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut checked = [0; 3];
+    for case in 0..40 {
+        let sites = 1 + (random() * 9.0) as usize;
+        let gamma = (if case % 5 == 0 { 0.0 } else { 0.05 + random() }, 0.01 + 0.3 * random());
+        let (omega, asymmetry) = (0.5 + 2.0 * random(), if case % 4 == 0 { 0.0 } else { 0.9 * random() });
+        let force = match case % 3 {
+            0 => (0.0, 1.0),
+            1 => (2.0 * random(), 0.2 + 0.8 * random()),
+            _ => (random(), 1.0),
+        };
+        let model = model(sites, gamma, omega, asymmetry, force);
+        let families = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
+        for (family, checked) in families.into_iter().zip(&mut checked) {
+            let Ok(found) = breathers(&model, family) else { continue };
+            for orbit in found.orbits.iter().take(2) {
+                let truth = TrueOrbit::refine(orbit, DEFAULT_BITS).unwrap_or_else(|error| panic!("{error}: {orbit:?}"));
+                assert!(truth.residual().log10_abs() < -55.0, "{orbit:?}");
+                let error = truth.error_of(orbit).unwrap();
+                assert!(error.impulse < 1e-9 && error.time < 1e-9 && error.psi < 1e-9, "{error:?} {orbit:?}");
+                // Next to grazing the multipliers of an f64 orbit are those of another one.
+                let slow = orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(1.0, f64::min);
+                if slow > 1e-3 {
+                    assert_complete(orbit, 1e-4);
+                    *checked += 1;
+                }
+            }
+        }
+    }
+    assert!(checked.iter().all(|&checked| checked >= 5), "{checked:?}");
+}
+
+#[test]
+fn a_start_on_the_real_axis_between_a_complex_pair_finds_one_of_them() {
+    let orbit = &orbits(&model(1, (0.2, 0.0), 1.5, 0.4, (0.1, 0.9)), Family::DoubleSided)[0];
+    let spectrum = spectrum(orbit);
+    let pair = dense_multipliers(orbit);
+    assert!(pair[0].im.abs() > 0.1 && pair.len() == 2);
+    let (root, moved) = spectrum.refine((pair[0].re, 0.0)).unwrap();
+    assert!((root.abs() * root.abs() - spectrum.determinant()).log10_abs() < -57.0);
+    assert!((moved / pair[0].im.abs() - 1.0).abs() < 1e-12);
+}
+
+#[test]
 fn one_mass_by_hand() {
     // M = R(T)S: trace −2e cos ΩT + κ sin(ΩT)/Ω, determinant e², κ = (1+e)v̈/v⁻.
     let (g1, omega, a, force, e) = (0.25, 1.3, 0.5, 0.75, 0.8);
