@@ -1,22 +1,16 @@
 //! How far an orbit can be trusted: its distance to the places where its equations lose their grip, and the errors of
 //! its impulses, times and accelerations that follow from there.
 //!
-//! The unknowns of an orbit with all impacts at one site are the impulses P_i, the static displacement s they hold up
-//! and, where the family leaves them open, the times t_i (i ≥ 1) and the phase ψ. With K̂ the dynamic part of K₀:
-//!
-//! ```text
-//! position  s + Σ_j P_j K̂(t_i−t_j) + G(t_i+ψ) − (a±1) = 0          net impulse   Σ P_j − g s = 0
-//! Newton    Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ) + qP_i/2 = 0
-//! ```
-//!
-//! The errors δF of their terms, from the kernels' own sensitivity, pass through the inverse of the Jacobian,
-//! |δx| ≤ |J⁻¹| δF. J is singular at a fold or pitchfork of the family.
+//! Errors δF of the terms of the equations (`equations`) pass through the inverse of the Jacobian. Those of a mode's
+//! amplitude 1/(2 sin Ω_kT/2), which next to a resonance are by far the largest, are common to all terms of that mode and
+//! are carried as one; the rest is taken with the worst signs, |δx| ≤ |J⁻¹| δF.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{ImpulseResponse, KernelJet};
+use vibrochain_lattice::ImpulseResponse;
 
+use crate::equations::{Column, MOST, System, Terms};
 use crate::motion::Motion;
-use crate::orbit::{Family, Orbit};
+use crate::orbit::Orbit;
 
 /// Estimated absolute errors of an impact. Dimensionless, like what they are errors of.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -70,265 +64,179 @@ impl Condition {
             impacts: orbit.impacts().iter().map(|_| ImpactError::default()).collect(),
         };
         let terms = Terms::new(orbit, response);
-        let equations = terms.equations();
-        if let Some(equations) = &equations {
-            let (errors, reciprocal) = equations.solve();
-            condition.fold = Some(reciprocal);
-            terms.spread(&errors, &mut condition);
-        }
+        let system = terms.system();
+        let errors = system.as_ref().map(|system| terms.row_errors(system));
         for i in 0..orbit.impacts().len() {
-            let rounding = terms.acceleration_rounding(i, motion);
-            let carried = terms.acceleration_carried(i, &condition);
-            condition.impacts[i].acceleration = rounding + carried;
+            let mut error = terms.acceleration_rounding(i, motion);
+            if let (Some(system), Some(errors)) = (&system, &errors) {
+                error += system.through(&terms.acceleration_gradient(i, system), errors);
+            }
+            condition.impacts[i].acceleration = error;
         }
+        if let (Some(system), Some(errors)) = (&system, &errors) {
+            condition.fold = Some(system.reciprocal_condition);
+            condition.take(&terms, system, &system.spread(errors));
+        }
+        terms.amplitudes(system.as_ref(), &mut condition);
         condition
+    }
+
+    /// Adds errors of the unknowns.
+    fn take(&mut self, terms: &Terms<'_>, system: &System, errors: &Column) {
+        let rounded = system.impulse_rounding(f64::EPSILON);
+        for (j, impact) in self.impacts.iter_mut().enumerate() {
+            impact.impulse += errors[j] + rounded[j] + UNIT * terms.impulse(j).abs();
+        }
+        if let (Some(time), Some(impact)) = (system.layout.time, self.impacts.get_mut(1)) {
+            impact.time += errors[time] + UNIT * terms.response.period();
+        }
+        if let Some(psi) = system.layout.psi {
+            self.psi_error += errors[psi] + UNIT * terms.orbit.model().period();
+        }
     }
 }
 
 /// Rounding of one operation, with room for the few that a term takes.
 const UNIT: f64 = 2.0 * f64::EPSILON;
 
-/// Most unknowns: two impulses, s, φ, ψ.
-const MOST: usize = 5;
-
-/// Everything the equations are made of.
-struct Terms<'a> {
-    orbit: &'a Orbit,
-    response: &'a ImpulseResponse,
-}
-
-/// A small linear system with the errors of its right-hand side.
-struct Equations {
-    size: usize,
-    matrix: [[f64; MOST]; MOST],
-    errors: [f64; MOST],
-    /// Natural sizes of the unknowns.
-    units: [f64; MOST],
-}
-
-impl<'a> Terms<'a> {
-    fn new(orbit: &'a Orbit, response: &'a ImpulseResponse) -> Self {
-        Self { orbit, response }
-    }
-
-    fn impulse(&self, j: usize) -> f64 {
-        self.orbit.impacts()[j].impulse
-    }
-
-    /// t_i − t_j folded into the period.
-    fn elapsed(&self, i: usize, j: usize) -> f64 {
-        let elapsed = self.orbit.impacts()[i].time - self.orbit.impacts()[j].time;
-        if elapsed < 0.0 { elapsed + self.response.period() } else { elapsed }
-    }
-
-    fn jet(&self, i: usize, j: usize) -> KernelJet {
-        self.response.jet_from_half(self.elapsed(i, j) - 0.5 * self.response.period())
-    }
-
-    /// G and its first three derivatives at impact `i`.
-    fn force(&self, i: usize) -> [f64; 4] {
-        let w = self.orbit.model().omega();
-        let g = self.orbit.force_response();
-        let (sin, cos) = (w * (self.orbit.impacts()[i].time + self.orbit.psi_or_zero())).sin_cos();
-        [g * cos, -g * w * sin, -g * w * w * cos, g * w * w * w * sin]
-    }
-
+impl Terms<'_> {
     /// Error of a term of the force whose value and rate of change are given.
     fn force_rounding(&self, i: usize, value: f64, rate: f64) -> f64 {
         let t = self.orbit.impacts()[i].time + self.orbit.psi_or_zero();
         UNIT * (value.abs() + (t * rate).abs())
     }
 
-    /// Static displacement of site 0.
-    fn static_displacement(&self) -> f64 {
-        // The uniform mode's share of it is what the orbit carries.
-        self.orbit.uniform_offset() / self.response.uniform_share()
-    }
-
-    /// The linearised equations; `None` for an orbit that was given, not solved for.
-    fn equations(&self) -> Option<Equations> {
-        let orbit = self.orbit;
-        let n = orbit.impacts().len();
-        let forced = !orbit.model().is_conservative();
-        if orbit.family() == Family::Word || orbit.impact_site().is_none() || n > 2 {
-            return None;
-        }
-        let free_time = n == 2 && !orbit.is_reversible();
-        let size = n + 1 + usize::from(free_time) + usize::from(forced);
-        // Columns: P_0 … P_{n−1}, s, t_1, ψ.
-        let (s, time, psi) = (n, n + 1, n + 1 + usize::from(free_time));
-        let largest = (0..n).map(|j| self.impulse(j).abs()).fold(f64::MIN_POSITIVE, f64::max);
+    /// Rounding of the rows, the modes' amplitudes left out.
+    fn row_errors(&self, system: &System) -> Column {
+        let (orbit, layout) = (self.orbit, system.layout);
+        let (n, q) = (layout.impacts, orbit.model().loss());
+        let mut errors = [0.0; MOST];
         let displacement = self.static_displacement();
-        let mut units = [1.0; MOST];
-        units[..n].fill(largest);
-        units[s] = displacement.abs().max(1e-3);
-        if free_time {
-            units[time] = self.response.period();
-        }
-        if forced {
-            units[psi] = orbit.model().period();
-        }
-        let mut equations = Equations { size, matrix: [[0.0; MOST]; MOST], errors: [0.0; MOST], units };
-        let q = orbit.model().loss();
         for i in 0..n {
             let force = self.force(i);
             let impact = &orbit.impacts()[i];
-            // Position.
-            let row = &mut equations.matrix[i];
-            row[s] = 1.0;
-            let mut error = UNIT * (displacement.abs() + orbit.model().barrier(impact.barrier).abs());
-            error += self.force_rounding(i, force[0], force[1]);
-            let mut velocity = force[1];
+            let mut position = UNIT * (displacement.abs() + orbit.model().barrier(impact.barrier).abs());
+            let mut newton = UNIT * (0.5 * q * impact.impulse).abs() + self.force_rounding(i, force[1], force[2]);
             for j in 0..n {
-                let jet = self.jet(i, j);
-                row[j] = jet.value;
-                error += UNIT * self.impulse(j).abs() * self.response.sensitivity(self.elapsed(i, j)).value;
+                let bound = self.response.rounding_at(0, self.elapsed(i, j));
+                position += UNIT * self.impulse(j).abs() * bound.value;
                 if j != i {
-                    velocity += self.impulse(j) * jet.slope;
-                    if free_time && j == 1 {
-                        row[time] -= self.impulse(j) * jet.slope;
+                    newton += UNIT * self.impulse(j).abs() * bound.slope;
+                }
+            }
+            errors[i] = position + self.force_rounding(i, force[0], force[1]);
+            if Terms::has_newton_row(layout, i) {
+                errors[n + 1 + i] = newton;
+            }
+        }
+        errors[n] = 2.0 * UNIT * (self.response.static_stiffness() * displacement).abs();
+        errors
+    }
+
+    /// How the acceleration Σ_j P_j K″(t_i−t_j) + G̈(t_i+ψ) changes with the unknowns.
+    fn acceleration_gradient(&self, i: usize, system: &System) -> Column {
+        let mut gradient = [0.0; MOST];
+        let mut jerk = self.force(i)[3];
+        if let Some(psi) = system.layout.psi {
+            gradient[psi] = jerk;
+        }
+        for j in 0..system.layout.impacts {
+            let jet = self.jet(i, j);
+            gradient[j] = jet.curvature;
+            if j != i {
+                jerk += self.impulse(j) * jet.third;
+                if let Some(time) = system.layout.time.filter(|_| j == 1) {
+                    gradient[time] -= self.impulse(j) * jet.third;
+                }
+            }
+        }
+        if let Some(time) = system.layout.time.filter(|_| i == 1) {
+            gradient[time] += jerk;
+        }
+        gradient
+    }
+
+    /// Errors of the modes' amplitudes, one mode after the other, to impulses, times and accelerations.
+    fn amplitudes(&self, system: Option<&System>, condition: &mut Condition) {
+        let response = self.response;
+        let n = self.orbit.impacts().len();
+        let gradients: SmallVec<[Column; 2]> =
+            (0..n).map(|i| system.map_or([0.0; MOST], |system| self.acceleration_gradient(i, system))).collect();
+        for k in 0..response.modes() {
+            let error = UNIT * response.mode_detuning(k);
+            if error == 0.0 {
+                continue;
+            }
+            let square = response.frequencies()[k] * response.frequencies()[k];
+            let mut rows = [0.0; MOST];
+            let mut accelerations: SmallVec<[f64; 2]> = SmallVec::new();
+            for i in 0..n {
+                let site = self.orbit.impacts()[i].site;
+                let (mut position, mut velocity) = (0.0, 0.0);
+                for (j, other) in self.orbit.impacts().iter().enumerate() {
+                    let distance = site.abs_diff(other.site);
+                    let weight = other.impulse * response.weights()[k] * response.cosines().shape(k, distance);
+                    let t = self.elapsed(i, j);
+                    // cos x/(2Ω sin y), what the amplitude multiplies.
+                    position += weight * (response.mode_dynamic(k, t) + response.mode_static(k));
+                    velocity += weight * response.mode_slope(k, t);
+                }
+                accelerations.push(-square * position);
+                if let Some(system) = system {
+                    rows[i] = position;
+                    if Terms::has_newton_row(system.layout, i) {
+                        rows[n + 1 + i] = velocity;
                     }
                 }
             }
-            if free_time && i == 1 {
-                row[time] += velocity;
-            }
-            if forced {
-                row[psi] = force[1];
-            }
-            equations.errors[i] = error;
-            // Newton's law: one equation without a force is a consequence of the other.
-            if !(forced || free_time && i == 0) {
-                continue;
-            }
-            let row = &mut equations.matrix[n + 1 + i];
-            row[i] = 0.5 * q;
-            let mut error = UNIT * (0.5 * q * impact.impulse).abs() + self.force_rounding(i, force[1], force[2]);
-            let mut curvature = force[2];
-            for j in (0..n).filter(|&j| j != i) {
-                let jet = self.jet(i, j);
-                row[j] = jet.slope;
-                error += UNIT * self.impulse(j).abs() * self.response.sensitivity(self.elapsed(i, j)).slope;
-                curvature += self.impulse(j) * jet.curvature;
-                if free_time && j == 1 {
-                    row[time] -= self.impulse(j) * jet.curvature;
+            let moved = system.map_or([0.0; MOST], |system| system.solve(&rows));
+            if let Some(system) = system {
+                for (j, impact) in condition.impacts.iter_mut().enumerate() {
+                    impact.impulse += error * moved[j].abs();
+                }
+                if let (Some(time), Some(impact)) = (system.layout.time, condition.impacts.get_mut(1)) {
+                    impact.time += error * moved[time].abs();
+                }
+                if let Some(psi) = system.layout.psi {
+                    condition.psi_error += error * moved[psi].abs();
                 }
             }
-            if free_time && i == 1 {
-                row[time] += curvature;
+            for ((impact, direct), gradient) in condition.impacts.iter_mut().zip(accelerations).zip(&gradients) {
+                let carried: f64 = gradient.iter().zip(&moved).map(|(g, x)| g * x).sum();
+                impact.acceleration += error * (direct - carried).abs();
             }
-            if forced {
-                row[psi] = force[2];
-            }
-            equations.errors[n + 1 + i] = error;
-        }
-        let stiffness = self.response.static_stiffness();
-        equations.matrix[n][..n].fill(1.0);
-        equations.matrix[n][s] = -stiffness;
-        equations.errors[n] = 2.0 * UNIT * (stiffness * displacement).abs();
-        Some(equations)
-    }
-
-    /// Hands the errors of the unknowns to the impacts and the phase.
-    fn spread(&self, errors: &[f64; MOST], condition: &mut Condition) {
-        let n = condition.impacts.len();
-        let forced = !self.orbit.model().is_conservative();
-        let free_time = n == 2 && !self.orbit.is_reversible();
-        for (j, impact) in condition.impacts.iter_mut().enumerate() {
-            impact.impulse = errors[j] + UNIT * self.impulse(j).abs();
-        }
-        if free_time {
-            condition.impacts[1].time = errors[n + 1] + UNIT * self.response.period();
-        }
-        if forced {
-            condition.psi_error = errors[n + 1 + usize::from(free_time)] + UNIT * self.orbit.model().period();
         }
     }
 
-    /// Error of the sum −γ₁v − γ₂(2v − v_l − v_r) + F at impact `i`, for exact impulses and times.
+    /// Error of the acceleration at impact `i` for exact impulses, times and amplitudes, in the form that
+    /// [`Motion::acceleration_from_forces`] chooses.
     fn acceleration_rounding(&self, i: usize, motion: &mut Motion) -> f64 {
         let orbit = self.orbit;
         let chain = orbit.model().chain();
         let impact = &orbit.impacts()[i];
         motion.seek(i, 0.0);
+        let (neighbours, modes) = motion.acceleration_sizes(impact.site);
         let ring = motion.sites();
         let force = self.force(i);
-        // What rounding does to the displacement of the mass itself and of a neighbour.
-        let displacement_error = |site: usize| {
-            let mut error = self.force_rounding(i, force[0], force[1]);
-            for (j, other) in orbit.impacts().iter().enumerate() {
+        let bound = |site: usize, part: fn(vibrochain_lattice::KernelJet) -> f64| -> f64 {
+            let term = |(j, other): (usize, &crate::orbit::Impact)| {
                 let distance = site.abs_diff(other.site) % ring;
-                error += UNIT * other.impulse.abs() * self.response.sensitivity_at(distance, self.elapsed(i, j)).value;
-            }
-            error + UNIT * (orbit.uniform_offset().abs() + motion.site(site % ring).displacement.abs())
+                other.impulse.abs() * part(self.response.rounding_at(distance, self.elapsed(i, j)))
+            };
+            UNIT * orbit.impacts().iter().enumerate().map(term).sum::<f64>()
         };
-        let (own, next) = (motion.site(impact.site).displacement, motion.site((impact.site + 1) % ring).displacement);
-        let amplitude = orbit.model().amplitude();
+        if modes < neighbours {
+            return UNIT * modes + self.force_rounding(i, force[2], force[3]) + bound(impact.site, |jet| jet.curvature);
+        }
+        // What rounding does to the displacement of the mass itself and of a neighbour.
+        let displacement = |site: usize| {
+            let still = UNIT * (orbit.uniform_offset().abs() + motion.site(site % ring).displacement.abs());
+            self.force_rounding(i, force[0], force[1]) + still + bound(site, |jet| jet.value)
+        };
         let phase = orbit.model().omega() * (impact.time + orbit.psi_or_zero());
-        chain.gamma1() * (displacement_error(impact.site) + UNIT * own.abs())
-            + 2.0 * chain.gamma2() * (displacement_error(impact.site) + displacement_error(impact.site + 1))
-            + UNIT * (2.0 * chain.gamma2() * (own.abs() + next.abs()) + amplitude * (1.0 + phase.abs()))
-    }
-
-    /// What the errors of impulses, times and phase do to the acceleration Σ_j P_j K″(t_i−t_j) + G̈(t_i+ψ).
-    fn acceleration_carried(&self, i: usize, condition: &Condition) -> f64 {
-        let jerk_of_force = self.force(i)[3];
-        let mut jerk = jerk_of_force;
-        let mut error = (jerk_of_force * condition.psi_error).abs();
-        let site = self.orbit.impacts()[i].site;
-        for (j, other) in self.orbit.impacts().iter().enumerate().filter(|(_, other)| other.site == site) {
-            let jet = self.jet(i, j);
-            error += (jet.curvature * condition.impacts[j].impulse).abs();
-            if j != i {
-                jerk += other.impulse * jet.third;
-                error += (other.impulse * jet.third * condition.impacts[j].time).abs();
-            }
-        }
-        error + (jerk * condition.impacts[i].time).abs()
-    }
-}
-
-impl Equations {
-    /// |J⁻¹| δF, and the reciprocal condition number of J scaled by rows and columns.
-    fn solve(&self) -> ([f64; MOST], f64) {
-        let n = self.size;
-        let mut a = [[0.0; 2 * MOST]; MOST];
-        let mut rows = [0.0_f64; MOST];
-        for i in 0..n {
-            for j in 0..n {
-                a[i][j] = self.matrix[i][j] * self.units[j];
-                rows[i] = rows[i].max(a[i][j].abs());
-            }
-            rows[i] = if rows[i] > 0.0 { rows[i] } else { 1.0 };
-            for j in 0..n {
-                a[i][j] /= rows[i];
-            }
-            a[i][n + i] = 1.0;
-        }
-        let norm = |a: &[[f64; 2 * MOST]; MOST], from: usize| {
-            (0..n).map(|i| a[i][from..from + n].iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max)
-        };
-        let size = norm(&a, 0);
-        // Gauss–Jordan with row exchanges: the right half becomes the inverse.
-        for column in 0..n {
-            let pivot = (column..n).max_by(|&i, &j| a[i][column].abs().total_cmp(&a[j][column].abs()));
-            a.swap(column, pivot.unwrap_or(column));
-            let head = a[column][column];
-            if head == 0.0 || !head.is_finite() {
-                return ([f64::INFINITY; MOST], 0.0);
-            }
-            a[column].iter_mut().for_each(|x| *x /= head);
-            let pivot_row = a[column];
-            for (_, row) in a.iter_mut().enumerate().take(n).filter(|(i, _)| *i != column) {
-                let factor = row[column];
-                row.iter_mut().zip(&pivot_row).for_each(|(x, p)| *x -= factor * p);
-            }
-        }
-        let mut errors = [0.0; MOST];
-        for i in 0..n {
-            let sum: f64 = (0..n).map(|j| a[i][n + j].abs() * self.errors[j] / rows[j]).sum();
-            errors[i] = self.units[i] * sum;
-        }
-        (errors, (1.0 / (size * norm(&a, n))).min(1.0))
+        let (own, next) = (displacement(impact.site), displacement(impact.site + 1));
+        chain.gamma1() * own
+            + 2.0 * chain.gamma2() * (own + next)
+            + UNIT * (neighbours + orbit.model().amplitude() * phase.abs())
     }
 }

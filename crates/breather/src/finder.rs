@@ -8,6 +8,7 @@ use crate::condition::Condition;
 use crate::error::{BreatherError, NoBreather};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
+use crate::polish::polish;
 use crate::roots::Zeros;
 use crate::{conservative, forced_double, forced_single};
 
@@ -118,8 +119,11 @@ impl Finder {
         self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
         let (response, motion, zeros) = (&self.response, &mut self.motion, &mut self.zeros);
         let mut failure = None;
-        let mut add = |draft: Draft| match Orbit::assemble(model, response, motion, draft) {
-            Ok(orbit) => found.orbits.push(orbit),
+        let mut add = |draft: Draft| match Orbit::assemble(model, response, motion, draft.clone()) {
+            Ok(mut orbit) => {
+                polish(&mut orbit, draft, response, motion);
+                found.orbits.push(orbit);
+            }
             Err(error) => failure = Some(error),
         };
         let outcome = match (family, conservative) {

@@ -13,6 +13,7 @@
 //! | `conservative`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `motion` | [`Motion`]: every mass at any time |
 //! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
+//! | `equations`, `polish` | the orbit's equations linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //!
@@ -37,12 +38,14 @@ mod admissibility;
 mod condition;
 mod conservative;
 mod enclosure;
+mod equations;
 mod error;
 mod finder;
 mod forced_double;
 mod forced_single;
 mod motion;
 mod orbit;
+mod polish;
 mod roots;
 mod two_impacts;
 mod window;

@@ -207,12 +207,34 @@ impl Motion {
     }
 
     /// v̈ of a mass at the time last sought, where the force has the given phase, from the equation of motion,
-    /// −γ₁v − γ₂(2v − v_l − v_r) + F: by the neighbours, because the modal sum Σ Ω²q cancels where the coupling is stiff.
+    /// −γ₁v − γ₂(2v − v_l − v_r) + F, or from the modes, −Σ Ω²q + G̈, whichever cancels less: the modal sum does where the
+    /// coupling is stiff, the neighbours' difference where the ring hangs on soft springs.
     pub(crate) fn acceleration_from_forces(&self, site: usize, phase: f64) -> f64 {
+        let (neighbours, modes) = self.acceleration_sizes(site);
+        if modes < neighbours {
+            return self.site(site).acceleration;
+        }
         let ring = self.sites();
         let v = |n: usize| self.site(n % ring).displacement;
-        let (own, neighbours) = (v(site), v(site + 1) + v(site + ring - 1));
-        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - neighbours) + self.amplitude * phase.cos()
+        let (own, sides) = (v(site), v(site + 1) + v(site + ring - 1));
+        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - sides) + self.amplitude * phase.cos()
+    }
+
+    /// Sums of the moduli of the terms of v̈ in the two forms of [`Motion::acceleration_from_forces`].
+    pub(crate) fn acceleration_sizes(&self, site: usize) -> (f64, f64) {
+        let ring = self.sites();
+        let v = |n: usize| self.site(n % ring).displacement.abs();
+        let own = v(site);
+        let neighbours =
+            self.gamma.0 * own + self.gamma.1 * (2.0 * own + v(site + 1) + v(site + ring - 1)) + self.amplitude;
+        let modes: f64 = self
+            .now
+            .chunks_exact(self.frequencies.len().max(1))
+            .zip(&self.sites)
+            .flat_map(|(modes, &source)| modes.iter().zip(self.cosines.shapes(site.abs_diff(source).min(ring))))
+            .map(|(now, shape)| (shape * now[2]).abs())
+            .sum();
+        (neighbours, modes + self.omega * self.omega * self.force.abs())
     }
 
     /// ω(t+ψ), the force's phase, `elapsed` after the start of interval `i`.

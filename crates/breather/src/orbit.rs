@@ -135,15 +135,24 @@ impl Orbit {
             && orbit.impacts.iter().all(|impact| impact.time == 0.0 || impact.time == half);
         motion.load(&orbit, response);
         for i in 0..orbit.impacts.len() {
+            let site = orbit.impacts[i].site;
+            let (position, newton) = orbit.violation(i, motion);
+            // The motion stands just after the impact now.
             let impact = &mut orbit.impacts[i];
-            let after = motion.after_impact(i, impact.site);
-            impact.acceleration = motion.acceleration_from_forces(impact.site, motion.force_phase(i, 0.0));
-            let barrier = model.barrier(impact.barrier);
-            let mean = after.velocity - 0.5 * impact.impulse;
-            let newton = (mean + 0.5 * model.loss() * impact.impulse) / impact.impulse.abs().max(1.0);
-            orbit.residual = orbit.residual.max((after.displacement - barrier).abs()).max(newton.abs());
+            impact.acceleration = motion.acceleration_from_forces(site, motion.force_phase(i, 0.0));
+            let newton = newton / impact.impulse.abs().max(1.0);
+            orbit.residual = orbit.residual.max(position.abs()).max(newton.abs());
         }
         Ok(orbit)
+    }
+
+    /// v(t_i) − (a±1) and w_i + qP_i/2 of impact `i`; `motion` must hold this orbit, and is left just after the impact.
+    pub(crate) fn violation(&self, i: usize, motion: &mut Motion) -> (f64, f64) {
+        let impact = &self.impacts[i];
+        let after = motion.after_impact(i, impact.site);
+        let mean = after.velocity - 0.5 * impact.impulse;
+        let position = after.displacement - self.model.barrier(impact.barrier);
+        (position, mean + 0.5 * self.model.loss() * impact.impulse)
     }
 
     /// An orbit from any list of impacts at any sites: `(site, barrier, time, impulse)`, times within the orbit's

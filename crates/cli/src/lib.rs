@@ -10,6 +10,8 @@
 //! | `start`, `recording` | where a simulation starts, what it leaves behind |
 //! | `sweep_command`, `orbit_command`, `simulate_command`, `validate_command` | the subcommands |
 
+#[cfg(feature = "accuracy")]
+pub mod accuracy;
 pub mod args;
 pub mod cell;
 pub mod error;

@@ -175,10 +175,13 @@ impl Analyser {
     }
 }
 
-/// No coupling that a number could hold: the modes share one frequency and the masses that are not hit swing alone.
+/// Coupling, relative to γ₁, that does no more than rounding does: modes are one frequency to a few units in the last place.
+const NO_COUPLING: f64 = 32.0 * f64::EPSILON;
+
+/// No coupling that a number could hold: the masses that are not hit swing alone.
 fn uncoupled(orbit: &Orbit) -> bool {
     let chain = orbit.model().chain();
-    orbit.impact_site().is_some() && chain.gamma2().mul_add(4.0, chain.gamma1()) == chain.gamma1()
+    orbit.impact_site().is_some() && 4.0 * chain.gamma2() <= NO_COUPLING * chain.gamma1()
 }
 
 /// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].

@@ -27,6 +27,23 @@ impl ImpulseResponse {
 
     /// As [`ImpulseResponse::sensitivity`], for K_n and its derivatives at the site `site`.
     pub fn sensitivity_at(&self, site: usize, t: f64) -> KernelJet {
+        self.response_to(site, t, |k| self.mode_detuning(k))
+    }
+
+    /// As [`ImpulseResponse::sensitivity_at`], without what changes a mode at all times alike: its amplitude
+    /// 1/(2 sin y), which answers to a relative change of y with [`ImpulseResponse::mode_detuning`].
+    pub fn rounding_at(&self, site: usize, t: f64) -> KernelJet {
+        self.response_to(site, t, |_| 0.0)
+    }
+
+    /// 2|y cot y|: relative change of the amplitude of mode `k` when frequency and period change by a relative unit each;
+    /// Ω/|Ω−jω| and more next to a resonance. 0 for soft modes, y < 1, whose terms are regular.
+    pub fn mode_detuning(&self, k: usize) -> f64 {
+        let y = 0.5 * self.frequencies()[k] * self.period();
+        if y < 1.0 { 0.0 } else { 2.0 * y * (self.cos_half()[k] / self.sin_half()[k]).abs() }
+    }
+
+    fn response_to(&self, site: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
         let t = self.fold(t);
         let offset = t - 0.5 * self.period();
         let mut sum = KernelJet::default();
@@ -45,10 +62,9 @@ impl ImpulseResponse {
                 let (sine, x) = (self.sin_half()[k].abs(), frequency * offset);
                 let (sin, cos) = x.sin_cos();
                 let (sin, cos) = (sin.abs(), cos.abs());
-                // The period and the frequency both enter y; t, T and Ω enter x.
-                let detuning = 2.0 + 2.0 * y * self.cos_half()[k].abs() / sine;
-                let swing = 2.0 * frequency * t.abs().max(offset.abs());
-                let (even, odd) = (detuning * cos + swing * sin, detuning * sin + swing * cos);
+                // t, T and Ω enter x = Ω(t−T/2).
+                let (amplitude, swing) = (2.0 + detuning(k), 2.0 * frequency * t.abs().max(offset.abs()));
+                let (even, odd) = (amplitude * cos + swing * sin, amplitude * sin + swing * cos);
                 let scale = weight * 0.5 / sine;
                 sum.value += scale * (even + 2.0 * sine / y) / frequency;
                 sum.slope += scale * odd;

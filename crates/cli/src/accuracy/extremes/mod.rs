@@ -1,0 +1,12 @@
+//! The extreme corners of the parameters, each answer set against many digits: what is promised, what is delivered, or
+//! which error is given.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `checks` | one quantity at one point against the truth |
+//! | [`cases`] | the corners |
+
+pub mod cases;
+mod checks;
+
+pub use checks::{Row, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};

@@ -1,0 +1,2 @@
+//! placeholder until the command is merged
+pub mod extremes;
