@@ -1,8 +1,10 @@
-//! The extreme corners of the parameters against many digits: every promise kept, every refusal in words.
+//! The extreme corners of the parameters, and random points on logarithmic ranges, against many digits: every promise
+//! kept, every refusal in words.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use vibrochain_cli::accuracy::extremes::cases::{CORNERS, Effort, rows};
+use vibrochain_cli::accuracy::extremes::draws::check_draws;
 
 #[test]
 fn every_corner_keeps_its_promise() {
@@ -11,11 +13,19 @@ fn every_corner_keeps_its_promise() {
         .flat_map(|corner| {
             let rows = rows(corner, Effort::QUICK).unwrap();
             assert!(!rows.is_empty());
-            for row in &rows {
-                println!("{:5} {:>9.1e} {:>9.1e}  {} | {} | {}", row.holds(), row.promised.unwrap_or(f64::NAN), row.delivered.unwrap_or(f64::NAN), row.case, row.quantity, row.outcome);
-            }
+            assert!(rows.iter().any(|row| row.delivered.is_some()), "{}: nothing compared", corner.0);
             rows.into_iter().filter(|row| !row.holds()).map(|row| format!("{row:?}")).collect::<Vec<_>>()
         })
         .collect();
     assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+#[test]
+fn random_points_keep_their_promises() {
+    let count = std::env::var("DRAWS").ok().map_or(10_000, |count| count.parse().unwrap());
+    let tally = check_draws(1, count).unwrap();
+    println!("{} draws, {} compared, worst {}", tally.draws, tally.compared, tally.worst);
+    for (outcome, count) in &tally.outcomes { println!("{count:8} {outcome}"); }
+    let broken: Vec<String> = tally.broken.iter().map(|row| format!("{row:?}")).collect();
+    assert!(broken.is_empty(), "{} of {count}:\n{}", broken.len(), broken.join("\n"));
 }

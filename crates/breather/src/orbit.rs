@@ -140,10 +140,15 @@ impl Orbit {
             // The motion stands just after the impact now.
             let impact = &mut orbit.impacts[i];
             impact.acceleration = motion.acceleration_from_forces(site, motion.force_phase(i, 0.0));
-            let newton = newton / impact.impulse.abs().max(1.0);
-            orbit.residual = orbit.residual.max(position.abs()).max(newton.abs());
+            orbit.residual = orbit.residual.max(position.abs()).max((newton / orbit.velocity_scale()).abs());
         }
         Ok(orbit)
+    }
+
+    /// The largest velocity in Newton's law at the impacts.
+    pub(crate) fn velocity_scale(&self) -> f64 {
+        let force = self.force.abs() * self.model.omega();
+        self.impacts.iter().map(|impact| impact.impulse.abs()).fold(force.max(f64::MIN_POSITIVE), f64::max)
     }
 
     /// v(t_i) − (a±1) and w_i + qP_i/2 of impact `i`; `motion` must hold this orbit, and is left just after the impact.
@@ -292,8 +297,8 @@ impl Orbit {
         self.reversible
     }
 
-    /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)|
-    /// and |w_i + qP_i/2|/max(1, |P_i|) over all impacts. Rounding level for a sound orbit.
+    /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)|, and
+    /// |w_i + qP_i/2| over the largest of |P_j| and ω|Ã|, over all impacts. Rounding level for a sound orbit.
     pub fn residual(&self) -> f64 {
         self.residual
     }

@@ -2,12 +2,13 @@
 
 use vibrochain_breather::{Family, Finder, Found, NoBreather};
 use vibrochain_lattice::{Chain, Model, ParameterError, Spectrum};
+use vibrochain_truth::DEFAULT_BITS;
 
-use super::checks::{Row, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
+use super::checks::{Depth, Row, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
 use crate::error::CliError;
 
-/// Orbits looked at where there are hundreds.
-const MOST: usize = 6;
+/// Everything, in 50 digits, of a few orbits where there are hundreds.
+const DEPTH: Depth = Depth { orbits: 6, spectra: true, bits: DEFAULT_BITS };
 
 /// Masses of the paper's default ring.
 const SITES: usize = 21;
@@ -69,9 +70,9 @@ fn conservative(sites: usize, (g1, g2, omega, a): (f64, f64, f64, f64)) -> Resul
 /// Kernels, both conservative families and their multipliers.
 fn all(case: &str, sites: usize, point: (f64, f64, f64, f64)) -> Result<Vec<Row>, CliError> {
     let model = conservative(sites, point)?;
-    let mut rows = vec![check_kernels(case, model.chain(), point.2).map_err(truth)?];
+    let mut rows = vec![check_kernels(case, model.chain(), point.2, DEFAULT_BITS).map_err(truth)?];
     for family in [Family::DoubleSided, Family::SingleSided] {
-        rows.extend(check_orbits(case, &model, family, MOST, true));
+        rows.extend(check_orbits(case, &model, family, DEPTH));
     }
     Ok(rows)
 }
@@ -80,7 +81,7 @@ fn forced(case: &str, point: (f64, f64, f64, f64), (amplitude, e): (f64, f64)) -
     let (g1, g2, omega, a) = point;
     let model = Model::forced(Chain::new(SITES, g1, g2)?, omega, a, amplitude, e)?;
     let families = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
-    Ok(families.into_iter().flat_map(|family| check_orbits(case, &model, family, MOST, true)).collect())
+    Ok(families.into_iter().flat_map(|family| check_orbits(case, &model, family, DEPTH)).collect())
 }
 
 fn weak_coupling(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
@@ -212,12 +213,12 @@ fn rings(_: &str, effort: Effort) -> Result<Vec<Row>, CliError> {
         rows.extend(all(&format!("{sites} masses"), sites, DEFAULTS)?);
         let model = Model::forced(Chain::new(sites, g1, g2)?, omega, a, 0.1, 0.9)?;
         let case = format!("{sites} masses, forced");
-        rows.extend(check_orbits(&case, &model, Family::DoubleSided, MOST, true));
+        rows.extend(check_orbits(&case, &model, Family::DoubleSided, DEPTH));
     }
     let case = format!("{} masses", effort.sites);
     let model = conservative(effort.sites, DEFAULTS)?;
-    rows.push(check_kernels(&case, model.chain(), omega).map_err(truth)?);
-    rows.extend(check_orbits(&case, &model, Family::DoubleSided, 1, false));
+    rows.push(check_kernels(&case, model.chain(), omega, DEFAULT_BITS).map_err(truth)?);
+    rows.extend(check_orbits(&case, &model, Family::DoubleSided, Depth { orbits: 1, spectra: false, ..DEPTH }));
     Ok(rows)
 }
 

@@ -6,7 +6,7 @@ use vibrochain_breather::{BreatherError, Family, Finder, Found, Motion, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Analyser, FloquetError, Stability, Tolerance};
 use vibrochain_lattice::{Chain, ImpulseResponse, KernelJet, Model, Spectrum, far_field};
-use vibrochain_truth::{DEFAULT_BITS, Kernel, Real, TrueOrbit, TrueSpectrum, TruthError};
+use vibrochain_truth::{Kernel, Real, TrueOrbit, TrueSpectrum, TruthError};
 
 /// Units in the last place, times the condition number, within which kernels are promised.
 const KERNEL_UNITS: f64 = 4.0;
@@ -43,6 +43,11 @@ impl Row {
         }
     }
 
+    /// A quantity that nothing could be set against.
+    pub(super) fn without_truth(case: &str, error: &TruthError) -> Self {
+        Self::new(case, "kernels").told(format!("no truth to compare with: {error}"))
+    }
+
     fn told(mut self, outcome: impl Into<String>) -> Self {
         self.outcome = outcome.into();
         self
@@ -64,17 +69,18 @@ impl Row {
     }
 }
 
-/// The kernels K₀, K₀′, K₀″, K₀‴ at several times and K_n at the far site, for impulses of frequency `omega`.
+/// The kernels K₀, K₀′, K₀″, K₀‴ at several times and K_n at the far site, for impulses of frequency `omega`; the truth to
+/// `bits` binary digits.
 ///
 /// # Errors
 /// [`TruthError`] where the truth itself cannot be had though the program answers.
-pub fn check_kernels(case: &str, chain: &Chain, omega: f64) -> Result<Row, TruthError> {
+pub fn check_kernels(case: &str, chain: &Chain, omega: f64, bits: usize) -> Result<Row, TruthError> {
     let row = Row { slack: 1.0, ..Row::new(case, "kernels") };
     let response = match ImpulseResponse::new(&Spectrum::new(*chain), omega) {
         Ok(response) => response,
         Err(error) => return Ok(row.told(error.to_string())),
     };
-    let truth = Kernel::new(chain, omega, 1, DEFAULT_BITS)?;
+    let truth = Kernel::new(chain, omega, 1, bits)?;
     let bits = truth.work_bits();
     let (mut promised, mut delivered, mut worst) = (f64::EPSILON, 0.0, -1.0);
     let mut compare = |found: f64, exact: &Real, sensitivity: f64| {
@@ -114,9 +120,19 @@ pub fn check_kernels(case: &str, chain: &Chain, omega: f64) -> Result<Row, Truth
     Ok(row.measured(promised, delivered).told(format!("condition {:.0e}", promised / KERNEL_UNITS / f64::EPSILON)))
 }
 
-/// Impulses, times and multipliers of all orbits of a family at a point (at most `most` of them), one row for each
-/// quantity with its worst orbit.
-pub fn check_orbits(case: &str, model: &Model, family: Family, most: usize, spectra: bool) -> Vec<Row> {
+/// How much `check_orbits` does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Depth {
+    /// Orbits looked at, at most.
+    pub orbits: usize,
+    /// Multipliers too.
+    pub spectra: bool,
+    /// Binary digits of the truth.
+    pub bits: usize,
+}
+
+/// Impulses, times and multipliers of the orbits of a family at a point, one row for each quantity with its worst orbit.
+pub fn check_orbits(case: &str, model: &Model, family: Family, depth: Depth) -> Vec<Row> {
     let name = family.name();
     let mut finder = Finder::new(model.chain().sites());
     let mut found = Found::default();
@@ -139,9 +155,9 @@ pub fn check_orbits(case: &str, model: &Model, family: Family, most: usize, spec
         Some(_) => {}
         None => rows.push(row),
     };
-    for orbit in orbits.iter().take(most) {
-        match TrueOrbit::refine(orbit, DEFAULT_BITS) {
-            Ok(truth) => check_orbit(case, name, orbit, &truth, (&mut finder, &mut analyser), spectra, &mut keep),
+    for orbit in orbits.iter().take(depth.orbits) {
+        match TrueOrbit::refine(orbit, depth.bits) {
+            Ok(truth) => check_orbit(case, name, orbit, &truth, (&mut finder, &mut analyser), depth.spectra, &mut keep),
             Err(error) => keep(whole.clone().told(format!("no truth to compare with: {error}"))),
         }
     }
@@ -221,12 +237,13 @@ fn check_radius(row: Row, stability: &Stability, truth: &TrueOrbit) -> Row {
         Ok((root, _)) => {
             let excess = root.abs() - 1.0;
             // On the circle to all digits, up to those of the root itself.
-            let on_circle = excess.abs() < 1e-25;
+            let digits = 2f64.powi(10 - i32::try_from(truth.bits()).unwrap_or(0));
+            let on_circle = excess.abs() < digits;
             let wrong = verdict.stable && !on_circle && excess.to_f64() > 0.0
                 || verdict.mechanism.is_some() && excess.to_f64() <= 0.0;
             let error = (root.abs() - verdict.spectral_radius).abs().to_f64();
             // A radius of exactly 1 carries no error; the root's own digits end somewhere.
-            let promised = verdict.resolution.max(if on_circle { 1e-25 } else { f64::EPSILON });
+            let promised = verdict.resolution.max(if on_circle { digits } else { f64::EPSILON });
             let told = format!("{said}, |μ| = {:.7}", verdict.spectral_radius);
             Row { wrong, ..row.measured(promised, error).told(told) }
         }

@@ -5,8 +5,10 @@
 //! |---|---|
 //! | `checks` | one quantity at one point against the truth |
 //! | [`cases`] | the corners |
+//! | [`draws`] | random points |
 
 pub mod cases;
 mod checks;
+pub mod draws;
 
-pub use checks::{Row, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
+pub use checks::{Depth, Row, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
