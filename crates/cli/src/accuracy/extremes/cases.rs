@@ -4,11 +4,11 @@ use vibrochain_breather::{Family, Finder, Found, NoBreather};
 use vibrochain_lattice::{Chain, Model, ParameterError, Spectrum};
 use vibrochain_truth::DEFAULT_BITS;
 
-use super::checks::{Depth, Row, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
+use super::checks::{Depth, Row, Spectra, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
 use crate::error::CliError;
 
 /// Everything, in 50 digits, of a few orbits where there are hundreds.
-const DEPTH: Depth = Depth { orbits: 6, spectra: true, bits: DEFAULT_BITS };
+const DEPTH: Depth = Depth { orbits: 6, spectra: Spectra::Compared, bits: DEFAULT_BITS };
 
 /// Masses of the paper's default ring.
 const SITES: usize = 21;
@@ -218,7 +218,7 @@ fn rings(_: &str, effort: Effort) -> Result<Vec<Row>, CliError> {
     let case = format!("{} masses", effort.sites);
     let model = conservative(effort.sites, DEFAULTS)?;
     rows.push(check_kernels(&case, model.chain(), omega, DEFAULT_BITS).map_err(truth)?);
-    rows.extend(check_orbits(&case, &model, Family::DoubleSided, Depth { orbits: 1, spectra: false, ..DEPTH }));
+    rows.extend(check_orbits(&case, &model, Family::DoubleSided, Depth { orbits: 1, spectra: Spectra::Left, ..DEPTH }));
     Ok(rows)
 }
 

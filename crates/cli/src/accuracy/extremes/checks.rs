@@ -120,13 +120,24 @@ pub fn check_kernels(case: &str, chain: &Chain, omega: f64, bits: usize) -> Resu
     Ok(row.measured(promised, delivered).told(format!("condition {:.0e}", promised / KERNEL_UNITS / f64::EPSILON)))
 }
 
+/// What is done about multipliers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spectra {
+    /// Nothing.
+    Left,
+    /// They are computed, and must be numbers or an error in words.
+    Computed,
+    /// The leading one is compared with the truth.
+    Compared,
+}
+
 /// How much `check_orbits` does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Depth {
     /// Orbits looked at, at most.
     pub orbits: usize,
     /// Multipliers too.
-    pub spectra: bool,
+    pub spectra: Spectra,
     /// Binary digits of the truth.
     pub bits: usize,
 }
@@ -186,7 +197,7 @@ fn check_orbit(
     orbit: &Orbit,
     truth: &TrueOrbit,
     (finder, analyser): (&mut Finder, &mut Analyser),
-    spectra: bool,
+    spectra: Spectra,
     keep: &mut impl FnMut(Row),
 ) {
     let refused = |error: BreatherError| Row::new(case, format!("{family} orbits")).told(error.to_string());
@@ -208,9 +219,13 @@ fn check_orbit(
         let times = Row::new(case, format!("{family} times"));
         keep(times.measured(condition.time_error(orbit), error.time.max(error.psi)));
     }
-    if spectra {
+    if spectra != Spectra::Left {
         let row = Row::new(case, format!("{family} spectral radius"));
         keep(match analyser.stability(orbit, finder, Tolerance::Rounding) {
+            Ok(stability) if stability.multipliers.iter().any(|mu| !(mu.re.is_finite() && mu.im.is_finite())) => {
+                Row { wrong: true, ..row.told("a multiplier is not a number") }
+            }
+            Ok(_) if spectra == Spectra::Computed => return,
             Ok(stability) => check_radius(row, &stability, truth),
             Err(FloquetError::Breather(error)) => refused(error),
             Err(error) => row.told(error.to_string()),

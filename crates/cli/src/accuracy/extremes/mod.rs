@@ -11,4 +11,4 @@ pub mod cases;
 mod checks;
 pub mod draws;
 
-pub use checks::{Depth, Row, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
+pub use checks::{Depth, Row, Spectra, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
