@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `accuracy` | error against run time, `mapgen accuracy` (feature `accuracy`) |
 //! | `args` | the command line |
 //! | `parameter`, `scene` | points of the parameter space, scene files |
 //! | `cell`, `sweep` | one cell, all cells |
@@ -10,6 +11,8 @@
 //! | `start`, `recording` | where a simulation starts, what it leaves behind |
 //! | `sweep_command`, `orbit_command`, `simulate_command`, `validate_command` | the subcommands |
 
+#[cfg(feature = "accuracy")]
+pub mod accuracy;
 pub mod args;
 pub mod cell;
 pub mod error;
