@@ -8,13 +8,16 @@
 //! |---|---|
 //! | `table`, `document` | rows and their files; sections and the Markdown they make |
 //! | `meter` | the time of one evaluation; Ctrl-C; progress |
-//! | `spectrum` | a suite |
+//! | `spectrum`, `simulation` | the suites |
 //! | [`paper`] | the paper's procedure |
+//! | [`steppers`] | general solvers for ordinary differential equations |
 
 mod document;
 mod meter;
 pub mod paper;
+mod simulation;
 mod spectrum;
+pub mod steppers;
 mod table;
 
 use std::io::IsTerminal;
@@ -44,7 +47,8 @@ struct Suite {
     run: fn(&mut Meter<'_>) -> Result<Table, CliError>,
 }
 
-const SUITES: [(SuiteName, &Suite); 1] = [(SuiteName::Spectrum, &spectrum::SUITE)];
+const SUITES: [(SuiteName, &Suite); 2] =
+    [(SuiteName::Spectrum, &spectrum::SUITE), (SuiteName::Simulation, &simulation::SUITE)];
 
 /// The name of the document.
 const DOCUMENT: &str = "accuracy.md";
