@@ -8,11 +8,12 @@
 //! |---|---|
 //! | `table`, `document` | rows and their files; sections and the Markdown they make |
 //! | `meter` | the time of one evaluation; Ctrl-C; progress |
-//! | `spectrum`, `simulation` | the suites |
-//! | [`paper`] | the paper's procedure |
+//! | `spectrum`, `simulation`, `map`, `kernels`, `orbits` | the suites |
+//! | [`paper`], `series` | the paper's procedure, and its Fourier series |
 //! | [`steppers`] | general solvers for ordinary differential equations |
 
 mod document;
+mod map;
 mod meter;
 pub mod paper;
 mod simulation;
@@ -47,8 +48,11 @@ struct Suite {
     run: fn(&mut Meter<'_>) -> Result<Table, CliError>,
 }
 
-const SUITES: [(SuiteName, &Suite); 2] =
-    [(SuiteName::Spectrum, &spectrum::SUITE), (SuiteName::Simulation, &simulation::SUITE)];
+const SUITES: [(SuiteName, &Suite); 3] = [
+    (SuiteName::Spectrum, &spectrum::SUITE),
+    (SuiteName::Simulation, &simulation::SUITE),
+    (SuiteName::Map, &map::SUITE),
+];
 
 /// The name of the document.
 const DOCUMENT: &str = "accuracy.md";
