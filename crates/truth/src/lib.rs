@@ -1,0 +1,35 @@
+//! The quantities of the layers above in 50 digits: slow, separate, for checks.
+//!
+//! What `vibrochain-lattice`, `-breather` and `-floquet` compute in `f64` is computed here once more in multiprecision, by
+//! the plainest formulas there are and without sharing code with them: only parameters come in (taken as exact), and an
+//! `f64` orbit or multiplier as a starting point. No layer that computes depends on this crate.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `real`, `operators`, `complex` | [`Real`], [`Complex`]: numbers that carry their precision |
+//! | `kernel` | [`Kernel`]: the periodic impulse response, plain modal sum |
+//! | `orbit`, `conditions` | [`TrueOrbit`]: the conditions at the impacts by Newton's method |
+//! | `spectrum`, `secular` | [`TrueSpectrum`]: multipliers from the secular determinant |
+//!
+//! Dimensionless throughout, see `vibrochain-lattice`.
+
+mod complex;
+mod conditions;
+mod error;
+mod kernel;
+mod linear;
+mod operators;
+mod orbit;
+mod real;
+mod secular;
+mod spectrum;
+
+pub use complex::Complex;
+pub use error::TruthError;
+pub use kernel::{Jet, Kernel};
+pub use orbit::{OrbitError, TrueImpact, TrueOrbit};
+pub use real::Real;
+pub use spectrum::TrueSpectrum;
+
+/// Binary digits that serve most checks: 57 decimal digits.
+pub const DEFAULT_BITS: usize = 192;

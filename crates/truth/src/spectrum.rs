@@ -1,0 +1,453 @@
+//! Floquet multipliers in many digits, from the secular determinant of an orbit with all impacts at one site.
+//!
+//! With ν = ½(z+1/z) and c_k = cos Ω_kT, roots are sought of det(z−M) = D(z) Π 2z(ν−c_k), which has no poles. Modes with their pole next to the root keep their two
+//! coordinates in the determinant instead of being summed, so that nothing cancels there. Where M is symplectic (e = 1),
+//! D depends on z through ν alone and ν is solved for: reciprocal pairs, the trivial one among them, are then simple roots.
+
+use crate::complex::Complex;
+use crate::error::TruthError;
+use crate::orbit::TrueOrbit;
+use crate::real::Real;
+use crate::secular::Flight;
+
+const MAX_STEPS: usize = 400;
+
+/// Second starts are turned by this angle.
+const OFF_AXIS: f64 = 1e-4;
+
+/// |ν − c| below which a mode is kept out of the sums, and how many are at most.
+const NEAR_POLE: f64 = 1e-6;
+const MAX_EXPLICIT: usize = 6;
+
+/// All even modes of one frequency (more than one only if they agree in all digits).
+#[derive(Debug, Clone)]
+pub(crate) struct Pole {
+    mode: usize,
+    multiplicity: usize,
+    pub(crate) weight: Real,
+    frequency: Real,
+    /// cos ΩT
+    pub(crate) cos: Real,
+}
+
+/// The secular determinant of an orbit, ready to be evaluated in O(modes · impacts²).
+///
+/// ```
+/// use vibrochain_breather::{Family, breathers};
+/// use vibrochain_lattice::{Chain, Model};
+/// use vibrochain_truth::{DEFAULT_BITS, TrueOrbit, TrueSpectrum};
+/// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
+/// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
+/// let spectrum = TrueSpectrum::new(&TrueOrbit::refine(orbit, DEFAULT_BITS)?)?;
+/// let (leading, moved) = spectrum.refine((2.797574412183362, 0.0))?;
+/// assert!((leading.re - 2.797574412183362).log10_abs() < -12.0 && moved < 1e-12);
+/// // The trivial pair, which dense solvers split by 1e-8.
+/// let (trivial, _) = spectrum.refine((1.0, 1e-8))?;
+/// assert!((trivial.re - 1.0).log10_abs() < -57.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct TrueSpectrum {
+    bits: usize,
+    pub(crate) work: usize,
+    /// M is symplectic: ν is the variable.
+    symplectic: bool,
+    pub(crate) restitution: Real,
+    pub(crate) kappas: Vec<Real>,
+    pub(crate) poles: Vec<Pole>,
+    /// [i][j][pole] over τ_ij, t_i − t_j brought to 0 < τ ≤ T.
+    pub(crate) flights: Vec<Vec<Vec<Flight>>>,
+}
+
+impl TrueSpectrum {
+    /// The secular determinant of `orbit`.
+    ///
+    /// # Errors
+    /// [`TruthError::SeveralSites`]; [`TruthError::Singular`] for an impact without speed.
+    pub fn new(orbit: &TrueOrbit) -> Result<Self, TruthError> {
+        let (impacts, kernel) = (orbit.impacts(), orbit.kernel());
+        if impacts.windows(2).any(|pair| pair[0].site != pair[1].site) {
+            return Err(TruthError::SeveralSites);
+        }
+        if impacts.windows(2).any(|pair| pair[0].time >= pair[1].time) {
+            return Err(TruthError::Singular { what: "two impacts of one mass at one time" });
+        }
+        let work = kernel.work_bits();
+        let restitution = Real::new(orbit.model().restitution(), work);
+        let mut kappas = Vec::with_capacity(impacts.len());
+        for impact in impacts {
+            let kappa = (&restitution + 1.0) * &impact.acceleration / &impact.velocity_before;
+            if !kappa.is_finite() {
+                return Err(TruthError::Singular { what: "an impact without speed: its saltation is not finite" });
+            }
+            kappas.push(kappa);
+        }
+        let period = kernel.period();
+        let mut poles: Vec<Pole> = Vec::new();
+        for (mode, (frequency, weight)) in kernel.frequencies().zip(kernel.weights()).enumerate() {
+            // The frequencies rise with k.
+            match poles.last_mut().filter(|pole| pole.frequency == *frequency) {
+                Some(pole) => {
+                    pole.weight += weight;
+                    pole.multiplicity += 1;
+                }
+                None => {
+                    let cos = (frequency * period).sin_cos().1;
+                    let (frequency, weight) = (frequency.clone(), weight.clone());
+                    poles.push(Pole { mode, multiplicity: 1, weight, frequency, cos });
+                }
+            }
+        }
+        let flights = (0..impacts.len()).map(|i| {
+            let row = (0..impacts.len()).map(|j| {
+                let mut time = &impacts[i].time - &impacts[j].time;
+                if j >= i {
+                    time += period;
+                }
+                poles.iter().map(|pole| Flight::new(&pole.frequency, &time)).collect()
+            });
+            row.collect()
+        });
+        let flights = flights.collect();
+        let symplectic = orbit.model().restitution() == 1.0;
+        Ok(Self { bits: orbit.bits(), work, symplectic, restitution, kappas, poles, flights })
+    }
+
+    /// Number of multipliers on the even subspace, 2(⌊M/2⌋+1).
+    pub fn dimension(&self) -> usize {
+        2 * self.poles.iter().map(|pole| pole.multiplicity).sum::<usize>()
+    }
+
+    /// Product of the multipliers on the even subspace, e^{2n} for n impacts.
+    pub fn determinant(&self) -> Real {
+        (0..self.kappas.len()).fold(Real::one(self.work), |product, _| product * &self.restitution * &self.restitution)
+    }
+
+    /// Sum of the multipliers on the even subspace, by another way than D(z): from its limit z → ∞,
+    /// tr M = tr R(T) + tr (1−L)⁻¹U, with the blocks BᵀR(τ_ij)B D_j below the diagonal in L and the others in U.
+    pub fn trace(&self) -> Real {
+        let n = self.kappas.len();
+        let zero = Real::zero(self.work);
+        let mut trace =
+            self.poles.iter().fold(zero.clone(), |sum, pole| sum + &pole.cos * (2 * pole.multiplicity) as f64);
+        // Column by column of U: the rows of (1−L)⁻¹U one after the other.
+        let blocks: Vec<Vec<[[Real; 2]; 2]>> =
+            (0..n).map(|i| (0..n).map(|j| self.instantaneous(i, j)).collect()).collect();
+        for column in 0..n {
+            for side in 0..2 {
+                let mut x: Vec<[Real; 2]> = Vec::with_capacity(n);
+                for (i, row) in blocks.iter().enumerate() {
+                    let mut entry = if column >= i {
+                        [row[column][0][side].clone(), row[column][1][side].clone()]
+                    } else {
+                        [zero.clone(), zero.clone()]
+                    };
+                    for (block, x) in row.iter().zip(&x) {
+                        for (entry, line) in entry.iter_mut().zip(block) {
+                            *entry += &line[0] * &x[0] + &line[1] * &x[1];
+                        }
+                    }
+                    x.push(entry);
+                }
+                trace += &x[column][side];
+            }
+        }
+        trace
+    }
+
+    /// BᵀR(τ_ij)B D_j
+    fn instantaneous(&self, i: usize, j: usize) -> [[Real; 2]; 2] {
+        let mut sums = [Real::zero(self.work), Real::zero(self.work), Real::zero(self.work)];
+        for (pole, flight) in self.poles.iter().zip(&self.flights[i][j]) {
+            for (sum, part) in sums.iter_mut().zip([&flight.cos, &flight.sin_over, &flight.sin_times]) {
+                *sum += &pole.weight * part;
+            }
+        }
+        let [cos, up, down] = sums;
+        let loss = &self.restitution + 1.0;
+        let kappa = &self.kappas[j];
+        [[&up * kappa - &cos * &loss, -(&up * &loss)], [&cos * kappa + &down * &loss, -(&cos * &loss)]]
+    }
+
+    /// D(z). `None` on a pole.
+    pub fn secular(&self, z: &Complex) -> Option<Complex> {
+        let (determinant, _) = self.evaluate(z, &half_sum(z), &[])?;
+        Some(determinant)
+    }
+
+    /// dD/dz, by a central difference. `None` on a pole.
+    pub fn secular_slope(&self, z: &Complex) -> Option<Complex> {
+        let step = self.step(z.log2_abs());
+        let difference = self.secular(&shifted(z, &step))? - self.secular(&shifted(z, &-&step))?;
+        Some(difference.scale(&(Real::one(self.work) / (step * 2.0))))
+    }
+
+    /// det(z−M) on the even subspace, poles or not; `None` for z = 0.
+    pub fn characteristic(&self, z: &Complex) -> Option<Complex> {
+        if z.is_zero() {
+            return Some(Complex::real(self.determinant()));
+        }
+        let nu = half_sum(z);
+        let double = z + z;
+        let mut product = self.regular(z, &nu, &self.near(&nu))?;
+        for pole in &self.poles {
+            product = product * &double;
+            for _ in 1..pole.multiplicity {
+                product = product * &double * shifted(&nu, &-&pole.cos);
+            }
+        }
+        Some(product)
+    }
+
+    /// D(z) Π (ν−c): det(z−M) less a factor 2z a pole and less what modes of equal frequency share.
+    fn regular(&self, z: &Complex, nu: &Complex, explicit: &[usize]) -> Option<Complex> {
+        let (mut value, factor) = self.evaluate(z, nu, explicit)?;
+        let inverse = (z + z).inverse();
+        for _ in explicit {
+            value = value * &inverse;
+        }
+        Some(value * factor)
+    }
+
+    /// The poles next to ν, nearest first.
+    fn near(&self, nu: &Complex) -> Vec<usize> {
+        let distance = |p: usize| shifted(nu, &-&self.poles[p].cos).log2_abs();
+        let mut near: Vec<usize> = (0..self.poles.len()).filter(|&p| distance(p) < NEAR_POLE.log2()).collect();
+        near.sort_by(|&p, &q| distance(p).total_cmp(&distance(q)));
+        near.truncate(MAX_EXPLICIT);
+        near
+    }
+
+    /// Step of a difference quotient at a point of modulus 2^`size`: its error, the square of it, and rounding balance.
+    fn step(&self, size: f64) -> Real {
+        Real::one(self.work).times_power_of_two(size.round() as i32 - self.work as i32 / 3)
+    }
+
+    /// The multiplier on the even subspace next to `multiplier` (real and imaginary part), to all digits asked for; and how
+    /// far from the start it is. A far root is an answer too: the caller knows how good the start was.
+    ///
+    /// # Errors
+    /// [`TruthError::OnPole`] for e^{±iΩT} of several modes of one frequency (γ₂ = 0); [`TruthError::NotConverged`];
+    /// [`TruthError::Parameter`] for a start that is zero or not finite.
+    pub fn refine(&self, multiplier: (f64, f64)) -> Result<(Complex, f64), TruthError> {
+        let modulus = multiplier.0.hypot(multiplier.1);
+        if !(modulus > 0.0 && modulus.is_finite()) {
+            let requirement = "a finite number that is not zero";
+            return Err(TruthError::Parameter { name: "|multiplier|", value: modulus, requirement });
+        }
+        let start = Complex::new(multiplier.0, multiplier.1, self.work);
+        let from = |start: &Complex| if self.symplectic { self.reciprocal_root(start) } else { self.root(start) };
+        let outcome = match from(&start) {
+            // From the real axis Newton's method never leaves it, be the roots where they may.
+            Err(TruthError::NotConverged { .. }) => {
+                let aside = Complex::new(1.0, OFF_AXIS, self.work);
+                from(&(&start * aside))
+            }
+            outcome => outcome,
+        };
+        // How far Newton's method went tells whether the shared pole itself was meant.
+        let moved = match &outcome {
+            Ok(root) => (root - &start).abs(),
+            Err(_) => Real::new(f64::INFINITY, 64),
+        };
+        for pole in self.poles.iter().filter(|pole| pole.multiplicity > 1) {
+            let sin = (-(&pole.cos * &pole.cos) + 1.0).abs().sqrt();
+            let on_circle = Complex { re: pole.cos.clone(), im: if multiplier.1 < 0.0 { -sin } else { sin } };
+            let distance = (on_circle - &start).abs();
+            if distance < 1e-6 && moved > distance * 16.0 {
+                return Err(TruthError::OnPole { mode: pole.mode, multiplicity: pole.multiplicity });
+            }
+        }
+        outcome.map(|root| (root, moved.to_f64()))
+    }
+
+    /// In z.
+    fn root(&self, start: &Complex) -> Result<Complex, TruthError> {
+        let explicit = self.near(&half_sum(start));
+        let value = |z: &Complex| self.regular(z, &half_sum(z), &explicit);
+        let (z, step, iterations) = self.newton(start, value)?;
+        self.accept(step - z.log2_abs(), iterations, z, start)
+    }
+
+    /// In ν = ½(z+1/z), back to that of z and 1/z which is nearer to the start.
+    fn reciprocal_root(&self, start: &Complex) -> Result<Complex, TruthError> {
+        let nu = half_sum(start);
+        let explicit = self.near(&nu);
+        let value = |nu: &Complex| self.regular(&pair_of(nu).0, nu, &explicit);
+        let (nu, step, iterations) = self.newton(&nu, value)?;
+        let (plus, minus) = pair_of(&nu);
+        let distance = |z: &Complex| (z - start).norm_sqr();
+        let z = if distance(&plus) <= distance(&minus) { plus } else { minus };
+        // dz/z = dν/√(ν²−1), and next to ν = ±1 a square root of the error of ν.
+        let error =
+            step - 0.5 * step.max((shifted(&nu, &Real::new(-1.0, 64)) * shifted(&nu, &Real::one(64))).log2_abs());
+        self.accept(error, iterations, z, start)
+    }
+
+    fn accept(&self, error: f64, iterations: usize, z: Complex, start: &Complex) -> Result<Complex, TruthError> {
+        if error <= -(self.bits as f64) && z.is_finite() {
+            return Ok(z);
+        }
+        let moved = (&z - start).abs().to_f64();
+        Err(TruthError::NotConverged { iterations, last_step: error * 2f64.log10(), moved })
+    }
+
+    /// Newton's method with difference quotients, until the steps no longer shrink. Returns the point, log₂ of the last
+    /// step and their number.
+    fn newton(
+        &self,
+        start: &Complex,
+        value: impl Fn(&Complex) -> Option<Complex>,
+    ) -> Result<(Complex, f64, usize), TruthError> {
+        let mut point = start.clone();
+        let mut previous = f64::INFINITY;
+        for iteration in 1..=MAX_STEPS {
+            let size = point.log2_abs().max(start.log2_abs() - 8.0);
+            let h = self.step(size);
+            let (here, plus, minus) = (value(&point), value(&shifted(&point, &h)), value(&shifted(&point, &-&h)));
+            let (Some(here), Some(plus), Some(minus)) = (here, plus, minus) else {
+                return Err(TruthError::Singular { what: "Newton's method met a pole exactly; move the start" });
+            };
+            if here.is_zero() {
+                return Ok((point, f64::NEG_INFINITY, iteration));
+            }
+            let step = here.scale(&(h * 2.0)) / (plus - minus);
+            if !step.is_finite() {
+                break;
+            }
+            point = point - &step;
+            let moved = step.log2_abs();
+            let floor = size - self.work as f64;
+            // Next to a double root the steps halve at first: only small ones can have come to rest.
+            if moved <= floor || (moved < size - 0.5 * self.bits as f64 && moved > previous - 1.0) {
+                return Ok((point, moved, iteration));
+            }
+            previous = moved;
+        }
+        let moved = (&point - start).abs().to_f64();
+        Err(TruthError::NotConverged { iterations: MAX_STEPS, last_step: previous * 2f64.log10(), moved })
+    }
+}
+
+/// ν = ½(z + 1/z)
+fn half_sum(z: &Complex) -> Complex {
+    let sum = z + z.inverse();
+    Complex { re: sum.re / 2.0, im: sum.im / 2.0 }
+}
+
+/// z and 1/z from ν, the larger one first.
+fn pair_of(nu: &Complex) -> (Complex, Complex) {
+    let one = Real::one(64);
+    let root = (shifted(nu, &-&one) * shifted(nu, &one)).sqrt();
+    let (plus, minus) = (nu + &root, nu - &root);
+    let large = if plus.norm_sqr() >= minus.norm_sqr() { plus } else { minus };
+    let small = large.inverse();
+    (large, small)
+}
+
+/// z + x
+pub(crate) fn shifted(z: &Complex, x: &Real) -> Complex {
+    Complex { re: &z.re + x, im: z.im.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear::determinant;
+    use vibrochain_breather::{Family, breathers};
+    use vibrochain_lattice::{Chain, Model};
+
+    /// det(z−M) of the dense monodromy matrix, product of flights and saltations in even coordinates (x_k, ẋ_k).
+    fn dense(orbit: &TrueOrbit, z: &Complex) -> Complex {
+        let kernel = orbit.kernel();
+        let (m, work) = (kernel.modes(), kernel.work_bits());
+        let b: Vec<Real> = kernel.weights().map(Real::sqrt).collect();
+        let mut columns: Vec<Vec<Real>> =
+            (0..2 * m).map(|i| (0..2 * m).map(|j| Real::new(f64::from(u8::from(i == j)), work)).collect()).collect();
+        let e = Real::new(orbit.model().restitution(), work);
+        for (i, impact) in orbit.impacts().iter().enumerate() {
+            let until = orbit.impacts().get(i + 1).map_or(orbit.period().clone(), |next| next.time.clone());
+            let flight = &until - &impact.time;
+            let kappa = (&e + 1.0) * &impact.acceleration / &impact.velocity_before;
+            for x in &mut columns {
+                let site =
+                    |half: usize, x: &[Real]| (0..m).fold(Real::zero(work), |sum, k| sum + &b[k] * &x[k + half * m]);
+                let (u, v) = (site(0, x), site(1, x));
+                let (du, dv) = (-(&u * (&e + 1.0)), &u * &kappa - &v * (&e + 1.0));
+                for (k, frequency) in kernel.frequencies().enumerate() {
+                    x[k] += &b[k] * &du;
+                    x[k + m] += &b[k] * &dv;
+                    let (q, p) = (x[k].clone(), x[k + m].clone());
+                    if frequency.is_zero() {
+                        x[k] = q + &p * &flight;
+                    } else {
+                        let (sin, cos) = (frequency * &flight).sin_cos();
+                        x[k] = &q * &cos + &p * &sin / frequency;
+                        x[k + m] = &p * &cos - &q * &sin * frequency;
+                    }
+                }
+            }
+        }
+        let entry = |i: usize, j: usize| {
+            let entry = Complex::real(-&columns[j][i]);
+            if i == j { entry + z } else { entry }
+        };
+        determinant((0..2 * m).map(|i| (0..2 * m).map(|j| entry(i, j)).collect()).collect(), work)
+    }
+
+    fn orbit(sites: usize, gamma: (f64, f64), omega: f64, force: (f64, f64), family: Family) -> TrueOrbit {
+        let model = Model::forced(Chain::new(sites, gamma.0, gamma.1).unwrap(), omega, 0.4, force.0, force.1).unwrap();
+        let orbits = breathers(&model, family).unwrap().orbits;
+        TrueOrbit::refine(orbits.last().unwrap(), 128).unwrap()
+    }
+
+    fn assert_close(a: &Complex, b: &Complex) {
+        assert!((a - b).log2_abs() < b.log2_abs() - 180.0, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn the_determinant_is_that_of_the_monodromy_matrix() {
+        let cases = [
+            orbit(5, (0.2, 0.1), 1.5, (0.0, 1.0), Family::DoubleSided),
+            orbit(4, (0.2, 0.1), 0.85, (0.0, 1.0), Family::SingleSided),
+            orbit(6, (0.2, 0.1), 1.5, (0.1, 0.9), Family::DoubleSided),
+            orbit(3, (0.2, 0.1), 1.5, (0.1, 1.0), Family::DoubleSided),
+            orbit(5, (0.0, 0.1), 1.5, (0.4, 0.8), Family::DoubleSided),
+            orbit(5, (0.2, 0.0), 1.5, (0.1, 0.9), Family::DoubleSided),
+            orbit(1, (0.2, 0.0), 1.1, (0.5, 0.7), Family::SingleSided),
+        ];
+        for orbit in &cases {
+            let spectrum = TrueSpectrum::new(orbit).unwrap();
+            assert_eq!(spectrum.dimension(), 2 * orbit.kernel().modes());
+            for (re, im) in [(0.3, 0.7), (-1.2, 0.1), (2.5, 0.0), (0.02, -0.01)] {
+                let z = Complex::new(re, im, 320);
+                let characteristic = spectrum.characteristic(&z).unwrap();
+                assert_close(&characteristic, &dense(orbit, &z));
+                // D is the quotient, and its slope is one.
+                let mut free = Complex::new(1.0, 0.0, 320);
+                for frequency in orbit.kernel().frequencies() {
+                    let cos = (frequency * orbit.period()).sin_cos().1;
+                    free = free * (&z * &z - z.scale(&(cos * 2.0)) + Complex::new(1.0, 0.0, 64));
+                }
+                assert_close(&(spectrum.secular(&z).unwrap() * free), &characteristic);
+                let h = Real::one(320).times_power_of_two(-60);
+                let [plus, minus] = [h.clone(), -&h].map(|h| spectrum.secular(&shifted(&z, &h)).unwrap());
+                let slope = (plus - minus).scale(&(Real::one(320) / (h * 2.0)));
+                let found = spectrum.secular_slope(&z).unwrap();
+                assert!((&slope - &found).log2_abs() < found.log2_abs() - 80.0);
+            }
+            // On and next to a pole, where sums would lose everything.
+            let pole = spectrum.poles.last().unwrap();
+            let sin = (-(&pole.cos * &pole.cos) + 1.0).sqrt();
+            for distance in [0.0, 1e-60, 1e-20] {
+                let z = Complex { re: pole.cos.clone(), im: &sin + distance };
+                let (a, b) = (spectrum.characteristic(&z).unwrap(), dense(orbit, &z));
+                assert!((a - &b).log2_abs() < -180.0, "{distance} {b:?}");
+            }
+            assert_close(
+                &spectrum.characteristic(&Complex::new(0.0, 0.0, 64)).unwrap(),
+                &dense(orbit, &Complex::new(0.0, 0.0, 64)),
+            );
+        }
+    }
+}
