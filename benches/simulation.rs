@@ -4,11 +4,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark stops at the first surprise")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use ode_solvers::dop_shared::OutputType;
-use ode_solvers::{DVector, Dop853, System};
 use vibrochain::breather::{Family, Motion, Orbit, breathers};
 use vibrochain::eventsim::{Limits, Simulation, Time};
 use vibrochain::lattice::{Chain, Model};
+use vibrochain_cli::accuracy::steppers::{End, dop853};
 
 fn model(sites: usize) -> Model {
     Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4).unwrap()
@@ -50,68 +49,12 @@ fn cost_per_period(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The ring as a general solver sees it.
-struct Ring {
-    sites: usize,
-}
-
-type State = DVector<f64>;
-
-impl System<f64, State> for Ring {
-    fn system(&self, _: f64, y: &State, dy: &mut State) {
-        let m = self.sites;
-        for n in 0..m {
-            dy[n] = y[n + m];
-            dy[n + m] = -0.2 * y[n] - 0.1 * (2.0 * y[n] - y[(n + 1) % m] - y[(n + m - 1) % m]);
-        }
-    }
-}
-
-/// Integrates to `time`; dense output every `step`, or the end alone.
-fn integrate(sites: usize, from: &State, time: f64, step: Option<f64>, tolerance: f64) -> (Vec<f64>, Vec<State>) {
-    let dx = step.unwrap_or(time);
-    let mut solver = Dop853::new(Ring { sites }, 0.0, time, dx, from.clone(), tolerance, tolerance);
-    if step.is_none() {
-        solver.set_output(OutputType::Sparse);
-    }
-    solver.integrate().unwrap();
-    (solver.x_out().clone(), solver.y_out().clone())
-}
-
-/// Event location the usual way: dense output, change of sign between outputs, Newton's method. Returns the time of the
-/// last of `impacts` impacts.
-fn runge_kutta(sites: usize, u: &[f64], v: &[f64], impacts: usize, tolerance: f64) -> f64 {
-    let mut state = State::from_iterator(2 * sites, u.iter().chain(v).copied());
-    let (period, mut now) = (std::f64::consts::TAU / 1.5, 0.0);
-    for _ in 0..impacts {
-        // Past the next impact for certain, and not past the one after it.
-        let (times, states) = integrate(sites, &state, 0.6 * period, Some(period / 20.0), tolerance);
-        // A mass that has just hit may still be outside by rounding: the first output is passed over.
-        let outside = |y: &State| (0..sites).find(|&n| (y[n] - 0.4).abs() > 1.0);
-        let (index, site) = states.iter().enumerate().skip(1).find_map(|(i, y)| outside(y).map(|n| (i, n))).unwrap();
-        let mut t = times[index];
-        let barrier = 0.4 + (states[index][site] - 0.4).signum();
-        let mut hit = states[index].clone();
-        for _ in 0..8 {
-            let step = (hit[site] - barrier) / hit[site + sites];
-            t -= step;
-            if step.abs() < 1e-15 {
-                break;
-            }
-            hit = integrate(sites, &state, t, None, tolerance).1.pop().unwrap();
-        }
-        hit[site] = barrier;
-        hit[site + sites] *= -1.0;
-        (state, now) = (hit, now + t);
-    }
-    now
-}
-
 /// 100 periods of the N = 20 breather: time by criterion, error of the last impact printed once.
 fn work_precision(criterion: &mut Criterion) {
     let (sites, periods) = (21, 100);
     let (orbit, start, u, v) = on_breather(sites, 0.0);
     let expected = (periods as f64 - 0.5) * orbit.period() - start;
+    let start_state: Vec<f64> = u.iter().chain(&v).copied().collect();
     let mut group = criterion.benchmark_group("simulation/100-periods");
     group.sample_size(10);
     let ours = || {
@@ -124,7 +67,7 @@ fn work_precision(criterion: &mut Criterion) {
     println!("events: error of the last impact {:.1e}", (ours() - expected).abs());
     group.bench_function("events", |bencher| bencher.iter(ours));
     for tolerance in [1e-6, 1e-8, 1e-10, 1e-12] {
-        let theirs = || runge_kutta(sites, &u, &v, 2 * periods as usize, tolerance);
+        let theirs = || dop853(&model(sites), &start_state, End::Impacts(2 * periods), tolerance).unwrap().last_impact;
         println!("DOP853 at {tolerance:e}: error of the last impact {:.1e}", (theirs() - expected).abs());
         group.bench_function(BenchmarkId::new("DOP853", tolerance), |bencher| bencher.iter(theirs));
     }

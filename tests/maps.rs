@@ -1,10 +1,10 @@
 //! What the paper's conservative maps must show, and the paper's own way of computing them as a slow peer.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use nalgebra::DMatrix;
 use vibrochain::breather::{Family, Finder, Found, admissibility, breathers};
 use vibrochain::floquet::Tolerance;
-use vibrochain::lattice::{Chain, Decay, ImpulseResponse, Model, Spectrum, decay, harmonic_response};
+use vibrochain::lattice::{Chain, Decay, Model, decay};
+use vibrochain_cli::accuracy::paper::{BLUR, Kernels};
 use vibrochain_cli::cell::{Class, Status, Task, Worker};
 
 const GAMMA1: f64 = 0.2;
@@ -108,75 +108,13 @@ fn the_map_at_n_20_has_stripes_of_instability() {
     assert!(classes.iter().all(|class| matches!(class, Class::StableDouble | Class::UnstableDouble)));
 }
 
-/// The paper's procedure, from any kernels: K₀(0), K₀(T/2) and K₁ at the same times. Dense monodromy of the whole ring by
-/// a general matrix exponential; stable if no multiplier exceeds the circle by more than the blur of the trivial pair.
-fn paper_radius(model: &Model, family: Family, [k00, k0h, k10, k1h]: [f64; 4]) -> f64 {
-    let (g1, g2, a) = (GAMMA1, model.chain().gamma2(), ASYMMETRY);
-    let m = model.chain().sites();
-    let (chi1, chi2) = (-2.0 * k0h, -2.0 * k00);
-    let generator = DMatrix::from_fn(2 * m, 2 * m, |i, j| {
-        if i < m {
-            return f64::from(u8::from(j == i + m));
-        }
-        let n = i - m;
-        let mut entry = if j == n { -g1 - 2.0 * g2 } else { 0.0 };
-        entry += g2 * f64::from(u8::from(j == (n + 1) % m)) + g2 * f64::from(u8::from(j == (n + m - 1) % m));
-        entry
-    });
-    let saltation = |acceleration: f64, velocity: f64| {
-        let mut s = DMatrix::identity(2 * m, 2 * m);
-        s[(0, 0)] = -1.0;
-        s[(m, m)] = -1.0;
-        s[(m, 0)] = 2.0 * acceleration / velocity;
-        s
-    };
-    // v̈₀ = −γ₁v₀ − 2γ₂(v₀ − v₁) at an impact.
-    let acceleration = |own: f64, next: f64| -g1 * own - 2.0 * g2 * (own - next);
-    let matrix = if family == Family::DoubleSided {
-        let p1 = 1.0 / (chi2 - chi1) - a / (chi1 + chi2);
-        let p2 = 1.0 / (chi2 - chi1) + a / (chi1 + chi2);
-        let half = (&generator * (0.5 * model.period())).exp();
-        let upper = saltation(acceleration(a + 1.0, 2.0 * (p1 * k1h - p2 * k10)), p2);
-        let lower = saltation(acceleration(a - 1.0, 2.0 * (p1 * k10 - p2 * k1h)), -p1);
-        &half * lower * &half * upper
-    } else {
-        let p = (1.0 - a) / chi2;
-        (generator * model.period()).exp() * saltation(acceleration(a - 1.0, 2.0 * p * k10), -p)
-    };
-    matrix.complex_eigenvalues().iter().map(|mu| mu.norm()).fold(0.0, f64::max)
-}
-
-/// The kernels by the paper's Fourier series of J terms.
-fn series_kernels(model: &Model, terms: u32) -> [f64; 4] {
-    let chain = model.chain();
-    let mut sums = [0.0; 4];
-    for j in 0..=terms {
-        let w = f64::from(j) * model.omega();
-        let weight = if j == 0 { 1.0 } else { 2.0 } / model.period();
-        let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
-        let (g0, g1) = (harmonic_response(chain, w, 0), harmonic_response(chain, w, 1));
-        for (sum, term) in sums.iter_mut().zip([g0, sign * g0, g1, sign * g1]) {
-            *sum += weight * term;
-        }
-    }
-    sums
-}
-
-fn closed_kernels(model: &Model) -> [f64; 4] {
-    let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega()).unwrap();
-    let half = 0.5 * model.period();
-    [response.value(0, 0.0), response.value(0, half), response.value(1, 0.0), response.value(1, half)]
-}
-
 #[test]
 fn the_2000_term_series_differs_only_where_the_series_is_wrong() {
-    // Growth that the paper's dense method blurs: the trivial pair splits by 1e-7 … 1e-8, next to grazing by more.
-    let blur = 1e-5;
     let (sites, mut worker) = (21, Worker::new(21));
     let task = Task {
         families: vec![Family::DoubleSided, Family::SingleSided],
         stability: true,
-        tolerance: Tolerance::Growth(blur),
+        tolerance: Tolerance::Growth(BLUR),
     };
     let (mut compared, mut wrong, mut worst) = (0, 0, 0.0_f64);
     for (gamma2, omega) in grid(40, 24).filter(|(gamma2, _)| *gamma2 > 0.0) {
@@ -193,20 +131,20 @@ fn the_2000_term_series_differs_only_where_the_series_is_wrong() {
         };
         let ours = cell.spectral_radius.unwrap();
         // The same procedure with the closed form agrees with the block of half the dimension …
-        let exact = paper_radius(&model, family, closed_kernels(&model));
+        let exact = Kernels::closed(&model).unwrap().spectral_radius(&model, family).unwrap();
         assert!((exact - ours).abs() < 1e-5 * ours, "{gamma2} {omega}: {exact} {ours}");
         // … so that what is left between the maps is the series.
-        let series = paper_radius(&model, family, series_kernels(&model, 2000));
+        let series = Kernels::by_series(&model, 2000).spectral_radius(&model, family).unwrap();
         compared += 1;
         let error = (series - ours).abs();
         if error > 1e-3 {
             wrong += 1;
             worst = worst.max(error / ours);
             // With 100 times the terms the series comes as much closer to the closed form.
-            let longer = paper_radius(&model, family, series_kernels(&model, 200_000));
+            let longer = Kernels::by_series(&model, 200_000).spectral_radius(&model, family).unwrap();
             assert!((longer - ours).abs() < 0.2 * error, "{gamma2} {omega}: {series} {longer} {ours}");
-        } else if (ours - 1.0 - blur).abs() > error {
-            assert_eq!(series < 1.0 + blur, stable, "{gamma2} {omega}: {series} {ours}");
+        } else if (ours - 1.0 - BLUR).abs() > error {
+            assert_eq!(series < 1.0 + BLUR, stable, "{gamma2} {omega}: {series} {ours}");
         }
     }
     println!(

@@ -29,6 +29,8 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Print the table of closed forms against simulation (docs/validation.md).
     Validate(ValidateArgs),
+    /// Measure error against run time, this program's methods beside others (docs/accuracy).
+    Accuracy(AccuracyArgs),
 }
 
 /// Colours of a map.
@@ -189,4 +191,33 @@ pub struct ValidateArgs {
     /// File to write instead of standard output (Markdown).
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Suites of `mapgen accuracy`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SuiteName {
+    /// The kernels χ₁, χ₂, χ₃ of the periodic impulse response.
+    Kernels,
+    /// Impulses, φ and ψ of breathers.
+    Orbits,
+    /// Floquet multipliers.
+    Spectrum,
+    /// The state after many periods of a breather.
+    Simulation,
+    /// Classes of a map's cells.
+    Map,
+}
+
+/// Arguments of `mapgen accuracy`.
+#[derive(Debug, Args)]
+pub struct AccuracyArgs {
+    /// Folder to write into: accuracy.md, and for each suite a table (CSV) and a picture (PNG, SVG).
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Suite to run; may be given several times [default: all].
+    #[arg(long, value_enum, value_name = "SUITE")]
+    pub suite: Vec<SuiteName>,
+    /// Fewer settings and short timings: a look, not a measurement.
+    #[arg(long)]
+    pub quick: bool,
 }

@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `accuracy` | error against run time, `mapgen accuracy` (feature `accuracy`) |
 //! | `args` | the command line |
 //! | `parameter`, `scene` | points of the parameter space, scene files |
 //! | `cell`, `sweep` | one cell, all cells |

@@ -29,6 +29,12 @@ fn main() -> ExitCode {
         Command::Orbit(args) => orbit_command::run(args),
         Command::Simulate(args) => simulate_command::run(args),
         Command::Validate(args) => validate_command::run(args),
+        #[cfg(feature = "accuracy")]
+        Command::Accuracy(args) => vibrochain_cli::accuracy::run(args),
+        #[cfg(not(feature = "accuracy"))]
+        Command::Accuracy(_) => Err(vibrochain_cli::error::CliError::Request(
+            "this build has no accuracy suites: build with the feature `accuracy`".to_owned(),
+        )),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

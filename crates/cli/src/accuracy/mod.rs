@@ -1,2 +1,165 @@
-//! placeholder until the command is merged
+//! `mapgen accuracy`: error against run time, this program's methods beside those they replace.
+//!
+//! Each suite is a list of cases; in each case several methods compute the same quantity, every one at a few settings.
+//! What comes out is one row a setting: the time of one evaluation on one thread, and its error against the truth. The
+//! document with all tables and pictures is made by the command alone.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `table`, `document` | rows and their files; sections and the Markdown they make |
+//! | `meter` | the time of one evaluation; Ctrl-C; progress |
+//! | [`extremes`] | extreme corners and random points against many digits |
+//! | `spectrum`, `simulation`, `map`, `kernels`, `orbits` | the suites |
+//! | [`paper`], `series` | the paper's procedure, and its Fourier series |
+//! | [`steppers`] | general solvers for ordinary differential equations |
+
+mod document;
 pub mod extremes;
+mod map;
+mod meter;
+pub mod paper;
+mod simulation;
+mod spectrum;
+pub mod steppers;
+mod table;
+
+use std::io::IsTerminal;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::accuracy::document::{Block, Document, Section};
+use crate::accuracy::meter::Meter;
+use crate::accuracy::table::Table;
+use crate::args::{AccuracyArgs, SuiteName};
+use crate::error::CliError;
+use crate::output::Output;
+
+/// One suite: what it compares, in words, and how it is run.
+struct Suite {
+    /// The name of its files.
+    name: &'static str,
+    title: &'static str,
+    /// What is compared with what, and what the reader learns.
+    prose: &'static str,
+    /// What its errors are.
+    error: &'static str,
+    run: fn(&mut Meter<'_>) -> Result<Table, CliError>,
+}
+
+const SUITES: [(SuiteName, &Suite); 3] = [
+    (SuiteName::Spectrum, &spectrum::SUITE),
+    (SuiteName::Simulation, &simulation::SUITE),
+    (SuiteName::Map, &map::SUITE),
+];
+
+/// The name of the document.
+const DOCUMENT: &str = "accuracy.md";
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`].
+pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
+    if args.out.is_file() {
+        let name = args.out.display();
+        return Err(CliError::Request(format!("--out {name} is a file: name a folder")));
+    }
+    let chosen = SUITES.iter().filter(|(name, _)| args.suite.is_empty() || args.suite.contains(name));
+    let chosen: Vec<&Suite> = chosen.map(|(_, suite)| *suite).collect();
+    // Destinations first: an impossible one should not cost a computation.
+    let document_file = Output::create(&args.out.join(DOCUMENT))?;
+    let files = chosen.iter().map(|suite| Files::open(&args.out, suite.name)).collect::<Result<Vec<_>, _>>()?;
+
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
+        .map_err(|error| CliError::Computation(format!("cannot listen for Ctrl-C: {error}")))?;
+
+    let bar = progress(chosen.len());
+    let mut meter = Meter::new(&stop, &bar, args.quick);
+    let mut document = Document::new(args.quick);
+    let mut written = Vec::new();
+    for (suite, files) in chosen.into_iter().zip(files) {
+        meter.enter(suite.name);
+        let table = (suite.run)(&mut meter)?;
+        document.sections.push(section(suite, &table));
+        written.push((files, table, suite));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    // All or nothing: an interrupted run leaves an older set of files as it was.
+    for (files, table, suite) in written {
+        files.write(&table, suite)?;
+    }
+    document_file.finish_with(document.markdown().as_bytes())
+}
+
+/// The suite's part of the document.
+fn section(suite: &Suite, table: &Table) -> Section {
+    let mut blocks = vec![Block::Prose(suite.prose.to_owned())];
+    if cfg!(feature = "plot") {
+        blocks.push(Block::Picture { file: format!("{}.png", suite.name), caption: suite.title.to_owned() });
+    }
+    blocks.push(Block::Prose(format!(
+        "*error*: {}. All rows: [{name}.csv]({name}.csv).",
+        suite.error,
+        name = suite.name
+    )));
+    blocks.extend(table.markdown().into_iter().map(Block::Prose));
+    Section { title: suite.title.to_owned(), blocks }
+}
+
+fn progress(suites: usize) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(suites as u64), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {pos}/{len} suites  {elapsed}  {wide_msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// The files of one suite.
+struct Files {
+    csv: Output,
+    #[cfg(feature = "plot")]
+    pictures: [(crate::plot::Format, Output); 2],
+}
+
+impl Files {
+    fn open(folder: &Path, name: &str) -> Result<Self, CliError> {
+        let open = |ending: &str| Output::create(&folder.join(format!("{name}.{ending}")));
+        Ok(Self {
+            csv: open("csv")?,
+            #[cfg(feature = "plot")]
+            pictures: [(crate::plot::Format::Png, open("png")?), (crate::plot::Format::Svg, open("svg")?)],
+        })
+    }
+
+    fn write(self, table: &Table, suite: &Suite) -> Result<(), CliError> {
+        self.csv.finish_with(&table.csv()?)?;
+        #[cfg(feature = "plot")]
+        {
+            let picture = table.picture(suite.title, suite.error);
+            for (format, file) in self.pictures {
+                let bytes = crate::plot::work_precision_picture(&picture, format)
+                    .map_err(|error| CliError::Computation(error.to_string()))?;
+                file.finish_with(&bytes)?;
+            }
+        }
+        #[cfg(not(feature = "plot"))]
+        let _ = suite;
+        Ok(())
+    }
+}
+
+/// A failure of the mathematics, in this command's words.
+fn computation(error: impl std::fmt::Display) -> CliError {
+    CliError::Computation(error.to_string())
+}

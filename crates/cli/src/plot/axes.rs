@@ -2,6 +2,7 @@
 
 use plotters::chart::{ChartContext, SeriesLabelPosition};
 use plotters::coord::cartesian::Cartesian2d;
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
 use plotters::prelude::{Color, DrawingBackend, RGBColor, WHITE};
@@ -14,6 +15,21 @@ pub(crate) type Panel<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, R
 
 /// Draws the axes, over a light grid if the panel is not filled by a raster.
 pub(crate) fn axes<B: DrawingBackend>(panel: &mut Panel<'_, B>, x: &str, y: &str, grid: bool) -> Result<(), PlotError> {
+    labelled_axes(panel, x, y, grid, &|value| tick(*value))
+}
+
+/// The same for axes of any kind, with `label` for their ticks.
+pub(crate) fn labelled_axes<B: DrawingBackend, X, Y>(
+    panel: &mut ChartContext<'_, B, Cartesian2d<X, Y>>,
+    x: &str,
+    y: &str,
+    grid: bool,
+    label: &dyn Fn(&f64) -> String,
+) -> Result<(), PlotError>
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
     let mut mesh = panel.configure_mesh();
     if grid {
         mesh.light_line_style(WHITE).bold_line_style(RGBColor(230, 230, 230));
@@ -24,8 +40,8 @@ pub(crate) fn axes<B: DrawingBackend>(panel: &mut Panel<'_, B>, x: &str, y: &str
         .y_desc(y)
         .axis_desc_style(("sans-serif", 17))
         .label_style(("sans-serif", 14))
-        .x_label_formatter(&|value| tick(*value))
-        .y_label_formatter(&|value| tick(*value))
+        .x_label_formatter(&label)
+        .y_label_formatter(&label)
         .draw()
         .map_err(PlotError::from)
 }

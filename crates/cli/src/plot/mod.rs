@@ -2,10 +2,14 @@
 
 mod axes;
 mod canvas;
+#[cfg(feature = "accuracy")]
+mod decades;
 mod map;
 mod orbit;
 mod palette;
 mod run;
+#[cfg(feature = "accuracy")]
+mod work_precision;
 
 pub(crate) use canvas::open;
 pub use canvas::{Format, PlotError};
@@ -13,3 +17,5 @@ pub use map::{MapPicture, map_picture};
 pub use orbit::{OrbitPanels, orbit_picture};
 pub use palette::{Palette, Tile};
 pub use run::{RunPicture, run_picture};
+#[cfg(feature = "accuracy")]
+pub use work_precision::{WorkPrecision, WorkPrecisionPanel, work_precision_picture};

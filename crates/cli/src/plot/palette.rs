@@ -62,6 +62,12 @@ impl Palette {
     }
 }
 
+/// Colours of lines in a diagram, in order of use: dark and light take turns, so that neighbours in a legend are told
+/// apart in grey; the hues are apart for colour-blind eyes.
+#[cfg(feature = "accuracy")]
+pub(crate) const LINES: [Rgb; 6] =
+    [[16, 50, 98], [236, 138, 60], [0, 120, 90], [110, 190, 235], [150, 40, 90], [150, 150, 150]];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +86,13 @@ mod tests {
             greys.sort_by(f64::total_cmp);
             assert!(greys.windows(2).all(|pair| pair[1] - pair[0] > 30.0), "{palette:?} {greys:?}");
         }
+    }
+
+    #[cfg(feature = "accuracy")]
+    #[test]
+    fn neighbouring_lines_are_told_apart_in_grey() {
+        let grey = |[r, g, b]: Rgb| 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);
+        assert!(LINES.windows(2).all(|pair| (grey(pair[0]) - grey(pair[1])).abs() > 30.0));
     }
 
     #[test]
