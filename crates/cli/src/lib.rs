@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `program`, `console` | the whole program as a function, and what it talks to |
 //! | `args` | the command line |
 //! | `parameter`, `scene` | points of the parameter space, scene files |
 //! | `cell`, `sweep` | one cell, all cells |
@@ -12,6 +13,7 @@
 
 pub mod args;
 pub mod cell;
+pub mod console;
 pub mod error;
 pub mod manifest;
 pub mod orbit_command;
@@ -19,6 +21,7 @@ pub mod output;
 pub mod parameter;
 #[cfg(feature = "plot")]
 pub mod plot;
+pub mod program;
 mod recording;
 pub mod scene;
 pub mod simulate_command;
