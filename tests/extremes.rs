@@ -25,7 +25,9 @@ fn random_points_keep_their_promises() {
     let count = std::env::var("DRAWS").ok().map_or(10_000, |count| count.parse().unwrap());
     let tally = check_draws(1, count).unwrap();
     println!("{} draws, {} compared, worst {}", tally.draws, tally.compared, tally.worst);
-    for (outcome, count) in &tally.outcomes { println!("{count:8} {outcome}"); }
+    for (outcome, count) in &tally.outcomes {
+        println!("{count:8} {outcome}");
+    }
     let broken: Vec<String> = tally.broken.iter().map(|row| format!("{row:?}")).collect();
     assert!(broken.is_empty(), "{} of {count}:\n{}", broken.len(), broken.join("\n"));
 }

@@ -161,6 +161,9 @@ impl Watch {
         if horizon * rate > MAX_WINDOWS {
             return Err(BreatherError::TooStiff { windows: horizon * rate, limit: MAX_WINDOWS });
         }
+        // A ring whose modes all stand still takes its unit from the period.
+        self.window.set_rate(rate.max(1.0 / horizon));
+        let unit = self.window.unit();
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
         'search: for interval in 0..motion.intervals() {
             let (start, length) = motion.interval(interval);
@@ -169,7 +172,8 @@ impl Watch {
             }
             let length = length.min(horizon - start);
             let windows = 1 + (length * rate) as usize;
-            let step = length / windows as f64;
+            // In the window's units of time.
+            let step = length / windows as f64 / unit;
             self.window.place(&self.watched, motion, interval, 0.0);
             for w in 0..windows {
                 let elapsed = length * (w as f64 / windows as f64);
@@ -191,7 +195,7 @@ impl Watch {
                             step,
                             &mut self.pending,
                             &mut |s, displacement| {
-                                closest.note(a, site, start + elapsed + s, displacement);
+                                closest.note(a, site, start + elapsed + s * unit, displacement);
                                 closest.distance
                             },
                             a,

@@ -4,6 +4,9 @@
 //! c_{k+2} = (−γ₁c_k − γ₂(2c_k − c_left − c_right) + F_k) / ((k+1)(k+2)) .
 //! ```
 //!
+//! Time is counted in a unit near one radian of the fastest motion: c_k would leave the range of `f64` for frequencies
+//! beyond 1e16. The unit is a power of two, so that it costs no digit.
+//!
 //! A window is at most one radian of the fastest motion, so that ORDER terms leave a remainder below rounding. The
 //! polynomials are each mass's own: far from the breather their coefficients are as small as the motion itself, and
 //! bounds taken from them are as tight, which no bound common to the ring could be.
@@ -49,9 +52,20 @@ pub(crate) struct Window {
     coefficients: Vec<f64>,
     masses: usize,
     since_refresh: usize,
+    unit: f64,
 }
 
 impl Window {
+    /// Counts time in units for a fastest motion of `rate` radians a unit of the model's time, from the next placement on.
+    pub(crate) fn set_rate(&mut self, rate: f64) {
+        self.unit = 2f64.powi(-(rate.log2().floor() as i32));
+    }
+
+    /// The unit of time.
+    pub(crate) fn unit(&self) -> f64 {
+        self.unit
+    }
+
     /// Sets all masses from the modes, `elapsed` after the start of an interval between impacts.
     pub(crate) fn place(&mut self, watched: &Watched, motion: &mut Motion, interval: usize, elapsed: f64) {
         self.masses = watched.sites.len();
@@ -61,17 +75,19 @@ impl Window {
         let (values, slopes) = self.coefficients.split_at_mut(self.masses);
         for ((value, slope), &site) in values.iter_mut().zip(slopes).zip(&watched.sites) {
             let now = motion.site(site);
-            (*value, *slope) = (now.displacement, now.velocity);
+            (*value, *slope) = (now.displacement, now.velocity * self.unit);
         }
     }
 
     /// Works out the polynomials from displacement and velocity; `phase` is ω(t+ψ) at the window's start.
     pub(crate) fn expand(&mut self, watched: &Watched, model: &Model, phase: f64) {
         let n = self.masses;
-        let (g1, g2) = (model.chain().gamma1(), model.chain().gamma2());
+        let squared = self.unit * self.unit;
+        let (g1, g2) = (model.chain().gamma1() * squared, model.chain().gamma2() * squared);
         let (sin, cos) = phase.sin_cos();
         // Derivatives of A cos: A cos, −Aω sin, −Aω² cos, Aω³ sin, …, over k!.
-        let mut force = model.amplitude();
+        let mut force = model.amplitude() * squared;
+        let omega = model.omega() * self.unit;
         let quarter = [cos, -sin, -cos, sin];
         for k in 0..ORDER - 2 {
             let scale = 1.0 / ((k + 1) * (k + 2)) as f64;
@@ -81,11 +97,11 @@ impl Window {
             for (((next, own), &l), &r) in rest.iter_mut().zip(c).zip(&watched.left).zip(&watched.right) {
                 *next = scale * (push - g1 * own - g2 * (2.0 * own - (c[l] + c[r])));
             }
-            force *= model.omega() / (k + 1) as f64;
+            force *= omega / (k + 1) as f64;
         }
     }
 
-    /// Moves on by `step`: through the polynomials, or from the modes where rounding is due to be cleared.
+    /// Moves on by `step`, in units: through the polynomials, or from the modes where rounding is due to be cleared.
     pub(crate) fn advance(&mut self, watched: &Watched, motion: &mut Motion, interval: usize, elapsed: f64, step: f64) {
         self.since_refresh += 1;
         if self.since_refresh >= REFRESH {
@@ -104,7 +120,7 @@ impl Window {
         self.coefficients[i]
     }
 
-    /// Smallest and largest displacement that mass `i` could have within `length`: each coefficient of the wrong sign
+    /// Smallest and largest displacement that mass `i` could have within `length`, in units: each coefficient of the wrong sign
     /// is dropped, so that what is left can only grow.
     pub(crate) fn range(&self, i: usize, length: f64) -> (f64, f64) {
         let (mut low, mut high) = (0.0_f64, 0.0_f64);
@@ -117,7 +133,7 @@ impl Window {
         (start + length * low, start + length * high)
     }
 
-    /// The polynomial of mass `i`.
+    /// The polynomial of mass `i`, in units of time.
     pub(crate) fn polynomial(&self, i: usize) -> Polynomial {
         let mut coefficients = [0.0; ORDER];
         for (k, c) in coefficients.iter_mut().enumerate() {
@@ -185,7 +201,7 @@ mod tests {
             assert_eq!(sine.evaluate(s), (value, slope));
         }
         assert!(sine.third_bound(1.0) >= 1.0 && sine.third_bound(1.0) <= 1.6);
-        let window = Window { coefficients: coefficients.to_vec(), masses: 1, since_refresh: 0 };
+        let window = Window { coefficients: coefficients.to_vec(), masses: 1, since_refresh: 0, unit: 1.0 };
         let (low, high) = window.range(0, 1.0);
         assert!(low <= 0.0 && high >= 1f64.sin() && high <= 1.01);
     }

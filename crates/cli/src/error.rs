@@ -8,6 +8,9 @@ use vibrochain_lattice::ParameterError;
 /// A failed run.
 #[derive(Debug, Error)]
 pub enum CliError {
+    /// The command line is wrong, exit code 2; or it asks for help or the version, exit code 0.
+    #[error("{0}")]
+    Usage(#[from] clap::Error),
     /// The request is wrong; exit code 2.
     #[error("{0}")]
     Request(String),
@@ -26,6 +29,7 @@ impl CliError {
     /// 0 done, 1 the computation could not be completed, 2 the request is wrong; 130 interrupted, as shells have it.
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Usage(error) => u8::try_from(error.exit_code()).unwrap_or(2),
             Self::Request(_) => 2,
             Self::Computation(_) => 1,
             Self::Interrupted | Self::Stopped => 130,

@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `program`, `console` | the whole program as a function, and what it talks to |
 //! | `accuracy` | error against run time, `mapgen accuracy` (feature `accuracy`) |
 //! | `args` | the command line |
 //! | `parameter`, `scene` | points of the parameter space, scene files |
@@ -15,6 +16,7 @@
 pub mod accuracy;
 pub mod args;
 pub mod cell;
+pub mod console;
 pub mod error;
 pub mod manifest;
 pub mod orbit_command;
@@ -22,6 +24,7 @@ pub mod output;
 pub mod parameter;
 #[cfg(feature = "plot")]
 pub mod plot;
+pub mod program;
 mod recording;
 pub mod scene;
 pub mod simulate_command;

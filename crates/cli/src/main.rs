@@ -1,11 +1,11 @@
 //! `mapgen`: existence and stability maps of breathers in vibro-impact chains.
 
-use std::io::Write;
+use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
 
-use clap::Parser;
-use vibrochain_cli::args::{Cli, Command};
-use vibrochain_cli::{orbit_command, simulate_command, sweep_command, validate_command};
+use vibrochain_cli::console::{Console, ctrl_c};
+use vibrochain_cli::error::CliError;
+use vibrochain_cli::program;
 
 /// Whether this build's instructions exist on this machine; without the check an old one would just say "illegal
 /// instruction".
@@ -20,28 +20,20 @@ fn main() -> ExitCode {
     if !processor_will_do() {
         let advice =
             "error: this build needs a processor with AVX2 and FMA; build with RUSTFLAGS=\"-C target-cpu=x86-64\"";
-        let _ = writeln!(std::io::stderr(), "{advice}");
+        let _ = writeln!(stderr(), "{advice}");
         return ExitCode::from(1);
     }
-    let cli = Cli::parse();
-    let result = match &cli.command {
-        Command::Sweep(args) => sweep_command::run(args),
-        Command::Orbit(args) => orbit_command::run(args),
-        Command::Simulate(args) => simulate_command::run(args),
-        Command::Validate(args) => validate_command::run(args),
-        #[cfg(feature = "accuracy")]
-        Command::Accuracy(args) => vibrochain_cli::accuracy::run(args),
-        #[cfg(not(feature = "accuracy"))]
-        Command::Accuracy(_) => Err(vibrochain_cli::error::CliError::Request(
-            "this build has no accuracy suites: build with the feature `accuracy`".to_owned(),
-        )),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            // With stderr closed there is nobody left to tell; the exit code remains.
-            let _ = writeln!(std::io::stderr(), "error: {error}");
-            ExitCode::from(error.exit_code())
+    let (mut out, mut err, progress) = (stdout(), stderr(), stderr().is_terminal());
+    let mut console = Console { out: &mut out, err: &mut err, progress, interrupt: &ctrl_c };
+    let result = program::run(std::env::args_os(), &mut console);
+    match &result {
+        Ok(()) => {}
+        // clap knows where help and complaints go, and whether in colour. With both streams closed there is nobody left to
+        // tell; the exit code remains.
+        Err(CliError::Usage(error)) => {
+            let _ = error.print();
         }
+        Err(error) => console.remark(&format!("error: {error}")),
     }
+    ExitCode::from(result.map_or_else(|error| error.exit_code(), |()| 0))
 }

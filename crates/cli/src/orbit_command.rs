@@ -8,8 +8,9 @@ use vibrochain_floquet::{Analyser, Complex, FloquetError, Stability, Tolerance};
 use vibrochain_lattice::{MAX_SITES, Model};
 
 use crate::args::{FamilyName, ModelArgs, OrbitArgs};
+use crate::console::Console;
 use crate::error::CliError;
-use crate::output::{Number, print};
+use crate::output::Number;
 use crate::parameter::{Parameter, Point};
 use crate::scene::tolerance_from;
 
@@ -47,7 +48,7 @@ struct Solution {
 ///
 /// # Errors
 /// [`CliError`]; that there is no orbit is an answer.
-pub fn run(args: &OrbitArgs) -> Result<(), CliError> {
+pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let model = model(&args.model)?;
     let family = family(args.family);
     let tolerance = match args.threshold {
@@ -73,8 +74,8 @@ pub fn run(args: &OrbitArgs) -> Result<(), CliError> {
     } else {
         text(&model, family, &solutions, &found)
     };
-    print(&text)?;
-    plot.finish(&solutions)?;
+    console.print(&text)?;
+    plot.finish(&solutions, console)?;
     match solutions.iter().find_map(|solution| solution.stability.as_ref().err()) {
         Some(error) => Err(CliError::Computation(format!("stability could not be computed: {error}"))),
         None => Ok(()),
@@ -288,11 +289,9 @@ use without_plot::Plot;
 
 #[cfg(feature = "plot")]
 mod with_plot {
-    use std::io::Write;
-
     use vibrochain_breather::Motion;
 
-    use super::{CliError, OrbitArgs, Solution};
+    use super::{CliError, Console, OrbitArgs, Solution};
     use crate::output::Output;
     use crate::plot::{Format, OrbitPanels, open, orbit_picture};
 
@@ -309,7 +308,7 @@ mod with_plot {
             open(args.plot.as_deref()).map(Self)
         }
 
-        pub(super) fn finish(self, solutions: &[Solution]) -> Result<(), CliError> {
+        pub(super) fn finish(self, solutions: &[Solution], console: &mut Console<'_>) -> Result<(), CliError> {
             let Some((format, file)) = self.0 else { return Ok(()) };
             let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
             let mut panels = Vec::new();
@@ -319,7 +318,7 @@ mod with_plot {
             if panels.is_empty() {
                 // The answer has been printed; that there is nothing to draw is not a failure.
                 let path = file.path().display();
-                let _ = writeln!(std::io::stderr(), "nothing to plot: there is no solution, {path} was not written");
+                console.remark(&format!("nothing to plot: there is no solution, {path} was not written"));
                 return Ok(());
             }
             let bytes = orbit_picture(&panels, format).map_err(|error| computation(&error))?;
@@ -382,7 +381,7 @@ mod with_plot {
 
 #[cfg(not(feature = "plot"))]
 mod without_plot {
-    use super::{CliError, OrbitArgs, Solution};
+    use super::{CliError, Console, OrbitArgs, Solution};
 
     pub(super) struct Plot;
 
@@ -394,7 +393,7 @@ mod without_plot {
             }
         }
 
-        pub(super) fn finish(self, _: &[Solution]) -> Result<(), CliError> {
+        pub(super) fn finish(self, _: &[Solution], _: &mut Console<'_>) -> Result<(), CliError> {
             Ok(())
         }
     }

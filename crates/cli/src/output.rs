@@ -110,20 +110,6 @@ pub fn distinct(files: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Prints the answer of a command. A reader that has seen enough (`| head`) is no failure.
-///
-/// # Errors
-/// [`CliError::Computation`] if standard output cannot be written.
-pub fn print(text: &str) -> Result<(), CliError> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CliError::Computation(format!("cannot write to standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// A number in the fewest digits that read back the same, with an exponent where it would be a row of zeros.
 #[derive(Debug, Clone, Copy)]
 pub struct Number(pub f64);

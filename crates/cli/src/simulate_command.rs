@@ -1,9 +1,7 @@
 //! `mapgen simulate`: an event-driven run from an orbit or from any state.
 
 use std::fmt::Write as _;
-use std::io::IsTerminal;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -13,9 +11,10 @@ use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::Model;
 
 use crate::args::{Direction, SimulateArgs};
+use crate::console::Console;
 use crate::error::CliError;
 use crate::orbit_command::{family, model};
-use crate::output::{distinct, print};
+use crate::output::distinct;
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::start::{Start, leading_mode_at};
 
@@ -32,7 +31,7 @@ const FLIGHTS: u64 = 20_000;
 ///
 /// # Errors
 /// [`CliError`].
-pub fn run(args: &SimulateArgs) -> Result<(), CliError> {
+pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let model = model(&args.model)?;
     if args.samples == 0 || args.samples > 1_000_000 {
         let message = format!("--samples {} is out of range: give a whole number from 1 to 1000000", args.samples);
@@ -59,16 +58,13 @@ pub fn run(args: &SimulateArgs) -> Result<(), CliError> {
     let mut trajectory =
         args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
     let mut plot = Plot::open(args, &model, orbit.as_ref(), &start)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
-        .map_err(|error| CliError::Computation(format!("cannot listen for Ctrl-C: {error}")))?;
+    let stop = (console.interrupt)()?;
 
     // Samples a period if somebody wants them, otherwise a step of whole periods.
     let sampled = trajectory.is_some() || plot.is_wanted();
     let (per_period, total, stride) =
         if sampled { (args.samples, steps, 1) } else { (1, args.periods, args.periods.div_ceil(STEPS).max(1)) };
-    let bar = progress(args.periods);
+    let bar = progress(args.periods, console);
     let mut counts = Counts::default();
     let mut report = simulation.run(&Limits::until(Time::new(&model, 0, 0.0)), |event| counts.see(event, &mut impacts));
     let mut step = 0_u64;
@@ -108,7 +104,7 @@ pub fn run(args: &SimulateArgs) -> Result<(), CliError> {
         let distance = deviation(orbit, &simulation, start.time)?;
         let _ = writeln!(text, "largest distance from the orbit at the end: {distance:.3e}");
     }
-    print(&text)?;
+    console.print(&text)?;
     match report.outcome {
         _ if stopped => Err(CliError::Stopped),
         Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
@@ -190,8 +186,8 @@ fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, 
     Ok(masses.map(|(n, u)| (u - motion.site(n).displacement).abs()).fold(0.0, f64::max))
 }
 
-fn progress(periods: u64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
+fn progress(periods: u64, console: &Console<'_>) -> ProgressBar {
+    if !console.progress {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(periods);

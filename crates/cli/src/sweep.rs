@@ -56,6 +56,10 @@ pub fn sweep<E>(
     let block = ROWS_PER_THREAD * pool.current_num_threads().max(1);
     let mut first = 0;
     while first < scene.y.points {
+        // Before a worker and its rows take their memory.
+        if stop.load(Ordering::Relaxed) {
+            return Ended::Stopped;
+        }
         let rows = first..(first + block).min(scene.y.points);
         let computed: Vec<Option<Vec<Cell>>> = pool.install(|| {
             rows.clone()

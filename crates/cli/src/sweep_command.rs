@@ -1,9 +1,6 @@
 //! `mapgen sweep`: scene → plan → run → files → summary.
 
-use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
@@ -11,6 +8,7 @@ use vibrochain_floquet::Tolerance;
 
 use crate::args::SweepArgs;
 use crate::cell::{Class, Status};
+use crate::console::Console;
 use crate::error::CliError;
 use crate::manifest::{Run, manifest};
 use crate::output::{Output, distinct};
@@ -34,7 +32,7 @@ fn manifest_path(table: &Path) -> PathBuf {
 ///
 /// # Errors
 /// [`CliError`].
-pub fn run(args: &SweepArgs) -> Result<(), CliError> {
+pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let mut scene = Scene::read(&args.scene)?;
     if let Some(threshold) = args.threshold {
         if scene.task.tolerance != Tolerance::Rounding {
@@ -69,12 +67,8 @@ pub fn run(args: &SweepArgs) -> Result<(), CliError> {
     let manifest_file = Output::create(&manifest_file)?;
     let mut pictures = Pictures::open(args)?;
 
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
-        .map_err(|error| CliError::Computation(format!("cannot listen for Ctrl-C: {error}")))?;
-
-    let bar = progress(&scene, args.quiet);
+    let stop = (console.interrupt)()?;
+    let bar = progress(&scene, console.progress && !args.quiet);
     let started = Instant::now();
     let unwritable = |error: &dyn std::fmt::Display| {
         CliError::Computation(format!("could not write {}: {error}", args.out.display()))
@@ -107,7 +101,7 @@ pub fn run(args: &SweepArgs) -> Result<(), CliError> {
     manifest_file.finish_with(&text)?;
     pictures.finish(&scene)?;
     if !args.quiet {
-        report(&scene, &summary, wall, threads);
+        console.remark(&report(&scene, &summary, wall, threads));
     }
     Ok(())
 }
@@ -125,8 +119,8 @@ fn threads(asked: Option<usize>) -> Result<rayon::ThreadPool, CliError> {
         .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))
 }
 
-fn progress(scene: &Scene, quiet: bool) -> ProgressBar {
-    if quiet || !std::io::stderr().is_terminal() {
+fn progress(scene: &Scene, wanted: bool) -> ProgressBar {
+    if !wanted {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(Some(scene.cells() as u64), ProgressDrawTarget::stderr());
@@ -141,8 +135,8 @@ fn progress(scene: &Scene, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// The summary on stderr.
-fn report(scene: &Scene, summary: &Summary, wall: Duration, threads: usize) {
+/// The summary.
+fn report(scene: &Scene, summary: &Summary, wall: Duration, threads: usize) -> String {
     let cells = scene.cells();
     let mut lines = vec![format!("{cells} cells ({} × {})", scene.x.points, scene.y.points)];
     let share = |count: u64| 100.0 * count as f64 / cells as f64;
@@ -155,8 +149,7 @@ fn report(scene: &Scene, summary: &Summary, wall: Duration, threads: usize) {
     let per_cell = wall.as_secs_f64() * 1e6 * threads as f64 / cells as f64;
     lines.push(format!("{:.3} s on {threads} threads, {per_cell:.2} µs per cell and core", wall.as_secs_f64()));
     lines.push(format!("worst residual of an orbit {:.1e}", summary.worst_residual));
-    // A closed stderr is no reason to fail after the work is done.
-    let _ = writeln!(std::io::stderr(), "{}", lines.join("\n"));
+    lines.join("\n")
 }
 
 #[cfg(feature = "plot")]

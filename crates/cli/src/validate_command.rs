@@ -10,8 +10,9 @@ use vibrochain_floquet::{Complex, Square, Stability, Tolerance, eigenvalues, sta
 use vibrochain_lattice::{Chain, Model};
 
 use crate::args::ValidateArgs;
+use crate::console::Console;
 use crate::error::CliError;
-use crate::output::{Output, print};
+use crate::output::Output;
 use crate::start::{Start, leading_mode_at};
 
 /// One parameter point: family, sites, γ₁, γ₂, ω, a, A, e.
@@ -44,7 +45,7 @@ const LONG: u64 = 1000;
 ///
 /// # Errors
 /// [`CliError`].
-pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
+pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let file = args.out.as_deref().map(Output::create).transpose()?;
     let mut table = String::from(HEADING);
     for point in POINTS {
@@ -54,7 +55,7 @@ pub fn run(args: &ValidateArgs) -> Result<(), CliError> {
     }
     match file {
         Some(file) => file.finish_with(table.as_bytes()),
-        None => print(&table),
+        None => console.print(&table),
     }
 }
 

@@ -324,6 +324,40 @@ fn an_orbit_that_is_not_physical_says_where_when_and_by_how_much() {
     assert!(value["solutions"][0]["margin"].as_f64().unwrap() < -2.0);
 }
 
+/// Its polynomials overflowed, and intervals without a verdict were halved for ever.
+#[test]
+fn a_frequency_of_1e50_does_not_hang_the_check_of_an_orbit() {
+    let margins = |omega: &'static str| {
+        let mut point = POINT;
+        point[7] = omega;
+        let flags = [&point[..], &["--amplitude", ".05", "--restitution", "1"]].concat();
+        let value = orbit_json("double-sided", &flags);
+        let solutions = value["solutions"].as_array().unwrap().clone();
+        assert!(solutions.len() == 2 && solutions.iter().all(|solution| solution["physical"] == true), "{omega}");
+        solutions.iter().map(|solution| solution["margin"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    // Between its barriers the mass flies straight: only the clock tells one frequency from the other.
+    for (usual, enormous) in margins("1e6").iter().zip(margins("1e50")) {
+        assert!((usual - enormous).abs() < 1e-9, "{usual} {enormous}");
+    }
+}
+
+/// Squares of the matrix overflowed, and the answer said `"resolution": null`.
+#[test]
+fn a_monodromy_matrix_next_to_grazing_is_refused_not_half_answered() {
+    let mut point = POINT;
+    (point[3], point[7], point[9]) = ("2.3e-308", "0.92", "0.7");
+    let run = mapgen()
+        .args(["orbit", "--json", "--family", "single-sided", "--amplitude", ".05", "--restitution", ".9"])
+        .args(point)
+        .assert()
+        .code(1)
+        .stderr(contains("beyond the range of numbers"));
+    let value: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+    let first = &value["solutions"][0];
+    assert!(first["stability"].is_null() && first["stability_error"].as_str().unwrap().contains("grazing"));
+}
+
 #[test]
 fn orbit_pictures() {
     let desk = Desk::new();

@@ -133,6 +133,9 @@ impl Analyser {
             self.matrix = full_monodromy(orbit)?;
         }
         let norm = self.matrix.norm();
+        if !norm.is_finite() {
+            return Err(FloquetError::NotConverged { dimension: self.matrix.size() });
+        }
         if orbit.model().is_conservative() {
             self.deflate(orbit, finder)?;
         }

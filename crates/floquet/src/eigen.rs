@@ -16,7 +16,8 @@ const SWEEPS: usize = 60;
 /// All eigenvalues of a matrix, unordered, appended to `values`.
 ///
 /// # Errors
-/// [`FloquetError::NotConverged`], also for a matrix that is not finite, on which the iterations would never end.
+/// [`FloquetError::NotConverged`], also for a matrix that is not finite, on which the iterations would never end, or
+/// whose norm is beyond 1e154, on which they overflow.
 ///
 /// ```
 /// use vibrochain_floquet::{Square, eigenvalues};
@@ -101,6 +102,8 @@ mod tests {
     fn a_matrix_that_is_not_finite_is_refused() {
         let mut matrix = Square::identity(4);
         matrix.row_mut(1)[2] = f64::NAN;
+        assert!(eigenvalues(&matrix, &mut Vec::new()).is_err());
+        matrix.row_mut(1)[2] = 1e200;
         assert!(eigenvalues(&matrix, &mut Vec::new()).is_err());
     }
 }

@@ -9,8 +9,11 @@ pub enum FloquetError {
     /// The orbit itself could not be set up.
     #[error(transparent)]
     Breather(#[from] BreatherError),
-    /// The eigenvalue iteration did not converge.
-    #[error("the eigenvalue iteration did not converge (dimension {dimension})")]
+    /// The eigenvalue iteration did not converge, or would have overflowed.
+    #[error(
+        "the eigenvalues could not be computed (dimension {dimension}): the iteration did not converge, or the monodromy \
+         matrix is beyond the range of numbers, as next to a grazing impact"
+    )]
     NotConverged {
         /// Size of the matrix.
         dimension: usize,

@@ -76,9 +76,9 @@ impl Square {
         self.entries.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// All entries are finite.
+    /// All entries are finite, and so small that their squares are, too: beyond it eigenvalue iterations overflow.
     pub(crate) fn is_finite(&self) -> bool {
-        self.entries.iter().all(|x| x.is_finite())
+        self.norm().is_finite()
     }
 
     /// H·A·H with the reflection H that takes the direction of `vector` to the first axis.

@@ -23,10 +23,7 @@ mod spectrum;
 pub mod steppers;
 mod table;
 
-use std::io::IsTerminal;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -35,6 +32,7 @@ use crate::accuracy::document::{Block, Document, Section};
 use crate::accuracy::meter::Meter;
 use crate::accuracy::table::Table;
 use crate::args::{AccuracyArgs, SuiteName};
+use crate::console::Console;
 use crate::error::CliError;
 use crate::output::Output;
 
@@ -63,7 +61,7 @@ const DOCUMENT: &str = "accuracy.md";
 ///
 /// # Errors
 /// [`CliError`].
-pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
+pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     if args.out.is_file() {
         let name = args.out.display();
         return Err(CliError::Request(format!("--out {name} is a file: name a folder")));
@@ -74,12 +72,8 @@ pub fn run(args: &AccuracyArgs) -> Result<(), CliError> {
     let document_file = Output::create(&args.out.join(DOCUMENT))?;
     let files = chosen.iter().map(|suite| Files::open(&args.out, suite.name)).collect::<Result<Vec<_>, _>>()?;
 
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
-        .map_err(|error| CliError::Computation(format!("cannot listen for Ctrl-C: {error}")))?;
-
-    let bar = progress(chosen.len());
+    let stop = (console.interrupt)()?;
+    let bar = progress(chosen.len(), console.progress);
     let mut meter = Meter::new(&stop, &bar, args.quick);
     let mut document = Document::new(args.quick);
     let mut written = Vec::new();
@@ -113,8 +107,8 @@ fn section(suite: &Suite, table: &Table) -> Section {
     Section { title: suite.title.to_owned(), blocks }
 }
 
-fn progress(suites: usize) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
+fn progress(suites: usize, shown: bool) -> ProgressBar {
+    if !shown {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(Some(suites as u64), ProgressDrawTarget::stderr());

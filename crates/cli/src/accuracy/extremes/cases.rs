@@ -4,7 +4,9 @@ use vibrochain_breather::{Family, Finder, Found, NoBreather};
 use vibrochain_lattice::{Chain, Model, ParameterError, Spectrum};
 use vibrochain_truth::DEFAULT_BITS;
 
-use super::checks::{Depth, Row, Spectra, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
+use super::checks::{
+    Depth, Row, Spectra, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled,
+};
 use crate::error::CliError;
 
 /// Everything, in 50 digits, of a few orbits where there are hundreds.
@@ -135,7 +137,11 @@ fn resonance(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
     let mode = spectrum.frequencies().get(5).copied().unwrap_or_default();
     let mut rows = Vec::new();
     for distance in [1e-2, 1e-5, 1e-8, 1e-11, 1e-13, 1e-15] {
-        rows.extend(all(&format!("2ω at {distance:e} from mode 5"), SITES, (g1, g2, 0.5 * mode * (1.0 + distance), a))?);
+        rows.extend(all(
+            &format!("2ω at {distance:e} from mode 5"),
+            SITES,
+            (g1, g2, 0.5 * mode * (1.0 + distance), a),
+        )?);
     }
     // The force on the uniform mode.
     for distance in [1e-8, 1e-13, 1e-15] {
@@ -185,7 +191,8 @@ fn force(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
         return Err(truth("no threshold of the force"));
     };
     let mut rows = Vec::new();
-    let steps = [("just below", 1.0 - 1e-14), ("just above", 1.0 + 1e-14), ("1e-8 above", 1.0 + 1e-8), ("1e6 times", 1e6)];
+    let steps =
+        [("just below", 1.0 - 1e-14), ("just above", 1.0 + 1e-14), ("1e-8 above", 1.0 + 1e-8), ("1e6 times", 1e6)];
     for (name, factor) in steps {
         rows.extend(forced(&format!("force {name} its threshold"), point, (threshold * factor, 0.9))?);
     }

@@ -35,11 +35,8 @@ pub fn draw(random: &mut Rng) -> Result<(Model, Family), ParameterError> {
         _ => power(random, -12.0, 4.0),
     };
     let top = (gamma1 + 4.0 * gamma2).sqrt();
-    let omega = if top > 0.0 && random.u8(..50) > 0 {
-        top * power(random, -1.5, 3.0)
-    } else {
-        power(random, -3.0, 6.0)
-    };
+    let omega =
+        if top > 0.0 && random.u8(..50) > 0 { top * power(random, -1.5, 3.0) } else { power(random, -3.0, 6.0) };
     let asymmetry = match random.u8(..5) {
         0 => 0.0,
         1 => 1.0 - power(random, -12.0, 0.0),

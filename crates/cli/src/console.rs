@@ -1,0 +1,95 @@
+//! What a run has besides its files: where answers and remarks go, and how it learns that it is to stop.
+
+use std::fmt;
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use crate::error::CliError;
+
+/// The surroundings of a run. The program's are the terminal and its Ctrl-C; a test brings its own.
+pub struct Console<'a> {
+    /// Answers.
+    pub out: &'a mut dyn Write,
+    /// Summaries, remarks and errors.
+    pub err: &'a mut dyn Write,
+    /// Whether standard error is a terminal, where long work may draw a progress bar.
+    pub progress: bool,
+    /// Hands out the flag that tells long work to stop. Asked only by commands that look at it.
+    pub interrupt: &'a dyn Fn() -> Result<Arc<AtomicBool>, CliError>,
+}
+
+impl fmt::Debug for Console<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Console").field("progress", &self.progress).finish_non_exhaustive()
+    }
+}
+
+impl Console<'_> {
+    /// Prints the answer of a command. A reader that has seen enough (`| head`) is no failure.
+    ///
+    /// # Errors
+    /// [`CliError::Computation`] if the answer cannot be written.
+    pub fn print(&mut self, text: &str) -> Result<(), CliError> {
+        match self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush()) {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+                Err(CliError::Computation(format!("cannot write to standard output: {error}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A remark for people. With nobody left to read it, it is no reason to fail.
+    pub fn remark(&mut self, text: &str) {
+        let _ = writeln!(self.err, "{text}");
+    }
+}
+
+/// The flag that Ctrl-C and SIGTERM raise. A process has one handler of signals, so it has one such flag: the first call
+/// installs it, later ones hand out the same.
+///
+/// # Errors
+/// [`CliError::Computation`] if the handler cannot be installed.
+pub fn ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
+    static FLAG: OnceLock<Result<Arc<AtomicBool>, String>> = OnceLock::new();
+    let flag = FLAG.get_or_init(|| {
+        let flag = Arc::new(AtomicBool::new(false));
+        let raised = Arc::clone(&flag);
+        let installed = ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed));
+        installed.map(|()| flag).map_err(|error| format!("cannot listen for Ctrl-C: {error}"))
+    });
+    flag.clone().map_err(CliError::Computation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_process_may_run_many_commands() {
+        let (first, second) = (ctrl_c().unwrap(), ctrl_c().unwrap());
+        assert!(Arc::ptr_eq(&first, &second) && !first.load(Ordering::Relaxed));
+    }
+
+    #[test]
+    fn a_closed_pipe_is_no_failure_and_a_full_disk_is() {
+        struct Broken(io::ErrorKind);
+        impl Write for Broken {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(self.0.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let print = |kind| {
+            let (mut out, mut err) = (Broken(kind), Broken(kind));
+            let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &ctrl_c };
+            console.remark("nobody reads this");
+            console.print("answer")
+        };
+        assert!(print(io::ErrorKind::BrokenPipe).is_ok());
+        let message = print(io::ErrorKind::StorageFull).unwrap_err().to_string();
+        assert!(message.starts_with("cannot write to standard output: "), "{message}");
+    }
+}

@@ -1,0 +1,390 @@
+//! A hundred thousand damaged scenes, states and command lines, each run in this process: whatever is asked, the program
+//! ends with exit code 0, 1 or 2, says why, and never tells a number that is none. Every input follows from the seed and
+//! its own number.
+//!
+//! `MUTATIONS` (how many), `MUTATIONS_SEED` and `MUTATIONS_WORK` (0: nothing is computed) make longer campaigns:
+//!
+//! ```sh
+//! MUTATIONS=1000000 MUTATIONS_SEED=7 MUTATIONS_WORK=0 cargo test -p vibrochain-cli --test mutations hundred
+//! ```
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+#[path = "mutation/judge.rs"]
+mod judge;
+#[path = "mutation/mutate.rs"]
+mod mutate;
+
+use std::ffi::OsString;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use clap::Parser;
+use tempfile::TempDir;
+use vibrochain_cli::args::{Cli, Command};
+use vibrochain_cli::console::Console;
+use vibrochain_cli::error::CliError;
+use vibrochain_cli::orbit_command::model;
+use vibrochain_cli::program;
+use vibrochain_cli::scene::Scene;
+use vibrochain_lattice::Model;
+
+use judge::{Outcome, complaints, file_complaints};
+use mutate::Mutator;
+
+const COUNT: u64 = 100_000;
+const SEED: u64 = 20_240_229;
+
+/// Masses × windows of flight that a run may ask for; beyond it, it is told to stop as soon as it listens, or not computed.
+const WORK: f64 = 8_000.0;
+
+const SCENES: [&str; 4] = [
+    r#"title = "two families"
+[model]
+sites = 5
+gamma1 = 0.2
+asymmetry = 0.4
+[sweep]
+x = { parameter = "omega", from = 0.7, to = 3.0, points = 3 }
+y = { parameter = "gamma2", from = 0.0, to = 0.3, points = 2 }
+[compute]
+families = ["double-sided", "single-sided"]
+"#,
+    r#"[model]
+sites = 4
+gamma1 = 0.2
+gamma2 = 0.1
+forcing = { amplitude = 0.1, restitution = 0.9 }
+[sweep]
+y = { parameter = "asymmetry", from = 0.1, to = 0.9, points = 2 }
+x.parameter = "omega"
+x.from = 0.8
+x.to = 1.9
+x.points = 3
+[compute]
+families = ["single-sided", "double-sided"]
+stability = true
+threshold = 0.01
+"#,
+    r#"[model]
+sites = 3
+gamma1 = 0.2
+gamma2 = 0.1
+omega = 1.1
+asymmetry = 0.4
+forcing = {}
+[sweep.x]
+parameter = "amplitude"
+from = 0.05
+to = 0.9
+points = 2
+[sweep.y]
+parameter = "restitution"
+from = 0.2
+to = 1.0
+points = 2
+[compute]
+families = ["double-sided"]
+stability = true
+"#,
+    r#"[model]
+sites = 1
+omega = 1.5
+asymmetry = 0.0
+[sweep]
+x = { parameter = "gamma1", from = 0.1, to = 1.0, points = 2 }
+y = { parameter = "gamma2", from = 0.0, to = 0.0001, points = 2 }
+[compute]
+families = ["double-sided"]
+stability = true
+"#,
+];
+
+const STATE: &str = r#"{"displacement": [0.1, -0.2, 0.3], "velocity": [0.5, 0.0, -1.5e0]}"#;
+
+const SWEEP: &str = "mapgen sweep scene.toml --out map.csv --quiet --threads 1";
+
+const LINES: [&str; 12] = [
+    "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4",
+    "mapgen orbit --family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega .93 --asymmetry .4 --threshold 0.01",
+    "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
+    "mapgen orbit --family single-sided --json --sites 4 --gamma1 .2 --gamma2 .1 --omega .92 --asymmetry .7 --amplitude .05 --restitution .9",
+    "mapgen orbit --family period-doubled --sites 7 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .1582 --restitution .25",
+    "mapgen orbit --family double-sided --sites 2 --gamma1 0 --gamma2 .1 --omega 1.3 --asymmetry 0 --amplitude 1.5 --restitution 1",
+    "mapgen orbit --family double-sided --json --sites 1 --gamma1 .2 --gamma2 0 --omega .42 --asymmetry 0 --amplitude 0 --restitution 1",
+    "mapgen simulate --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --periods 3 --impacts impacts.csv",
+    "mapgen simulate --family single-sided --sites 4 --gamma1 .2 --gamma2 .1 --omega .93 --asymmetry .4 --periods 2 --perturb 1e-8 --direction unstable --samples 4 --trajectory trajectory.csv",
+    "mapgen simulate --family double-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9 --solution 1 --perturb 1e-3 --seed 5 --max-impacts 7",
+    "mapgen simulate --state state.json --psi .3 --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .4 --restitution .5 --periods 2 --impacts impacts.csv --trajectory trajectory.csv --samples 3",
+    "mapgen validate --out validation.md",
+];
+
+/// One damaged input: the files it reads and its command line.
+#[derive(Debug)]
+struct Input {
+    scene: Vec<u8>,
+    state: Vec<u8>,
+    line: Vec<OsString>,
+}
+
+impl Input {
+    fn new(seed: u64, number: u64) -> Self {
+        let mut mutator = Mutator::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ number);
+        let (mut scene, mut state) = (SCENES[0].as_bytes().to_vec(), STATE.as_bytes().to_vec());
+        let words = |line: &'static str| -> Vec<&str> { line.split(' ').collect() };
+        let whole = |line: &'static str| line.split(' ').map(OsString::from).collect();
+        let line = match mutator.rng.u8(..20) {
+            0..9 => {
+                let base = *mutator.pick(&SCENES);
+                scene = mutator.file(base);
+                whole(SWEEP)
+            }
+            9 => {
+                scene = mutator.valid_scene().into_bytes();
+                whole(SWEEP)
+            }
+            10 => {
+                scene = mutator.pick(&SCENES).as_bytes().to_vec();
+                let mut words = words(SWEEP);
+                words.extend(["--threshold", "0.01"]);
+                mutator.line(&words)
+            }
+            11..13 => {
+                state = mutator.file(STATE);
+                whole(LINES[10])
+            }
+            13..16 => {
+                let base = *mutator.pick(&LINES);
+                mutator.valid_line(&words(base))
+            }
+            _ => {
+                let base = *mutator.pick(&LINES);
+                mutator.line(&words(base))
+            }
+        };
+        Self { scene, state, line }
+    }
+
+    fn tell(&self) -> String {
+        let words: Vec<_> = self.line.iter().map(|word| format!("{word:?}")).collect();
+        format!(
+            "{}\n--- scene.toml\n{}\n--- state.json\n{}",
+            words.join(" "),
+            String::from_utf8_lossy(&self.scene),
+            String::from_utf8_lossy(&self.state)
+        )
+    }
+}
+
+/// What is to be done with a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Plan {
+    /// All of it.
+    Whole,
+    /// Told to stop as soon as it listens.
+    Stopped,
+    /// No further than its parameters.
+    Parameters,
+}
+
+/// Windows of flight in a period of the slowest orbit; their square under a force, where both the number of solutions and
+/// the work on each grow with them.
+fn windows(model: &Model) -> f64 {
+    let top = (model.chain().gamma1() + 4.0 * model.chain().gamma2()).sqrt().max(model.omega());
+    let windows = 1.0 + 2.0 * model.period() * top;
+    if model.is_conservative() { windows } else { windows * windows }
+}
+
+/// How much of a command is affordable. What cannot be parsed is always run whole: it costs nothing.
+fn plan(line: &[OsString], work: f64) -> Plan {
+    let of = |cost: f64, otherwise: Plan| if cost <= work { Plan::Whole } else { otherwise };
+    match Cli::try_parse_from(line).map(|cli| cli.command) {
+        Err(_) => Plan::Whole,
+        Ok(Command::Sweep(args)) => {
+            let Ok(scene) = Scene::read(&args.scene) else { return Plan::Whole };
+            let mut windows_most = 0.0_f64;
+            for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let corner = scene.point(i * (scene.x.points - 1), j * (scene.y.points - 1));
+                windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model)));
+            }
+            // A picture takes longer than its cells, threads longer than they are worth.
+            let pictures = args.png.is_some() || args.svg.is_some() || args.threads.is_none_or(|threads| threads > 4);
+            let cost = (scene.cells() * scene.base.sites) as f64 * windows_most;
+            of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
+        }
+        Ok(Command::Orbit(args)) => match model(&args.model) {
+            Ok(model) if args.plot.is_none() => of(model.chain().sites() as f64 * windows(&model), Plan::Parameters),
+            Ok(_) => Plan::Parameters,
+            Err(_) => Plan::Whole,
+        },
+        Ok(Command::Simulate(args)) => {
+            let Ok(model) = model(&args.model) else { return Plan::Whole };
+            let sites = model.chain().sites() as f64;
+            if args.plot.is_some() || sites * windows(&model) > work {
+                return Plan::Parameters;
+            }
+            let periods = args.periods as f64;
+            let sampled = if args.trajectory.is_some() { args.samples as f64 } else { 1.0 };
+            // Impacts of a mass that is thrown from barrier to barrier.
+            let fastest = args.state.as_deref().map_or(0.0, fastest).max(model.amplitude() / model.omega());
+            let impacts = fastest * model.period();
+            of(sites * periods * (windows(&model) + sampled + sites * impacts), Plan::Stopped)
+        }
+        // Twenty runs of a thousand periods, tested elsewhere.
+        Ok(Command::Validate(_)) => Plan::Parameters,
+    }
+}
+
+/// The largest number of a state file.
+fn fastest(path: &Path) -> f64 {
+    let text = fs::read_to_string(path).unwrap_or_default();
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    let numbers = value["velocity"].as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64);
+    numbers.fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// Runs the program in this process.
+fn mapgen(line: &[OsString], stopped: bool) -> Outcome {
+    let flag = Arc::new(AtomicBool::new(stopped));
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let interrupt = move || Ok(Arc::clone(&flag));
+    let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &interrupt };
+    let result = program::run(line.iter().cloned(), &mut console);
+    let (code, message) = match &result {
+        Ok(()) => (0, String::new()),
+        Err(CliError::Usage(error)) => (error.exit_code() as u8, error.render().to_string()),
+        Err(error) => (error.exit_code(), format!("error: {error}\n")),
+    };
+    Outcome { code, out: String::from_utf8(out).unwrap(), message: String::from_utf8(err).unwrap() + &message }
+}
+
+/// A folder of its own as the present one, while it lives; there is one present folder in a process.
+struct Desk {
+    folder: TempDir,
+    home: PathBuf,
+    _alone: MutexGuard<'static, ()>,
+}
+
+impl Desk {
+    fn new() -> Self {
+        static ALONE: Mutex<()> = Mutex::new(());
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        // In memory, where there is such a folder: a disk would take minutes to see to it that nothing is ever lost.
+        let folder = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap();
+        let desk = Self { folder, home: std::env::current_dir().unwrap(), _alone: alone };
+        std::env::set_current_dir(desk.folder.path()).unwrap();
+        desk
+    }
+
+    fn lay_out(&self, input: &Input) {
+        for (name, content) in [("scene.toml", &input.scene), ("state.json", &input.state)] {
+            if input.line.iter().any(|word| word == name) {
+                fs::write(self.folder.path().join(name), content).unwrap();
+            }
+        }
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        // A folder that cannot be left stays behind, that is all.
+        let _ = std::env::set_current_dir(&self.home);
+    }
+}
+
+fn setting(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |value| value.parse().unwrap())
+}
+
+#[test]
+fn a_hundred_thousand_damaged_requests() {
+    let (count, seed) = (setting("MUTATIONS", COUNT), setting("MUTATIONS_SEED", SEED));
+    let work = setting("MUTATIONS_WORK", WORK as u64) as f64;
+    let desk = Desk::new();
+    let outputs = ["map.csv", "map.manifest.json", "impacts.csv", "trajectory.csv"];
+    // Runs by subcommand and exit code.
+    let mut ran = [[0_u64; 3]; 4];
+    let (mut planned, mut wrong, mut slowest) = ([0_u64; 3], Vec::new(), (0.0, 0));
+    // One input alone, to look at it closely.
+    let only = std::env::var("MUTATIONS_ONLY").ok().map(|number| number.parse::<u64>().unwrap());
+    for number in only.map_or(0..count, |number| number..number + 1) {
+        let input = Input::new(seed, number);
+        if only.is_some() {
+            println!("{}", input.tell());
+        }
+        desk.lay_out(&input);
+        let plan = plan(&input.line, work);
+        planned[plan as usize] += 1;
+        if plan == Plan::Parameters {
+            continue;
+        }
+        let started = std::time::Instant::now();
+        let stopped = plan == Plan::Stopped;
+        let mut complaint = match catch_unwind(AssertUnwindSafe(|| mapgen(&input.line, stopped))) {
+            Ok(outcome) => {
+                let commands = ["sweep", "orbit", "simulate", "validate"];
+                let command = input.line.get(1).and_then(|word| commands.iter().position(|name| word == name));
+                if let (Some(command), 0..3) = (command, outcome.code) {
+                    ran[command][usize::from(outcome.code)] += 1;
+                }
+                let complaint = complaints(&outcome, stopped);
+                if complaint.is_empty() { complaint } else { format!("{complaint}{outcome:?}\n") }
+            }
+            Err(_) => "panicked\n".to_owned(),
+        };
+        for name in outputs {
+            if !Path::new(name).exists() {
+                continue;
+            }
+            complaint.push_str(&file_complaints(Path::new(name)));
+            // What is judged once need not be judged again.
+            let _ = fs::remove_file(name);
+        }
+        let took = started.elapsed().as_secs_f64();
+        if took > slowest.0 {
+            slowest = (took, number);
+        }
+        if !complaint.is_empty() {
+            wrong.push(format!("input {number}: {complaint}{}", input.tell()));
+        }
+    }
+    println!("{count} inputs of seed {seed}: run, stopped, parameters only {planned:?}");
+    println!("exit codes 0, 1, 2 of sweep, orbit, simulate, validate: {ran:?}; slowest {slowest:?}");
+    let shown: Vec<_> = wrong.iter().take(12).cloned().collect();
+    assert!(wrong.is_empty(), "{} inputs went wrong:\n{}", wrong.len(), shown.join("\n=====\n"));
+    // The damage is not so heavy that nothing would be computed, nor so light that nothing would be refused.
+    if (count, work) == (COUNT, WORK) {
+        let least = [[1000, 0, 1000], [1000, 10, 1000], [1000, 100, 1000], [0, 0, 100]];
+        for (ran, least) in ran.iter().flatten().zip(least.iter().flatten()) {
+            assert!(ran >= least, "{ran} of {least}");
+        }
+    }
+}
+
+#[test]
+fn the_real_program_says_the_same() {
+    let desk = Desk::new();
+    let program = assert_cmd::cargo::cargo_bin("mapgen");
+    let mut compared = 0;
+    for number in 0.. {
+        let input = Input::new(SEED + 1, number);
+        desk.lay_out(&input);
+        if plan(&input.line, WORK) != Plan::Whole {
+            continue;
+        }
+        let real = std::process::Command::new(&program).args(&input.line[1..]).output().unwrap();
+        let outcome = mapgen(&input.line, false);
+        assert_eq!(real.status.code(), Some(i32::from(outcome.code)), "{}", input.tell());
+        // Help is an answer, and clap prints it as one. What a sweep took is not the same twice.
+        let told = String::from_utf8(real.stdout).unwrap() + &String::from_utf8(real.stderr).unwrap();
+        if !told.contains(" per cell and core") {
+            assert_eq!(told, outcome.out + &outcome.message, "{}", input.tell());
+        }
+        compared += 1;
+        if compared == 60 {
+            break;
+        }
+    }
+}
