@@ -232,8 +232,8 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let impacts = fastest * model.period();
             of(sites * periods * (windows(&model) + sampled + sites * impacts), Plan::Stopped)
         }
-        // Twenty runs of a thousand periods, tested elsewhere.
-        Ok(Command::Validate(_)) => Plan::Parameters,
+        // Minutes of work, tested elsewhere.
+        Ok(Command::Validate(_) | Command::Accuracy(_)) => Plan::Parameters,
     }
 }
 

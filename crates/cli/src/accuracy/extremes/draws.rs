@@ -98,7 +98,7 @@ impl Tally {
         self
     }
 
-    fn join(mut self, other: Self) -> Self {
+    pub(super) fn join(mut self, other: Self) -> Self {
         self.draws += other.draws;
         self.compared += other.compared;
         self.worst = self.worst.max(other.worst);

@@ -6,9 +6,11 @@
 //! | `checks` | one quantity at one point against the truth |
 //! | [`cases`] | the corners |
 //! | [`draws`] | random points |
+//! | `report` | their tables |
 
 pub mod cases;
 mod checks;
 pub mod draws;
+pub(crate) mod report;
 
 pub use checks::{Depth, Row, Spectra, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};
