@@ -214,7 +214,7 @@ pub struct AccuracyArgs {
     /// Folder to write into: accuracy.md, and for each suite a table (CSV) and a picture (PNG, SVG).
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Suite to run; may be given several times [default: all].
+    /// Suite to run; may be given several times, accuracy.md then holds these alone [default: all].
     #[arg(long, value_enum, value_name = "SUITE")]
     pub suite: Vec<SuiteName>,
     /// Fewer settings and short timings: a look, not a measurement.

@@ -10,15 +10,17 @@
 //! | `meter` | the time of one evaluation; Ctrl-C; progress |
 //! | `spectrum`, `simulation`, `map`, `kernels`, `orbits` | the suites |
 //! | [`paper`], `series` | the paper's procedure, and its Fourier series |
-//! | [`steppers`] | general solvers for ordinary differential equations |
+//! | `steppers` | general solvers for ordinary differential equations |
 
 mod document;
+mod kernels;
 mod map;
 mod meter;
 pub mod paper;
+mod series;
 mod simulation;
 mod spectrum;
-pub mod steppers;
+mod steppers;
 mod table;
 
 use std::io::IsTerminal;
@@ -48,7 +50,9 @@ struct Suite {
     run: fn(&mut Meter<'_>) -> Result<Table, CliError>,
 }
 
-const SUITES: [(SuiteName, &Suite); 3] = [
+/// All suites, in the order of the document.
+const SUITES: [(SuiteName, &Suite); 4] = [
+    (SuiteName::Kernels, &kernels::SUITE),
     (SuiteName::Spectrum, &spectrum::SUITE),
     (SuiteName::Simulation, &simulation::SUITE),
     (SuiteName::Map, &map::SUITE),
