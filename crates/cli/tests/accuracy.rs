@@ -75,6 +75,44 @@ fn falls(errors: &[f64]) -> bool {
 }
 
 #[test]
+fn the_series_falls_behind_like_its_tail_and_the_closed_form_has_all_digits() {
+    let rows = suite("kernels");
+    let at = |terms: &str| {
+        let found =
+            rows.iter().find(|row| row.case == "χ₂, defaults" && row.method == "series" && row.setting == terms);
+        found.unwrap().error
+    };
+    // The paper's 2000 harmonics: about 2e-4, and 1/J.
+    assert!((at("J = 2000") - 2.1e-4).abs() < 1e-5, "{}", at("J = 2000"));
+    assert!((at("J = 100") / at("J = 2000") - 20.0).abs() < 0.5);
+    for case in ["defaults", "stiff coupling", "low frequency"] {
+        for kernel in ["χ₁", "χ₂", "χ₃"] {
+            let case = format!("{kernel}, {case}");
+            assert!(errors(&rows, &case, "closed form")[0] < 1e-12, "{case}");
+            for method in ["series", "series, leading tail summed", "harmonics, four tails summed"] {
+                assert!(falls(&errors(&rows, &case, method)), "{case} {method}");
+            }
+        }
+    }
+    let four = errors(&rows, "χ₂, defaults", "harmonics, four tails summed");
+    assert!(four[0] < 1e-12, "{four:?}");
+}
+
+#[test]
+fn the_series_error_goes_into_the_orbits_and_the_program_has_none() {
+    let rows = suite("orbits");
+    for case in ["conservative double-sided", "conservative single-sided", "forced double-sided"] {
+        let series = errors(&rows, case, "series");
+        assert!(falls(&series) && series[series.len() - 1] > 1e-3, "{case} {series:?}");
+        assert!(errors(&rows, case, "closed-form kernels")[0] < 1e-13, "{case}");
+        assert!(errors(&rows, case, "enclosures")[0] < 1e-14, "{case}");
+    }
+    assert!(
+        rows.iter().all(|row| row.note == if row.case.starts_with("forced") { "2 solutions" } else { "1 solution" })
+    );
+}
+
+#[test]
 fn all_dense_ways_find_the_leading_multiplier_and_only_the_block_the_trivial_pair() {
     let rows = suite("spectrum");
     for row in &rows {

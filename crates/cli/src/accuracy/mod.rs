@@ -16,6 +16,7 @@ mod document;
 mod kernels;
 mod map;
 mod meter;
+mod orbits;
 pub mod paper;
 mod series;
 mod simulation;
@@ -51,8 +52,9 @@ struct Suite {
 }
 
 /// All suites, in the order of the document.
-const SUITES: [(SuiteName, &Suite); 4] = [
+const SUITES: [(SuiteName, &Suite); 5] = [
     (SuiteName::Kernels, &kernels::SUITE),
+    (SuiteName::Orbits, &orbits::SUITE),
     (SuiteName::Spectrum, &spectrum::SUITE),
     (SuiteName::Simulation, &simulation::SUITE),
     (SuiteName::Map, &map::SUITE),
