@@ -206,15 +206,17 @@ pub enum SuiteName {
     Simulation,
     /// Classes of a map's cells.
     Map,
+    /// Extreme corners of the parameters and random points: promised and delivered errors.
+    Extremes,
 }
 
 /// Arguments of `mapgen accuracy`.
 #[derive(Debug, Args)]
 pub struct AccuracyArgs {
-    /// Folder to write into: accuracy.md, and for each suite a table (CSV) and a picture (PNG, SVG).
+    /// Folder to write into: accuracy.md and, in accuracy/, a table (CSV) and a picture (PNG, SVG) for each suite.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Suite to run; may be given several times [default: all].
+    /// Suite to run; may be given several times, accuracy.md then holds these alone [default: all].
     #[arg(long, value_enum, value_name = "SUITE")]
     pub suite: Vec<SuiteName>,
     /// Fewer settings and short timings: a look, not a measurement.

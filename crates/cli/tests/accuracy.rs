@@ -25,19 +25,20 @@ fn accuracy(folder: &Path, flags: &[&str]) -> assert_cmd::assert::Assert {
 fn suite(name: &str) -> Vec<Row> {
     let folder = tempfile::tempdir().unwrap();
     accuracy(folder.path(), &["--suite", name]).success().stdout("").stderr("");
+    let files_folder = folder.path().join("accuracy");
     let mut files: Vec<_> =
-        fs::read_dir(folder.path()).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+        fs::read_dir(&files_folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
     files.sort();
-    let mut expected = vec!["accuracy.md".to_owned(), format!("{name}.csv")];
+    let mut expected = vec![format!("{name}.csv")];
     if cfg!(feature = "plot") {
         expected.extend(["png", "svg"].map(|ending| format!("{name}.{ending}")));
-        assert!(fs::read(folder.path().join(format!("{name}.png"))).unwrap().starts_with(b"\x89PNG"));
-        let svg = fs::read_to_string(folder.path().join(format!("{name}.svg"))).unwrap();
+        assert!(fs::read(files_folder.join(format!("{name}.png"))).unwrap().starts_with(b"\x89PNG"));
+        let svg = fs::read_to_string(files_folder.join(format!("{name}.svg"))).unwrap();
         assert!(svg.contains("time of one evaluation, seconds") && svg.contains("10⁻"));
     }
     assert_eq!(files, expected);
 
-    let mut table = csv::Reader::from_path(folder.path().join(format!("{name}.csv"))).unwrap();
+    let mut table = csv::Reader::from_path(files_folder.join(format!("{name}.csv"))).unwrap();
     assert_eq!(table.headers().unwrap(), vec!["case", "method", "setting", "seconds", "error", "note"]);
     let rows: Vec<_> = table.records().map(Result::unwrap).collect();
     assert!(rows.iter().all(|row| row[3].parse::<f64>().unwrap() > 0.0));
@@ -46,7 +47,7 @@ fn suite(name: &str) -> Vec<Row> {
     for word in ["# Error against run time", env!("CARGO_PKG_VERSION"), "one thread", "--quick"] {
         assert!(text.contains(word), "{word}");
     }
-    assert_eq!(text.contains(&format!("]({name}.png)")), cfg!(feature = "plot"));
+    assert_eq!(text.contains(&format!("](accuracy/{name}.png)")), cfg!(feature = "plot"));
     assert_eq!(text.lines().filter(|line| line.starts_with("## ")).count(), 1);
     // Every row is in the document.
     let lines = text.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| method")).count();
@@ -72,6 +73,44 @@ fn errors(rows: &[Row], case: &str, method: &str) -> Vec<f64> {
 
 fn falls(errors: &[f64]) -> bool {
     errors.windows(2).all(|pair| pair[1] < pair[0])
+}
+
+#[test]
+fn the_series_falls_behind_like_its_tail_and_the_closed_form_has_all_digits() {
+    let rows = suite("kernels");
+    let at = |terms: &str| {
+        let found =
+            rows.iter().find(|row| row.case == "χ₂, defaults" && row.method == "series" && row.setting == terms);
+        found.unwrap().error
+    };
+    // The paper's 2000 harmonics: about 2e-4, and 1/J.
+    assert!((at("J = 2000") - 2.1e-4).abs() < 1e-5, "{}", at("J = 2000"));
+    assert!((at("J = 100") / at("J = 2000") - 20.0).abs() < 0.5);
+    for case in ["defaults", "stiff coupling", "low frequency"] {
+        for kernel in ["χ₁", "χ₂", "χ₃"] {
+            let case = format!("{kernel}, {case}");
+            assert!(errors(&rows, &case, "closed form")[0] < 1e-12, "{case}");
+            for method in ["series", "series, leading tail summed", "harmonics, four tails summed"] {
+                assert!(falls(&errors(&rows, &case, method)), "{case} {method}");
+            }
+        }
+    }
+    let four = errors(&rows, "χ₂, defaults", "harmonics, four tails summed");
+    assert!(four[0] < 1e-12, "{four:?}");
+}
+
+#[test]
+fn the_series_error_goes_into_the_orbits_and_the_program_has_none() {
+    let rows = suite("orbits");
+    for case in ["conservative double-sided", "conservative single-sided", "forced double-sided"] {
+        let series = errors(&rows, case, "series");
+        assert!(falls(&series) && series[series.len() - 1] > 1e-3, "{case} {series:?}");
+        assert!(errors(&rows, case, "closed-form kernels")[0] < 1e-13, "{case}");
+        assert!(errors(&rows, case, "enclosures")[0] < 1e-14, "{case}");
+    }
+    assert!(
+        rows.iter().all(|row| row.note == if row.case.starts_with("forced") { "2 solutions" } else { "1 solution" })
+    );
 }
 
 #[test]
@@ -111,6 +150,21 @@ fn a_short_series_gets_cells_wrong_that_the_closed_form_gets_right() {
 }
 
 #[test]
+fn extremes_keep_their_promises_and_say_what_they_refuse() {
+    let folder = tempfile::tempdir().unwrap();
+    accuracy(folder.path(), &["--suite", "extremes"]).success();
+    let mut table = csv::Reader::from_path(folder.path().join("accuracy/extremes.csv")).unwrap();
+    let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+    assert!(rows.len() > 300 && rows.iter().all(|row| &row[6] == "yes"));
+    // Next to a resonance digits go, on it there is no answer.
+    let kernels = |case: &str| rows.iter().find(|row| &row[1] == case && &row[2] == "kernels").unwrap();
+    assert!(kernels("2ω at 1e-11 from mode 5")[3].parse::<f64>().unwrap() > 1e-6);
+    assert!(kernels("2ω at 1e-15 from mode 5")[5].starts_with("resonance: harmonic 2"));
+    let text = fs::read_to_string(folder.path().join("accuracy.md")).unwrap();
+    assert!(text.contains("**grazing**") && text.contains("**random points**"));
+}
+
+#[test]
 fn a_run_of_all_suites_makes_one_document_in_a_new_folder() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("new/accuracy");
@@ -129,7 +183,7 @@ fn a_wrong_request_is_told_before_any_work() {
     accuracy(&file, &[]).code(2).stderr(contains("is a file"));
     accuracy(folder.path(), &["--suite", "nonsense"]).code(2);
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
-    fs::create_dir(folder.path().join("map.csv")).unwrap();
+    fs::create_dir_all(folder.path().join("accuracy/map.csv")).unwrap();
     accuracy(folder.path(), &["--suite", "map"]).code(2).stderr(contains("map.csv"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }

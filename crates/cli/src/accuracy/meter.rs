@@ -41,6 +41,11 @@ impl<'a> Meter<'a> {
         self.bar.set_message(format!("{}: {case}: {method}, {setting}", self.suite));
     }
 
+    /// Says what is under way, in one phrase.
+    pub(super) fn say(&self, what: &str) {
+        self.bar.set_message(format!("{}: {what}", self.suite));
+    }
+
     /// A look is wanted, not a measurement.
     pub(super) fn is_quick(&self) -> bool {
         self.quick

@@ -11,16 +11,19 @@
 //! | [`extremes`] | extreme corners and random points against many digits |
 //! | `spectrum`, `simulation`, `map`, `kernels`, `orbits` | the suites |
 //! | [`paper`], `series` | the paper's procedure, and its Fourier series |
-//! | [`steppers`] | general solvers for ordinary differential equations |
+//! | `steppers` | general solvers for ordinary differential equations |
 
 mod document;
 pub mod extremes;
+mod kernels;
 mod map;
 mod meter;
+mod orbits;
 pub mod paper;
+mod series;
 mod simulation;
 mod spectrum;
-pub mod steppers;
+mod steppers;
 mod table;
 
 use std::path::Path;
@@ -29,6 +32,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::accuracy::document::{Block, Document, Section};
+use crate::accuracy::extremes::report::{Report, Surroundings};
 use crate::accuracy::meter::Meter;
 use crate::accuracy::table::Table;
 use crate::args::{AccuracyArgs, SuiteName};
@@ -48,7 +52,10 @@ struct Suite {
     run: fn(&mut Meter<'_>) -> Result<Table, CliError>,
 }
 
-const SUITES: [(SuiteName, &Suite); 3] = [
+/// All suites, in the order of the document.
+const SUITES: [(SuiteName, &Suite); 5] = [
+    (SuiteName::Kernels, &kernels::SUITE),
+    (SuiteName::Orbits, &orbits::SUITE),
     (SuiteName::Spectrum, &spectrum::SUITE),
     (SuiteName::Simulation, &simulation::SUITE),
     (SuiteName::Map, &map::SUITE),
@@ -56,6 +63,12 @@ const SUITES: [(SuiteName, &Suite); 3] = [
 
 /// The name of the document.
 const DOCUMENT: &str = "accuracy.md";
+
+/// The folder beside it, with tables and pictures.
+const FILES: &str = "accuracy";
+
+/// What `scripts/lean.sh` leaves in that folder: the document takes it over as it stands.
+const LEAN: &str = "lean.md";
 
 /// Runs the subcommand.
 ///
@@ -70,10 +83,15 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let chosen: Vec<&Suite> = chosen.map(|(_, suite)| *suite).collect();
     // Destinations first: an impossible one should not cost a computation.
     let document_file = Output::create(&args.out.join(DOCUMENT))?;
-    let files = chosen.iter().map(|suite| Files::open(&args.out, suite.name)).collect::<Result<Vec<_>, _>>()?;
+    let folder = args.out.join(FILES);
+    let files = chosen.iter().map(|suite| Files::open(&folder, suite.name)).collect::<Result<Vec<_>, _>>()?;
+    let everything = args.suite.is_empty();
+    let extremes_file = (everything || args.suite.contains(&SuiteName::Extremes))
+        .then(|| Output::create(&folder.join(EXTREMES)))
+        .transpose()?;
 
     let stop = (console.interrupt)()?;
-    let bar = progress(chosen.len(), console.progress);
+    let bar = progress(chosen.len() + usize::from(extremes_file.is_some()), console.progress);
     let mut meter = Meter::new(&stop, &bar, args.quick);
     let mut document = Document::new(args.quick);
     let mut written = Vec::new();
@@ -84,22 +102,52 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
         written.push((files, table, suite));
         bar.inc(1);
     }
+    let mut broken = None;
+    if let Some(file) = extremes_file {
+        meter.enter("extremes");
+        let report = Report::run(&meter, args.quick)?;
+        document.sections.push(extreme_section(&report));
+        broken = report.broken().map(|(count, row)| format!("{count} promises are broken, the first: {row:?}"));
+        file.finish_with(&report.csv()?)?;
+    }
+    if everything && let Ok(text) = std::fs::read_to_string(folder.join(LEAN)) {
+        document.sections.push(Section { title: "What a scene pays for".to_owned(), blocks: vec![Block::Prose(text)] });
+    }
     bar.finish_and_clear();
     // All or nothing: an interrupted run leaves an older set of files as it was.
     for (files, table, suite) in written {
         files.write(&table, suite)?;
     }
-    document_file.finish_with(document.markdown().as_bytes())
+    document_file.finish_with(document.markdown().as_bytes())?;
+    broken.map_or(Ok(()), |message| Err(CliError::Computation(message)))
+}
+
+/// The table of the extremes.
+const EXTREMES: &str = "extremes.csv";
+
+impl Surroundings for Meter<'_> {
+    fn at(&self, what: &str) -> Result<(), CliError> {
+        self.say(what);
+        self.go_on()
+    }
+}
+
+/// The extremes' part of the document.
+fn extreme_section(report: &Report) -> Section {
+    let mut blocks = vec![Block::Prose(extremes::report::PROSE.to_owned())];
+    blocks.push(Block::Prose(format!("All corners: [{EXTREMES}]({FILES}/{EXTREMES}).")));
+    blocks.extend(report.markdown().into_iter().map(Block::Prose));
+    Section { title: "Extremes".to_owned(), blocks }
 }
 
 /// The suite's part of the document.
 fn section(suite: &Suite, table: &Table) -> Section {
     let mut blocks = vec![Block::Prose(suite.prose.to_owned())];
     if cfg!(feature = "plot") {
-        blocks.push(Block::Picture { file: format!("{}.png", suite.name), caption: suite.title.to_owned() });
+        blocks.push(Block::Picture { file: format!("{FILES}/{}.png", suite.name), caption: suite.title.to_owned() });
     }
     blocks.push(Block::Prose(format!(
-        "*error*: {}. All rows: [{name}.csv]({name}.csv).",
+        "*error*: {}. All rows: [{name}.csv]({FILES}/{name}.csv).",
         suite.error,
         name = suite.name
     )));

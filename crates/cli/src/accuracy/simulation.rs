@@ -5,7 +5,7 @@ use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use vibrochain_lattice::{Chain, Model};
 
 use crate::accuracy::meter::Meter;
-use crate::accuracy::steppers::{End, dop853, rk4, time_stepping};
+use crate::accuracy::steppers::{dop853, rk4, time_stepping};
 use crate::accuracy::table::{Row, Table};
 use crate::accuracy::{Suite, computation};
 use crate::error::CliError;
@@ -70,7 +70,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
         })?;
         for tolerance in &TOLERANCES[..TOLERANCES.len() - fewer] {
             measure("DOP853", format!("tolerance {tolerance:e}"), &|| {
-                let run = dop853(&model, &state, End::Time(time), *tolerance).map_err(computation)?;
+                let run = dop853(&model, &state, time, *tolerance).map_err(computation)?;
                 Ok((run.state, run.impacts))
             })?;
         }
