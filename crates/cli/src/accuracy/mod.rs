@@ -53,7 +53,7 @@ struct Suite {
 }
 
 /// All suites, in the order of the document.
-const SUITES: [(SuiteName, &Suite); 5] = [
+const SUITES: &[(SuiteName, &Suite)] = &[
     (SuiteName::Kernels, &kernels::SUITE),
     (SuiteName::Orbits, &orbits::SUITE),
     (SuiteName::Spectrum, &spectrum::SUITE),

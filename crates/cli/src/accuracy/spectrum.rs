@@ -43,7 +43,7 @@ struct Tools {
 /// All multipliers a method finds, those of the trivial pair included if it has them; `None` where it does not apply.
 type Method = fn(&Orbit, &mut Tools) -> Option<Result<Vec<Complex<f64>>, CliError>>;
 
-const METHODS: [(&str, Method); 4] = [
+const METHODS: &[(&str, Method)] = &[
     ("general exponential", |orbit, _| {
         let found = general_eigenvalues(general_monodromy_of(orbit));
         Some(found.ok_or_else(|| computation("the eigenvalues of a general monodromy matrix did not come out")))
@@ -75,7 +75,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
             let orbit = orbits.first().ok_or_else(|| computation(format!("no breather: {case}, N = {n}")))?;
             let mut tools = Tools { finder: Finder::new(n + 1), analyser: Analyser::default() };
             let truth = truth(orbit, &mut tools)?;
-            for (method, multipliers) in METHODS {
+            for &(method, multipliers) in METHODS {
                 let setting = format!("N = {n}");
                 meter.tell(case, method, &setting);
                 if multipliers(orbit, &mut tools).is_none() {
