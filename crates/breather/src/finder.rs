@@ -105,7 +105,7 @@ impl Finder {
     fn search(&mut self, model: &Model, family: Family, all: bool, found: &mut Found) -> Result<(), BreatherError> {
         found.orbits.clear();
         (found.none, found.unresolved, found.exhausted) = (None, 0, 0);
-        self.zeros = Zeros::default();
+        self.zeros.clear();
         let conservative = model.is_conservative();
         if !conservative && model.amplitude() == 0.0 {
             found.none = Some(NoBreather::LossWithoutForce);
