@@ -9,6 +9,9 @@ use vibrochain_lattice::{ImpulseResponse, RingCosines, Spectrum};
 use crate::error::BreatherError;
 use crate::orbit::Orbit;
 
+/// Modes added up before they go into the sum over a large ring.
+const BLOCK: usize = 256;
+
 /// Displacement, velocity and acceleration of one mass.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Kinematics {
@@ -167,11 +170,14 @@ impl Motion {
         let mut sum = [0.0; 3];
         let ring = self.cosines.sites();
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
-            let distance = site.abs_diff(source).min(ring);
-            for (now, shape) in modes.iter().zip(self.cosines.shapes(distance)) {
-                for (sum, now) in sum.iter_mut().zip(now) {
-                    *sum += shape * now;
+            let mut shapes = self.cosines.shapes(site.abs_diff(source).min(ring));
+            // In blocks, so that rounding does not grow with the size of the ring.
+            for block in modes.chunks(BLOCK) {
+                let mut part = [0.0; 3];
+                for (now, shape) in block.iter().zip(&mut shapes) {
+                    (0..3).for_each(|i| part[i] += shape * now[i]);
                 }
+                (0..3).for_each(|i| sum[i] += part[i]);
             }
         }
         Kinematics {

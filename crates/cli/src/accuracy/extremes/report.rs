@@ -56,12 +56,14 @@ impl Report {
         Some((1 + broken.count(), first))
     }
 
-    /// The rows of the corners as CSV.
+    /// The rows of the corners as CSV, and those random points that broke their promise.
     pub(crate) fn csv(&self) -> Result<Vec<u8>, CliError> {
         let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not write a table: {error}"));
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(COLUMNS).map_err(|error| failed(&error))?;
-        for (corner, rows) in &self.corners {
+        let broken = ("random points", &self.tally.broken);
+        let corners = self.corners.iter().map(|(corner, rows)| (*corner, rows));
+        for (corner, rows) in corners.chain([broken]) {
             for row in rows {
                 let kept = if row.holds() { "yes" } else { "no" };
                 let (promised, delivered) = (number(row.promised), number(row.delivered));
@@ -76,7 +78,9 @@ impl Report {
     pub(crate) fn markdown(&self) -> Vec<String> {
         let mut parts = Vec::new();
         for (corner, rows) in &self.corners {
-            let mut text = format!("**{corner}**\n\n| case | quantity | promised | delivered | outcome |\n|---|---|---|---|---|\n");
+            let mut text = format!(
+                "**{corner}**\n\n| case | quantity | promised | delivered | outcome |\n|---|---|---|---|---|\n"
+            );
             for row in rows {
                 let broken = if row.holds() { "" } else { " **broken**" };
                 // Writing to a String cannot fail; a bar would end the cell.
