@@ -136,7 +136,7 @@ impl Analyser {
                 if larger {
                     unstable = Some((multiplier, structure.growth_error(value, reach)));
                 }
-            } else if !(reach < structure.distance(&self.values, i)) {
+            } else if reach.is_nan() || reach >= structure.distance(&self.values, i) {
                 // A pair that may have met is off the circle by at most the root of what rounding can do.
                 unsettled = unsettled.max(error.sqrt()).max(structure.growth_error(value, error));
                 if worst.is_none_or(|old| multiplier.norm_sqr() > old.norm_sqr()) {

@@ -93,8 +93,8 @@ impl Verdict {
     pub(crate) fn of(leading: Complex<f64>, resolution: f64, tolerance: Tolerance) -> Self {
         let spectral_radius = leading.re.hypot(leading.im);
         let excess = spectral_radius - 1.0 - tolerance.allowed();
-        // Also where the error is not a number: nothing is known then.
-        let marginal = !(excess.abs() > resolution);
+        // Where the error is not a number nothing is known.
+        let marginal = resolution.is_nan() || excess.abs() <= resolution;
         let stable = !marginal && excess < 0.0;
         let mechanism = (!marginal && !stable).then(|| Mechanism::of(leading));
         Self { stable, marginal, mechanism, spectral_radius, leading, resolution }

@@ -120,9 +120,9 @@ pub fn check_draws(seed: u64, count: u64) -> Result<Tally, ParameterError> {
         let mut random = Rng::with_seed(seed.wrapping_add(number));
         let (model, family) = draw(&mut random)?;
         let case = format!("draw {}: {model:?}", seed.wrapping_add(number));
-        let spectra = if number % SPECTRA == 0 { Spectra::Compared } else { Spectra::Computed };
+        let spectra = if number.is_multiple_of(SPECTRA) { Spectra::Compared } else { Spectra::Computed };
         let mut rows = check_orbits(&case, &model, family, Depth { orbits: 1, spectra, bits: BITS });
-        if number % KERNELS == 0 {
+        if number.is_multiple_of(KERNELS) {
             match check_kernels(&case, model.chain(), model.omega(), BITS) {
                 Ok(row) => rows.push(row),
                 Err(error) => rows.push(Row::without_truth(&case, &error)),
