@@ -358,6 +358,24 @@ fn a_monodromy_matrix_next_to_grazing_is_refused_not_half_answered() {
     assert!(first["stability"].is_null() && first["stability_error"].as_str().unwrap().contains("grazing"));
 }
 
+/// Masses without coupling: pairs that meet on the real axis were read as complex, with the root of a negative number.
+#[test]
+fn multipliers_of_uncoupled_masses_are_all_numbers() {
+    for (sites, omega, asymmetry, amplitude) in [("8", ".42", "0.07824865504923947", "1e-30"), ("7", "0.051", "0", "0")]
+    {
+        let flags = ["--sites", sites, "--gamma1", ".2", "--gamma2", "0", "--omega", omega, "--asymmetry", asymmetry];
+        let value =
+            orbit_json("double-sided", &[&flags[..], &["--amplitude", amplitude, "--restitution", "1"]].concat());
+        let solutions = value["solutions"].as_array().unwrap();
+        assert!(!solutions.is_empty());
+        for solution in solutions {
+            let multipliers = solution["stability"]["multipliers"].as_array().unwrap();
+            assert_eq!(multipliers.len(), 2 * sites.parse::<usize>().unwrap());
+            assert!(multipliers.iter().all(|m| m[0].is_f64() && m[1].is_f64()), "{multipliers:?}");
+        }
+    }
+}
+
 #[test]
 fn orbit_pictures() {
     let desk = Desk::new();

@@ -189,12 +189,12 @@ enum Plan {
     Parameters,
 }
 
-/// Windows of flight in a period of the slowest orbit; their square under a force, where both the number of solutions and
-/// the work on each grow with them.
-fn windows(model: &Model) -> f64 {
+/// Windows of flight in a period of the slowest orbit; their square where all solutions are sought, because both their
+/// number and the work on each grow with them. A sweep without force seeks the symmetric one alone.
+fn windows(model: &Model, all: bool) -> f64 {
     let top = (model.chain().gamma1() + 4.0 * model.chain().gamma2()).sqrt().max(model.omega());
     let windows = 1.0 + 2.0 * model.period() * top;
-    if model.is_conservative() { windows } else { windows * windows }
+    if all || !model.is_conservative() { windows * windows } else { windows }
 }
 
 /// How much of a command is affordable. What cannot be parsed is always run whole: it costs nothing.
@@ -207,7 +207,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let mut windows_most = 0.0_f64;
             for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                 let corner = scene.point(i * (scene.x.points - 1), j * (scene.y.points - 1));
-                windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model)));
+                windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model, false)));
             }
             // A picture takes longer than its cells, threads longer than they are worth.
             let pictures = args.png.is_some() || args.svg.is_some() || args.threads.is_none_or(|threads| threads > 4);
@@ -215,14 +215,16 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
         Ok(Command::Orbit(args)) => match model(&args.model) {
-            Ok(model) if args.plot.is_none() => of(model.chain().sites() as f64 * windows(&model), Plan::Parameters),
+            Ok(model) if args.plot.is_none() => {
+                of(model.chain().sites() as f64 * windows(&model, true), Plan::Parameters)
+            }
             Ok(_) => Plan::Parameters,
             Err(_) => Plan::Whole,
         },
         Ok(Command::Simulate(args)) => {
             let Ok(model) = model(&args.model) else { return Plan::Whole };
             let sites = model.chain().sites() as f64;
-            if args.plot.is_some() || sites * windows(&model) > work {
+            if args.plot.is_some() || sites * windows(&model, true) > work {
                 return Plan::Parameters;
             }
             let periods = args.periods as f64;
@@ -230,7 +232,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             // Impacts of a mass that is thrown from barrier to barrier.
             let fastest = args.state.as_deref().map_or(0.0, fastest).max(model.amplitude() / model.omega());
             let impacts = fastest * model.period();
-            of(sites * periods * (windows(&model) + sampled + sites * impacts), Plan::Stopped)
+            of(sites * periods * (windows(&model, true) + sampled + sites * impacts), Plan::Stopped)
         }
         // Minutes of work, tested elsewhere.
         Ok(Command::Validate(_) | Command::Accuracy(_)) => Plan::Parameters,
