@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# What each crate costs when it is used alone, as a Markdown table: crates compiled (its own and procedural macros
-# included), size of its library and of the program, both as `cargo build --release` leaves them.
+# What is paid for what, as Markdown. Usage: scripts/lean.sh > docs/accuracy/lean.md
+#
+# Each crate used alone: crates compiled (its own and procedural macros included), size of its library and of the program,
+# both as `cargo build --release` leaves them. Each kind of map: time and allocations a cell (`cargo bench --bench lean`).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -34,3 +36,13 @@ done
 # The full program last: it is the one that stays.
 row "\`vibrochain-cli\` without features" vibrochain-cli --no-default-features
 row "\`vibrochain-cli\`" vibrochain-cli
+
+# "name", "time: [low mean high]" and "name: x allocations a cell" of the benchmark, a line each.
+echo
+echo "| map, N = 20, one core | cells a second | allocations a cell |"
+echo "|---|---|---|"
+cargo bench --quiet --bench lean -- --quick 2> /dev/null | awk '
+    /^lean\// { name = $0; sub(/^lean\//, "", name); sub(/ *time:.*/, "", name) }
+    /thrpt:/ { line = $0; sub(/.*\[/, "", line); split(line, part, " "); rate[name] = part[3] " " part[4] }
+    / allocations a cell$/ { split($0, part, ": "); sub(/ allocations.*/, "", part[2]); printf "| %s | %s | %s |\n", part[1], rate[part[1]], part[2] }
+' | sed 's|elem/s||; s/ K / thousand /; s/ K |/ thousand |/'
