@@ -29,11 +29,12 @@ pub struct Condition {
     /// Distance to resonance: the smallest |Ω_k − jω|/Ω_k over modes and harmonics j ≥ 1, at most 1; ω is the orbit's base
     /// frequency. So many digits of the kernels are lost as this has zeros.
     pub resonance: f64,
-    /// Distance to grazing: the smallest velocity before an impact, in units of ω times half the gap. Saltation grows
+    /// Distance to grazing: the smallest velocity before an impact, in units of the force's ω times half the gap. Saltation grows
     /// like its inverse.
     pub grazing: f64,
     /// Distance to a fold or pitchfork: reciprocal condition number of the orbit's equations, rows and columns scaled, at
-    /// most 1. `None` for an orbit given by its impacts.
+    /// most 1. For a mirror-symmetric conservative orbit, whose times are fixed, of the equations for its impulses alone.
+    /// `None` for an orbit given by its impacts.
     pub fold: Option<f64>,
     /// Estimated error of the force's phase ψ, as a time; 0 without force.
     pub psi_error: f64,
@@ -45,12 +46,13 @@ impl Condition {
     /// Largest error of an impulse, relative to the largest impulse.
     pub fn impulse_error(&self, orbit: &Orbit) -> f64 {
         let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        self.impacts.iter().map(|error| error.impulse).fold(0.0, f64::max) / largest
+        self.impacts.iter().map(|error| error.impulse).fold(0.0, worse) / largest
     }
 
-    /// Largest error of a time or of the phase, relative to the period of the orbit.
+    /// Largest error of a time relative to the period of the orbit, or of the phase relative to that of the force.
     pub fn time_error(&self, orbit: &Orbit) -> f64 {
-        self.impacts.iter().map(|error| error.time).fold(self.psi_error, f64::max) / orbit.period()
+        let phase = self.psi_error / orbit.model().period();
+        self.impacts.iter().map(|error| error.time / orbit.period()).fold(phase, worse)
     }
 
     pub(crate) fn of(orbit: &Orbit, response: &ImpulseResponse, motion: &mut Motion) -> Self {
@@ -78,7 +80,22 @@ impl Condition {
             condition.take(&terms, system, &system.spread(errors));
         }
         terms.amplitudes(system.as_ref(), &mut condition);
+        for impact in condition.impacts.iter_mut().skip(1) {
+            // A time that symmetry fixes is rounded, too.
+            impact.time += f64::EPSILON * orbit.period();
+        }
+        if condition.fold == Some(0.0) {
+            condition.lose_all();
+        }
         condition
+    }
+
+    /// Nothing is known of an orbit whose equations are singular.
+    fn lose_all(&mut self) {
+        self.psi_error = f64::INFINITY;
+        for impact in &mut self.impacts {
+            *impact = ImpactError { time: f64::INFINITY, impulse: f64::INFINITY, acceleration: f64::INFINITY };
+        }
     }
 
     /// Adds errors of the unknowns.
@@ -94,6 +111,25 @@ impl Condition {
             self.psi_error += errors[psi] + UNIT * terms.orbit.model().period();
         }
     }
+}
+
+/// Digits beyond which a lost one could show in a verdict.
+const DELICATE: f64 = 1e-6;
+
+/// Next to a resonance, to grazing or to a fold, by signs that cost little.
+pub(crate) fn is_delicate(orbit: &Orbit, response: &ImpulseResponse) -> bool {
+    let slowest = orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(f64::INFINITY, f64::min);
+    let fastest = orbit.velocity_scale();
+    response.condition() > 1.0 / DELICATE
+        || slowest < DELICATE * fastest
+        || fastest > orbit.model().omega() / DELICATE
+        || !orbit.is_reversible()
+            && Terms::new(orbit, response).system().is_some_and(|system| system.reciprocal_condition < DELICATE)
+}
+
+/// The larger of two errors; one that is not a number is as bad as can be.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 /// Rounding of one operation, with room for the few that a term takes.

@@ -4,7 +4,7 @@
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::{Admissibility, Depth, Watch};
-use crate::condition::Condition;
+use crate::condition::{Condition, is_delicate};
 use crate::error::{BreatherError, NoBreather};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
@@ -211,6 +211,16 @@ impl Finder {
         Ok(Condition::of(orbit, &self.response, &mut self.motion))
     }
 
+    /// Whether errors of an orbit could matter to its verdict: next to a resonance, to grazing or to a fold. Cheap enough
+    /// for a sweep, which asks for [`Finder::condition`] only then.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn is_delicate(&mut self, orbit: &Orbit) -> Result<bool, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        Ok(is_delicate(orbit, &self.response))
+    }
+
     /// The impulse response last used.
     pub fn response(&self) -> &ImpulseResponse {
         &self.response
@@ -234,4 +244,12 @@ pub fn breathers(model: &Model, family: Family) -> Result<Found, BreatherError> 
     let mut found = Found::default();
     Finder::new(model.chain().sites()).find(model, family, &mut found)?;
     Ok(found)
+}
+
+/// How far an orbit can be trusted: the one-shot form of [`Finder::condition`].
+///
+/// # Errors
+/// As [`Finder::condition`].
+pub fn condition(orbit: &Orbit) -> Result<Condition, BreatherError> {
+    Finder::new(orbit.model().chain().sites()).condition(orbit)
 }

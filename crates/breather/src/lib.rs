@@ -53,6 +53,6 @@ mod window;
 pub use admissibility::{Admissibility, Obstruction, admissibility};
 pub use condition::{Condition, ImpactError};
 pub use error::{BreatherError, NoBreather};
-pub use finder::{Finder, Found, breathers};
+pub use finder::{Finder, Found, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Impact, Orbit};

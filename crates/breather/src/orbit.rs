@@ -9,6 +9,7 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
 
+use crate::condition::worse;
 use crate::error::BreatherError;
 use crate::motion::Motion;
 
@@ -136,13 +137,18 @@ impl Orbit {
         motion.load(&orbit, response);
         for i in 0..orbit.impacts.len() {
             let site = orbit.impacts[i].site;
-            let (position, newton) = orbit.violation(i, motion);
+            let [position, newton] = orbit.violation(i, motion);
             // The motion stands just after the impact now.
             let impact = &mut orbit.impacts[i];
             impact.acceleration = motion.acceleration_from_forces(site, motion.force_phase(i, 0.0));
-            orbit.residual = orbit.residual.max(position.abs()).max((newton / orbit.velocity_scale()).abs());
+            orbit.residual = [position, newton].into_iter().fold(orbit.residual, |worst, x| worse(worst, x.abs()));
         }
         Ok(orbit)
+    }
+
+    /// The largest length in the conditions of position: half the gap, or the swing of the force.
+    pub(crate) fn length_scale(&self) -> f64 {
+        self.force.abs().max(1.0)
     }
 
     /// The largest velocity in Newton's law at the impacts.
@@ -151,13 +157,14 @@ impl Orbit {
         self.impacts.iter().map(|impact| impact.impulse.abs()).fold(force.max(f64::MIN_POSITIVE), f64::max)
     }
 
-    /// v(t_i) − (a±1) and w_i + qP_i/2 of impact `i`; `motion` must hold this orbit, and is left just after the impact.
-    pub(crate) fn violation(&self, i: usize, motion: &mut Motion) -> (f64, f64) {
+    /// v(t_i) − (a±1) and w_i + qP_i/2 of impact `i`, over the largest terms; `motion` must hold this orbit, and is left
+    /// just after the impact.
+    pub(crate) fn violation(&self, i: usize, motion: &mut Motion) -> [f64; 2] {
         let impact = &self.impacts[i];
         let after = motion.after_impact(i, impact.site);
         let mean = after.velocity - 0.5 * impact.impulse;
         let position = after.displacement - self.model.barrier(impact.barrier);
-        (position, mean + 0.5 * self.model.loss() * impact.impulse)
+        [position / self.length_scale(), (mean + 0.5 * self.model.loss() * impact.impulse) / self.velocity_scale()]
     }
 
     /// An orbit from any list of impacts at any sites: `(site, barrier, time, impulse)`, times within the orbit's
@@ -262,7 +269,8 @@ impl Orbit {
 
     /// Phase ψ of the force at t = 0, as a time, 0 ≤ ψ < T. `None` without force.
     pub fn psi(&self) -> Option<f64> {
-        (self.model.amplitude() > 0.0).then_some(self.psi)
+        // No −0.
+        (self.model.amplitude() > 0.0).then_some(self.psi + 0.0)
     }
 
     /// Time φ of the second impact of a family with two. `None` for the others.
@@ -297,8 +305,8 @@ impl Orbit {
         self.reversible
     }
 
-    /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)|, and
-    /// |w_i + qP_i/2| over the largest of |P_j| and ω|Ã|, over all impacts. Rounding level for a sound orbit.
+    /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)| over the
+    /// larger of 1 and |Ã|, and |w_i + qP_i/2| over the largest of |P_j| and ω|Ã|. Rounding level for a sound orbit.
     pub fn residual(&self) -> f64 {
         self.residual
     }

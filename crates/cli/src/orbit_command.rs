@@ -156,6 +156,11 @@ impl Solution {
     }
 }
 
+/// An estimated error for people: from 1 on, or without bound, nothing is known.
+fn estimate(error: f64) -> String {
+    if error < 1.0 { format!("{error:.0e}") } else { "unknown".to_owned() }
+}
+
 /// An estimate that has no bound is `null`, not a number.
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
@@ -197,7 +202,9 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
     .map(|(parameter, value)| format!("{} = {}", parameter.name(), Number(*value)))
     .collect();
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "{} breathers, {} masses, {}", family.name(), model.chain().sites(), point.join(", "));
+    let sites = model.chain().sites();
+    let masses = if sites == 1 { "mass" } else { "masses" };
+    let _ = writeln!(out, "{} breathers, {sites} {masses}, {}", family.name(), point.join(", "));
     match found.none {
         Some(reason) => {
             let _ = writeln!(out, "none: {reason}");
@@ -209,7 +216,8 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         }
     }
     if found.unresolved > 0 {
-        let _ = writeln!(out, "{} places where two more may have merged: next to a fold", found.unresolved);
+        let places = if found.unresolved == 1 { "place" } else { "places" };
+        let _ = writeln!(out, "{} {places} where two more may have merged: next to a fold", found.unresolved);
     }
     if found.exhausted > 0 {
         let _ = writeln!(
@@ -253,8 +261,10 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
                     None => "stable".to_owned(),
                 };
                 // Structure puts it on the circle exactly, or the eigenvalue has an error.
-                let error =
-                    if verdict.resolution > 0.0 { format!(" ± {:.0e}", verdict.resolution) } else { String::new() };
+                let error = match verdict.resolution {
+                    0.0 => String::new(),
+                    resolution => format!(" ± {}", estimate(resolution)),
+                };
                 writeln!(
                     out,
                     "  {how}: spectral radius {}{error}, leading multiplier {}",
@@ -268,10 +278,10 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         let fold = condition.fold.map_or(String::new(), |fold| format!(", to a fold {fold:.1e}"));
         let _ = writeln!(
             out,
-            "  residual {:.1e}; errors: impulses {:.0e}, times {:.0e} of a period",
+            "  residual {:.1e}; errors: impulses {}, times {} of a period",
             orbit.residual(),
-            condition.impulse_error(orbit),
-            condition.time_error(orbit)
+            estimate(condition.impulse_error(orbit)),
+            estimate(condition.time_error(orbit))
         );
         let _ = writeln!(
             out,

@@ -22,7 +22,7 @@ use crate::ring::RingCosines;
 use crate::small::{cubic_defect, long_sum, sinc};
 use crate::spectrum::{RESONANCE_TOLERANCE, Spectrum};
 
-/// The impulse response at one time, and its first two derivatives in t.
+/// The impulse response at one time, and its first three derivatives in t.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct KernelJet {
     /// The dynamic part of K₀(t).
@@ -314,7 +314,7 @@ impl ImpulseResponse {
     /// dK_n/dt; at the impulse itself (t = 0) the mean of both sides, 0.
     pub fn derivative(&self, site: usize, t: f64) -> f64 {
         let t = self.fold(t);
-        (0..self.modes()).map(|k| self.weights[k] * self.cosines.shape(k, site) * self.mode_slope(k, t)).sum()
+        long_sum(self.modes(), |k| [self.weights[k] * self.cosines.shape(k, site) * self.mode_slope(k, t)])[0]
     }
 
     /// K_n(t) at the sites n = 0 … ⌊M/2⌋ (the ring is symmetric about site 0), written to `out`; one sine a mode

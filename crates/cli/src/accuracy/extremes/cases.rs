@@ -10,7 +10,7 @@ use super::checks::{
 use crate::error::CliError;
 use crate::output::Number;
 
-/// Everything, in 50 digits, of a few orbits where there are hundreds.
+/// Everything, in 57 digits, of a few orbits where there are hundreds.
 const DEPTH: Depth = Depth { orbits: 6, spectra: Spectra::Compared, bits: DEFAULT_BITS };
 
 /// Binary digits of the truth for large rings, where each takes its time.

@@ -218,7 +218,7 @@ fn check_orbit(
     );
     let impulses = Row::new(case, format!("{family} impulses"));
     keep(impulses.measured(condition.impulse_error(orbit), error.impulse).told(distances));
-    if orbit.phi().is_some() && !orbit.is_reversible() || orbit.psi().is_some() {
+    if orbit.phi().is_some() || orbit.psi().is_some() {
         let times = Row::new(case, format!("{family} times"));
         keep(times.measured(condition.time_error(orbit), error.time.max(error.psi)));
     }
@@ -252,13 +252,16 @@ fn check_radius(row: Row, stability: &Stability, truth: &TrueOrbit) -> Row {
         Err(error) => return row.told(format!("{said}; no truth to compare with: {error}")),
     };
     match spectrum.refine((verdict.leading.re, verdict.leading.im)) {
-        Ok((root, _)) => {
+        Ok((root, moved)) => {
             let excess = root.abs() - 1.0;
             // On the circle to all digits, up to those of the root itself.
             let digits = 2f64.powi(10 - i32::try_from(truth.bits()).unwrap_or(0));
             let on_circle = excess.abs() < digits;
             let wrong = verdict.stable && !on_circle && excess.to_f64() > 0.0
                 || verdict.mechanism.is_some() && excess.to_f64() <= 0.0;
+            // A root far away is another one: the program's is none.
+            let far = (1e-3 * (1.0 + verdict.spectral_radius)).max(10.0 * verdict.resolution);
+            let wrong = wrong || !verdict.marginal && moved > far;
             let error = (root.abs() - verdict.spectral_radius).abs().to_f64();
             // A radius of exactly 1 carries no error, but the root's own digits end somewhere.
             let promised = if on_circle { verdict.resolution } else { verdict.resolution.max(f64::EPSILON) };

@@ -22,7 +22,7 @@ fn power(random: &mut Rng, from: f64, to: f64) -> f64 {
 }
 
 /// A random point and family: stiffnesses over 16 decades and none, frequencies from far below the band to far above,
-/// forces from a millionth of what moves the ring to a million times that, and the ends of every range.
+/// forces from a thousandth of what moves the ring to a million times that, and the ends of every range.
 ///
 /// # Errors
 /// [`ParameterError`] if the point is not a valid one, which it should always be.
