@@ -279,6 +279,12 @@ impl Branch {
         Err(BranchError::NoConvergence)
     }
 
+    /// The length at which `to` lies from `from`, along the tangent there.
+    pub fn length_between(&self, from: &BranchPoint, to: &BranchPoint) -> f64 {
+        let along = |i: usize| from.tangent[i] * (to.coordinates[i] - from.coordinates[i]) / self.units[i];
+        (0..=self.size).map(along).sum()
+    }
+
     /// The first resonance between two points, as the parameter goes from one to the other, and the value where it is: a
     /// harmonic of the orbit's frequency on a mode.
     pub fn resonance_between(&self, from: &BranchPoint, to: &BranchPoint) -> Option<(f64, Resonance)> {

@@ -53,7 +53,7 @@ mod roots;
 mod two_impacts;
 mod window;
 
-pub use admissibility::{Admissibility, Obstruction, admissibility};
+pub use admissibility::{Admissibility, Approach, Obstruction, admissibility};
 pub use branch::{Branch, BranchError, BranchPoint};
 pub use condition::{Condition, ImpactError};
 pub use error::{BreatherError, NoBreather};
