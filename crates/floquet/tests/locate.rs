@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Family, Orbit, breathers};
-use vibrochain_floquet::{Answer, End, Event, LocateError, Mechanism, Search, Sign, locate};
+use vibrochain_floquet::{Answer, End, Event, LocateError, Mechanism, Search, Sign, Verdict, locate};
 use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
 
 fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
@@ -68,8 +68,11 @@ fn fold_of_the_errata_where_the_force_is_just_strong_enough() {
 fn neimark_sacker_of_the_errata() {
     let start = orbit(&model((0.2, 0.1), 0.92, 0.7, (0.05, 0.9)), Family::SingleSided, 0);
     let answer = search(&start, Event::NeimarkSacker, Parameter::Gamma2, Some((0.07, 0.11)));
-    println!("{answer:#?}");
-    let found = &answer.located[0];
+    // Pairs cross that do not lead, too: this is the one where stability is lost.
+    let lost =
+        |verdicts: &[(f64, Verdict)]| matches!(verdicts, [(_, below), (_, above)] if below.stable != above.stable);
+    let found = answer.located.iter().find(|found| lost(&found.verdicts)).unwrap();
+    println!("{:?}", answer.located.iter().map(|found| (found.value, found.error, found.sign)).collect::<Vec<_>>());
     assert!((found.value - 0.088347387971).abs() < 1e-12, "{}", found.value);
     assert!(found.error < 1e-11, "{:e}", found.error);
     let Sign::Multiplier(multiplier) = found.sign else { panic!("{:?}", found.sign) };
@@ -105,7 +108,11 @@ fn pitchfork_of_figure_nine_from_the_symmetric_orbit_and_from_the_pair() {
     for (e, which) in [(0.5, 0), (0.6, 1), (0.6, 0), (0.6, 3)] {
         let start = orbit(&at(e), Family::DoubleSided, which);
         let answer = search(&start, Event::Pitchfork, Parameter::Restitution, Some((0.4, 0.7)));
-        println!("{e} {which} {answer:#?}");
+        println!(
+            "{e} {which} {:?} {:?}",
+            answer.located.iter().map(|f| (f.value, f.error, f.sign, f.handover.is_some())).collect::<Vec<_>>(),
+            answer.ends
+        );
         let found = &answer.located[0];
         assert!((found.value - expected).abs() < 1e-12, "{e} {which} {}", found.value);
         let handover = found.handover.as_ref().unwrap();

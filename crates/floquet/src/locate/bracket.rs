@@ -61,7 +61,8 @@ mod tests {
 
     #[test]
     fn zeros_to_the_last_digit_in_few_evaluations() {
-        let cases: [(fn(f64) -> f64, f64, f64, f64); 4] = [
+        type Case = (fn(f64) -> f64, f64, f64, f64);
+        let cases: [Case; 4] = [
             (|x| x * x - 2.0, 0.0, 5.0, 2f64.sqrt()),
             (|x| x.cos() - x, 0.0, 1.0, 0.739_085_133_215_160_6),
             (|x| (x - 0.25).powi(3), -1.0, 1.0, 0.25),

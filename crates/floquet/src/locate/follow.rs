@@ -1,7 +1,7 @@
 //! Along the branch, both ways: steps, what is watched at each, and the zero where it changes sign.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchError, BranchPoint, Finder, Orbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, Finder, Found, Orbit};
 
 use super::bracket::zero;
 use super::handover::hand_over;
@@ -37,7 +37,11 @@ const SAMPLE_STEP: f64 = 1e-9;
 /// Worst case over what a few samples show.
 const SAFETY: f64 = 4.0;
 
-/// A small step away from an event, as a part of the range.
+/// Events at most in one step, and how far behind one the next is looked for, as a part of the step.
+const MOST_IN_STEP: usize = 32;
+const BEHIND: f64 = 1e-4;
+
+/// A small step away from an event, as a part of the parameter.
 const AWAY: f64 = 1e-4;
 
 /// A function of the point that changes sign at the event. Lengths are counted from the start of the step.
@@ -75,6 +79,8 @@ pub(super) struct Follower {
     analyser: Analyser,
     finder: Finder,
     search: Search,
+    /// Orbits assembled on other branches.
+    others: usize,
     spectra: usize,
 }
 
@@ -97,6 +103,7 @@ pub(super) fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateErr
         analyser: Analyser::default(),
         finder: Finder::new(orbit.model().chain().sites()),
         search: *search,
+        others: 0,
         spectra: 0,
     };
     let point = follower.branch.start()?;
@@ -113,11 +120,15 @@ pub(super) fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateErr
     let lost = || (start, End::Lost(BranchError::NoConvergence));
     let mut ends = ends.into_iter();
     let ends = [ends.next().unwrap_or_else(lost), ends.next().unwrap_or_else(lost)];
-    Ok(Answer { located, ends, evaluations: follower.branch.evaluations(), spectra: follower.spectra })
+    Ok(Answer { located, ends, evaluations: follower.evaluations(), spectra: follower.spectra })
 }
 
 impl Follower {
-    /// Follows one direction to the first event or the end of the way.
+    fn evaluations(&self) -> usize {
+        self.branch.evaluations() + self.others
+    }
+
+    /// Follows one direction to the end of the way.
     fn follow(&mut self, start: BranchPoint, located: &mut Vec<Located>) -> Result<(f64, End), LocateError> {
         let upwards = start.heading() > 0.0;
         let limit = if upwards { self.search.to } else { self.search.from };
@@ -150,11 +161,7 @@ impl Follower {
                 Err(LocateError::Floquet(error)) => return Ok((point.value(), End::Unwatched(error))),
                 Err(error) => return Err(error),
             };
-            if let Some(found) = self.between((&point, &seen), (&next, &next_seen))? {
-                let value = found.value;
-                located.push(found);
-                return Ok((value, End::Event));
-            }
+            self.all_between((&point, &seen), (&next, &next_seen), located)?;
             (point, seen) = (next, next_seen);
             if last {
                 return Ok((limit, End::Range));
@@ -192,33 +199,46 @@ impl Follower {
         next: &BranchPoint,
         located: &mut Vec<Located>,
     ) -> Result<(f64, End), LocateError> {
-        let pitchfork = next.determinant() * point.determinant() > 0.0;
-        let fold = if pitchfork { self.turning_point(point, next)? } else { self.branch.fold(point)? };
-        if self.search.event == if pitchfork { Event::Pitchfork } else { Event::Fold } {
+        if next.determinant() * point.determinant() > 0.0 {
+            // Asymmetric orbits end on the symmetric one and go on as their own mirror images: there the equations are
+            // singular in two directions, but among symmetric orbits in none.
+            let found = if self.search.event == Event::Pitchfork { self.on_symmetric(point, next)? } else { None };
+            let value = found.as_ref().map_or(next.value(), |found| found.value);
+            located.extend(found);
+            return Ok((value, End::Pitchfork));
+        }
+        let fold = self.branch.fold(point)?;
+        if self.search.event == Event::Fold {
             let sign = self.nearest_to(&fold, Complex::new(1.0, 0.0))?;
             let error = fold.parameter_error() + 2.0 * f64::EPSILON * fold.value().abs();
             let found = self.describe(&fold, error, sign)?;
-            let value = found.value;
             located.push(found);
-            return Ok((value, End::Event));
+        } else {
+            // An event may lie before it.
+            let at_fold = self.look(&fold)?;
+            self.all_between((point, seen), (&fold, &at_fold), located)?;
         }
-        // An event may lie before it.
-        let at_fold = self.look(&fold)?;
-        if let Some(found) = self.between((point, seen), (&fold, &at_fold))? {
-            let value = found.value;
-            located.push(found);
-            return Ok((value, End::Event));
-        }
-        Ok((fold.value(), if pitchfork { End::Pitchfork } else { End::Fold { error: fold.parameter_error() } }))
+        Ok((fold.value(), End::Fold { error: fold.parameter_error() }))
     }
 
-    /// Where the heading changes sign, by its zero.
-    fn turning_point(&mut self, point: &BranchPoint, next: &BranchPoint) -> Result<BranchPoint, LocateError> {
-        let length = self.branch.length_between(point, next);
-        let branch = &mut self.branch;
-        let heading = |s: f64| branch.step(point, s).map(|there| there.heading());
-        let s = zero((0.0, point.heading()), (length, next.heading()), length, heading)?;
-        Ok(self.branch.step(point, s)?)
+    /// The pitchfork on the symmetric branch that asymmetric orbits meet between two points.
+    fn on_symmetric(&mut self, point: &BranchPoint, next: &BranchPoint) -> Result<Option<Located>, LocateError> {
+        let orbit = next.orbit();
+        let mut found = Found::default();
+        self.finder.find(orbit.model(), orbit.family(), &mut found)?;
+        let impulse = |orbit: &Orbit| orbit.impacts().first().map_or(0.0, |impact| impact.impulse);
+        let half = 0.5 * orbit.period();
+        let symmetric = found.orbits.iter().filter(|one| one.phi().is_some_and(|phi| (phi - half).abs() < 1e-9 * half));
+        let unlike = |one: &Orbit| (impulse(one) - impulse(orbit)).abs();
+        let Some(nearest) = symmetric.min_by(|a, b| unlike(a).total_cmp(&unlike(b))) else { return Ok(None) };
+        let reach = 2.0 * (next.value() - point.value()).abs() + 1e-6 * (self.search.to - self.search.from);
+        let (from, to) = (next.value() - reach, next.value() + reach);
+        let search = Search { from: from.max(self.search.from), to: to.min(self.search.to), ..self.search };
+        let mut answer = locate(nearest, &search)?;
+        self.others += answer.evaluations;
+        self.spectra += answer.spectra;
+        answer.located.truncate(1);
+        Ok(answer.located.pop())
     }
 
     /// What the search needs to know of a point.
@@ -249,12 +269,35 @@ impl Follower {
         if self.analyser.values.is_empty() { Err(LocateError::NoMultiplier) } else { Ok(self.analyser.values.clone()) }
     }
 
-    /// The event between two neighbouring points, if there is one.
+    /// All events between two neighbouring points.
+    fn all_between(
+        &mut self,
+        from: (&BranchPoint, &Seen),
+        to: (&BranchPoint, &Seen),
+        located: &mut Vec<Located>,
+    ) -> Result<(), LocateError> {
+        let (mut point, mut seen) = (from.0.clone(), from.1.clone());
+        for _ in 0..MOST_IN_STEP {
+            let length = self.branch.length_between(&point, to.0);
+            let Some((s, found)) = self.between((&point, &seen), to)? else { break };
+            located.extend(found);
+            // On from just behind it.
+            let behind = s + BEHIND * length;
+            if behind >= length {
+                break;
+            }
+            point = self.branch.step(&point, behind)?;
+            seen = self.look(&point)?;
+        }
+        Ok(())
+    }
+
+    /// The first zero between two neighbouring points, and the event there if it is one.
     fn between(
         &mut self,
         (point, seen): (&BranchPoint, &Seen),
         (next, next_seen): (&BranchPoint, &Seen),
-    ) -> Result<Option<Located>, LocateError> {
+    ) -> Result<Option<(f64, Option<Located>)>, LocateError> {
         let length = self.branch.length_between(point, next);
         let changes = |a: f64, b: f64| (a > 0.0) != (b > 0.0);
         let mut found: Option<(f64, Test)> = None;
@@ -292,7 +335,7 @@ impl Follower {
             },
         }
         match found {
-            Some((s, test)) => self.settle(point, length, s, test),
+            Some((s, test)) => Ok(Some((s, self.settle(point, length, s, test)?))),
             None => Ok(None),
         }
     }
@@ -492,17 +535,19 @@ impl Follower {
     /// The answer at a point.
     fn describe(&mut self, there: &BranchPoint, error: f64, sign: Sign) -> Result<Located, LocateError> {
         let verdicts = self.verdicts(there);
+        let physical = self.finder.admissibility(there.orbit()).ok().map(|answer| answer.is_physical());
         let search = self.search;
-        let distance = AWAY * (search.to - search.from);
+        let distance = AWAY * there.value().abs().max(1e-2 * (search.to - search.from));
         let handover = hand_over(there.orbit(), search, distance, &mut self.analyser, &mut self.finder);
         Ok(Located {
             value: there.value(),
             error,
             orbit: there.orbit().clone(),
             sign,
+            physical,
             verdicts,
             handover,
-            evaluations: self.branch.evaluations(),
+            evaluations: self.evaluations(),
         })
     }
 

@@ -110,6 +110,8 @@ pub struct Located {
     pub orbit: Orbit,
     /// What shows the event.
     pub sign: Sign,
+    /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
+    pub physical: Option<bool>,
     /// The verdict a small step away on either side in the parameter, as far as the orbit exists there.
     pub verdicts: Vec<(f64, Verdict)>,
     /// The orbits that branch off, at a period doubling or pitchfork.
@@ -121,9 +123,7 @@ pub struct Located {
 /// How the way in one direction ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum End {
-    /// At the event looked for.
-    Event,
-    /// At the end of the range, without it.
+    /// At the end of the range.
     Range,
     /// The branch turns back in a fold, with its estimated error.
     Fold {
@@ -143,9 +143,9 @@ pub enum End {
 /// The answer to a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// The first event in each direction, the one nearest to the start first.
+    /// All events on the branch between the ends, the one nearest to the start first.
     pub located: Vec<Located>,
-    /// Where and how the way down and the way up ended.
+    /// Where and how the ways down and up ended.
     pub ends: [(f64, End); 2],
     /// Orbits assembled.
     pub evaluations: usize,
@@ -191,7 +191,8 @@ impl From<BreatherError> for LocateError {
     }
 }
 
-/// Follows the branch of `orbit` both ways, to the first event in each direction.
+/// Follows the branch of `orbit` both ways, to the ends of the range or of the branch, and collects all events. Two that
+/// cancel within one step (a fiftieth of the range at most) are not seen.
 ///
 /// # Errors
 /// [`LocateError`].
