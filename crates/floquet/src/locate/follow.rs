@@ -1,10 +1,12 @@
 //! Along the branch, both ways: steps, what is watched at each, and the zero where it changes sign.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchError, BranchPoint, Finder, Found, Orbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Finder, Found, Orbit};
+use vibrochain_lattice::Parameter;
 
 use super::bracket::zero;
 use super::handover::hand_over;
+use super::secular::polished;
 use super::spectrum_events::{
     Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, log_determinant, upper_half,
 };
@@ -36,6 +38,10 @@ const SAMPLE_STEP: f64 = 1e-9;
 
 /// Worst case over what a few samples show.
 const SAFETY: f64 = 4.0;
+
+/// Rounding of the data, and the relative step by which its effect is seen.
+const DATA_ROUNDING: f64 = 2.0 * f64::EPSILON;
+const DATA_STEP: f64 = 1e-7;
 
 /// Events at most in one step, and how far behind one the next is looked for, as a part of the step.
 const MOST_IN_STEP: usize = 32;
@@ -91,11 +97,9 @@ pub(super) fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateErr
         return Err(LocateError::Range { free, start, from, to });
     }
     for end in [from, to] {
-        orbit.model().with(free, end).map_err(vibrochain_breather::BreatherError::from)?;
+        orbit.model().with(free, end).map_err(BreatherError::from)?;
     }
-    if orbit.model().is_conservative()
-        && matches!(free, vibrochain_lattice::Parameter::Amplitude | vibrochain_lattice::Parameter::Restitution)
-    {
+    if orbit.model().is_conservative() && matches!(free, Parameter::Amplitude | Parameter::Restitution) {
         return Err(LocateError::NoForce { free });
     }
     let mut follower = Follower {
@@ -372,7 +376,11 @@ impl Follower {
             Test::Modulus { ends: [(a, from), (b, to)] } => {
                 let expected = from + (to - from) * ((s - a) / (b - a));
                 let values = self.spectrum(orbit)?;
-                follow(expected, &values).ok_or_else(lost)?.norm_sqr() - 1.0
+                let near = follow(expected, &values).ok_or_else(lost)?;
+                let multiplier = polished(orbit, &mut self.finder, near)?;
+                // |μ|² − 1 by factors: the sum of squares would round it.
+                let modulus = multiplier.norm();
+                (modulus - 1.0) * (modulus + 1.0)
             }
             Test::Collision { centre } => {
                 let values = self.spectrum(orbit)?;
@@ -529,7 +537,31 @@ impl Follower {
         };
         let (of_value, of_parameter) = (scatter(|sample| sample.1, slope), scatter(|sample| sample.2, pace));
         let error = SAFETY * (of_value * (pace / slope).abs() + of_parameter);
-        Ok(error + 2.0 * f64::EPSILON * there.value().abs())
+        // Rounding that all samples share, such as that of the period, is a change of the data.
+        let data = self.sensitivity(s, test, there)? * (pace / slope).abs() + there.value().abs();
+        Ok(error + DATA_ROUNDING * data)
+    }
+
+    /// Σ |p ∂/∂p| of the function over all other parameters p of the model.
+    fn sensitivity(&mut self, s: f64, test: Test, there: &BranchPoint) -> Result<f64, LocateError> {
+        let (orbit, here) = (there.orbit(), self.value(test, there, s)?);
+        let mut sum = 0.0;
+        for parameter in Parameter::ALL {
+            let value = orbit.model().get(parameter);
+            let absent =
+                orbit.model().is_conservative() && matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
+            if parameter == self.search.free || value == 0.0 || absent {
+                continue;
+            }
+            // Downwards: restitution may be 1.
+            let step = DATA_STEP * value;
+            let mut across = Branch::through(orbit, parameter, value)?;
+            let start = across.start()?;
+            let moved = across.at(&start, value - step)?;
+            sum += (self.value(test, &moved, s)? - here).abs() / DATA_STEP;
+            self.others += across.evaluations();
+        }
+        Ok(sum)
     }
 
     /// The answer at a point.

@@ -10,8 +10,8 @@
 //! | grazing | the smallest distance of any mass to a barrier, or the velocity before an impact |
 //!
 //! The branch is followed both ways from the start by its length ([`vibrochain_breather::Branch`]); where a function
-//! changes sign the zero is bracketed and found by Brent's method in that length. The error of the parameter follows from
-//! what rounding is seen to do to function and parameter next to the zero.
+//! changes sign the zero is bracketed and found by Brent's method in that length. The error of the parameter is what
+//! rounding is seen to do to function and parameter next to the zero, and what rounding of all other parameters would do.
 //!
 //! At a period doubling of a single-sided orbit the doubled orbit is handed over, at a pitchfork of a double-sided one the
 //! pair of asymmetric orbits, on the side where they exist.
@@ -19,6 +19,7 @@
 mod bracket;
 mod follow;
 mod handover;
+mod secular;
 mod spectrum_events;
 
 use nalgebra::Complex;
