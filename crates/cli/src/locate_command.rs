@@ -201,6 +201,7 @@ fn reason(end: &End) -> &'static str {
         End::Fold { .. } => "fold",
         End::Pitchfork => "symmetric",
         End::Resonance(_) => "resonance",
+        End::Unbounded => "unbounded",
         End::Lost(_) => "lost",
         End::Unwatched(_) => "unwatched",
     }
@@ -216,6 +217,7 @@ fn message(search: &Search, value: f64, end: &End) -> String {
         End::Resonance(resonance) => {
             format!("resonance at {here}: harmonic {} meets mode {}", resonance.harmonic, resonance.mode)
         }
+        End::Unbounded => format!("the impulses grow without bound towards {here}"),
         End::Lost(error) => format!("the branch was lost at {here}: {error}"),
         End::Unwatched(error) => format!("stopped at {here}: {error}"),
     }

@@ -78,7 +78,8 @@ mod tests {
                 });
                 // A triple zero is known to the cube root of rounding, but x³ keeps its sign.
                 assert!((found.unwrap() - expected).abs() < if i == 2 { 1e-6 } else { 4e-16 }, "{i}: {found:?}");
-                assert!(count < 120, "{i}: {count}");
+                // Secants fail a triple zero, which is left to halving.
+                assert!(count <= [12, 12, MOST, 30][i], "{i}: {count}");
             }
         }
         assert_eq!(zero((0.0, -1.0), (1.0, 1.0), 1.0, |_| Err("lost")), Err("lost"));

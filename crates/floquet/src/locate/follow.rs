@@ -22,6 +22,9 @@ const LONGEST: f64 = 0.02;
 /// The shortest step: where even this one fails, the branch is lost.
 const SHORTEST: f64 = 1e-9;
 
+/// An orbit whose impulses have grown by this factor is on its way to infinity.
+const UNBOUNDED: f64 = 1e4;
+
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
 
@@ -143,6 +146,7 @@ impl Follower {
         }
         let mut seen = self.look(&point)?;
         let mut length = 0.25 * LONGEST;
+        let first = strength(point.orbit());
         for _ in 0..MOST_STEPS {
             let (next, last) = match self.advance(&point, length, limit, beyond) {
                 Ok(next) => next,
@@ -170,7 +174,13 @@ impl Follower {
             if last {
                 return Ok((limit, End::Range));
             }
-            length = (1.5 * length).min(LONGEST);
+            let growth = strength(point.orbit()) / first;
+            if growth > UNBOUNDED {
+                return Ok((point.value(), End::Unbounded));
+            }
+            // Impulses that grow without bound set a longer scale, as long as the parameter does not move far.
+            let longest = LONGEST * growth.clamp(1.0, 1.0 / point.heading().abs());
+            length = (1.5 * length).min(longest);
         }
         Ok((point.value(), End::Lost(BranchError::NoConvergence)))
     }
@@ -596,6 +606,11 @@ impl Follower {
         verdicts.sort_by(|a, b| a.0.total_cmp(&b.0));
         verdicts
     }
+}
+
+/// The largest impulse.
+fn strength(orbit: &Orbit) -> f64 {
+    orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max)
 }
 
 /// The shift s of det(A + s) that shows an event, for those that the spectrum shows; `None` where the orbit's own equations

@@ -135,6 +135,8 @@ pub enum End {
     Pitchfork,
     /// A harmonic of the orbit meets a mode.
     Resonance(Resonance),
+    /// The impulses grow without bound: the conditions at the impacts become singular.
+    Unbounded,
     /// Newton's method lost the branch.
     Lost(BranchError),
     /// What was to be watched could not be computed any further.
