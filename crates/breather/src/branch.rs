@@ -11,9 +11,9 @@
 //! which stays regular where the branch turns back in λ (a fold: ∂F/∂x is singular, the bordered matrix is not). The
 //! fold itself is F = 0 and det ∂F/∂x = 0.
 //!
-//! On a branch that is its own mirror image (double-sided, a = 0, φ = T/2) asymmetric orbits branch off where ∂F/∂x is
-//! singular in the antisymmetric direction. There the curve is followed among symmetric orbits alone, with two unknowns,
-//! so that it passes through regularly, while the determinant of all five equations tells of the pitchfork.
+//! On a branch of symmetric orbits (double-sided, φ = T/2) asymmetric ones branch off where ∂F/∂x is singular in a direction
+//! that breaks the symmetry. There the curve is followed among symmetric orbits alone ([`Reduction`]), so that it passes
+//! through regularly, while the determinant of all equations tells of the pitchfork.
 
 use smallvec::{SmallVec, smallvec};
 use thiserror::Error;
@@ -36,7 +36,7 @@ const BEND: f64 = 0.35;
 /// digits than that.
 const DIFFERENCE: f64 = 1e-6;
 
-/// Closer to half the period than this a double-sided orbit with a = 0 is the symmetric one.
+/// Closer to half the period than this a double-sided orbit is the symmetric one.
 const SYMMETRIC: f64 = 1e-10;
 
 /// Why a branch cannot be followed.
@@ -123,12 +123,91 @@ pub struct Branch {
     free: Parameter,
     word: SmallVec<[(usize, Barrier); 2]>,
     layout: Layout,
-    /// Followed among orbits that are their own mirror image.
-    symmetric: bool,
+    reduction: Reduction,
     /// Number of unknowns.
     size: usize,
+    /// Natural sizes of all unknowns, and of the coordinates with the parameter.
+    full_units: Vector,
     units: Vector,
     evaluations: usize,
+}
+
+/// Unknowns that one coordinate moves, each with its factor.
+type Moves = SmallVec<[(usize, f64); 2]>;
+
+/// Which unknowns are free and which equations are asked for. Those of an orbit of two impacts under a force stand as
+/// P₀, P₁, s, t₁, ψ and as position 0, position 1, net impulse, Newton 0, Newton 1.
+///
+/// - Without symmetry: all of them.
+/// - Mirror images in space half a period apart (a = 0, or γ₁ = 0 where the ring is not held): P₁ = −P₀, t₁ = T/2. The
+///   equations of the second impact repeat those of the first, but for the displacement s.
+/// - Mirror images in time (e = 1): t₁ = T/2 and ψ = 0 or T/2. Newton's law holds by symmetry.
+#[derive(Debug, Clone)]
+struct Reduction {
+    columns: SmallVec<[Moves; WIDTH]>,
+    rows: SmallVec<[usize; WIDTH]>,
+    /// ψ in periods of the force, where it is not free.
+    psi: f64,
+}
+
+impl Reduction {
+    fn of(orbit: &Orbit, free: Parameter, layout: Layout) -> Self {
+        let model = orbit.model();
+        let half = 0.5 * orbit.period();
+        let centred = orbit.phi().is_some_and(|phi| (phi - half).abs() <= SYMMETRIC * half);
+        let one = |i: usize| -> Moves { smallvec![(i, 1.0)] };
+        if orbit.family() == Family::DoubleSided && layout.size == 5 && centred {
+            let fixed = |parameter: Parameter, value: f64| model.get(parameter) == value && free != parameter;
+            let phase = 2.0 * orbit.psi_or_zero() / model.period();
+            if fixed(Parameter::Asymmetry, 0.0) || fixed(Parameter::Gamma1, 0.0) {
+                let columns = smallvec![smallvec![(0, 1.0), (1, -1.0)], one(2), one(4)];
+                return Self { columns, rows: smallvec![0, 1, 3], psi: 0.0 };
+            }
+            if fixed(Parameter::Restitution, 1.0) && (phase - phase.round()).abs() <= SYMMETRIC {
+                let columns = (0..3).map(one).collect();
+                return Self { columns, rows: smallvec![0, 1, 2], psi: 0.5 * phase.round().rem_euclid(2.0) };
+            }
+        }
+        Self { columns: (0..layout.size).map(one).collect(), rows: (0..layout.size).collect(), psi: 0.0 }
+    }
+
+    /// The first unknown that a coordinate moves.
+    fn leading(&self, coordinate: usize) -> usize {
+        self.columns.get(coordinate).and_then(|column| column.first()).map_or(0, |entry| entry.0)
+    }
+
+    fn is_free(&self, unknown: usize) -> bool {
+        self.columns.iter().flatten().any(|entry| entry.0 == unknown)
+    }
+
+    /// All unknowns from the free coordinates; those that are fixed are left 0.
+    fn expand(&self, z: &Vector) -> Vector {
+        let mut full = [0.0; WIDTH];
+        for (column, z) in self.columns.iter().zip(z) {
+            for &(i, factor) in column {
+                full[i] += factor * z;
+            }
+        }
+        full
+    }
+
+    fn rows(&self, full: &Vector) -> Vector {
+        let mut rows = [0.0; WIDTH];
+        for (row, &i) in rows.iter_mut().zip(&self.rows) {
+            *row = full[i];
+        }
+        rows
+    }
+
+    fn matrix(&self, full: &Matrix) -> Matrix {
+        let mut matrix = [[0.0; WIDTH]; WIDTH];
+        for (row, &i) in matrix.iter_mut().zip(&self.rows) {
+            for (entry, column) in row.iter_mut().zip(&self.columns) {
+                *entry = column.iter().map(|&(j, factor)| factor * full[i][j]).sum();
+            }
+        }
+        matrix
+    }
 }
 
 /// The equations and their derivatives at a point.
@@ -151,27 +230,35 @@ impl Branch {
         let mut finder = Finder::new(model.chain().sites());
         finder.prepare(model, orbit.frequency())?;
         let layout = Terms::new(orbit, &finder.response).layout().ok_or(BranchError::Word)?;
-        let half = 0.5 * orbit.period();
-        let centred = orbit.phi().is_some_and(|phi| (phi - half).abs() <= SYMMETRIC * half);
-        let symmetric = orbit.family() == Family::DoubleSided
-            && layout.time.is_some()
-            && layout.psi.is_some()
-            && model.asymmetry() == 0.0
-            && free != Parameter::Asymmetry
-            && centred;
-        let size = if symmetric { 2 } else { layout.size };
-        let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let reduction = Reduction::of(orbit, free, layout);
+        let size = reduction.columns.len();
+        let displacement = Terms::new(orbit, &finder.response).static_displacement();
+        let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
+        let mut full_units = [1.0; WIDTH];
+        // An impact that grazes leaves the others, or what a mass of the ring's own speed would have.
+        full_units[..layout.impacts].fill(largest.max(0.1 * model.omega()));
+        full_units[layout.impacts] = displacement.abs().max(1.0);
+        for place in [layout.time, layout.psi].into_iter().flatten() {
+            full_units[place] = model.period() / std::f64::consts::TAU;
+        }
         let mut units = [1.0; WIDTH];
-        let times = [layout.time, layout.psi].into_iter().flatten();
-        if symmetric {
-            (units[0], units[1]) = (largest, model.period() / std::f64::consts::TAU);
-        } else {
-            units[..layout.impacts].fill(largest);
-            times.for_each(|place| units[place] = model.period() / std::f64::consts::TAU);
+        for i in 0..size {
+            units[i] = full_units[reduction.leading(i)];
         }
         units[size] = unit.abs().max(f64::MIN_POSITIVE);
         let word = orbit.impacts().iter().map(|impact| (impact.site, impact.barrier)).collect();
-        Ok(Self { finder, origin: orbit.clone(), free, word, layout, symmetric, size, units, evaluations: 0 })
+        Ok(Self {
+            finder,
+            origin: orbit.clone(),
+            free,
+            word,
+            layout,
+            reduction,
+            size,
+            full_units,
+            units,
+            evaluations: 0,
+        })
     }
 
     /// Orbits assembled so far: the cost.
@@ -192,20 +279,20 @@ impl Branch {
         self.finder.prepare(self.origin.model(), self.origin.frequency())?;
         let terms = Terms::new(&self.origin, &self.finder.response);
         let (displacement, impacts) = (terms.static_displacement(), self.origin.impacts());
+        let mut full = [0.0; WIDTH];
+        for (place, impact) in full.iter_mut().zip(impacts) {
+            *place = impact.impulse;
+        }
+        full[self.layout.impacts] = displacement;
+        if let (Some(place), Some(second)) = (self.layout.time, impacts.get(1)) {
+            full[place] = second.time;
+        }
+        if let Some(place) = self.layout.psi {
+            full[place] = self.origin.psi_or_zero();
+        }
         let mut z = [0.0; WIDTH];
-        if self.symmetric {
-            (z[0], z[1]) = (terms.impulse(0), self.origin.psi_or_zero());
-        } else {
-            for (place, impact) in z.iter_mut().zip(impacts) {
-                *place = impact.impulse;
-            }
-            z[self.layout.impacts] = displacement;
-            if let (Some(place), Some(second)) = (self.layout.time, impacts.get(1)) {
-                z[place] = second.time;
-            }
-            if let Some(place) = self.layout.psi {
-                z[place] = self.origin.psi_or_zero();
-            }
+        for i in 0..self.size {
+            z[i] = full[self.reduction.leading(i)];
         }
         z[self.size] = self.origin.model().get(self.free);
         self.correct(&z, &self.along_parameter(), 0.0, true)
@@ -285,15 +372,16 @@ impl Branch {
         (0..=self.size).map(along).sum()
     }
 
-    /// The first resonance between two points, as the parameter goes from one to the other, and the value where it is: a
-    /// harmonic of the orbit's frequency on a mode.
-    pub fn resonance_between(&self, from: &BranchPoint, to: &BranchPoint) -> Option<(f64, Resonance)> {
+    /// The first resonance as the parameter goes from one value to another, and the value where it is: a harmonic of the
+    /// orbit's frequency on a mode.
+    pub fn resonance_within(&self, from: f64, to: f64) -> Option<(f64, Resonance)> {
         if !matches!(self.free, Parameter::Gamma1 | Parameter::Gamma2 | Parameter::Omega) {
             return None;
         }
         let periods = f64::from(self.origin.force_periods());
         let of = |model: &Model| (Spectrum::new(*model.chain()), model.omega() / periods);
-        let ((first, omega), (last, last_omega)) = (of(from.orbit.model()), of(to.orbit.model()));
+        let model = |value: f64| self.origin.model().with(self.free, value).ok();
+        let ((first, omega), (last, last_omega)) = (of(&model(from)?), of(&model(to)?));
         let mut nearest: Option<(f64, Resonance)> = None;
         for (mode, (start, end)) in first.frequencies().iter().zip(last.frequencies()).enumerate() {
             let (start, end) = ((start / omega).floor(), (end / last_omega).floor());
@@ -304,11 +392,11 @@ impl Branch {
             if harmonic < 1.0 {
                 continue;
             }
-            let (mut low, mut high) = (from.value(), to.value());
+            let (mut low, mut high) = (from, to);
             let mut hit = None;
             for _ in 0..100 {
                 let middle = 0.5 * (low + high);
-                let Ok(model) = self.origin.model().with(self.free, middle) else { break };
+                let Some(model) = model(middle) else { break };
                 let (spectrum, omega) = of(&model);
                 let frequency = spectrum.frequencies().get(mode).copied().unwrap_or_default();
                 let distance = (-harmonic).mul_add(omega, frequency);
@@ -316,7 +404,7 @@ impl Branch {
                 if ((frequency / omega).floor() - start).abs() < 0.5 { low = middle } else { high = middle }
             }
             let closer = |(value, _): &(f64, Resonance)| {
-                nearest.as_ref().is_none_or(|(old, _)| (value - from.value()).abs() < (old - from.value()).abs())
+                nearest.as_ref().is_none_or(|(old, _)| (value - from).abs() < (old - from).abs())
             };
             if hit.as_ref().is_some_and(closer) {
                 nearest = hit;
@@ -337,16 +425,16 @@ impl Branch {
         self.finder.prepare(&model, model.omega() / f64::from(periods))?;
         let (response, motion) = (&self.finder.response, &mut self.finder.motion);
         let half = 0.5 * response.period();
-        let (displacement, second, psi) = if self.symmetric {
-            (0.0, half, z[1])
-        } else {
-            let at = |place: Option<usize>, otherwise: f64| place.map_or(otherwise, |place| z[place]);
-            (z[self.layout.impacts], at(self.layout.time, half), at(self.layout.psi, 0.0))
+        let full = self.reduction.expand(z);
+        let at = |place: Option<usize>, otherwise: f64| match place {
+            Some(place) if self.reduction.is_free(place) => full[place],
+            _ => otherwise,
         };
+        let displacement = full[self.layout.impacts];
+        let (second, psi) = (at(self.layout.time, half), at(self.layout.psi, self.reduction.psi * model.period()));
         if !(second > 0.0 && second < response.period()) {
             return Err(BranchError::NoConvergence);
         }
-        let impulse = |i: usize| if self.symmetric && i == 1 { -z[0] } else { z[i] };
         let time = |i: usize| if i == 0 { 0.0 } else { second };
         let impacts = self.word.iter().enumerate();
         let site = self.word.first().map_or(0, |impact| impact.0);
@@ -354,7 +442,7 @@ impl Branch {
             family: self.origin.family(),
             force_periods: periods,
             psi: psi.rem_euclid(model.period()),
-            impacts: impacts.map(|(i, &(site, barrier))| (site, barrier, time(i), impulse(i))).collect(),
+            impacts: impacts.map(|(i, &(site, barrier))| (site, barrier, time(i), full[i])).collect(),
             sources: smallvec![Source { site, net_impulse: displacement * response.static_stiffness() }],
             uniform_offset: displacement * response.uniform_share(),
         };
@@ -367,10 +455,6 @@ impl Branch {
         let (orbit, displacement) = self.assemble(z)?;
         let (n, mut rows) = (self.layout.impacts, [0.0; WIDTH]);
         let (response, motion) = (&self.finder.response, &mut self.finder.motion);
-        if self.symmetric {
-            (rows[0], rows[1]) = orbit.violation(0, motion);
-            return Ok((orbit, rows));
-        }
         for i in 0..n {
             let (position, newton) = orbit.violation(i, motion);
             rows[i] = position;
@@ -380,39 +464,19 @@ impl Branch {
         }
         let net: f64 = orbit.impacts().iter().map(|impact| impact.impulse).sum();
         rows[n] = net - response.static_stiffness() * displacement;
-        Ok((orbit, rows))
+        Ok((orbit, self.reduction.rows(&rows)))
     }
 
     fn evaluate(&mut self, z: &Vector) -> Result<Evaluation, BranchError> {
         let (orbit, rows) = self.rows(z)?;
         let system = Terms::new(&orbit, &self.finder.response).system().ok_or(BranchError::Word)?;
-        let (n, m) = (self.layout.impacts, self.size);
-        let mut matrix = [[0.0; WIDTH]; WIDTH];
         let mut full = [[0.0; WIDTH]; WIDTH];
-        let of_impulses = self.units[0];
-        let of_time = self.origin.model().period() / std::f64::consts::TAU;
         for i in 0..system.layout.size {
             for j in 0..system.layout.size {
-                let is_time = Some(j) == system.layout.time || Some(j) == system.layout.psi;
-                let unit = if j < n {
-                    of_impulses
-                } else if is_time {
-                    of_time
-                } else {
-                    1.0
-                };
-                full[i][j] = system.matrix[i][j] * unit;
+                full[i][j] = system.matrix[i][j] * self.full_units[j];
             }
         }
-        if self.symmetric {
-            // Rows and columns of the first impact; the second's impulse is the opposite one.
-            for (i, row) in [0, n + 1].into_iter().enumerate() {
-                let psi = self.layout.psi.map_or(0.0, |psi| full[row][psi]);
-                (matrix[i][0], matrix[i][1]) = (full[row][0] - full[row][1], psi);
-            }
-        } else {
-            matrix[..m].copy_from_slice(&full[..m]);
-        }
+        let matrix = self.reduction.matrix(&full);
         let full_determinant = determinant(&full, system.layout.size);
         Ok(Evaluation { orbit, rows, matrix, full_determinant })
     }
@@ -529,18 +593,7 @@ impl Branch {
                 full[n + 1 + i] = unit * newton;
             }
         }
-        if self.symmetric {
-            return std::array::from_fn(|i| {
-                if i == 0 {
-                    full[0]
-                } else if i == 1 {
-                    full[n + 1]
-                } else {
-                    0.0
-                }
-            });
-        }
         full[n] = 2.0 * unit * (response.static_stiffness() * displacement).abs();
-        full
+        self.reduction.rows(&full)
     }
 }

@@ -267,7 +267,8 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
 }
 
 fn located_text(out: &mut String, name: &str, found: &Located) {
-    let _ = writeln!(out, "\n{name} = {} ± {:.0e}", Number(found.value), found.error);
+    let error = if found.error.is_finite() { format!("± {:.0e}", found.error) } else { "(error unknown)".to_owned() };
+    let _ = writeln!(out, "\n{name} = {} {error}", Number(found.value));
     let _ = match found.sign {
         Sign::Multiplier(mu) if mu.im == 0.0 => writeln!(out, "  multiplier {}", mu.re),
         Sign::Multiplier(mu) => writeln!(out, "  multiplier {} ± {}i", mu.re, mu.im.abs()),

@@ -25,6 +25,9 @@ const SHORTEST: f64 = 1e-9;
 /// An orbit whose impulses have grown by this factor is on its way to infinity.
 const UNBOUNDED: f64 = 1e4;
 
+/// A branch that is lost this near to a resonance, as a part of the range, ends there.
+const NEAR: f64 = 1e-3;
+
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
 
@@ -153,23 +156,30 @@ impl Follower {
                 Err(error) => {
                     length *= 0.25;
                     if length < SHORTEST {
-                        return Ok((point.value(), End::Lost(error)));
+                        // Right before a resonance there is no next point that could tell.
+                        let near = if upwards { NEAR } else { -NEAR } * (self.search.to - self.search.from);
+                        return Ok(match self.branch.resonance_within(point.value(), point.value() + near) {
+                            Some((value, resonance)) => (value, End::Resonance(resonance)),
+                            None => (point.value(), End::Lost(error)),
+                        });
                     }
                     continue;
                 }
             };
-            if let Some((value, resonance)) = self.branch.resonance_between(&point, &next) {
+            if let Some((value, resonance)) = self.branch.resonance_within(point.value(), next.value()) {
                 return Ok((value, End::Resonance(resonance)));
             }
             if next.heading() * point.heading() <= 0.0 {
-                return self.turn(&point, &seen, &next, located);
+                return stopped(point.value(), self.turn(&point, &seen, &next, located));
             }
-            let next_seen = match self.look(&next) {
-                Ok(seen) => seen,
-                Err(LocateError::Floquet(error)) => return Ok((point.value(), End::Unwatched(error))),
-                Err(error) => return Err(error),
+            let watched = self.look(&next).and_then(|next_seen| {
+                self.all_between((&point, &seen), (&next, &next_seen), located)?;
+                Ok(next_seen)
+            });
+            let next_seen = match watched {
+                Ok(next_seen) => next_seen,
+                Err(error) => return stopped(point.value(), Err(error)),
             };
-            self.all_between((&point, &seen), (&next, &next_seen), located)?;
             (point, seen) = (next, next_seen);
             if last {
                 return Ok((limit, End::Range));
@@ -221,18 +231,33 @@ impl Follower {
             located.extend(found);
             return Ok((value, End::Pitchfork));
         }
-        let fold = self.branch.fold(point)?;
+        let fold = self.fold(point, next)?;
         if self.search.event == Event::Fold {
             let sign = self.nearest_to(&fold, Complex::new(1.0, 0.0))?;
             let error = fold.parameter_error() + 2.0 * f64::EPSILON * fold.value().abs();
             let found = self.describe(&fold, error, sign)?;
             located.push(found);
-        } else {
-            // An event may lie before it.
+        } else if self.search.event != Event::Pitchfork || shift_of(Event::Pitchfork, point.orbit()).is_some() {
+            // An event may lie before it; not a pitchfork of the equations, whose determinant vanishes at the fold itself.
             let at_fold = self.look(&fold)?;
             self.all_between((point, seen), (&fold, &at_fold), located)?;
         }
         Ok((fold.value(), End::Fold { error: fold.parameter_error() }))
+    }
+
+    /// The fold between two points: by its equations from the end that leads there, or from where the heading vanishes.
+    fn fold(&mut self, point: &BranchPoint, next: &BranchPoint) -> Result<BranchPoint, LocateError> {
+        let inside = |value: f64| (value - point.value()).abs() <= 0.5 * (self.search.to - self.search.from);
+        for start in [point, next] {
+            if let Some(fold) = self.branch.fold(start).ok().filter(|fold| inside(fold.value())) {
+                return Ok(fold);
+            }
+        }
+        let length = self.branch.length_between(point, next);
+        let branch = &mut self.branch;
+        let heading = |s: f64| branch.step(point, s).map(|there| there.heading());
+        let s = zero((0.0, point.heading()), (length, next.heading()), length, heading)?;
+        Ok(self.branch.step(point, s)?)
     }
 
     /// The pitchfork on the symmetric branch that asymmetric orbits meet between two points.
@@ -529,7 +554,8 @@ impl Follower {
         let mut samples = Vec::new();
         for k in -SAMPLES..=SAMPLES {
             let at = s + f64::from(k) * SAMPLE_STEP;
-            let sample = self.branch.step(point, at)?;
+            // Past the end of the parameter's range there are none.
+            let Ok(sample) = self.branch.step(point, at) else { continue };
             samples.push((at - s, self.value(test, &sample, at)?, sample.value()));
         }
         let reach = 1e-3 * length;
@@ -537,8 +563,11 @@ impl Follower {
             let sample = self.branch.step(point, at)?;
             Ok((self.value(test, &sample, at)?, sample.value()))
         };
-        let (low, high) = (side(s - reach)?, side(s + reach)?);
-        let (slope, pace) = ((high.0 - low.0) / (2.0 * reach), (high.1 - low.1) / (2.0 * reach));
+        // One-sided next to such an end.
+        let (below, above) = (side(s - reach), side(s + reach));
+        let (from, to) = (if below.is_ok() { s - reach } else { s }, if above.is_ok() { s + reach } else { s });
+        let (low, high) = (below.or_else(|_| side(s))?, above.or_else(|_| side(s))?);
+        let (slope, pace) = ((high.0 - low.0) / (to - from), (high.1 - low.1) / (to - from));
         // Departures from the straight line through their mean.
         let scatter = |of: fn(&(f64, f64, f64)) -> f64, slope: f64| {
             let rests: Vec<f64> = samples.iter().map(|sample| of(sample) - slope * sample.0).collect();
@@ -605,6 +634,15 @@ impl Follower {
         }
         verdicts.sort_by(|a, b| a.0.total_cmp(&b.0));
         verdicts
+    }
+}
+
+/// A failure on the way ends the way, it does not undo what was found before.
+fn stopped(value: f64, result: Result<(f64, End), LocateError>) -> Result<(f64, End), LocateError> {
+    match result {
+        Err(LocateError::Branch(error)) => Ok((value, End::Lost(error))),
+        Err(LocateError::Floquet(error)) => Ok((value, End::Unwatched(error))),
+        other => other,
     }
 }
 
