@@ -70,6 +70,19 @@ pub struct Admissibility {
     pub margin: Option<f64>,
     /// What is in the way, if anything.
     pub obstruction: Option<Obstruction>,
+    /// Where that smallest distance is.
+    pub closest: Option<Approach>,
+}
+
+/// Where and when a mass comes closest to a barrier.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Approach {
+    /// The mass.
+    pub site: usize,
+    /// The barrier.
+    pub barrier: Barrier,
+    /// When, within the period.
+    pub time: f64,
 }
 
 impl Admissibility {
@@ -149,7 +162,7 @@ impl Watch {
         {
             let (site, time, velocity_before) = (wrong.site, wrong.time, wrong.velocity_before);
             let obstruction = Obstruction::WrongSign { impact, site, time, velocity_before };
-            return Ok(Admissibility { margin: None, obstruction: Some(obstruction) });
+            return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
         }
         let model = orbit.model();
         let a = model.asymmetry();
@@ -216,13 +229,14 @@ impl Watch {
                 }
             }
         }
-        let obstruction = (closest.distance <= 0.0).then_some(Obstruction::Crossing {
-            site: closest.site,
-            barrier: closest.barrier,
-            time: closest.time.rem_euclid(orbit.period()),
-            excess: -closest.distance,
-        });
-        Ok(Admissibility { margin: closest.distance.is_finite().then_some(closest.distance), obstruction })
+        let (site, barrier, time) = (closest.site, closest.barrier, closest.time.rem_euclid(orbit.period()));
+        let crossing = Obstruction::Crossing { site, barrier, time, excess: -closest.distance };
+        let found = closest.distance.is_finite();
+        Ok(Admissibility {
+            margin: found.then_some(closest.distance),
+            obstruction: (closest.distance <= 0.0).then_some(crossing),
+            closest: found.then_some(Approach { site, barrier, time }),
+        })
     }
 }
 

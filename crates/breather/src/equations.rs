@@ -43,7 +43,7 @@ pub(crate) struct Layout {
 /// The Jacobian and its inverse.
 pub(crate) struct System {
     pub(crate) layout: Layout,
-    matrix: [Column; MOST],
+    pub(crate) matrix: [Column; MOST],
     inverse: [Column; MOST],
     /// Natural sizes of the unknowns.
     units: Column,

@@ -44,9 +44,9 @@ pub struct Found {
 #[derive(Debug, Clone)]
 pub struct Finder {
     spectrum: Option<Spectrum>,
-    response: ImpulseResponse,
+    pub(crate) response: ImpulseResponse,
     current: Option<f64>,
-    motion: Motion,
+    pub(crate) motion: Motion,
     zeros: Zeros,
     watch: Watch,
 }
@@ -66,7 +66,7 @@ impl Finder {
     }
 
     /// Spectrum and impulse response of the model's chain for impulses of frequency `omega`.
-    fn prepare(&mut self, model: &Model, omega: f64) -> Result<(), BreatherError> {
+    pub(crate) fn prepare(&mut self, model: &Model, omega: f64) -> Result<(), BreatherError> {
         let chain = *model.chain();
         match &mut self.spectrum {
             Some(spectrum) if *spectrum.chain() == chain => {}

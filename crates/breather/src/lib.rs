@@ -15,6 +15,7 @@
 //! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `equations`, `polish` | the orbit's equations linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
+//! | `branch`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
@@ -35,6 +36,8 @@
 //! ```
 
 mod admissibility;
+mod bordered;
+mod branch;
 mod condition;
 mod conservative;
 mod enclosure;
@@ -50,7 +53,8 @@ mod roots;
 mod two_impacts;
 mod window;
 
-pub use admissibility::{Admissibility, Obstruction, admissibility};
+pub use admissibility::{Admissibility, Approach, Obstruction, admissibility};
+pub use branch::{Branch, BranchError, BranchPoint};
 pub use condition::{Condition, ImpactError};
 pub use error::{BreatherError, NoBreather};
 pub use finder::{Finder, Found, breathers, condition};

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::parameter::Parameter;
+
 /// Existence and stability of breathers in vibro-impact chains.
 #[derive(Debug, Parser)]
 #[command(
@@ -25,6 +27,8 @@ pub enum Command {
     Sweep(SweepArgs),
     /// All breathers of a family at one point, with their stability.
     Orbit(OrbitArgs),
+    /// Where a breather bifurcates or grazes as one parameter varies, to twelve digits.
+    Locate(LocateArgs),
     /// Simulate event by event, from a breather or from any state.
     Simulate(SimulateArgs),
     /// Print the table of closed forms against simulation (docs/validation.md).
@@ -126,6 +130,84 @@ pub struct OrbitArgs {
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
+}
+
+/// Events of `mapgen locate`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EventName {
+    /// A mass touches a barrier from inside, or an impact loses its velocity.
+    Grazing,
+    /// A multiplier meets +1 and the branch goes on.
+    Pitchfork,
+    /// A multiplier meets −1.
+    PeriodDoubling,
+    /// A complex pair of multipliers crosses the circle; without loss, two pairs collide on it.
+    NeimarkSacker,
+    /// The branch turns back.
+    Fold,
+}
+
+/// Parameters that `mapgen locate` can free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FreeName {
+    /// γ₁
+    Gamma1,
+    /// γ₂
+    Gamma2,
+    /// ω
+    Omega,
+    /// a
+    Asymmetry,
+    /// A
+    Amplitude,
+    /// e
+    Restitution,
+}
+
+impl From<FreeName> for Parameter {
+    fn from(name: FreeName) -> Self {
+        match name {
+            FreeName::Gamma1 => Self::Gamma1,
+            FreeName::Gamma2 => Self::Gamma2,
+            FreeName::Omega => Self::Omega,
+            FreeName::Asymmetry => Self::Asymmetry,
+            FreeName::Amplitude => Self::Amplitude,
+            FreeName::Restitution => Self::Restitution,
+        }
+    }
+}
+
+/// Arguments of `mapgen locate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both ways,
+to the ends of the range or its own; every event on it is an answer, and so is that there is none."
+)]
+pub struct LocateArgs {
+    /// What to look for.
+    #[arg(long, value_enum)]
+    pub event: EventName,
+    /// The parameter that varies.
+    #[arg(long, value_enum)]
+    pub free: FreeName,
+    /// Least value of the free parameter [default: half its start; asymmetry 0, restitution 0.05].
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub from: Option<f64>,
+    /// Largest value of the free parameter [default: twice its start; asymmetry 0.99, restitution 1].
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub to: Option<f64>,
+    /// Family of breathers.
+    #[arg(long, value_enum)]
+    pub family: FamilyName,
+    /// Which of several solutions to start from, numbered as `mapgen orbit` lists them [default: the first physical one].
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    pub solution: Option<usize>,
+    /// The model.
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Direction of a perturbation.

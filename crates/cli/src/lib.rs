@@ -10,7 +10,7 @@
 //! | `table`, `manifest`, `output` | the files a sweep writes |
 //! | `plot` | pictures (feature `plot`) |
 //! | `start`, `recording` | where a simulation starts, what it leaves behind |
-//! | `sweep_command`, `orbit_command`, `simulate_command`, `validate_command` | the subcommands |
+//! | `sweep_command`, `orbit_command`, `locate_command`, `simulate_command`, `validate_command` | the subcommands |
 
 #[cfg(feature = "accuracy")]
 pub mod accuracy;
@@ -18,6 +18,7 @@ pub mod args;
 pub mod cell;
 pub mod console;
 pub mod error;
+pub mod locate_command;
 pub mod manifest;
 pub mod orbit_command;
 pub mod output;

@@ -1,70 +1,7 @@
-//! The parameters of the model by name, and points of the parameter space.
+//! Points of the parameter space.
 
+pub use vibrochain_lattice::Parameter;
 use vibrochain_lattice::{Chain, Model, ParameterError};
-
-/// A real parameter of the model, which a sweep can vary.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Parameter {
-    /// γ₁
-    Gamma1,
-    /// γ₂
-    Gamma2,
-    /// ω
-    Omega,
-    /// a
-    Asymmetry,
-    /// A
-    Amplitude,
-    /// e
-    Restitution,
-}
-
-impl Parameter {
-    /// All of them, in the order of tables.
-    pub const ALL: [Self; 6] =
-        [Self::Gamma1, Self::Gamma2, Self::Omega, Self::Asymmetry, Self::Amplitude, Self::Restitution];
-
-    /// The name in scenes, flags and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Gamma1 => "gamma1",
-            Self::Gamma2 => "gamma2",
-            Self::Omega => "omega",
-            Self::Asymmetry => "asymmetry",
-            Self::Amplitude => "amplitude",
-            Self::Restitution => "restitution",
-        }
-    }
-
-    /// The letter on pictures.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Gamma1 => "γ₁",
-            Self::Gamma2 => "γ₂",
-            Self::Omega => "ω",
-            Self::Asymmetry => "a",
-            Self::Amplitude => "A",
-            Self::Restitution => "e",
-        }
-    }
-
-    /// What it is, on the axes of pictures.
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Gamma1 => "on-site stiffness",
-            Self::Gamma2 => "coupling stiffness",
-            Self::Omega => "frequency",
-            Self::Asymmetry => "asymmetry",
-            Self::Amplitude => "force amplitude",
-            Self::Restitution => "restitution",
-        }
-    }
-
-    /// The parameter of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|parameter| parameter.name() == name)
-    }
-}
 
 /// A point of the parameter space, not yet checked.
 #[derive(Debug, Clone, Copy, PartialEq)]

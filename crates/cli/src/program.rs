@@ -7,7 +7,7 @@ use clap::Parser;
 use crate::args::{Cli, Command};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::{orbit_command, simulate_command, sweep_command, validate_command};
+use crate::{locate_command, orbit_command, simulate_command, sweep_command, validate_command};
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
 ///
@@ -29,6 +29,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
     match &Cli::try_parse_from(arguments)?.command {
         Command::Sweep(args) => sweep_command::run(args, console),
         Command::Orbit(args) => orbit_command::run(args, console),
+        Command::Locate(args) => locate_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
         Command::Validate(args) => validate_command::run(args, console),
         #[cfg(feature = "accuracy")]

@@ -221,6 +221,11 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             Ok(_) => Plan::Parameters,
             Err(_) => Plan::Whole,
         },
+        // Hundreds of orbits.
+        Ok(Command::Locate(args)) => match model(&args.model) {
+            Ok(model) => of(100.0 * model.chain().sites() as f64 * windows(&model), Plan::Parameters),
+            Err(_) => Plan::Whole,
+        },
         Ok(Command::Simulate(args)) => {
             let Ok(model) = model(&args.model) else { return Plan::Whole };
             let sites = model.chain().sites() as f64;

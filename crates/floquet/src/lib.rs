@@ -13,6 +13,7 @@
 //! | `analyser` | [`stability`], [`Analyser`]: the path that fits an orbit |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
 //! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
+//! | `locate` | [`locate()`]: bifurcations and grazing in one parameter |
 //! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`] |
 //!
 //! Multipliers are per period of the orbit (two periods of the force for a doubled one). Dimensionless throughout.
@@ -38,6 +39,7 @@ mod eigen;
 mod eigenvectors;
 mod error;
 mod judge;
+mod locate;
 mod monodromy;
 mod multipliers;
 mod reversible;
@@ -49,6 +51,7 @@ pub use analyser::{Analyser, Stability, stability};
 pub use eigen::eigenvalues;
 pub use eigenvectors::{FloquetMode, leading_modes};
 pub use error::FloquetError;
+pub use locate::{Answer, End, Event, HandedOver, Handover, LocateError, Located, Search, Sign, locate};
 pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use multipliers::{odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;

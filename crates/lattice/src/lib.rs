@@ -20,6 +20,7 @@
 //! |---|---|
 //! | `params` | [`Chain`], [`Model`], [`Barrier`]: validated parameters |
 //! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
+//! | `parameter` | [`Parameter`]: the real ones by name, to be varied |
 //! | `ring` | [`RingCosines`]: cos(2πj/M) to the last digit |
 //! | `impulse` | [`ImpulseResponse`]: the periodic impulse response K_n(t) in closed form |
 //! | `sensitivity` | condition of the impulse response |
@@ -41,6 +42,7 @@
 mod decay;
 mod error;
 mod impulse;
+mod parameter;
 mod params;
 mod propagator;
 mod ring;
@@ -51,6 +53,7 @@ mod spectrum;
 pub use decay::{Decay, decay, far_field, harmonic_response};
 pub use error::{LatticeError, ParameterError, Resonance};
 pub use impulse::{ImpulseResponse, KernelJet};
+pub use parameter::Parameter;
 pub use params::{Barrier, Chain, MAX_MAGNITUDE, MAX_SITES, Model};
 pub use propagator::Propagator;
 pub use ring::RingCosines;

@@ -1,0 +1,172 @@
+//! All forced orbits with two impacts against a brute-force scan over φ, which shares no formula with the search: kernels
+//! by direct sums, the four conditions at the impacts solved for the impulses by hand, both branches of ψ, changes of sign.
+//!
+//! Conditions, with χ₁, χ₂, χ₃ of the paper and G₀, G₁ the forced motion at the two impacts (Ġ likewise):
+//!
+//! ```text
+//! double-sided    p₂χ₂ − p₁χ₁ + G₀ = a+1     p₂χ₁ − p₁χ₂ + G₁ = a−1     p₁χ₃ + qp₂ = Ġ₀     qp₁ − χ₃p₂ = −Ġ₁
+//! period-doubled  −p₂χ₂ − p₁χ₁ + G₀ = a−1    −p₂χ₁ − p₁χ₂ + G₁ = a−1    p₁χ₃ − qp₂ = Ġ₀     qp₁ + χ₃p₂ = −Ġ₁
+//! ```
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::f64::consts::TAU;
+
+use vibrochain_breather::{Family, breathers};
+use vibrochain_lattice::{Chain, Model};
+
+/// One parameter point: what the conditions need.
+struct Problem {
+    model: Model,
+    doubled: bool,
+    period: f64,
+    /// Ω, b²/(Ω sin(ΩT/2))
+    modes: Vec<(f64, f64)>,
+    force: f64,
+    chi2: f64,
+}
+
+/// What is left of the last condition on both branches of ψ, where they exist.
+type Branches = [Option<f64>; 2];
+
+impl Problem {
+    fn new(model: Model, doubled: bool) -> Self {
+        let m = model.chain().sites();
+        let (g1, g2, w) = (model.chain().gamma1(), model.chain().gamma2(), model.omega());
+        let period = if doubled { 2.0 * TAU / w } else { TAU / w };
+        // The whole ring, each mode with weight 1/M; modes k and M − k agree.
+        let mode = |k: usize| {
+            let f = (g1 + 4.0 * g2 * (std::f64::consts::PI * k as f64 / m as f64).sin().powi(2)).sqrt();
+            let share = if k == 0 || 2 * k == m { 1.0 } else { 2.0 };
+            (f, share / (m as f64 * f * (0.5 * f * period).sin()))
+        };
+        let modes: Vec<_> = (0..=m / 2).map(mode).collect();
+        let chi2 = -modes.iter().map(|(f, weight)| weight * (0.5 * f * period).cos()).sum::<f64>();
+        Self { model, doubled, period, modes, force: model.amplitude() / (g1 - w * w), chi2 }
+    }
+
+    /// From the cosines and sines of Ω_k(φ − T/2).
+    fn branches(&self, phi: f64, waves: impl Iterator<Item = (f64, f64)>) -> Branches {
+        let (q, w, a) = (self.model.loss(), self.model.omega(), self.model.asymmetry());
+        let (mut chi1, mut chi3) = (0.0, 0.0);
+        for ((f, weight), (cos, sin)) in self.modes.iter().zip(waves) {
+            chi1 -= weight * cos;
+            chi3 -= weight * f * sin;
+        }
+        let norm = q * q + chi3 * chi3;
+        let (sin, cos) = (w * phi).sin_cos();
+        // Difference and mean of the two positions for given cos ωψ, sin ωψ: linear.
+        let positions = |x: f64, y: f64| {
+            let (g0, v0) = (self.force * x, -self.force * w * y);
+            let (g1, v1) = (self.force * (x * cos - y * sin), -self.force * w * (y * cos + x * sin));
+            let (p1, p2, sign) = if self.doubled {
+                ((chi3 * v0 - q * v1) / norm, -(chi3 * v1 + q * v0) / norm, -1.0)
+            } else {
+                ((chi3 * v0 - q * v1) / norm, (q * v0 + chi3 * v1) / norm, 1.0)
+            };
+            let first = sign * p2 * self.chi2 - p1 * chi1 + g0;
+            let second = sign * p2 * chi1 - p1 * self.chi2 + g1;
+            (first - second, 0.5 * (first + second))
+        };
+        let ((dc, mc), (ds, ms)) = (positions(1.0, 0.0), positions(0.0, 1.0));
+        let (difference, mean) = if self.doubled { (0.0, a - 1.0) } else { (2.0, a) };
+        let opening = (difference / dc.hypot(ds)).acos();
+        [1.0, -1.0].map(|branch| {
+            let theta = ds.atan2(dc) + branch * opening;
+            let rest = mc * theta.cos() + ms * theta.sin() - mean;
+            rest.is_finite().then_some(rest)
+        })
+    }
+
+    fn at(&self, phi: f64) -> Branches {
+        let offset = phi - 0.5 * self.period;
+        self.branches(phi, self.modes.iter().map(|(f, _)| ((f * offset).cos(), (f * offset).sin())))
+    }
+
+    /// All changes of sign among `points` values of φ that lead to a zero.
+    fn scan(&self, points: usize) -> Vec<f64> {
+        let (from, to) = if self.doubled { (0.5 * self.period, self.period) } else { (0.0, self.period) };
+        let step = (to - from) / points as f64;
+        let phi = |i: usize| from + (i as f64 + 0.5) * step;
+        let mut zeros = Vec::new();
+        // Turned from point to point, set anew before rounding adds up.
+        let mut waves: Vec<(f64, f64)> = Vec::new();
+        let turns: Vec<(f64, f64)> = self.modes.iter().map(|(f, _)| ((f * step).cos(), (f * step).sin())).collect();
+        let mut previous: Branches = [None, None];
+        for i in 0..points {
+            if i % 512 == 0 {
+                let offset = phi(i) - 0.5 * self.period;
+                waves = self.modes.iter().map(|(f, _)| ((f * offset).cos(), (f * offset).sin())).collect();
+            } else {
+                for (wave, turn) in waves.iter_mut().zip(&turns) {
+                    *wave = (wave.0 * turn.0 - wave.1 * turn.1, wave.1 * turn.0 + wave.0 * turn.1);
+                }
+            }
+            let here = self.branches(phi(i), waves.iter().copied());
+            for branch in 0..2 {
+                if let (Some(a), Some(b)) = (previous[branch], here[branch])
+                    && (a < 0.0) != (b < 0.0)
+                {
+                    zeros.extend(self.settle(branch, phi(i - 1), phi(i)));
+                }
+            }
+            previous = here;
+        }
+        zeros
+    }
+
+    /// Bisection; a jump or a pole is no zero.
+    fn settle(&self, branch: usize, mut low: f64, mut high: f64) -> Option<f64> {
+        let (first, last) = (self.at(low)[branch]?, self.at(high)[branch]?);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if (self.at(middle)[branch]? < 0.0) == (first < 0.0) { low = middle } else { high = middle }
+        }
+        // A continuous function shrinks with the interval.
+        let rest = self.at(low)[branch]?.abs().max(self.at(high)[branch]?.abs());
+        (rest < 1e-8 && rest < 1e-2 * first.abs().max(last.abs())).then_some(0.5 * (low + high))
+    }
+}
+
+/// Compares the search with the scan at `sets` random parameter points; returns how many orbits were compared.
+fn compare(sets: usize, points: usize, seed: u64) -> usize {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut compared = 0;
+    for set in 0..sets {
+        let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
+        let (g1, g2, omega) = (between(0.02, 1.0), between(0.0, 0.5), between(0.25, 3.0));
+        let (asymmetry, amplitude, restitution) = (between(0.0, 0.95), between(0.01, 2.0), between(0.2, 1.0));
+        let chain = Chain::new(1 + random.usize(0..24), g1, g2).unwrap();
+        let model = Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap();
+        for (family, doubled) in [(Family::DoubleSided, false), (Family::PeriodDoubled, true)] {
+            let found = breathers(&model, family).unwrap();
+            assert_eq!((found.exhausted, found.unresolved), (0, 0), "{set} {model:?}");
+            let problem = Problem::new(model, doubled);
+            let phis: Vec<f64> = found.orbits.iter().filter_map(|orbit| orbit.phi()).collect();
+            for zero in problem.scan(points) {
+                // The doubled orbit that is no doubled one: both impacts alike, half a period apart.
+                if doubled && zero - 0.5 * problem.period < 1e-6 * problem.period {
+                    continue;
+                }
+                compared += 1;
+                let nearest = phis.iter().map(|phi| (phi - zero).abs()).fold(f64::INFINITY, f64::min);
+                let there = nearest < 1e-7 * problem.period;
+                assert!(there, "set {set}, {family:?}: φ = {zero} is missing among {phis:?}; {model:?}");
+            }
+        }
+    }
+    compared
+}
+
+#[test]
+fn no_orbit_of_a_scan_is_missing() {
+    let compared = compare(20, 20_000, 1);
+    assert!(compared > 40, "{compared}");
+}
+
+#[test]
+#[ignore = "2·10⁶ values of φ at 200 random points: minutes"]
+fn no_orbit_of_a_fine_scan_is_missing() {
+    let compared = compare(200, 2_000_000, 2);
+    println!("{compared} orbits compared");
+    assert!(compared > 400, "{compared}");
+}

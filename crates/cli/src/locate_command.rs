@@ -1,0 +1,320 @@
+//! `mapgen locate`: where a breather bifurcates or grazes as one parameter varies.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_breather::{Finder, Found, Orbit};
+use vibrochain_floquet::{
+    Answer, End, Event, HandedOver, LocateError, Located, Mechanism, Search, Sign, Verdict, locate,
+};
+use vibrochain_lattice::{Model, Parameter};
+
+use crate::args::{EventName, LocateArgs};
+use crate::console::Console;
+use crate::error::CliError;
+use crate::orbit_command::{family, model};
+use crate::output::Number;
+
+fn event(name: EventName) -> Event {
+    match name {
+        EventName::Grazing => Event::Grazing,
+        EventName::Pitchfork => Event::Pitchfork,
+        EventName::PeriodDoubling => Event::PeriodDoubling,
+        EventName::NeimarkSacker => Event::NeimarkSacker,
+        EventName::Fold => Event::Fold,
+    }
+}
+
+/// The orbit to start from, its number among all solutions, and theirs.
+struct Start {
+    orbit: Orbit,
+    number: usize,
+    count: usize,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let model = model(&args.model)?;
+    let free = Parameter::from(args.free);
+    let start = start(args, &model)?;
+    let mut search = Search::new(&start.orbit, event(args.event), free);
+    search.from = args.from.unwrap_or(search.from);
+    search.to = args.to.unwrap_or(search.to);
+    let answer = locate(&start.orbit, &search).map_err(|error| match error {
+        LocateError::Range { .. } | LocateError::NoForce { .. } => CliError::Request(error.to_string()),
+        _ => CliError::Computation(error.to_string()),
+    })?;
+    let text = if args.json {
+        format!("{:#}\n", as_json(&start, &search, &answer))
+    } else {
+        as_text(&start, &search, &answer)
+    };
+    console.print(&text)
+}
+
+/// The solution asked for, physical or not; otherwise the first physical one.
+fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
+    let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
+    for (flag, value) in [("--from", args.from), ("--to", args.to)] {
+        let Some(value) = value else { continue };
+        // In the range of the parameter, told before any work.
+        model.with(Parameter::from(args.free), value).map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
+    }
+    let mut finder = Finder::new(model.chain().sites());
+    let mut found = Found::default();
+    finder.find(model, family(args.family), &mut found).map_err(|error| computation(&error))?;
+    let count = found.orbits.len();
+    if let Some(reason) = found.none {
+        return Err(CliError::Computation(format!("no orbit to start from: {reason}")));
+    }
+    if let Some(number) = args.solution.filter(|&number| number == 0 || number > count) {
+        let message = format!("--solution {number} is out of range: there are {count}, give 1 to {count}");
+        return Err(CliError::Request(message));
+    }
+    for (i, orbit) in found.orbits.into_iter().enumerate() {
+        let wanted = match args.solution {
+            Some(number) => number == i + 1,
+            None => finder.admissibility(&orbit).map_err(|error| computation(&error))?.is_physical(),
+        };
+        if wanted {
+            return Ok(Start { orbit, number: i + 1, count });
+        }
+    }
+    Err(CliError::Computation(format!(
+        "none of the {count} orbits is physical; --solution K starts from one that is not, `mapgen orbit` lists them"
+    )))
+}
+
+fn point_json(model: &Model) -> Value {
+    let mut point = json!({ "sites": model.chain().sites() });
+    for parameter in Parameter::ALL {
+        point[parameter.name()] = model.get(parameter).into();
+    }
+    point
+}
+
+fn orbit_json(orbit: &Orbit) -> Value {
+    let impacts: Vec<Value> = orbit
+        .impacts()
+        .iter()
+        .map(|impact| {
+            json!({
+                "site": impact.site,
+                "barrier": impact.barrier.name(),
+                "time": impact.time,
+                "impulse": impact.impulse,
+                "velocity_before": impact.velocity_before,
+                "velocity_after": impact.velocity_after,
+            })
+        })
+        .collect();
+    json!({
+        "family": orbit.family().name(),
+        "period": orbit.period(),
+        "phi": orbit.phi(),
+        "psi": orbit.psi(),
+        "impacts": impacts,
+        "residual": orbit.residual(),
+    })
+}
+
+fn verdict_json(verdict: &Verdict) -> Value {
+    json!({
+        "stable": verdict.stable,
+        "marginal": verdict.marginal,
+        "mechanism": verdict.mechanism.map(Mechanism::name),
+        "spectral_radius": verdict.spectral_radius,
+        "leading": [verdict.leading.re, verdict.leading.im],
+    })
+}
+
+fn sign_json(sign: &Sign) -> Value {
+    match sign {
+        Sign::Multiplier(multiplier) => json!({ "multiplier": [multiplier.re, multiplier.im] }),
+        Sign::Touch(touch) => json!({ "site": touch.site, "barrier": touch.barrier.name(), "time": touch.time }),
+        Sign::Impact(impact) => json!({ "impact": impact }),
+    }
+}
+
+fn located_json(found: &Located) -> Value {
+    let sides: Vec<Value> = found
+        .verdicts
+        .iter()
+        .map(|(value, verdict)| json!({ "value": value, "stability": verdict_json(verdict) }))
+        .collect();
+    let branching = found.handover.as_ref().map(|handover| {
+        let orbits: Vec<Value> = handover
+            .orbits
+            .iter()
+            .map(|branched| {
+                let mut value = orbit_json(&branched.orbit);
+                value["physical"] = branched.physical.into();
+                value["stability"] = branched.verdict.as_ref().map_or(Value::Null, verdict_json);
+                value
+            })
+            .collect();
+        json!({ "value": handover.value, "side": side(handover.above), "orbits": orbits })
+    });
+    json!({
+        "value": found.value,
+        "error": found.error.is_finite().then_some(found.error),
+        "sign": sign_json(&found.sign),
+        "physical": found.physical,
+        "orbit": orbit_json(&found.orbit),
+        "sides": sides,
+        "branching": branching,
+        "evaluations": found.evaluations,
+    })
+}
+
+fn side(above: bool) -> &'static str {
+    if above { "above" } else { "below" }
+}
+
+fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
+    let ends: Vec<Value> = answer
+        .ends
+        .iter()
+        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": message(search, *value, end) }))
+        .collect();
+    json!({
+        "event": search.event.name(),
+        "free": search.free.name(),
+        "parameters": point_json(start.orbit.model()),
+        "family": start.orbit.family().name(),
+        "solution": start.number,
+        "range": [search.from, search.to],
+        "points": answer.located.iter().map(located_json).collect::<Vec<_>>(),
+        "ends": ends,
+        "evaluations": answer.evaluations,
+        "spectra": answer.spectra,
+    })
+}
+
+/// One word for an end.
+fn reason(end: &End) -> &'static str {
+    match end {
+        End::Range => "range",
+        End::Fold { .. } => "fold",
+        End::Pitchfork => "symmetric",
+        End::Resonance(_) => "resonance",
+        End::Unbounded => "unbounded",
+        End::Lost(_) => "lost",
+        End::Unwatched(_) => "unwatched",
+    }
+}
+
+/// How the way in one direction ended, as a sentence.
+fn message(search: &Search, value: f64, end: &End) -> String {
+    let here = format!("{} = {}", search.free.name(), Number(value));
+    match end {
+        End::Range => format!("searched to {here}"),
+        End::Fold { error } => format!("the branch ends in a fold at {here} ± {error:.0e}"),
+        End::Pitchfork => format!("the branch ends at {here}, where it meets its own mirror image"),
+        End::Resonance(resonance) => {
+            format!("resonance at {here}: harmonic {} meets mode {}", resonance.harmonic, resonance.mode)
+        }
+        End::Unbounded => format!("the impulses grow without bound towards {here}"),
+        End::Lost(error) => format!("the branch was lost at {here}: {error}"),
+        End::Unwatched(error) => format!("stopped at {here}: {error}"),
+    }
+}
+
+fn stability_text(verdict: &Verdict) -> String {
+    let how = match verdict.mechanism {
+        Some(mechanism) => format!("unstable ({})", mechanism.name()),
+        None if verdict.marginal => "marginal".to_owned(),
+        None => "stable".to_owned(),
+    };
+    format!("{how}, spectral radius {}", verdict.spectral_radius)
+}
+
+/// The answer for people. Writing to a String cannot fail.
+fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
+    let mut out = String::new();
+    let model = start.orbit.model();
+    let fixed = Parameter::ALL.into_iter().filter(|parameter| *parameter != search.free);
+    let point: Vec<String> =
+        fixed.map(|parameter| format!("{} = {}", parameter.name(), Number(model.get(parameter)))).collect();
+    let name = search.free.name();
+    let _ = writeln!(
+        out,
+        "{} of {} breathers, {} masses, {}; from solution {} of {} at {name} = {}",
+        search.event.name(),
+        start.orbit.family().name(),
+        model.chain().sites(),
+        point.join(", "),
+        start.number,
+        start.count,
+        Number(model.get(search.free))
+    );
+    for found in &answer.located {
+        located_text(&mut out, name, found);
+    }
+    if answer.located.is_empty() {
+        let [(down, _), (up, _)] = &answer.ends;
+        let _ = writeln!(out, "\nno {} between {name} = {} and {}", search.event.name(), Number(*down), Number(*up));
+    }
+    let _ = writeln!(out);
+    for (direction, (value, end)) in ["down", "up"].into_iter().zip(&answer.ends) {
+        let _ = writeln!(out, "{direction}: {}", message(search, *value, end));
+    }
+    let _ = writeln!(out, "{} orbits assembled, {} eigenvalue problems", answer.evaluations, answer.spectra);
+    out
+}
+
+fn located_text(out: &mut String, name: &str, found: &Located) {
+    let error = if found.error.is_finite() { format!("± {:.0e}", found.error) } else { "(error unknown)".to_owned() };
+    let _ = writeln!(out, "\n{name} = {} {error}", Number(found.value));
+    let _ = match found.sign {
+        Sign::Multiplier(mu) if mu.im == 0.0 => writeln!(out, "  multiplier {}", mu.re),
+        Sign::Multiplier(mu) => writeln!(out, "  multiplier {} ± {}i", mu.re, mu.im.abs()),
+        Sign::Touch(touch) => writeln!(
+            out,
+            "  site {} touches the {} barrier at t = {}",
+            touch.site,
+            touch.barrier.name(),
+            Number(touch.time)
+        ),
+        Sign::Impact(impact) => writeln!(out, "  impact {impact} has no velocity left"),
+    };
+    let _ = writeln!(out, "  {}", orbit_text(&found.orbit));
+    if found.physical == Some(false) && matches!(found.sign, Sign::Multiplier(_)) {
+        let _ = writeln!(out, "  not physical there");
+    }
+    for (value, verdict) in &found.verdicts {
+        let _ = writeln!(out, "  at {name} = {}: {}", Number(*value), stability_text(verdict));
+    }
+    if let Some(handover) = &found.handover {
+        let which = if handover.orbits.len() == 1 { "the doubled orbit" } else { "the asymmetric pair" };
+        let _ = writeln!(out, "  {which} exists {} it; at {name} = {}:", side(handover.above), Number(handover.value));
+        handover.orbits.iter().for_each(|branched| branched_text(out, branched));
+    }
+}
+
+fn orbit_text(orbit: &Orbit) -> String {
+    let mut text = format!("period {}", Number(orbit.period()));
+    for (name, value) in [("phi", orbit.phi()), ("psi", orbit.psi())] {
+        if let Some(value) = value {
+            let _ = write!(text, ", {name} {}", Number(value));
+        }
+    }
+    let impulses: Vec<String> = orbit.impacts().iter().map(|impact| Number(impact.impulse).to_string()).collect();
+    let plural = if impulses.len() == 1 { "" } else { "s" };
+    let _ = write!(text, ", impulse{plural} {}", impulses.join(", "));
+    text
+}
+
+fn branched_text(out: &mut String, branched: &HandedOver) {
+    let _ = writeln!(out, "    {}", orbit_text(&branched.orbit));
+    let physical = match branched.physical {
+        Some(true) => "physical",
+        Some(false) => "not physical",
+        None => "not checked",
+    };
+    let stability = branched.verdict.as_ref().map_or("stability unknown".to_owned(), stability_text);
+    let _ = writeln!(out, "    {physical}, {stability}");
+}

@@ -1,0 +1,181 @@
+//! Multipliers on their way: which pair crosses the circle between two points, which two collide on it, and functions of
+//! them that change sign there.
+
+use nalgebra::{Complex, DMatrix, LU};
+
+use crate::square::Square;
+
+/// The least imaginary part of one of a pair, and the largest distance from the circle of one that lies on it: the root of
+/// rounding, by which a double eigenvalue may split.
+const SPLIT: f64 = 1e-7;
+
+/// A pair that is closer to the circle than this at both ends of a step stays on it: it hardly feels the impacts.
+const ON_CIRCLE: f64 = 1e-12;
+
+/// A match is clear if it is closer than this part of the distance to the next eigenvalue.
+const CLEAR: f64 = 0.4;
+
+/// ln|det(A + shift)| and the sign of the determinant.
+pub(crate) fn log_determinant(matrix: &Square, shift: f64) -> (f64, f64) {
+    let n = matrix.size();
+    let shifted = DMatrix::from_fn(n, n, |i, j| if i == j { matrix.at(i, j) + shift } else { matrix.at(i, j) });
+    let factors = LU::new(shifted);
+    let upper = factors.u();
+    let mut sign: f64 = factors.p().determinant();
+    let mut logarithm = 0.0;
+    for i in 0..n {
+        let pivot = upper[(i, i)];
+        sign *= pivot.signum();
+        logarithm += pivot.abs().ln();
+    }
+    (logarithm, sign)
+}
+
+/// One of each complex pair, the one above the real axis.
+pub(crate) fn upper_half(values: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    values.iter().copied().filter(|value| value.im > SPLIT).collect()
+}
+
+/// What two spectra tell about a pair that crosses the circle between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Crossing {
+    /// None does.
+    None,
+    /// This one does, from inside to outside or back.
+    Pair(Complex<f64>, Complex<f64>),
+    /// One may, but which is which cannot be told: the spectra are too far apart.
+    Unclear,
+}
+
+fn nearest(value: Complex<f64>, others: &[Complex<f64>]) -> Option<(usize, f64)> {
+    let distances = others.iter().enumerate().map(|(j, other)| (j, (other - value).norm()));
+    distances.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Distance to the nearest other eigenvalue of the same spectrum, the pair's own other half included.
+fn gap(i: usize, values: &[Complex<f64>]) -> f64 {
+    let others = values.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| (other - values[i]).norm());
+    others.fold(2.0 * values[i].im, f64::min)
+}
+
+/// Compares two spectra of the upper half plane.
+pub(crate) fn crossing(from: &[Complex<f64>], to: &[Complex<f64>]) -> Crossing {
+    // Inside, on and outside the circle.
+    let outside = |value: &Complex<f64>| {
+        let excess = value.norm_sqr() - 1.0;
+        if excess.abs() < ON_CIRCLE { 0 } else { 1 - 2 * i32::from(excess < 0.0) }
+    };
+    let count = |values: &[Complex<f64>], side: i32| values.iter().filter(|value| outside(value) == side).count();
+    let mut unclear = [-1, 1].iter().all(|&side| count(from, side) != count(to, side));
+    for (i, value) in from.iter().enumerate() {
+        let Some((j, distance)) = nearest(*value, to) else { continue };
+        if outside(value) * outside(&to[j]) >= 0 {
+            continue;
+        }
+        let back = nearest(to[j], from).is_some_and(|(back, _)| back == i);
+        if back && distance < CLEAR * gap(i, from).min(gap(j, to)) {
+            return Crossing::Pair(*value, to[j]);
+        }
+        unclear = true;
+    }
+    if unclear { Crossing::Unclear } else { Crossing::None }
+}
+
+/// The eigenvalue of the upper half plane nearest to `expected`.
+pub(crate) fn follow(expected: Complex<f64>, values: &[Complex<f64>]) -> Option<Complex<f64>> {
+    let above = values.iter().copied().filter(|value| value.im > 0.0);
+    above.min_by(|a, b| (a - expected).norm_sqr().total_cmp(&(b - expected).norm_sqr()))
+}
+
+/// ν = ½(μ + 1/μ), one for each pair μ, 1/μ of a spectrum without loss, those on the circle made real.
+pub(crate) fn half_sums(values: &[Complex<f64>], reversible: bool) -> Vec<Complex<f64>> {
+    if reversible {
+        return values.to_vec();
+    }
+    let half_sum = |value: Complex<f64>| {
+        let nu = (value + value.inv()) * 0.5;
+        if (value.norm() - 1.0).abs() < SPLIT { Complex::new(nu.re, 0.0) } else { nu }
+    };
+    // Of four off the circle the two above the axis give ν and its conjugate, of two pairs on it one each.
+    values.iter().copied().filter(|value| value.im > SPLIT).map(half_sum).collect()
+}
+
+/// Number of complex ν.
+pub(crate) fn complex_count(half_sums: &[Complex<f64>]) -> usize {
+    half_sums.iter().filter(|nu| nu.im.abs() > SPLIT).count()
+}
+
+/// A ν of `off` that is complex and has no complex one near it in `on`.
+pub(crate) fn collided(on: &[Complex<f64>], off: &[Complex<f64>]) -> Option<Complex<f64>> {
+    let complex =
+        |values: &[Complex<f64>]| -> Vec<Complex<f64>> { values.iter().copied().filter(|nu| nu.im > SPLIT).collect() };
+    let others = complex(on);
+    let lonely = |nu: &Complex<f64>| nearest(*nu, &others).map_or(f64::INFINITY, |(_, distance)| distance);
+    complex(off).into_iter().max_by(|a, b| lonely(a).total_cmp(&lonely(b)))
+}
+
+/// (ν₁−ν₂)² of the two nearest to `centre`: positive while both are real, negative once they are conjugate.
+pub(crate) fn discriminant(centre: f64, half_sums: &[Complex<f64>]) -> Option<f64> {
+    let mut sorted: Vec<Complex<f64>> = half_sums.to_vec();
+    sorted.sort_by(|a, b| (a - centre).norm_sqr().total_cmp(&(b - centre).norm_sqr()));
+    match sorted.as_slice() {
+        [a, b, ..] => {
+            let difference = a - b;
+            Some((difference * difference).re)
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn determinants_by_hand() {
+        let matrix = Square::from_rows(3, vec![0.0, 2.0, 1.0, 3.0, -1.0, 4.0, 1.0, 1.0, 1.0]).unwrap();
+        let (logarithm, sign) = log_determinant(&matrix, 0.0);
+        assert!((logarithm - 6f64.ln()).abs() < 1e-14 && sign == 1.0);
+        // det(A − 1) = −1(−2·0 − 4) − 2(3·0 − 4) + 1(3 + 2) = 17
+        let (logarithm, sign) = log_determinant(&matrix, -1.0);
+        assert!((logarithm - 17f64.ln()).abs() < 1e-14 && sign == 1.0, "{logarithm} {sign}");
+        assert_eq!(log_determinant(&Square::from_rows(1, vec![-1.0]).unwrap(), 0.0), (0.0, -1.0));
+    }
+
+    #[test]
+    fn a_pair_that_crosses_is_told_from_its_neighbours() {
+        let polar = |r: f64, t: f64| Complex::from_polar(r, t);
+        let from = [polar(0.99, 1.0), polar(1.02, 2.0), polar(0.999, 0.3)];
+        let to = [polar(1.01, 1.05), polar(1.03, 2.1), polar(0.998, 0.33)];
+        assert_eq!(crossing(&from, &to), Crossing::Pair(from[0], to[0]));
+        assert_eq!(crossing(&from, &from), Crossing::None);
+        // Two that are as close as the step is long.
+        let from = [polar(0.99, 1.0), polar(1.01, 1.1)];
+        let to = [polar(1.01, 1.1), polar(1.01, 1.2)];
+        assert_eq!(crossing(&from, &to), Crossing::Unclear);
+        // A pair that arrives from the real axis outside has crossed nothing.
+        assert_eq!(crossing(&from[..1], &[polar(0.99, 1.0), polar(1.2, 3.0)]), Crossing::None);
+        // Pairs that hardly feel the impacts wander about the circle by rounding.
+        assert_eq!(crossing(&[polar(1.0 - 1e-15, 1.0)], &[polar(1.0 + 1e-15, 1.01)]), Crossing::None);
+    }
+
+    #[test]
+    fn colliding_pairs_make_a_function_that_changes_sign() {
+        // ν = ±√d + 0.3
+        let half_sums = |d: f64| {
+            let root = Complex::new(d, 0.0).sqrt();
+            vec![Complex::new(-0.8, 0.0), root + 0.3, -root + 0.3]
+        };
+        for d in [1e-4, 1e-6, -1e-6, -1e-4] {
+            assert!((discriminant(0.3, &half_sums(d)).unwrap() - 4.0 * d).abs() < 1e-15);
+        }
+        let off = half_sums(-1e-4);
+        assert_eq!((complex_count(&off), complex_count(&half_sums(1e-4))), (2, 0));
+        assert!((collided(&half_sums(1e-4), &off).unwrap().re - 0.3).abs() < 1e-12);
+        // Multipliers e^{±iθ} on the circle, and a quadruple off it.
+        let mu = Complex::from_polar(1.1, 1.0);
+        let values = [mu, mu.conj(), mu.inv(), mu.inv().conj(), Complex::from_polar(1.0, 0.5)];
+        let nus = super::half_sums(&values, false);
+        assert_eq!((nus.len(), complex_count(&nus)), (3, 2));
+    }
+}

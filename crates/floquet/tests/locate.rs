@@ -1,0 +1,178 @@
+//! Bifurcation points with digits known from elsewhere (the errata of the paper), and answers where there is no event.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_floquet::{Answer, End, Event, LocateError, Mechanism, Search, Sign, Verdict, locate};
+use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Parameter, Spectrum};
+
+fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
+    Model::forced(Chain::new(21, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()
+}
+
+fn orbit(model: &Model, family: Family, which: usize) -> Orbit {
+    breathers(model, family).unwrap().orbits.swap_remove(which)
+}
+
+fn search(orbit: &Orbit, event: Event, free: Parameter, range: Option<(f64, f64)>) -> Answer {
+    let mut search = Search::new(orbit, event, free);
+    if let Some((from, to)) = range {
+        (search.from, search.to) = (from, to);
+    }
+    locate(orbit, &search).unwrap()
+}
+
+/// The single-sided breather that doubles its period and folds.
+fn doubling() -> Orbit {
+    orbit(&model((0.2, 0.1), 1.07, 0.8, (0.165, 0.25)), Family::SingleSided, 0)
+}
+
+#[test]
+fn period_doubling_of_the_errata_hands_over_to_the_doubled_orbit() {
+    let answer = search(&doubling(), Event::PeriodDoubling, Parameter::Amplitude, None);
+    let found = &answer.located[0];
+    // Three more digits than the nine of the errata.
+    assert!((found.value - 0.158908086).abs() < 5e-10, "{}", found.value);
+    assert!(found.error < 1e-12, "{:e}", found.error);
+    let Sign::Multiplier(multiplier) = found.sign else { panic!("{:?}", found.sign) };
+    assert!((multiplier + 1.0).norm() < 1e-10);
+    // Supercritical: below it the single-sided orbit is unstable and the doubled one stable.
+    let [(low, below), (high, above)] = found.verdicts.as_slice() else { panic!("{:?}", found.verdicts) };
+    assert!(*low < found.value && found.value < *high);
+    assert!(below.mechanism == Some(Mechanism::PeriodDoubling) && above.stable);
+    let handover = found.handover.as_ref().unwrap();
+    assert!(!handover.above && handover.value < found.value);
+    let [doubled] = handover.orbits.as_slice() else { panic!("{handover:?}") };
+    assert!(doubled.physical == Some(true) && doubled.verdict.is_some_and(|verdict| verdict.stable));
+    assert_eq!(doubled.orbit.family(), Family::PeriodDoubled);
+}
+
+#[test]
+fn fold_of_the_errata_where_the_force_is_just_strong_enough() {
+    let answer = search(&doubling(), Event::Fold, Parameter::Amplitude, None);
+    let found = &answer.located[0];
+    // The least amplitude of the quadratic for the impulse, which knows nothing of branches.
+    let weak = model((0.2, 0.1), 1.07, 0.8, (0.1, 0.25));
+    let reason = breathers(&weak, Family::SingleSided).unwrap().none.unwrap();
+    let vibrochain_breather::NoBreather::ForceTooWeak { threshold } = reason else { panic!("{reason:?}") };
+    assert!((found.value - threshold).abs() < 1e-14, "{} {threshold}", found.value);
+    assert!((found.value - 0.157927457267).abs() < 1e-12);
+    assert!(found.error < 1e-14 && (found.value - threshold).abs() <= found.error, "{:e}", found.error);
+    // Looking for something else, the fold is where the way ends.
+    let answer = search(&doubling(), Event::NeimarkSacker, Parameter::Amplitude, Some((0.15, 0.166)));
+    assert!(matches!(answer.ends[0], (value, End::Fold { .. }) if (value - threshold).abs() < 1e-14));
+}
+
+#[test]
+fn neimark_sacker_of_the_errata() {
+    let start = orbit(&model((0.2, 0.1), 0.92, 0.7, (0.05, 0.9)), Family::SingleSided, 0);
+    let answer = search(&start, Event::NeimarkSacker, Parameter::Gamma2, Some((0.07, 0.11)));
+    // Pairs cross that do not lead, too: this is the one where stability is lost.
+    let lost =
+        |verdicts: &[(f64, Verdict)]| matches!(verdicts, [(_, below), (_, above)] if below.stable != above.stable);
+    let found = answer.located.iter().find(|found| lost(&found.verdicts)).unwrap();
+    assert!((found.value - 0.088347387971).abs() < 1e-12, "{}", found.value);
+    assert!(found.error < 1e-11, "{:e}", found.error);
+    let Sign::Multiplier(multiplier) = found.sign else { panic!("{:?}", found.sign) };
+    assert!((multiplier.norm() - 1.0).abs() < 1e-13 && multiplier.im != 0.0);
+}
+
+#[test]
+fn grazing_of_the_errata_from_both_families() {
+    let expected = 0.9304428418073;
+    let start = orbit(&model((0.2, 0.1), 0.92, 0.4, (0.1, 0.9)), Family::SingleSided, 0);
+    let answer = search(&start, Event::Grazing, Parameter::Omega, Some((0.9, 0.95)));
+    let found = &answer.located[0];
+    assert!((found.value - expected).abs() < 1e-13, "{}", found.value);
+    assert!(found.error < 1e-13, "{:e}", found.error);
+    let Sign::Touch(touch) = found.sign else { panic!("{:?}", found.sign) };
+    assert_eq!((touch.site, touch.barrier), (0, Barrier::Upper));
+    assert!((touch.time / found.orbit.period() - 0.51121).abs() < 1e-5);
+    // The double-sided one ends there, where its impact on the upper barrier has no velocity left.
+    let start = orbit(&model((0.2, 0.1), 0.95, 0.4, (0.1, 0.9)), Family::DoubleSided, 0);
+    let answer = search(&start, Event::Grazing, Parameter::Omega, Some((0.9, 1.0)));
+    let found = &answer.located[0];
+    assert!((found.value - expected).abs() < 1e-13, "{}", found.value);
+    assert_eq!(found.sign, Sign::Impact(0));
+    assert!(found.orbit.impacts()[0].impulse.abs() < 1e-13);
+}
+
+#[test]
+fn pitchfork_of_figure_nine_from_the_symmetric_orbit_and_from_the_pair() {
+    let expected = 0.524585314448;
+    let at = |e: f64| model((0.1, 0.05), 1.33, 0.0, (1.5, e));
+    for (e, which) in [(0.5, 0), (0.6, 1), (0.6, 0), (0.6, 3)] {
+        let start = orbit(&at(e), Family::DoubleSided, which);
+        let answer = search(&start, Event::Pitchfork, Parameter::Restitution, Some((0.4, 0.7)));
+        let found = &answer.located[0];
+        assert!((found.value - expected).abs() < 1e-12, "{e} {which} {}", found.value);
+        let handover = found.handover.as_ref().unwrap();
+        assert!(handover.above && handover.orbits.len() == 2);
+        assert!(handover.orbits.iter().all(|branched| branched.verdict.is_some_and(|verdict| verdict.stable)));
+    }
+}
+
+#[test]
+fn what_is_not_there_is_an_answer() {
+    let start = doubling();
+    let answer = search(&start, Event::Grazing, Parameter::Amplitude, Some((0.16, 0.17)));
+    assert!(answer.located.is_empty());
+    assert_eq!(answer.ends, [(0.16, End::Range), (0.17, End::Range)]);
+    // The first mode that a falling frequency meets: the highest one, Ω² = .2 + .4 sin²(10π/21), with ω itself.
+    let answer = search(&start, Event::Grazing, Parameter::Omega, Some((0.5, 1.2)));
+    let highest = (0.2 + 0.4 * (10.0 * std::f64::consts::PI / 21.0).sin().powi(2)).sqrt();
+    let (value, End::Resonance(resonance)) = &answer.ends[0] else { panic!("{:?}", answer.ends) };
+    assert!((value - highest).abs() < 1e-13 && (resonance.harmonic, resonance.mode) == (1, 10));
+    let outside = Search { from: 0.2, to: 0.3, ..Search::new(&start, Event::Fold, Parameter::Amplitude) };
+    assert!(matches!(locate(&start, &outside), Err(LocateError::Range { .. })));
+}
+
+/// Without force: what the closed form of the single-sided orbit and a scan of verdicts say.
+#[test]
+fn conservative_orbits() {
+    let at = |omega: f64| Model::conservative(Chain::new(21, 0.2, 0.1).unwrap(), omega, 0.4).unwrap();
+    let single = orbit(&at(0.95), Family::SingleSided, 0);
+    // The two families meet at grazing.
+    let grazing = search(&single, Event::Grazing, Parameter::Omega, Some((0.9, 1.0)));
+    let double = orbit(&at(0.97), Family::DoubleSided, 0);
+    let meeting = search(&double, Event::Grazing, Parameter::Omega, Some((0.9, 1.0)));
+    assert!((grazing.located[0].value - meeting.located[0].value).abs() < 1e-13, "{grazing:?} {meeting:?}");
+    // Impulses grow without bound where χ₂ vanishes, −2K₀(0) in closed form.
+    let far = search(&single, Event::Fold, Parameter::Omega, None);
+    let (limit, End::Unbounded) = far.ends[1] else { panic!("{:?}", far.ends) };
+    let chi2 = |omega: f64| {
+        let response = ImpulseResponse::new(&Spectrum::new(*at(1.0).chain()), omega).unwrap();
+        response.value(0, 0.0)
+    };
+    assert!(chi2(limit - 1e-3) * chi2(limit + 1e-3) < 0.0, "{limit}");
+    // A verdict changes at each point, by the mechanism looked for.
+    for (event, mechanism) in
+        [(Event::PeriodDoubling, Mechanism::PeriodDoubling), (Event::NeimarkSacker, Mechanism::NeimarkSacker)]
+    {
+        let answer = search(&single, event, Parameter::Omega, Some((0.91, 0.96)));
+        assert!(answer.located.len() >= 2, "{answer:?}");
+        for found in &answer.located {
+            assert!(found.error < 1e-12, "{found:?}");
+            let [(_, below), (_, above)] = found.verdicts.as_slice() else { panic!("{:?}", found.verdicts) };
+            assert!(below.stable != above.stable, "{found:?}");
+            assert!(below.mechanism.or(above.mechanism) == Some(mechanism), "{found:?}");
+        }
+    }
+}
+
+/// Elastic impacts under a force: symmetric in time, so that asymmetric pairs branch off although a ≠ 0.
+#[test]
+fn pitchfork_of_orbits_that_are_mirror_images_in_time() {
+    let at = |omega: f64| Model::forced(Chain::new(8, 0.1, 0.05).unwrap(), omega, 0.1, 1.476, 1.0).unwrap();
+    let half = |orbit: &Orbit| (orbit.phi().unwrap() / orbit.period() - 0.5).abs();
+    let orbits = breathers(&at(2.053), Family::DoubleSided).unwrap().orbits;
+    let mut seen = 0;
+    for start in orbits.iter().filter(|orbit| half(orbit) < 1e-12) {
+        for found in &search(start, Event::Pitchfork, Parameter::Omega, Some((1.2, 2.5))).located {
+            assert!(half(&found.orbit) < 1e-12 && found.error < 1e-12, "{found:?}");
+            let Some(handover) = &found.handover else { continue };
+            assert!(handover.orbits.iter().all(|branched| half(&branched.orbit) > 1e-4));
+            seen += 1;
+        }
+    }
+    assert!(seen > 0);
+}
