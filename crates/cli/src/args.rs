@@ -29,6 +29,8 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Print the table of closed forms against simulation (docs/validation.md).
     Validate(ValidateArgs),
+    /// Draw every figure of the paper, with the numbers behind it (docs/figures.md).
+    Figures(FiguresArgs),
     /// Measure error against run time, this program's methods beside others (docs/accuracy).
     Accuracy(AccuracyArgs),
 }
@@ -191,6 +193,23 @@ pub struct ValidateArgs {
     /// File to write instead of standard output (Markdown).
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `mapgen figures`.
+#[derive(Debug, Args)]
+pub struct FiguresArgs {
+    /// Folder to write into: figure-NUMBER.png, .svg and .csv for each figure.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Figures to make, by number (3,9; 15 is all its panels) or name (15c, 10-strict) [default: all].
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', allow_hyphen_values = true)]
+    pub only: Vec<String>,
+    /// Folder with scenes figure-NUMBER.toml to use instead of those built in, see scenes/figures.
+    #[arg(long, value_name = "DIR")]
+    pub scenes: Option<PathBuf>,
+    /// Also write a document (Markdown) that shows the figures and what is found in them.
+    #[arg(long, value_name = "FILE")]
+    pub document: Option<PathBuf>,
 }
 
 /// Suites of `mapgen accuracy`.

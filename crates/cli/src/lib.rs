@@ -9,6 +9,7 @@
 //! | `cell`, `sweep` | one cell, all cells |
 //! | `table`, `manifest`, `output` | the files a sweep writes |
 //! | `plot` | pictures (feature `plot`) |
+//! | `figures`, `forms` | every figure of the paper, its closed forms with their misprints (feature `plot`) |
 //! | `start`, `recording` | where a simulation starts, what it leaves behind |
 //! | `sweep_command`, `orbit_command`, `simulate_command`, `validate_command` | the subcommands |
 
@@ -18,6 +19,10 @@ pub mod args;
 pub mod cell;
 pub mod console;
 pub mod error;
+#[cfg(feature = "plot")]
+pub mod figures;
+#[cfg(feature = "plot")]
+mod forms;
 pub mod manifest;
 pub mod orbit_command;
 pub mod output;

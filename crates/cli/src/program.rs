@@ -31,6 +31,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Orbit(args) => orbit_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
         Command::Validate(args) => validate_command::run(args, console),
+        #[cfg(feature = "plot")]
+        Command::Figures(args) => crate::figures::run(args, console),
+        #[cfg(not(feature = "plot"))]
+        Command::Figures(_) => {
+            Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
+        }
         #[cfg(feature = "accuracy")]
         Command::Accuracy(args) => crate::accuracy::run(args, console),
         #[cfg(not(feature = "accuracy"))]

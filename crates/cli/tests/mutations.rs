@@ -233,7 +233,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             of(sites * periods * (windows(&model) + sampled + sites * impacts), Plan::Stopped)
         }
         // Minutes of work, tested elsewhere.
-        Ok(Command::Validate(_) | Command::Accuracy(_)) => Plan::Parameters,
+        Ok(Command::Validate(_) | Command::Accuracy(_) | Command::Figures(_)) => Plan::Parameters,
     }
 }
 

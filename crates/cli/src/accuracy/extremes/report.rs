@@ -76,7 +76,9 @@ impl Report {
     pub(crate) fn markdown(&self) -> Vec<String> {
         let mut parts = Vec::new();
         for (corner, rows) in &self.corners {
-            let mut text = format!("**{corner}**\n\n| case | quantity | promised | delivered | outcome |\n|---|---|---|---|---|\n");
+            let mut text = format!(
+                "**{corner}**\n\n| case | quantity | promised | delivered | outcome |\n|---|---|---|---|---|\n"
+            );
             for row in rows {
                 let broken = if row.holds() { "" } else { " **broken**" };
                 // Writing to a String cannot fail; a bar would end the cell.
