@@ -31,6 +31,8 @@ pub enum Command {
     Validate(ValidateArgs),
     /// Draw every figure of the paper, with the numbers behind it (docs/figures.md).
     Figures(FiguresArgs),
+    /// Print the corrections to the paper, each with its evidence (docs/errata.md).
+    Errata(ErrataArgs),
     /// Measure error against run time, this program's methods beside others (docs/accuracy).
     Accuracy(AccuracyArgs),
 }
@@ -125,6 +127,12 @@ pub struct OrbitArgs {
     /// Picture of the orbits, .png or .svg: profile at the impacts, impacting mass over a period.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Folder for six pictures of each solution: profile, trace, phase portrait, multipliers, leading eigenvector, decay.
+    #[arg(long, value_name = "DIR")]
+    pub all_plots: Option<PathBuf>,
+    /// Write the pictures of --all-plots as SVG instead of PNG.
+    #[arg(long, requires = "all_plots")]
+    pub svg: bool,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
@@ -190,6 +198,14 @@ pub struct SimulateArgs {
 /// Arguments of `mapgen validate`.
 #[derive(Debug, Args)]
 pub struct ValidateArgs {
+    /// File to write instead of standard output (Markdown).
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `mapgen errata`.
+#[derive(Debug, Args)]
+pub struct ErrataArgs {
     /// File to write instead of standard output (Markdown).
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,

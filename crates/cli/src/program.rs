@@ -7,7 +7,7 @@ use clap::Parser;
 use crate::args::{Cli, Command};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::{orbit_command, simulate_command, sweep_command, validate_command};
+use crate::{errata, orbit_command, simulate_command, sweep_command, validate_command};
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
 ///
@@ -31,6 +31,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Orbit(args) => orbit_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
         Command::Validate(args) => validate_command::run(args, console),
+        Command::Errata(args) => errata::run(args, console),
         #[cfg(feature = "plot")]
         Command::Figures(args) => crate::figures::run(args, console),
         #[cfg(not(feature = "plot"))]

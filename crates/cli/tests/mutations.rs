@@ -215,7 +215,9 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
         Ok(Command::Orbit(args)) => match model(&args.model) {
-            Ok(model) if args.plot.is_none() => of(model.chain().sites() as f64 * windows(&model), Plan::Parameters),
+            Ok(model) if args.plot.is_none() && args.all_plots.is_none() => {
+                of(model.chain().sites() as f64 * windows(&model), Plan::Parameters)
+            }
             Ok(_) => Plan::Parameters,
             Err(_) => Plan::Whole,
         },
@@ -233,7 +235,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             of(sites * periods * (windows(&model) + sampled + sites * impacts), Plan::Stopped)
         }
         // Minutes of work, tested elsewhere.
-        Ok(Command::Validate(_) | Command::Accuracy(_) | Command::Figures(_)) => Plan::Parameters,
+        Ok(Command::Validate(_) | Command::Accuracy(_) | Command::Figures(_) | Command::Errata(_)) => Plan::Parameters,
     }
 }
 

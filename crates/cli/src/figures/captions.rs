@@ -20,8 +20,8 @@ const CAPTIONS: &[Caption] = &[
     Caption {
         id: "1",
         paper: "The profile does not change with the length of the ring: the breather is strongly localized.",
-        here: "So it is; the last line tells by how much the two rings differ. The breather is the same orbit of either \
-               ring up to what reaches round the shorter one.",
+        here: "So it is for the profile; the last line tells by how much the two rings differ. Stability is another matter: \
+               the longer ring has more modes, and the breather on it sits on a stripe of (weak) instability.",
     },
     Caption {
         id: "2",
@@ -74,7 +74,7 @@ const CAPTIONS: &[Caption] = &[
                 pitchfork. The restitution is not given.",
         here: "At e = 0.6 there are four: two symmetric ones and a stable asymmetric pair, born in the pitchfork of the \
                right-hand panel. Below it only the symmetric ones are left, one of them stable. The curve a(φ) in the \
-               middle meets a = 0 in all of them. For large losses it has a second pair of zeros, for small ones more.",
+               middle meets a = 0 in all of them; both symmetric ones stand at φ = T/2, on different branches of ψ.",
     },
     Caption {
         id: "10",
@@ -89,9 +89,10 @@ const CAPTIONS: &[Caption] = &[
         id: "10-strict",
         paper: "(Not in the paper.)",
         here: "Strictly speaking nearly all forced double-sided breathers are unstable: they radiate into the modes of \
-               the ring. Growth is slow, 1e-6 … 1e-2 a period, but real: simulations show the rates that the multipliers \
-               say ([validation.md](validation.md)). A simulation of some hundred periods would not see it, which \
-               is how a map like the paper's comes about.",
+               the ring. Growth is often slow, but it is real: simulations show the rates that the multipliers say \
+               ([validation.md](validation.md)). A simulation of some hundred periods would not see it, which is \
+               how a map like the paper's may come about. What is left of stability lies at zero coupling and in a thin \
+               line of single-sided breathers along the grazing line.",
     },
     Caption {
         id: "11",
@@ -119,13 +120,14 @@ const CAPTIONS: &[Caption] = &[
         id: "15c",
         paper: CONSERVATIVE,
         here: "The regions and stripes are as described. Stability is lost in all three ways, not by Neimark–Sacker alone \
-               (table and textures): through −1 along the stripes' edges and near the grazing line, through +1 at low \
-               frequency.",
+               (table and textures): the stripes are mostly Neimark–Sacker; bands of real multipliers above +1 accompany \
+               the grazing line at strong coupling and bound the single-sided region at low frequency; single-sided \
+               breathers near grazing also lose it through −1.",
     },
     Caption {
         id: "15d",
         paper: CONSERVATIVE,
-        here: "Stripes become narrower and closer as modes do; between them nothing changes.",
+        here: "Stripes become more and closer together, as modes do: their cells are the ones that the table has more of.",
     },
 ];
 

@@ -16,6 +16,12 @@ use crate::start::{Start, leading_mode_at};
 /// Samples a period of the force in the windows shown.
 const SAMPLES: u64 = 64;
 
+/// Stretches of time whose largest distances are shown.
+const STRETCHES: u64 = 100;
+
+/// The least length of a stretch, in periods: perturbations turn once in about this time or faster.
+const TURN: u64 = 8;
+
 /// Distances between which the rate of growth or decay is measured, in parts of the perturbation and of the gap: above
 /// the transient of the start, below the reach of the nonlinearity.
 const LINEAR: (f64, f64) = (2.0, 1e-3);
@@ -33,7 +39,7 @@ struct Window {
 /// [`CliError`].
 pub(super) fn draw(
     scene: &LineScene,
-    (perturb, periods, shown): (f64, u64, u64),
+    (perturb, periods, shown, late_from): (f64, u64, u64, u64),
     stop: &AtomicBool,
 ) -> Result<Drawn, CliError> {
     let nothing = || CliError::Request("a comparison needs a point".to_owned());
@@ -51,15 +57,23 @@ pub(super) fn draw(
     let mut sheet = Sheet::new(&["time", "simulated", "analytic", "distance"])?;
     let (mut first, mut last, mut distances) = (Window::default(), Window::default(), Vec::new());
     let (mut u, mut v) = (vec![0.0; model.chain().sites()], vec![0.0; model.chain().sites()]);
+    // Masses that meet a barrier at the end of the run.
+    let mut hit = vec![false; model.chain().sites()];
     let steps = periods * SAMPLES;
     for step in 0..=steps {
         let (whole, part) = (step / SAMPLES, step % SAMPLES);
-        let (early, late) = (step <= shown * SAMPLES, step + shown * SAMPLES >= steps);
+        let early = step <= shown * SAMPLES;
+        let late = (late_from * SAMPLES..=(late_from + shown) * SAMPLES).contains(&step);
         if part > 0 && !early && !late {
             continue;
         }
         let limits = Limits::until(Time::new(model, whole, part as f64 / SAMPLES as f64));
-        let report = simulation.run(&limits, |_| {});
+        let ending = step + shown * SAMPLES > steps;
+        let report = simulation.run(&limits, |event| {
+            if ending {
+                hit[event.site] = true;
+            }
+        });
         if report.outcome != Outcome::TimeReached {
             return Err(computation(format!("the simulation ended early: {:?}", report.outcome)));
         }
@@ -82,6 +96,7 @@ pub(super) fn draw(
         }
     }
 
+    let distances = envelope(&distances, periods);
     let radius = solved.stability.verdict.spectral_radius;
     let per_period = radius.powf(1.0 / f64::from(orbit.force_periods()));
     let measured = rate(&distances, perturb);
@@ -90,8 +105,10 @@ pub(super) fn draw(
     findings.push(format!(
         "A push of {perturb:e} along the leading Floquet mode changes by a factor {} a period of the force in the \
          simulation; the multiplier says {per_period:.6}. After {periods} periods the largest distance of a mass from the \
-         orbit is {over:.1e}.",
-        measured.map_or("that could not be measured".to_owned(), |rate| format!("{rate:.6}"))
+         orbit is {over:.1e}; in the last {shown} periods {} of {} masses meet a barrier.",
+        measured.map_or("that could not be measured".to_owned(), |rate| format!("{rate:.6}")),
+        hit.iter().filter(|hit| **hit).count(),
+        hit.len()
     ));
     let levels = vec![model.asymmetry() - 1.0, model.asymmetry() + 1.0];
     let window = |caption: &str, window: Window| Pane {
@@ -109,8 +126,9 @@ pub(super) fn draw(
     };
     let top = distances.iter().map(|point| point.1).fold(perturb, f64::max);
     // From where the distance has settled on its mode, the prediction is a straight line.
-    let anchor = distances.first().copied().unwrap_or((0.0, perturb)).1;
-    let predicted = distances.iter().map(|&(t, _)| (t, anchor * per_period.powf(t))).take_while(|p| p.1 <= 2.0 * top);
+    let (from, anchor) = distances.first().copied().unwrap_or((0.0, perturb));
+    let by_multiplier = |&(t, _): &(f64, f64)| (t, anchor * per_period.powf(t - from));
+    let predicted = distances.iter().map(by_multiplier).take_while(|p| p.1 <= 2.0 * top);
     let growth = Pane {
         caption: "distance from the orbit".to_owned(),
         x: "time, in periods of the force".to_owned(),
@@ -124,7 +142,11 @@ pub(super) fn draw(
             line("simulation", 0, Stroke::Solid(2), distances),
         ],
     };
-    let panes = vec![window("the first periods", first), window("the last periods", last), growth];
+    let panes = vec![
+        window("the first periods", first),
+        window(if late_from + shown == periods { "the last periods" } else { "later" }, last),
+        growth,
+    ];
     let title = format!("{}: {}", scene.title, describe(model));
     let picture = Curves { title, columns: 3, panes, pane: (480, 440) };
     Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more: Vec::new(), findings })
@@ -134,12 +156,22 @@ fn line(name: &str, colour: usize, stroke: Stroke, points: Vec<(f64, f64)>) -> S
     Series { name: name.to_owned(), colour, stroke, mark: Mark::None, points }
 }
 
+/// The largest distance in each of about a hundred stretches of time: a complex multiplier turns its perturbation, so that
+/// single distances swing.
+fn envelope(distances: &[(f64, f64)], periods: u64) -> Vec<(f64, f64)> {
+    let stretch = (periods / STRETCHES).max(TURN) as usize;
+    let largest = |part: &[(f64, f64)]| part.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+    distances.chunks(stretch).filter(|part| part.len() == stretch).filter_map(largest).collect()
+}
+
 /// Factor per period of distances that grow or fall exponentially, by least squares on their logarithms over the part
 /// where they are small.
 fn rate(distances: &[(f64, f64)], perturb: f64) -> Option<f64> {
     let falls = distances.last()?.1 < perturb;
-    let linear = |d: f64| if falls { d > 0.0 } else { d > LINEAR.0 * perturb && d < LINEAR.1 };
-    let points: Vec<(f64, f64)> = distances.iter().filter(|p| linear(p.1)).map(|&(t, d)| (t, d.ln())).collect();
+    let range = if falls { 0.0..f64::INFINITY } else { LINEAR.0 * perturb..LINEAR.1 };
+    // By time, not by value: leaving out the low ones among the first would bend the line.
+    let linear = distances.iter().skip_while(|p| p.1 <= range.start).take_while(|p| p.1 < range.end);
+    let points: Vec<(f64, f64)> = linear.map(|&(t, d)| (t, d.ln())).collect();
     let n = points.len() as f64;
     if points.len() < 3 {
         return None;

@@ -97,7 +97,9 @@ fn compute(scene: &FigureScene, pool: &rayon::ThreadPool, stop: &AtomicBool) -> 
             Kind::Profile { reach } => profile::draw(scene, reach),
             Kind::Trace => trace::draw(scene),
             Kind::Solutions { over, from, to, points } => solutions::draw(scene, (over, from, to, points), stop),
-            Kind::Comparison { perturb, periods, shown } => comparison::draw(scene, (perturb, periods, shown), stop),
+            Kind::Comparison { perturb, periods, shown, late } => {
+                comparison::draw(scene, (perturb, periods, shown, late), stop)
+            }
         },
     }
 }

@@ -54,6 +54,8 @@ pub(super) enum Kind {
         periods: u64,
         /// Periods in each of the two windows shown.
         shown: u64,
+        /// Where the second window begins.
+        late: u64,
     },
 }
 
@@ -72,7 +74,7 @@ enum FigureTable {
     Profile { title: String, family: FamilyWord, reach: Option<i64> },
     Trace { title: String, family: FamilyWord },
     Solutions { title: String, family: FamilyWord, over: OverTable },
-    Comparison { title: String, family: FamilyWord, perturb: f64, periods: u64, shown: u64 },
+    Comparison { title: String, family: FamilyWord, perturb: f64, periods: u64, shown: u64, late: Option<u64> },
 }
 
 #[derive(Deserialize)]
@@ -158,7 +160,7 @@ pub(super) fn parse(entry: &Entry) -> Result<FigureScene, CliError> {
             }
             (title, family, Kind::Solutions { over: parameter, from, to, points })
         }
-        FigureTable::Comparison { title, family, perturb, periods, shown } => {
+        FigureTable::Comparison { title, family, perturb, periods, shown, late } => {
             if !(perturb.is_finite() && perturb > 0.0) {
                 return Err(wrong(format!("perturb = {perturb} is out of range: give a finite size above 0")));
             }
@@ -166,7 +168,13 @@ pub(super) fn parse(entry: &Entry) -> Result<FigureScene, CliError> {
                 let range = format!("shown = {shown}, periods = {periods}");
                 return Err(wrong(format!("{range}: give 1 ≤ shown ≤ periods ≤ {MOST_PERIODS}")));
             }
-            (title, family, Kind::Comparison { perturb, periods, shown })
+            // The end of the run, if the scene does not say otherwise.
+            let last = periods - shown;
+            let late = late.unwrap_or(last);
+            if late > last {
+                return Err(wrong(format!("late = {late} is out of range: give at most periods - shown = {last}")));
+            }
+            (title, family, Kind::Comparison { perturb, periods, shown, late })
         }
     };
     let family = match family {

@@ -50,14 +50,15 @@ pub(super) fn draw(
         lines.push(format!("| {number} | {}", row(solved)));
     }
     let mut findings = vec![lines.join("\n")];
-    let mut panes =
-        vec![pane("the impacting mass over a period", "time t/T", "impacting mass v₀", Scale::Linear, traces)];
+    let whole = Some(0.0..1.0);
+    let first = pane("the impacting mass over a period", "time t/T", "impacting mass v₀", Scale::Linear, traces);
+    let mut panes = vec![Pane { x_range: whole.clone(), ..first }];
     let mut more = Vec::new();
     if scene.family == Family::DoubleSided {
         let (series, table) = asymmetry(model, &solved)?;
         let scale = Scale::Between(-ASYMMETRY..ASYMMETRY);
         let mut pane = pane("asymmetry that a time φ belongs to", "second impact φ/T", "asymmetry a(φ)", scale, series);
-        pane.levels = vec![model.asymmetry()];
+        (pane.levels, pane.x_range) = (vec![model.asymmetry()], whole);
         panes.push(pane);
         more.push(("-asymmetry", table));
     }

@@ -81,7 +81,7 @@ pub enum Mark {
     None,
     /// By a filled shape.
     Filled(usize),
-    /// By the outline of a shape.
+    /// By the outline of a shape, larger, so that a filled one shows inside.
     Hollow(usize),
 }
 
@@ -299,11 +299,8 @@ where
                 chart.draw_series(marks).map_err(PlotError::from)?;
             }
             Mark::Hollow(shape) => {
-                let marks = points.map(|point| {
-                    EmptyElement::at(point)
-                        + Polygon::new(marker(shape), WHITE)
-                        + PathElement::new(closed(marker(shape)), shade.stroke_width(2))
-                });
+                let marks = points
+                    .map(|point| EmptyElement::at(point) + PathElement::new(outline(shape), shade.stroke_width(2)));
                 chart.draw_series(marks).map_err(PlotError::from)?;
             }
         }
@@ -311,7 +308,9 @@ where
     Ok(())
 }
 
-fn closed(mut corners: Vec<(i32, i32)>) -> Vec<(i32, i32)> {
+/// The outline of a shape, closed and larger than the shape.
+fn outline(shape: usize) -> Vec<(i32, i32)> {
+    let mut corners: Vec<_> = marker(shape).into_iter().map(|(x, y)| (x * 3 / 2, y * 3 / 2)).collect();
     corners.extend(corners.first().copied());
     corners
 }
@@ -339,13 +338,14 @@ fn draw_marks<B: DrawingBackend>(
 ) -> Result<(), PlotError> {
     let shade = colour(series.colour);
     for (x, y) in points {
-        let at = |shape: usize| marker(shape).into_iter().map(|(dx, dy)| (x + dx, y + dy)).collect::<Vec<_>>();
+        let at = |corners: Vec<(i32, i32)>| corners.into_iter().map(|(dx, dy)| (x + dx, y + dy)).collect::<Vec<_>>();
         match series.mark {
             Mark::None => {}
-            Mark::Filled(shape) => area.draw(&Polygon::new(at(shape), shade)).map_err(PlotError::from)?,
+            Mark::Filled(shape) => {
+                area.draw(&Polygon::new(at(marker(shape)), shade)).map_err(PlotError::from)?;
+            }
             Mark::Hollow(shape) => {
-                area.draw(&Polygon::new(at(shape), WHITE)).map_err(PlotError::from)?;
-                area.draw(&PathElement::new(closed(at(shape)), shade.stroke_width(2))).map_err(PlotError::from)?;
+                area.draw(&PathElement::new(at(outline(shape)), shade.stroke_width(2))).map_err(PlotError::from)?;
             }
         }
     }
