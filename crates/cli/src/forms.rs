@@ -36,8 +36,6 @@ pub(crate) enum Reading {
     Sigma,
     /// α = +arccos(P/σ), the upper sign of the print.
     Alpha,
-    /// α = −arccos(P/σ), the lower one.
-    MinusAlpha,
     /// p₂ of the doubled orbit with the sign as printed.
     Impulse,
     /// The second term of α's numerator with ω for 2ω, in the doubled orbit, as printed.
@@ -78,7 +76,6 @@ fn alpha(kernels: &Kernels, q: f64, w: f64, phi: f64, reading: Reading, doubled:
         // The quadrant is granted, so that the other misprint is seen alone. (The doubled orbit needs σ for α only.)
         Reading::AlphaFrequency => (p / sigma).clamp(-1.0, 1.0).acos().copysign(big_q),
         Reading::Sigma if doubled => (p / sigma).clamp(-1.0, 1.0).acos().copysign(big_q),
-        Reading::MinusAlpha => -(p / sigma).clamp(-1.0, 1.0).acos(),
         _ => big_q.atan2(p),
     };
     (sigma, alpha)

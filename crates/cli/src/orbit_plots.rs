@@ -287,6 +287,7 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
     }
     let caption = match slowest(orbit) {
         None => "a harmonic of the breather lies in the band of the ring: no decay".to_owned(),
+        Some((0, factor)) => format!("slowest decay: the mean over a period, factor {factor:.6} from site to site"),
         Some((j, factor)) => format!("slowest decay: harmonic {j}, factor {factor:.6} from site to site"),
     };
     let pane = pane(&caption, "distance from the impacting mass, in sites", "|vₙ − uniform motion|", all);

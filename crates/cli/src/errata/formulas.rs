@@ -138,8 +138,12 @@ fn forced_double() -> Result<Vec<Correction>, CliError> {
     };
     Ok(vec![
         row("forced double-sided, σ", "2χ³", "2χ₃²", Reading::Sigma)?,
-        row("forced double-sided, α", "+arccos(P/σ)", "atan2(Q, P)", Reading::Alpha)?,
-        row("forced double-sided, α", "−arccos(P/σ)", "atan2(Q, P): the sign is that of Q", Reading::MinusAlpha)?,
+        row(
+            "forced double-sided, α",
+            "±arccos(P/σ), taken with +",
+            "atan2(Q, P): the sign is that of Q",
+            Reading::Alpha,
+        )?,
     ])
 }
 
@@ -164,7 +168,7 @@ fn forced_single() -> Result<Correction, CliError> {
     };
     Ok(Correction {
         place: "forced single-sided, α",
-        printed: "+arccos(q/√(q²+ω²χ₂²))",
+        printed: "±arccos(q/√(q²+ω²χ₂²)), taken with +",
         holds: "−atan2(ωχ₂, q)",
         measure: "position at the impact, figure 8",
         errors: (error((q / norm).acos()), error(-(w * chi2).atan2(q))),

@@ -1,7 +1,7 @@
 //! The printed monodromy matrix against differences of the simulated return map, on a ring of five masses.
 
 use vibrochain_breather::{Family, Orbit, breathers};
-use vibrochain_floquet::saltations;
+use vibrochain_floquet::{Square, eigenvalues, saltations};
 use vibrochain_lattice::{Chain, Model, Propagator, Spectrum};
 
 use crate::errata::{Correction, computation};
@@ -62,7 +62,10 @@ pub(super) fn corrections() -> Result<Vec<Correction>, CliError> {
     let (to_first, first, second, back) = (flight(lead), flight(phi), flight(orbit.period() - phi), flight(-lead));
     let kappas: Vec<f64> = saltations(orbit).map_err(computation)?.map(|saltation| saltation.kappa).collect();
     let e = model.restitution();
-    let matrix = |kappas: &[f64], flights: [&Propagator; 2]| {
+    let &[at_upper, at_lower] = kappas.as_slice() else {
+        return Err(computation("a forced orbit without two impacts"));
+    };
+    let matrix = |kappas: [f64; 2], flights: [&Propagator; 2]| {
         let factors = [
             Factor::Flight(&to_first),
             Factor::Impact(kappas[0], e),
@@ -73,39 +76,54 @@ pub(super) fn corrections() -> Result<Vec<Correction>, CliError> {
         ];
         distance(&product(chain.sites(), &factors), &truth)
     };
-    let mended = matrix(&kappas, [&first, &second]);
-    let reduced = reduced_kappas(orbit, &kappas);
+    let kappas = [at_upper, at_lower];
+    let mended = matrix(kappas, [&first, &second]);
+    let reduced = reduced_kappas(orbit, kappas);
 
-    let top = spectrum.band().1;
+    // With +K the free flight has multipliers e^{±ΩT}.
+    let (top, whole) = (spectrum.band().1, flight(model.period()));
     Ok(vec![
         Correction {
             place: "matrix Ã of the equations of motion",
             printed: "+K",
             holds: "−K",
-            measure: "modulus 1 of the free flight's multipliers over T",
-            errors: ((top * model.period()).exp() - 1.0, 0.0),
+            measure: "modulus 1 of the multipliers of free flight over T",
+            errors: (
+                (top * model.period()).exp() - 1.0,
+                modulus_error(&product(chain.sites(), &[Factor::Flight(&whole)]))?,
+            ),
         },
         Correction {
             place: "monodromy matrix",
             printed: "L₁S₁L₂S₂",
             holds: "L₂S₁L₁S₂ in order of time (same eigenvalues, other eigenvectors)",
             measure: "entries, against differences of the simulated map",
-            errors: (matrix(&kappas, [&second, &first]), mended),
+            errors: (matrix(kappas, [&second, &first]), mended),
         },
         Correction {
             place: "saltation, forced: Δ",
             printed: "ü₀ of the reduced system",
             holds: "v̈₀ of the whole, force included",
             measure: "entries, against differences of the simulated map",
-            errors: (matrix(&reduced, [&first, &second]), mended),
+            errors: (matrix(reduced, [&first, &second]), mended),
         },
     ])
 }
 
+/// How far eigenvalues are from the unit circle at most.
+fn modulus_error(matrix: &[f64]) -> Result<f64, CliError> {
+    let size = matrix.len().isqrt();
+    let mut values = Vec::new();
+    eigenvalues(&Square::from_rows(size, matrix.to_vec()).unwrap_or_default(), &mut values).map_err(computation)?;
+    Ok(values.iter().map(|value| (value.norm() - 1.0).abs()).fold(0.0, f64::max))
+}
+
 /// κ with the acceleration of the system without force, u = v − G.
-fn reduced_kappas(orbit: &Orbit, kappas: &[f64]) -> Vec<f64> {
+fn reduced_kappas(orbit: &Orbit, mut kappas: [f64; 2]) -> [f64; 2] {
     let (w, e, psi) = (orbit.model().omega(), orbit.model().restitution(), orbit.psi().unwrap_or(0.0));
     let uniform = |t: f64| -orbit.force_response() * w * w * (w * (t + psi)).cos();
-    let impacts = orbit.impacts().iter().zip(kappas);
-    impacts.map(|(impact, kappa)| kappa - (1.0 + e) * uniform(impact.time) / impact.velocity_before).collect()
+    for (kappa, impact) in kappas.iter_mut().zip(orbit.impacts()) {
+        *kappa -= (1.0 + e) * uniform(impact.time) / impact.velocity_before;
+    }
+    kappas
 }

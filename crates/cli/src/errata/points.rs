@@ -2,13 +2,17 @@
 
 use vibrochain_breather::{Admissibility, Family, Finder, Found, Orbit};
 use vibrochain_floquet::{Analyser, Tolerance};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
 
 use crate::errata::computation;
 use crate::error::CliError;
+use crate::forms::{Kernels, Reading, double_sided};
 
 /// Halvings of a bracket; 50 leave less than rounding.
 const HALVINGS: u32 = 50;
+
+/// Step of differences in φ/T: what is left of its fourth power, and rounding over it, move the point by less than 1e-12.
+const STEP: f64 = 2e-4;
 
 pub(super) const HEADING: &str = "
 ## Points of change
@@ -45,12 +49,12 @@ fn orbits(model: &Model, family: Family) -> Result<Vec<(Orbit, Admissibility)>, 
     orbits.into_iter().map(check).collect()
 }
 
-/// The smallest spectral radius among physical orbits that `keep` accepts; infinite if there is none.
-fn radius(model: &Model, family: Family, keep: impl Fn(&Orbit) -> bool) -> Result<f64, CliError> {
+/// The smallest spectral radius among physical orbits; infinite if there is none.
+fn radius(model: &Model, family: Family) -> Result<f64, CliError> {
     let mut finder = Finder::new(model.chain().sites());
     let mut least = f64::INFINITY;
     for (orbit, admissibility) in orbits(model, family)? {
-        if admissibility.is_physical() && keep(&orbit) {
+        if admissibility.is_physical() {
             let verdict = Analyser::default().verdict(&orbit, &mut finder, Tolerance::Rounding).map_err(computation)?;
             least = least.min(verdict.spectral_radius);
         }
@@ -73,19 +77,16 @@ pub(super) fn lines() -> Result<Vec<String>, CliError> {
     let peak = single(grazing)?.map_or(Ok(f64::NAN), |(orbit, _)| peak(&orbit))?;
     let pitchfork = bisect(0.5, 0.6, |e| {
         let model = Model::forced(chain(0.1, 0.05)?, 1.33, 0.0, 1.5, e)?;
-        // Of the symmetric orbits the one that may be stable.
-        let symmetric = |orbit: &Orbit| orbit.phi().is_some_and(|phi| (phi / orbit.period() - 0.5).abs() < 1e-6);
-        Ok(radius(&model, Family::DoubleSided, symmetric)? < 1.0)
+        Ok(slope(&model)? < 0.0)
     })?;
     let torus = bisect(0.08, 0.12, |gamma2| {
         let model = Model::forced(chain(0.2, gamma2)?, 0.92, 0.7, 0.05, 0.9)?;
-        Ok(radius(&model, Family::SingleSided, |_| true)? < 1.0)
+        Ok(radius(&model, Family::SingleSided)? < 1.0)
     })?;
     let soft = |amplitude: f64| -> Result<Model, CliError> {
         Ok(Model::forced(chain(0.2, 0.1)?, 1.07, 0.8, amplitude, 0.25)?)
     };
-    let doubling =
-        bisect(0.1582, 0.16, |amplitude| Ok(radius(&soft(amplitude)?, Family::SingleSided, |_| true)? < 1.0))?;
+    let doubling = bisect(0.1582, 0.16, |amplitude| Ok(radius(&soft(amplitude)?, Family::SingleSided)? < 1.0))?;
     let fold = bisect(0.157, 0.1582, |amplitude| Ok(orbits(&soft(amplitude)?, Family::SingleSided)?.is_empty()))?;
     let row = |what: &str, parameters: &str, found: String| format!("| {what} | {parameters} | {found} |\n");
     Ok(vec![
@@ -115,6 +116,19 @@ pub(super) fn lines() -> Result<Vec<String>, CliError> {
             format!("A = {fold:.12}"),
         ),
     ])
+}
+
+/// The slope of a(φ) at φ = T/2, where the curve is odd, times a positive number: at a pitchfork it is 0. By differences
+/// free of the third power.
+fn slope(model: &Model) -> Result<f64, CliError> {
+    let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega()).map_err(computation)?;
+    let force = model.force_response().map_err(computation)?;
+    let asymmetry = |step: f64| {
+        let phi = (0.5 + step) * model.period();
+        let form = double_sided(&Kernels::at(&response, phi), model, force, phi, 1.0, Reading::Mended);
+        form.map(|form| form.asymmetry).ok_or_else(|| computation("the branch of the symmetric orbit has ended"))
+    };
+    Ok(8.0 * asymmetry(STEP)? - asymmetry(2.0 * STEP)?)
 }
 
 /// When the impacting mass is farthest from its barrier, in periods.
