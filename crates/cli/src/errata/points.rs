@@ -98,7 +98,7 @@ pub(super) fn lines() -> Result<Vec<String>, CliError> {
         row(
             "pitchfork, double-sided (figure 9)",
             "γ₁ = 0.1, γ₂ = 0.05, ω = 1.33, a = 0, A = 1.5",
-            format!("e = {pitchfork:.12}"),
+            format!("e = {pitchfork:.11}"),
         ),
         row(
             "Neimark–Sacker, single-sided (figure 11)",

@@ -81,9 +81,11 @@ const CAPTIONS: &[Caption] = &[
         paper: "Double-sided breathers are stable in one large region, single-sided ones in strips on the other side of \
                 the grazing line, along which lies a band of unstable double-sided ones. Stability is lost by \
                 Neimark–Sacker bifurcations.",
-        here: "With growth below 1 % a period counted as stable the map has the paper's shape. Most double-sided cells of \
-               that colour do have multipliers outside the circle: see the strict map below. By how many is told under \
-               the table. Stability is lost in other ways, too (table and textures).",
+        here: "With growth below 1 % a period counted as stable the map has the paper's shape: a stable double-sided \
+               region, stable single-sided strips, an unstable band along the grazing line, which widens with coupling, \
+               and no breather at high frequency, where the force is too weak for the losses. Nearly all of the cells that \
+               count as stable have multipliers outside the circle all the same (last lines; the strict map follows). \
+               Neimark–Sacker is the most frequent way to lose stability, not the only one (table and textures).",
     },
     Caption {
         id: "10-strict",
@@ -98,13 +100,15 @@ const CAPTIONS: &[Caption] = &[
         id: "11",
         paper: "An unstable single-sided breather: the simulation leaves the analytic orbit, which confirms the analysis. \
                 No parameters are given.",
-        here: "The same; moreover the distance grows at the rate of the multiplier for as long as it is small (right). \
-               What remains is bounded: the ring ends in a modulated oscillation.",
+        here: "The same; moreover the distance grows at the rate of the multiplier for as long as it is small (right), \
+               until other masses meet their barriers, too.",
     },
     Caption {
         id: "12",
         paper: "The same for a double-sided breather. No parameters are given.",
-        here: "The same; again at the rate of the multiplier.",
+        here: "The same; again at the rate of the multiplier. Localization is lost in the end: all masses come to move \
+               alike (last line), and the impacting mass does on its own much what it did before. The second window shows \
+               the change, not the end.",
     },
     Caption {
         id: "13",
