@@ -9,6 +9,8 @@
 //! | `cell`, `sweep` | one cell, all cells |
 //! | `table`, `manifest`, `output` | the files a sweep writes |
 //! | `plot` | pictures (feature `plot`) |
+//! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
+//! | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
 //! | `start`, `recording` | where a simulation starts, what it leaves behind |
 //! | `sweep_command`, `orbit_command`, `locate_command`, `simulate_command`, `validate_command` | the subcommands |
 
@@ -17,10 +19,16 @@ pub mod accuracy;
 pub mod args;
 pub mod cell;
 pub mod console;
+pub mod errata;
 pub mod error;
+#[cfg(feature = "plot")]
+pub mod figures;
+mod forms;
 pub mod locate_command;
 pub mod manifest;
 pub mod orbit_command;
+#[cfg(feature = "plot")]
+mod orbit_plots;
 pub mod output;
 pub mod parameter;
 #[cfg(feature = "plot")]

@@ -299,9 +299,12 @@ use without_plot::Plot;
 
 #[cfg(feature = "plot")]
 mod with_plot {
+    use std::path::PathBuf;
+
     use vibrochain_breather::Motion;
 
     use super::{CliError, Console, OrbitArgs, Solution};
+    use crate::orbit_plots;
     use crate::output::Output;
     use crate::plot::{Format, OrbitPanels, open, orbit_picture};
 
@@ -311,15 +314,32 @@ mod with_plot {
     /// Orbits beyond this are left to the printed list.
     const MOST: usize = 8;
 
-    pub(super) struct Plot(Option<(Format, Output)>);
+    pub(super) struct Plot {
+        one: Option<(Format, Output)>,
+        /// The folder of --all-plots.
+        all: Option<(Format, PathBuf)>,
+    }
 
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            open(args.plot.as_deref()).map(Self)
+            let format = if args.svg { Format::Svg } else { Format::Png };
+            let all = args.all_plots.as_deref().map(|folder| {
+                std::fs::create_dir_all(folder)
+                    .map_err(|error| CliError::file("cannot make folder", folder, &error))?;
+                Ok::<_, CliError>((format, folder.to_owned()))
+            });
+            Ok(Self { one: open(args.plot.as_deref())?, all: all.transpose()? })
         }
 
         pub(super) fn finish(self, solutions: &[Solution], console: &mut Console<'_>) -> Result<(), CliError> {
-            let Some((format, file)) = self.0 else { return Ok(()) };
+            if let Some((format, folder)) = &self.all {
+                for (i, solution) in solutions.iter().enumerate().take(MOST) {
+                    orbit_plots::write(folder, *format, i + 1, &solution.orbit, solution.stability.as_ref().ok())?;
+                }
+                let (drawn, folder) = (solutions.len().min(MOST), folder.display());
+                console.remark(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
+            }
+            let Some((format, file)) = self.one else { return Ok(()) };
             let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
             let mut panels = Vec::new();
             for (i, solution) in solutions.iter().enumerate().take(MOST) {
@@ -397,10 +417,11 @@ mod without_plot {
 
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            match args.plot {
-                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self),
+            if args.plot.is_some() || args.all_plots.is_some() {
+                let message = "--plot and --all-plots need a build with the feature `plot`";
+                return Err(CliError::Request(message.to_owned()));
             }
+            Ok(Self)
         }
 
         pub(super) fn finish(self, _: &[Solution], _: &mut Console<'_>) -> Result<(), CliError> {

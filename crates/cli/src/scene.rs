@@ -112,13 +112,13 @@ struct ComputeTable {
 }
 
 /// A scene's text, for errors that point into it.
-struct Source<'a> {
-    path: &'a Path,
-    text: &'a str,
+pub(crate) struct Source<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) text: &'a str,
 }
 
 impl Source<'_> {
-    fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> CliError {
+    pub(crate) fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> CliError {
         let start = span.start.min(self.text.len());
         let before = self.text.get(..start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;

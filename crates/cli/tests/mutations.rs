@@ -215,7 +215,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
         Ok(Command::Orbit(args)) => match model(&args.model) {
-            Ok(model) if args.plot.is_none() => {
+            Ok(model) if args.plot.is_none() && args.all_plots.is_none() => {
                 of(model.chain().sites() as f64 * windows(&model, true), Plan::Parameters)
             }
             Ok(_) => Plan::Parameters,
@@ -223,7 +223,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         },
         // Hundreds of orbits.
         Ok(Command::Locate(args)) => match model(&args.model) {
-            Ok(model) => of(100.0 * model.chain().sites() as f64 * windows(&model), Plan::Parameters),
+            Ok(model) => of(100.0 * model.chain().sites() as f64 * windows(&model, true), Plan::Parameters),
             Err(_) => Plan::Whole,
         },
         Ok(Command::Simulate(args)) => {
@@ -240,7 +240,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             of(sites * periods * (windows(&model, true) + sampled + sites * impacts), Plan::Stopped)
         }
         // Minutes of work, tested elsewhere.
-        Ok(Command::Validate(_) | Command::Accuracy(_)) => Plan::Parameters,
+        Ok(Command::Validate(_) | Command::Accuracy(_) | Command::Figures(_) | Command::Errata(_)) => Plan::Parameters,
     }
 }
 
