@@ -71,10 +71,7 @@ impl<'a> Terms<'a> {
 
     /// G and its first three derivatives at impact `i`.
     pub(crate) fn force(&self, i: usize) -> [f64; 4] {
-        let w = self.orbit.model().omega();
-        let g = self.orbit.force_response();
-        let (sin, cos) = (w * (self.orbit.impacts()[i].time + self.orbit.psi_or_zero())).sin_cos();
-        [g * cos, -g * w * sin, -g * w * w * cos, g * w * w * w * sin]
+        self.orbit.steady().jet(self.orbit.impacts()[i].time + self.orbit.psi_or_zero())
     }
 
     /// Static displacement of site 0, of which the orbit carries the uniform mode's share.

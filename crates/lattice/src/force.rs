@@ -106,6 +106,17 @@ impl Force {
         }
     }
 
+    /// The greatest common divisor p of the numbers: the force's least period is T/p.
+    pub fn repetitions(&self) -> u32 {
+        let gcd = |mut a: u32, mut b: u32| {
+            while b != 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        self.harmonics().iter().fold(0, |divisor, harmonic| gcd(divisor, harmonic.number)).max(1)
+    }
+
     /// Σ|A_j|, which |F| never exceeds: the amplitude of a plain cosine, 0 without force.
     pub fn amplitude(&self) -> f64 {
         self.harmonics().iter().map(|harmonic| harmonic.amplitude.abs()).sum()
@@ -164,6 +175,20 @@ impl Wave {
             jet[3] += g * w * w * w * sin;
         }
         jet
+    }
+
+    /// As [`Wave::jet`], but sums of the terms' moduli: what rounding errors go with.
+    pub fn moduli(&self, t: f64) -> [f64; 4] {
+        let mut moduli = [0.0; 4];
+        for term in self.terms() {
+            let (sin, cos) = (term.rate * t + term.phase).sin_cos();
+            let mut size = term.amplitude.abs();
+            for (modulus, part) in moduli.iter_mut().zip([cos, sin, cos, sin]) {
+                *modulus += size * part.abs();
+                size *= term.rate;
+            }
+        }
+        moduli
     }
 
     /// Σ|c_j| r_j^`order`, a bound of that derivative at all times.
@@ -226,6 +251,15 @@ mod tests {
     }
 
     #[test]
+    fn a_force_without_the_first_harmonic_may_repeat_within_the_period() {
+        let of = |numbers: &[u32]| {
+            let harmonics: Vec<_> = numbers.iter().map(|&number| harmonic(number, 0.1, 0.0)).collect();
+            Force::new(&harmonics).unwrap().repetitions()
+        };
+        assert_eq!([of(&[1]), of(&[3]), of(&[9, 15]), of(&[3, 5]), of(&[1, 9])], [1, 3, 3, 1, 1]);
+    }
+
+    #[test]
     fn the_uniform_motion_obeys_its_equation_and_the_symmetry() {
         let force = Force::new(&[harmonic(5, 0.2, 2.5), harmonic(1, 0.7, 0.4), harmonic(3, -0.3, -1.0)]).unwrap();
         let model = Model::with_force(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, &force, 0.9).unwrap();
@@ -245,8 +279,9 @@ mod tests {
                 let slope = (response.jet(t + h)[k] - response.jet(t - h)[k]) / (2.0 * h);
                 assert!((slope - jet[k + 1]).abs() < 1e-7 * response.bound(k as i32 + 3), "{k}");
             }
+            let moduli = response.moduli(t);
+            assert!((0..4).all(|k| jet[k].abs() <= moduli[k] && moduli[k] <= response.bound(k as i32)));
             assert!(jet[0].abs() <= model.force_response().unwrap());
-            assert!((0..4).all(|k| jet[k as usize].abs() <= response.bound(k)));
         }
         assert_eq!(response.top_rate(), 7.5);
     }
