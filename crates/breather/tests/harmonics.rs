@@ -317,7 +317,7 @@ fn no_solution_that_a_scan_of_the_plane_sees_is_missing() {
 }
 
 #[test]
-#[ignore = "minutes: 200 parameter sets, 4 million points of (phi, psi) each"]
+#[ignore = "minutes: 200 parameter sets, a million points of (phi, psi) each"]
 fn no_solution_is_missing_at_length() {
-    completeness(2, 200, 2000);
+    completeness(2, 200, 1000);
 }
