@@ -175,7 +175,8 @@ fn forced_single_sided_orbits_solve_their_quadratic() {
 fn orbits_under_several_harmonics() {
     let harmonic = |(number, amplitude, phase)| Harmonic { number, amplitude, phase };
     let square = Force::new(&[(1, 0.3, 0.0), (3, -0.1, 0.0), (5, 0.06, 0.0)].map(harmonic)).unwrap();
-    let skew = Force::new(&[(1, 0.1582, 0.5), (3, 0.002, 2.0)].map(harmonic)).unwrap();
+    let skew =
+        Force::new(&[(1, 0.1582, 0.5), (3, 0.002, 1.5 - std::f64::consts::PI), (5, 0.001, 2.5)].map(harmonic)).unwrap();
     let mut families = [0; 3];
     for (family, force, gamma1, omega, a, e) in [
         (Family::DoubleSided, square, 0.2, 1.5, 0.4, 0.9),
@@ -184,7 +185,7 @@ fn orbits_under_several_harmonics() {
         (Family::SingleSided, square, 0.2, 0.92, 0.4, 0.9),
         (Family::PeriodDoubled, skew, 0.2, 1.07, 0.8, 0.25),
     ] {
-        let chain = Chain::new(9, gamma1, 0.1).unwrap();
+        let chain = Chain::new(21, gamma1, 0.1).unwrap();
         let model = Model::with_force(chain, omega, a, &force, e).unwrap();
         for orbit in &orbits(&model, family) {
             let truth = refine(orbit);
