@@ -157,3 +157,39 @@ fn monodromy_matrices_are_those_of_a_return_map_that_shares_nothing() {
     }
     assert!(compared >= 12, "{compared}");
 }
+
+#[test]
+fn margins_are_those_of_a_dense_sample() {
+    let mut crossings = 0;
+    for (i, (model, family)) in models().into_iter().enumerate() {
+        for orbit in &breathers(&model, family).unwrap().orbits {
+            let admissibility = admissibility(orbit).unwrap();
+            let Some(margin) = admissibility.margin else { continue };
+            crossings += usize::from(!admissibility.is_physical());
+            let mut motion = Motion::of(orbit).unwrap();
+            let (samples, home) = (4000, orbit.impacts()[0].site);
+            let mut smallest = f64::INFINITY;
+            let mut previous: Vec<[f64; 2]> = Vec::new();
+            for k in 0..=samples {
+                motion.at(0, orbit.period() * f64::from(k) / f64::from(samples));
+                let now: Vec<[f64; 2]> =
+                    (0..motion.sites()).map(|n| motion.site(n)).map(|m| [m.displacement, m.velocity]).collect();
+                for (n, (last, this)) in previous.iter().zip(&now).enumerate() {
+                    // Turning points; an impact turns the mass that is hit, too.
+                    let jump = n == home && (this[1] - last[1]).abs() > 0.05 * motion_scale(orbit);
+                    if last[1] * this[1] <= 0.0 && !jump {
+                        smallest = smallest.min(1.0 - (this[0] - model.asymmetry()).abs());
+                    }
+                }
+                previous = now;
+            }
+            assert!((smallest - margin).abs() < 2e-3, "model {i}: {smallest} {margin}");
+        }
+    }
+    assert!(crossings > 0, "{crossings}");
+}
+
+/// The smallest jump of velocity at an impact.
+fn motion_scale(orbit: &Orbit) -> f64 {
+    orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::INFINITY, f64::min)
+}

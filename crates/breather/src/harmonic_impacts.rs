@@ -33,6 +33,9 @@ use crate::patch::Patch;
 use crate::planar_roots::{Planar, PlanarZeros};
 use crate::two_impacts::{TwoImpactSolution, Word};
 
+/// Intervals of δ, and of τ, that a search starts from at most.
+const MOST_PIECES: usize = 256;
+
 /// One parameter point.
 pub(crate) struct HarmonicImpacts<'a> {
     pub(crate) word: Word,
@@ -121,7 +124,8 @@ impl<'a> HarmonicImpacts<'a> {
         let pieces = [8 + ((to - from) * top) as usize, 4 + (repeat * fastest) as usize];
         // A start that no symmetry puts a solution on.
         let start = -0.1234 * repeat;
-        let pieces = pieces.map(|count| count.min(4096));
+        // Halving does the rest.
+        let pieces = pieces.map(|count| count.min(MOST_PIECES));
         zeros.find(self, [from, to], [start, start + repeat], pieces, 1e-20 * half);
     }
 

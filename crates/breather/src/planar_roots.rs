@@ -77,15 +77,33 @@ const CLUSTER: f64 = 16.0;
 /// What one form of the functions says of a rectangle.
 enum Verdict {
     Empty,
-    /// Linearised: the enclosure −A⁻¹v ± |A⁻¹|e in units of the radii, and whether the map is one-to-one.
-    Regular {
-        middle: [f64; 2],
-        reach: [f64; 2],
-        one_to_one: bool,
-    },
+    Linear(Linear),
     /// A cannot be inverted.
     Singular,
 }
+
+/// The linearised functions, in units of the radii.
+#[derive(Debug, Clone, Copy)]
+struct Linear {
+    form: usize,
+    /// −A⁻¹v
+    middle: [f64; 2],
+    /// |A⁻¹|e
+    reach: [f64; 2],
+    /// The part of `reach` that is rounding.
+    blur: [f64; 2],
+    /// There is at most one zero.
+    alone: bool,
+}
+
+impl Linear {
+    fn worst(&self) -> f64 {
+        self.reach[0].max(self.reach[1])
+    }
+}
+
+/// Widths of rounding that a rectangle must have to tell its zero from another's.
+const SHARP: f64 = 64.0;
 
 /// The search's constants.
 struct Search<'a, P: Planar> {
@@ -114,22 +132,22 @@ impl PlanarZeros {
         cut(&mut rows, y[0], y[1], pieces[1]);
         let search = Search { problem, finest, extent: (y[1] - y[0]).abs() };
         let mut blurred = Vec::new();
-        let budget = self.evaluations + BUDGET.max(100 * pieces[0] * pieces[1]);
+        let started = self.evaluations;
         let mut stack: Vec<(Rectangle, Option<P::Strip>)> = Vec::new();
-        for columns in cuts.windows(2).rev() {
-            let column = Rectangle { low: [columns[0], y[0]], high: [columns[1], y[1]] };
+        let columns = cuts.windows(2).map(|columns| Rectangle { low: [columns[0], y[0]], high: [columns[1], y[1]] });
+        for column in columns {
             let strip = problem.strip(column.centre()[0], column.radius()[0]);
-            for row in rows.windows(2).rev() {
-                let rectangle = Rectangle { low: [columns[0], row[0]], high: [columns[1], row[1]] };
+            for row in rows.windows(2) {
+                let rectangle = Rectangle { low: [column.low[0], row[0]], high: [column.high[0], row[1]] };
                 stack.push((rectangle, Some(strip.clone())));
+                while let Some((rectangle, strip)) = stack.pop() {
+                    if self.evaluations - started > BUDGET {
+                        self.exhausted += 1;
+                    } else {
+                        self.examine(&search, rectangle, strip, &mut stack, &mut blurred);
+                    }
+                }
             }
-        }
-        while let Some((rectangle, strip)) = stack.pop() {
-            if self.evaluations > budget {
-                self.exhausted += 1 + stack.len();
-                break;
-            }
-            self.examine(&search, rectangle, strip, &mut stack, &mut blurred);
         }
         self.cluster(blurred);
     }
@@ -144,19 +162,18 @@ impl PlanarZeros {
     ) {
         let (centre, radius) = (rectangle.centre(), rectangle.radius());
         let strip = strip.unwrap_or_else(|| search.problem.strip(centre[0], radius[0]));
-        let mut best: Option<(usize, [f64; 2], [f64; 2], bool)> = None;
+        let mut best: Option<Linear> = None;
         let mut shares = [0.0_f64; 2];
         let mut is_blurred = true;
         let mut form = 0;
         while let Some((patches, sound)) = search.problem.enclose(&strip, centre, radius, form) {
             self.evaluations += 1;
-            match judge(&patches, radius) {
+            match judge(&patches, radius, form) {
                 Verdict::Empty => return,
-                Verdict::Regular { middle, reach, one_to_one } => {
-                    let size = |reach: &[f64; 2]| reach[0].max(reach[1]);
-                    let better = best.as_ref().is_none_or(|(_, _, known, _)| size(&reach) < size(known));
-                    if sound && one_to_one || best.is_none_or(|best| !best.3) && better {
-                        best = Some((form, middle, reach, one_to_one && sound));
+                Verdict::Linear(mut linear) => {
+                    linear.alone &= sound;
+                    if linear.alone || best.is_none_or(|best| linear.worst() < best.worst()) {
+                        best = Some(linear);
                     }
                 }
                 Verdict::Singular => {}
@@ -166,13 +183,14 @@ impl PlanarZeros {
                 shares = [shares[0] + part[0] / size, shares[1] + part[1] / size];
             }
             is_blurred &= patches.iter().all(|patch| patch.rounding >= patch.curvature());
-            if best.is_some_and(|best| best.3) {
+            if best.is_some_and(|best| best.alone) {
                 break;
             }
             form += 1;
         }
-        if let Some((form, .., true)) = best
-            && self.take(search, &rectangle, &strip, form)
+        if let Some(linear) = best
+            && linear.alone
+            && self.take(search, &rectangle, &strip, linear.form)
         {
             return;
         }
@@ -182,14 +200,20 @@ impl PlanarZeros {
             blurred.push(rectangle);
             return;
         }
-        if let Some((_, middle, reach, _)) = best
-            && let Some(shrunk) = shrunk(&rectangle, middle, reach)
+        if let Some(linear) = best
+            && let Some(shrunk) = shrunk(&rectangle, &linear)
         {
             let same_strip = shrunk.low[0] == rectangle.low[0] && shrunk.high[0] == rectangle.high[0];
             stack.push((shrunk, same_strip.then_some(strip)));
             return;
         }
-        let axis = if narrow[0] || (!narrow[1] && shares[1] > shares[0]) { 1 } else { 0 };
+        // Not across a direction that only rounding is left of, if the other one is still wide.
+        let fine = |linear: Linear| -> [bool; 2] {
+            std::array::from_fn(|i| linear.blur[i] * SHARP > linear.reach[i].max(1.0))
+        };
+        let fine = best.map_or([false; 2], fine);
+        let done: [bool; 2] = std::array::from_fn(|i| narrow[i] || fine[i] && !fine[1 - i]);
+        let axis = usize::from(done[0] || (!done[1] && shares[1] > shares[0]));
         let (mut first, mut second) = (rectangle, rectangle);
         (first.high[axis], second.low[axis]) = (centre[axis], centre[axis]);
         let kept = (axis == 1).then_some(strip);
@@ -216,7 +240,7 @@ impl PlanarZeros {
                 return false;
             };
             self.evaluations += 1;
-            let Some((inverse, _)) = inverse(&patches, [1.0; 2]) else { return false };
+            let Some(inverse) = inverse(&patches, [1.0; 2]) else { return false };
             let moved = apply(&inverse, patches.map(|patch| patch.value));
             z = [z[0] - moved[0], z[1] - moved[1]];
             let outside = (0..2).any(|i| (z[i] - centre[i]).abs() > 2.0 * radius[i]);
@@ -236,15 +260,18 @@ impl PlanarZeros {
         let strip = search.problem.strip(z[0], around[0]);
         let Some((patches, sound)) = search.problem.enclose(&strip, z, around, form) else { return false };
         self.evaluations += 1;
-        let Verdict::Regular { middle, reach, .. } = judge(&patches, around) else { return false };
+        let Verdict::Linear(Linear { middle, reach, .. }) = judge(&patches, around, form) else { return false };
         let proved = sound && (0..2).all(|i| middle[i].abs() + reach[i] <= 1.0);
         let inside = (0..2).all(|i| (z[i] - centre[i]).abs() <= radius[i] + around[i]);
-        if !(proved && inside) {
+        // A rectangle hardly wider than the blur cannot tell its zero from its neighbour's.
+        let sharp = (0..2).all(|i| 8.0 * around[i] <= radius[i]);
+        if !(proved && inside && sharp) {
             return false;
         }
         // Neighbours share their edges, and a zero there.
+        let shared = (0..2).any(|i| (z[i] - centre[i]).abs() >= radius[i] - 4.0 * around[i]);
         let known = |other: &[f64; 2]| (0..2).all(|i| (z[i] - other[i]).abs() <= 4.0 * around[i]);
-        if !self.simple.iter().any(known) {
+        if !(shared && self.simple.iter().any(known)) {
             self.simple.push(z);
         }
         true
@@ -269,8 +296,8 @@ impl PlanarZeros {
     }
 }
 
-/// A⁻¹ of the slopes in units of the radii, and the rows' sizes it was scaled with; `None` where there is none.
-fn inverse(patches: &[Patch; 2], radius: [f64; 2]) -> Option<([[f64; 2]; 2], f64)> {
+/// A⁻¹ of the slopes in units of the radii; `None` where there is none.
+fn inverse(patches: &[Patch; 2], radius: [f64; 2]) -> Option<[[f64; 2]; 2]> {
     let [[a, b], [c, d]] = patches.each_ref().map(|patch| [patch.slope[0] * radius[0], patch.slope[1] * radius[1]]);
     let (first, second) = (a.abs().max(b.abs()), c.abs().max(d.abs()));
     // Rows of very different sizes must not underflow the determinant.
@@ -278,7 +305,7 @@ fn inverse(patches: &[Patch; 2], radius: [f64; 2]) -> Option<([[f64; 2]; 2], f64
     let determinant = a * d - b * c;
     let inverse =
         [[d / determinant / first, -b / determinant / second], [-c / determinant / first, a / determinant / second]];
-    inverse.iter().flatten().all(|x| x.is_finite()).then_some((inverse, determinant))
+    inverse.iter().flatten().all(|x| x.is_finite()).then_some(inverse)
 }
 
 fn apply(matrix: &[[f64; 2]; 2], x: [f64; 2]) -> [f64; 2] {
@@ -291,13 +318,14 @@ fn spread(matrix: &[[f64; 2]; 2], x: [f64; 2]) -> [f64; 2] {
 }
 
 /// Works the module's conditions out.
-fn judge(patches: &[Patch; 2], radius: [f64; 2]) -> Verdict {
+fn judge(patches: &[Patch; 2], radius: [f64; 2], form: usize) -> Verdict {
     if patches.iter().any(Patch::excludes_zero) {
         return Verdict::Empty;
     }
-    let Some((inverse, _)) = inverse(patches, radius) else { return Verdict::Singular };
+    let Some(inverse) = inverse(patches, radius) else { return Verdict::Singular };
     let middle = apply(&inverse, patches.map(|patch| -patch.value));
     let reach = spread(&inverse, patches.map(|patch| patch.curvature() + patch.rounding));
+    let blur = spread(&inverse, patches.map(|patch| patch.rounding));
     if (0..2).any(|i| middle[i].abs() > 1.0 + reach[i] + 1e-12) {
         return Verdict::Empty;
     }
@@ -309,18 +337,19 @@ fn judge(patches: &[Patch; 2], radius: [f64; 2]) -> Verdict {
         let column = |i: usize| row[0].abs() * first[i] + row[1].abs() * second[i];
         column(0) + column(1)
     });
-    Verdict::Regular { middle, reach, one_to_one: rows.iter().all(|row| *row < 0.99) }
+    Verdict::Linear(Linear { form, middle, reach, blur, alone: rows.iter().all(|row| *row < 0.99) })
 }
 
 /// The part of a rectangle where its zeros can be, if that is much smaller.
-fn shrunk(rectangle: &Rectangle, middle: [f64; 2], reach: [f64; 2]) -> Option<Rectangle> {
+fn shrunk(rectangle: &Rectangle, linear: &Linear) -> Option<Rectangle> {
     let (centre, radius) = (rectangle.centre(), rectangle.radius());
     let mut next = *rectangle;
     let mut share = 1.0;
     for i in 0..2 {
-        let reach = reach[i] * (1.0 + 1e-12) + 1e-12;
-        let low = (centre[i] + (middle[i] - reach) * radius[i]).max(rectangle.low[i]);
-        let high = (centre[i] + (middle[i] + reach) * radius[i]).min(rectangle.high[i]);
+        // Not so far that it could not be told from its neighbours any more.
+        let reach = linear.reach[i].max(4.0 * SHARP * linear.blur[i]) * (1.0 + 1e-12) + 1e-12;
+        let low = (centre[i] + (linear.middle[i] - reach) * radius[i]).max(rectangle.low[i]);
+        let high = (centre[i] + (linear.middle[i] + reach) * radius[i]).min(rectangle.high[i]);
         let part = (high - low) / (rectangle.high[i] - rectangle.low[i]);
         // A little is not worth a new strip.
         if part < 0.7 {
@@ -329,4 +358,51 @@ fn shrunk(rectangle: &Rectangle, middle: [f64; 2], reach: [f64; 2]) -> Option<Re
         }
     }
     (share < 0.5 && next.low[0] < next.high[0] && next.low[1] < next.high[1]).then_some(next)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// sin x = level and cos 3y = sin²x·bend: pairs in x and in y, that merge as level → 1.
+    struct Waves {
+        level: f64,
+    }
+
+    impl Planar for Waves {
+        type Strip = (f64, f64);
+
+        fn strip(&self, centre: f64, radius: f64) -> (f64, f64) {
+            (centre, radius)
+        }
+
+        fn enclose(&self, _: &(f64, f64), at: [f64; 2], radius: [f64; 2], form: usize) -> Option<([Patch; 2], bool)> {
+            let sin = Patch::wave(0, at[0].sin(), -at[0].cos(), 1.0, 0.0, radius);
+            let cos = Patch::wave(1, (3.0 * at[1]).cos(), (3.0 * at[1]).sin(), 3.0, 0.0, radius);
+            (form == 0).then(|| ([sin.shifted(-self.level), cos - (sin * sin).scaled(0.5)], true))
+        }
+    }
+
+    #[test]
+    fn close_pairs_are_told_apart_and_double_zeros_reported() {
+        let pi = std::f64::consts::PI;
+        for exponent in [1, 4, 8, 12] {
+            let level = 1.0 - 10f64.powi(-exponent);
+            let mut zeros = PlanarZeros::default();
+            zeros.find(&Waves { level }, [0.0, pi], [0.0, 2.0 * pi], [3, 7], 1e-14);
+            assert_eq!((zeros.simple.len(), zeros.unresolved.len()), (12, 0), "{level} {zeros:?}");
+            let apart = 10f64.powf(-0.5 * f64::from(exponent));
+            for [x, y] in zeros.simple {
+                assert!((x.sin() - level).abs() < 4e-16 && (x - 0.5 * pi).abs() > apart, "{x}");
+                assert!(((3.0 * y).cos() - 0.5 * level * level).abs() < 4e-15, "{y}");
+            }
+            assert!(zeros.evaluations < 4000, "{}", zeros.evaluations);
+        }
+        let mut zeros = PlanarZeros::default();
+        zeros.find(&Waves { level: 1.0 }, [0.0, pi], [0.0, 2.0 * pi], [3, 7], 1e-14);
+        assert_eq!((zeros.simple.len(), zeros.unresolved.len(), zeros.exhausted), (0, 6, 0));
+        let mut zeros = PlanarZeros::default();
+        zeros.find(&Waves { level: 1.0 + 1e-12 }, [0.0, pi], [0.0, 2.0 * pi], [3, 7], 1e-14);
+        assert!(zeros.simple.is_empty() && zeros.unresolved.is_empty());
+    }
 }

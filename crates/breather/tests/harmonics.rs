@@ -321,3 +321,33 @@ fn no_solution_that_a_scan_of_the_plane_sees_is_missing() {
 fn no_solution_is_missing_at_length() {
     completeness(2, 200, 1000);
 }
+
+#[test]
+fn next_to_a_fold_the_pair_is_found_or_reported() {
+    let square = |amplitude: f64| force(&[(1, amplitude, 0.3), (3, -amplitude / 3.0, 0.0), (5, amplitude / 5.0, 1.0)]);
+    for (family, omega, a, e, mut low, mut high) in [
+        (Family::DoubleSided, 1.5, 0.4, 0.9, 0.01, 0.3),
+        (Family::DoubleSided, 1.33, 0.0, 0.6, 0.05, 1.5),
+        (Family::SingleSided, 0.92, 0.4, 0.9, 0.001, 0.3),
+        (Family::PeriodDoubled, 1.07, 0.8, 0.25, 0.1, 0.1343),
+    ] {
+        let chain = Chain::new(21, 0.2, 0.1).unwrap();
+        let at = |amplitude: f64| {
+            let found = breathers(&Model::with_force(chain, omega, a, &square(amplitude), e).unwrap(), family).unwrap();
+            assert!(found.exhausted == 0 && found.orbits.iter().all(|orbit| orbit.residual() < 1e-13));
+            (found.orbits.len(), found.unresolved)
+        };
+        assert_eq!((at(low), at(high)), ((0, 0), (2, 0)), "{family:?}");
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if at(middle).0 < 2 { low = middle } else { high = middle }
+        }
+        for beyond in [1e-10, 1e-8, 1e-6, 1e-5] {
+            assert_eq!((at(high - beyond), at(high + beyond)), ((0, 0), (2, 0)), "{family:?} {high} {beyond:e}");
+        }
+        for beyond in [-1e-14, -1e-15, 0.0, 1e-15, 1e-14, 1e-13] {
+            let (orbits, unresolved) = at(high + beyond);
+            assert!(orbits % 2 == 0 || unresolved > 0, "{family:?} {high} {beyond:e}: {orbits}");
+        }
+    }
+}
