@@ -23,8 +23,8 @@ pub struct Found {
     /// Places where two orbits may have merged (a fold) closer than rounding can tell; 0 means that `orbits` is
     /// complete, if `exhausted` is 0 too.
     pub unresolved: usize,
-    /// Intervals of φ that were not searched because the budget for one point was spent (hundreds of solutions at very
-    /// low frequency): the list may be incomplete.
+    /// Intervals of φ (under several harmonics rectangles of φ and ψ) that were not searched because the budget for one
+    /// point was spent (hundreds of solutions at very low frequency): the list may be incomplete.
     pub exhausted: usize,
 }
 

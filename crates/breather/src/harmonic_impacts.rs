@@ -48,7 +48,7 @@ pub(crate) struct HarmonicImpacts<'a> {
     at_impulse: f64,
     stiffness: f64,
     fourth: f64,
-    /// Signs s_c, s_s of cos h_j = s_c·(sin or cos of jωδ/2) for each harmonic.
+    /// sin(jπ/2) of each harmonic.
     signs: SmallVec<[f64; MAX_HARMONICS]>,
 }
 
@@ -129,7 +129,7 @@ impl<'a> HarmonicImpacts<'a> {
         zeros.find(self, [from, to], [start, start + repeat], pieces, 1e-20 * half);
     }
 
-    /// Impulses for given δ and τ, from the conditions of position; from Newton's law where those fail. `None` where
+    /// Impulses for given δ and τ, from the conditions of position, or from Newton's law where those fail. `None` where
     /// neither determines them.
     pub(crate) fn solution(&self, [delta, tau]: [f64; 2]) -> Option<TwoImpactSolution> {
         let strip = self.strip(delta, 0.0);
@@ -142,7 +142,7 @@ impl<'a> HarmonicImpacts<'a> {
             p.value / d.value
         };
         let (y, displacement) = if sum.excludes_zero() || self.stiffness == 0.0 {
-            // Σ g⁻¹ r = R, of which the static displacement is ∓4/gΣ.
+            // gΣ (Y/g) = R: finite for γ₁ = 0, where Y itself is 0.
             let rest = match self.word {
                 Word::DoubleSided => self.asymmetry - self.waves(&strip, tau, [0.0; 2])[0].value,
                 Word::PeriodDoubled => 1.0 - self.asymmetry + self.waves(&strip, tau, [0.0; 2])[0].value,

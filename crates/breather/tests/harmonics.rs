@@ -26,6 +26,7 @@ fn points() -> Vec<Model> {
         (21, 0.2, 0.1, 0.92, 0.4, 0.1, 0.9),
         (21, 0.2, 0.1, 1.07, 0.8, 0.1582, 0.25),
         (5, 0.2, 0.1, 1.5, 0.4, 0.9, 1.0),
+        (21, 0.2, 0.1, 0.05, 0.3, 0.5, 0.9),
         (4, 0.2, 0.1, 0.42, 0.2, 0.5, 0.7),
         (7, 0.0, 0.1, 1.3, 0.0, 1.5, 0.8),
         (1, 0.3, 0.0, 0.9, 0.1, 0.4, 0.95),
@@ -350,4 +351,18 @@ fn next_to_a_fold_the_pair_is_found_or_reported() {
             assert!(orbits % 2 == 0 || unresolved > 0, "{family:?} {high} {beyond:e}: {orbits}");
         }
     }
+}
+
+#[test]
+fn under_a_force_that_repeats_within_the_period_an_orbit_is_listed_once() {
+    // The third harmonic alone: a shift of psi by T/3 changes nothing.
+    let model = Model::with_force(Chain::new(5, 0.2, 0.1).unwrap(), 0.5, 0.2, &force(&[(3, 1.5, 0.4)]), 0.95).unwrap();
+    let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega()).unwrap();
+    let found = breathers(&model, Family::DoubleSided).unwrap();
+    let third = model.period() / 3.0;
+    assert!(!found.orbits.is_empty() && found.orbits.iter().all(|orbit| orbit.psi().unwrap() < third));
+    let seen = TwoImpacts { model: &model, response: &response, barriers: [1.2, -0.8] }.scan(400);
+    assert_eq!(seen.len(), 3 * found.orbits.len());
+    let singles = breathers(&model, Family::SingleSided).unwrap().orbits;
+    assert!(!singles.is_empty() && singles.iter().all(|orbit| orbit.psi().unwrap() < third));
 }
