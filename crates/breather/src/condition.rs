@@ -6,7 +6,7 @@
 //! are carried as one; the rest is taken with the worst signs, |δx| ≤ |J⁻¹| δF.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_lattice::{ImpulseResponse, WaveTerm};
 
 use crate::equations::{Column, MOST, System, Terms};
 use crate::motion::Motion;
@@ -136,10 +136,11 @@ pub(crate) fn worse(a: f64, b: f64) -> f64 {
 const UNIT: f64 = 2.0 * f64::EPSILON;
 
 impl Terms<'_> {
-    /// Error of a term of the force whose value and rate of change are given.
-    fn force_rounding(&self, i: usize, value: f64, rate: f64) -> f64 {
+    /// Error of G's derivative of some order at impact `i`.
+    fn force_rounding(&self, i: usize, order: usize) -> f64 {
         let t = self.orbit.impacts()[i].time + self.orbit.psi_or_zero();
-        UNIT * (value.abs() + (t * rate).abs())
+        let moduli = self.orbit.steady().moduli(t);
+        UNIT * (moduli[order] + t.abs() * moduli[order + 1])
     }
 
     /// Rounding of the rows, the modes' amplitudes left out.
@@ -149,10 +150,9 @@ impl Terms<'_> {
         let mut errors = [0.0; MOST];
         let displacement = self.static_displacement();
         for i in 0..n {
-            let force = self.force(i);
             let impact = &orbit.impacts()[i];
             let mut position = UNIT * (displacement.abs() + orbit.model().barrier(impact.barrier).abs());
-            let mut newton = UNIT * (0.5 * q * impact.impulse).abs() + self.force_rounding(i, force[1], force[2]);
+            let mut newton = UNIT * (0.5 * q * impact.impulse).abs() + self.force_rounding(i, 1);
             for j in 0..n {
                 let bound = self.response.rounding_at(0, self.elapsed(i, j));
                 position += UNIT * self.impulse(j).abs() * bound.value;
@@ -160,7 +160,7 @@ impl Terms<'_> {
                     newton += UNIT * self.impulse(j).abs() * bound.slope;
                 }
             }
-            errors[i] = position + self.force_rounding(i, force[0], force[1]);
+            errors[i] = position + self.force_rounding(i, 0);
             if Terms::has_newton_row(layout, i) {
                 errors[n + 1 + i] = newton;
             }
@@ -253,7 +253,6 @@ impl Terms<'_> {
         motion.seek(i, 0.0);
         let (neighbours, modes) = motion.acceleration_sizes(impact.site);
         let ring = motion.sites();
-        let force = self.force(i);
         let bound = |site: usize, part: fn(vibrochain_lattice::KernelJet) -> f64| -> f64 {
             let term = |(j, other): (usize, &crate::orbit::Impact)| {
                 let distance = site.abs_diff(other.site) % ring;
@@ -262,17 +261,17 @@ impl Terms<'_> {
             UNIT * orbit.impacts().iter().enumerate().map(term).sum::<f64>()
         };
         if modes < neighbours {
-            return UNIT * modes + self.force_rounding(i, force[2], force[3]) + bound(impact.site, |jet| jet.curvature);
+            return UNIT * modes + self.force_rounding(i, 2) + bound(impact.site, |jet| jet.curvature);
         }
         // What rounding does to the displacement of the mass itself and of a neighbour.
         let displacement = |site: usize| {
             let still = UNIT * (orbit.uniform_offset().abs() + motion.site(site % ring).displacement.abs());
-            self.force_rounding(i, force[0], force[1]) + still + bound(site, |jet| jet.value)
+            self.force_rounding(i, 0) + still + bound(site, |jet| jet.value)
         };
-        let phase = orbit.model().omega() * (impact.time + orbit.psi_or_zero());
+        let (force, t) = (orbit.model().force_wave(), impact.time + orbit.psi_or_zero());
+        let turned = |term: &WaveTerm| (term.amplitude * (term.rate * t + term.phase)).abs();
+        let force = force.terms().iter().map(turned).sum::<f64>();
         let (own, next) = (displacement(impact.site), displacement(impact.site + 1));
-        chain.gamma1() * own
-            + 2.0 * chain.gamma2() * (own + next)
-            + UNIT * (neighbours + orbit.model().amplitude() * phase.abs())
+        chain.gamma1() * own + 2.0 * chain.gamma2() * (own + next) + UNIT * (neighbours + force)
     }
 }

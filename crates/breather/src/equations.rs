@@ -72,10 +72,7 @@ impl<'a> Terms<'a> {
 
     /// G and its first three derivatives at impact `i`.
     pub(crate) fn force(&self, i: usize) -> [f64; 4] {
-        let w = self.orbit.model().omega();
-        let g = self.orbit.force_response();
-        let (sin, cos) = (w * (self.orbit.impacts()[i].time + self.orbit.psi_or_zero())).sin_cos();
-        [g * cos, -g * w * sin, -g * w * w * cos, g * w * w * w * sin]
+        self.orbit.steady().jet(self.orbit.impacts()[i].time + self.orbit.psi_or_zero())
     }
 
     /// Static displacement of site 0, of which the orbit carries the uniform mode's share.
@@ -123,10 +120,10 @@ impl<'a> Terms<'a> {
 
     /// Largest violation, each over the sizes of its terms.
     pub(crate) fn worst_violation(&self) -> f64 {
-        let (force, w) = (self.orbit.force_response().abs(), self.orbit.model().omega());
+        let (force, rate) = (self.orbit.steady().bound(0), self.orbit.steady().bound(1));
         let worst = |i: usize| {
             let [position, newton] = self.violation(i);
-            let (mut length, mut velocity) = (force.max(1.0), w * force);
+            let (mut length, mut velocity) = (force.max(1.0), rate);
             for j in 0..self.orbit.impacts().len() {
                 let (jet, impulse) = (self.jet(i, j), self.impulse(j).abs());
                 length += impulse * jet.value.abs();

@@ -1,13 +1,13 @@
 //! The one type for all periodic orbits: a chain, a force, a period and a list of impacts.
 //!
 //! ```text
-//! v_n(t) = Σ_i P_i K_{n−n_i}(t−t_i) + G(t+ψ),          G(t) = Ã cos ωt                       (superposition)
+//! v_n(t) = Σ_i P_i K_{n−n_i}(t−t_i) + G(t+ψ),          G(t) = Ã cos ωt, or Σ Ã_j cos(jωt+θ_j)   (superposition)
 //! velocity before/after impact i:  w_i ∓ P_i/2,         w_i = Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ)
 //! Newton's law:  w_i = −q P_i/2,   q = (1−e)/(1+e);     position:  v(t_i) = a ± 1         (design, sec. 3)
 //! ```
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum, Wave};
 
 use crate::condition::worse;
 use crate::error::BreatherError;
@@ -71,7 +71,7 @@ pub struct Orbit {
     family: Family,
     force_periods: u32,
     psi: f64,
-    force: f64,
+    steady: Wave,
     impacts: SmallVec<[Impact; 2]>,
     sources: SmallVec<[Source; 1]>,
     uniform_offset: f64,
@@ -123,7 +123,7 @@ impl Orbit {
             family: draft.family,
             force_periods: draft.force_periods,
             psi: draft.psi,
-            force: model.force_response()?,
+            steady: model.steady_response()?,
             impacts: draft.impacts.iter().map(impact).collect(),
             sources: draft.sources,
             uniform_offset: draft.uniform_offset,
@@ -140,7 +140,7 @@ impl Orbit {
             let [position, newton] = orbit.violation(i, motion);
             // The motion stands just after the impact now.
             let impact = &mut orbit.impacts[i];
-            impact.acceleration = motion.acceleration_from_forces(site, motion.force_phase(i, 0.0));
+            impact.acceleration = motion.acceleration_from_forces(site, motion.force_time(i, 0.0));
             orbit.residual = [position, newton].into_iter().fold(orbit.residual, |worst, x| worse(worst, x.abs()));
         }
         Ok(orbit)
@@ -148,12 +148,12 @@ impl Orbit {
 
     /// The largest length in the conditions of position: half the gap, or the swing of the force.
     pub(crate) fn length_scale(&self) -> f64 {
-        self.force.abs().max(1.0)
+        self.steady.bound(0).max(1.0)
     }
 
     /// The largest velocity in Newton's law at the impacts.
     pub(crate) fn velocity_scale(&self) -> f64 {
-        let force = self.force.abs() * self.model.omega();
+        let force = self.steady.bound(1);
         self.impacts.iter().map(|impact| impact.impulse.abs()).fold(force.max(f64::MIN_POSITIVE), f64::max)
     }
 
@@ -281,9 +281,14 @@ impl Orbit {
         }
     }
 
-    /// Ã = A/(γ₁−ω²), 0 without force.
+    /// Ã = A/(γ₁−ω²), 0 without force; of a force of several harmonics the bound Σ|A_j/(γ₁−j²ω²)|.
     pub fn force_response(&self) -> f64 {
-        self.force
+        self.steady.reach()
+    }
+
+    /// G, the uniform motion driven by the force, as a function of t+ψ.
+    pub fn steady(&self) -> &Wave {
+        &self.steady
     }
 
     /// The impacts in order of time.
@@ -306,7 +311,8 @@ impl Orbit {
     }
 
     /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)| over the
-    /// larger of 1 and |Ã|, and |w_i + qP_i/2| over the largest of |P_j| and ω|Ã|. Rounding level for a sound orbit.
+    /// larger of 1 and |Ã| (or Σ|Ã_j|), and |w_i + qP_i/2| over the largest of |P_j| and ω|Ã| (or Σ jω|Ã_j|). Rounding level
+    /// for a sound orbit.
     pub fn residual(&self) -> f64 {
         self.residual
     }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use vibrochain_lattice::Force;
 
 use crate::parameter::Parameter;
 
@@ -108,11 +109,15 @@ pub struct ModelArgs {
     /// Centre a of the gap, 0 ≤ a < 1.
     #[arg(long, value_name = "a", allow_negative_numbers = true)]
     pub asymmetry: f64,
-    /// Amplitude A of the force [default: no force].
-    #[arg(long, value_name = "A", requires = "restitution", allow_negative_numbers = true)]
+    /// Amplitude A of the force A cos ω(t+ψ) [default: no force].
+    #[arg(long, value_name = "A", group = "driving", requires = "restitution", allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
+    /// Force of several odd harmonics, instead of --amplitude: number:amplitude:phase of each, as in 1:0.1:0,3:0.03:1.57
+    /// for 0.1 cos ω(t+ψ) + 0.03 cos(3ω(t+ψ) + 1.57).
+    #[arg(long, value_name = "J:A:θ,…", group = "driving", requires = "restitution", value_parser = crate::force::parse)]
+    pub force: Option<Force>,
     /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
-    #[arg(long, value_name = "e", requires = "amplitude", allow_negative_numbers = true)]
+    #[arg(long, value_name = "e", requires = "driving", allow_negative_numbers = true)]
     pub restitution: Option<f64>,
 }
 

@@ -5,7 +5,7 @@
 //! | `program`, `console` | the whole program as a function, and what it talks to |
 //! | `accuracy` | error against run time, `mapgen accuracy` (feature `accuracy`) |
 //! | `args` | the command line |
-//! | `parameter`, `scene` | points of the parameter space, scene files |
+//! | `parameter`, `force`, `scene` | points of the parameter space, forces of several harmonics, scene files |
 //! | `cell`, `sweep` | one cell, all cells |
 //! | `table`, `manifest`, `output` | the files a sweep writes |
 //! | `plot` | pictures (feature `plot`) |
@@ -23,6 +23,7 @@ pub mod errata;
 pub mod error;
 #[cfg(feature = "plot")]
 pub mod figures;
+pub mod force;
 mod forms;
 pub mod locate_command;
 pub mod manifest;

@@ -10,6 +10,7 @@ use vibrochain_lattice::{MAX_SITES, Model};
 use crate::args::{FamilyName, ModelArgs, OrbitArgs};
 use crate::console::Console;
 use crate::error::CliError;
+use crate::force;
 use crate::output::Number;
 use crate::parameter::{Parameter, Point};
 use crate::scene::tolerance_from;
@@ -24,7 +25,8 @@ pub fn model(args: &ModelArgs) -> Result<Model, CliError> {
     })?;
     let (amplitude, restitution) = (args.amplitude.unwrap_or(0.0), args.restitution.unwrap_or(1.0));
     let values = [args.gamma1, args.gamma2, args.omega, args.asymmetry, amplitude, restitution];
-    Ok(Point { sites, values }.model()?)
+    let plain = Point { sites, values, force: None };
+    Ok(args.force.map_or(plain, |force| plain.under(&force)).model()?)
 }
 
 /// The family of that name.
@@ -83,16 +85,20 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 }
 
 fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
+    let mut parameters = json!({
+        "sites": model.chain().sites(),
+        "gamma1": model.chain().gamma1(),
+        "gamma2": model.chain().gamma2(),
+        "omega": model.omega(),
+        "asymmetry": model.asymmetry(),
+        "amplitude": model.force().cosine_amplitude(),
+        "restitution": model.restitution(),
+    });
+    if model.force().cosine_amplitude().is_none() {
+        parameters["force"] = force::value(model.force());
+    }
     json!({
-        "parameters": {
-            "sites": model.chain().sites(),
-            "gamma1": model.chain().gamma1(),
-            "gamma2": model.chain().gamma2(),
-            "omega": model.omega(),
-            "asymmetry": model.asymmetry(),
-            "amplitude": model.amplitude(),
-            "restitution": model.restitution(),
-        },
+        "parameters": parameters,
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
         "reason": found.none.map(|reason| reason.to_string()),
         "unresolved": found.unresolved,
@@ -190,17 +196,21 @@ fn complex(z: Complex<f64>) -> String {
 /// The answer for people.
 fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) -> String {
     let mut out = String::new();
-    let point: Vec<String> = [
+    let named = |(parameter, value): (Parameter, f64)| format!("{} = {}", parameter.name(), Number(value));
+    let force = match model.force().cosine_amplitude() {
+        Some(amplitude) => named((Parameter::Amplitude, amplitude)),
+        None => format!("force = {}", force::listed(model.force())),
+    };
+    let mut point: Vec<String> = [
         (Parameter::Gamma1, model.chain().gamma1()),
         (Parameter::Gamma2, model.chain().gamma2()),
         (Parameter::Omega, model.omega()),
         (Parameter::Asymmetry, model.asymmetry()),
-        (Parameter::Amplitude, model.amplitude()),
-        (Parameter::Restitution, model.restitution()),
     ]
-    .iter()
-    .map(|(parameter, value)| format!("{} = {}", parameter.name(), Number(*value)))
+    .into_iter()
+    .map(named)
     .collect();
+    point.extend([force, named((Parameter::Restitution, model.restitution()))]);
     // Writing to a String cannot fail.
     let sites = model.chain().sites();
     let masses = if sites == 1 { "mass" } else { "masses" };
@@ -389,11 +399,7 @@ mod with_plot {
                 }
             },
         };
-        let force = if model.is_conservative() {
-            String::new()
-        } else {
-            format!(", A = {}, e = {}", model.amplitude(), model.restitution())
-        };
+        let force = crate::force::caption(model);
         let caption = format!(
             "{} breather {}: N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}{force}; {state}",
             orbit.family().name(),

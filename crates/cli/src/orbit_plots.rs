@@ -278,7 +278,7 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
             if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Solid(2), Mark::Filled(3)) };
         all.push(Series { name: format!("impact on the {}", impact_name(orbit, i)), colour: i, stroke, mark, points });
         if i == 0 {
-            let uniform = orbit.force_response() * (model.omega() * (impact.time + orbit.psi().unwrap_or(0.0))).cos();
+            let uniform = orbit.steady().value(impact.time + orbit.psi().unwrap_or(0.0));
             let v = motion.displacements(impact.time);
             let modal = (0..chain.even_modes()).map(|n| (n as f64, (v[(home + n) % chain.sites()] - uniform).abs()));
             let (name, stroke, mark) = ("the same by the sum over modes".to_owned(), Stroke::None, Mark::Hollow(1));

@@ -106,18 +106,20 @@ const STATE: &str = r#"{"displacement": [0.1, -0.2, 0.3], "velocity": [0.5, 0.0,
 
 const SWEEP: &str = "mapgen sweep scene.toml --out map.csv --quiet --threads 1";
 
-const LINES: [&str; 12] = [
+const LINES: [&str; 14] = [
     "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4",
     "mapgen orbit --family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega .93 --asymmetry .4 --threshold 0.01",
     "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
     "mapgen orbit --family single-sided --json --sites 4 --gamma1 .2 --gamma2 .1 --omega .92 --asymmetry .7 --amplitude .05 --restitution .9",
     "mapgen orbit --family period-doubled --sites 7 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .1582 --restitution .25",
+    "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --force 1:.1:0,3:-.033:0,5:.02:.5 --restitution .9",
     "mapgen orbit --family double-sided --sites 2 --gamma1 0 --gamma2 .1 --omega 1.3 --asymmetry 0 --amplitude 1.5 --restitution 1",
     "mapgen orbit --family double-sided --json --sites 1 --gamma1 .2 --gamma2 0 --omega .42 --asymmetry 0 --amplitude 0 --restitution 1",
     "mapgen simulate --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --periods 3 --impacts impacts.csv",
     "mapgen simulate --family single-sided --sites 4 --gamma1 .2 --gamma2 .1 --omega .93 --asymmetry .4 --periods 2 --perturb 1e-8 --direction unstable --samples 4 --trajectory trajectory.csv",
     "mapgen simulate --family double-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9 --solution 1 --perturb 1e-3 --seed 5 --max-impacts 7",
     "mapgen simulate --state state.json --psi .3 --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .4 --restitution .5 --periods 2 --impacts impacts.csv --trajectory trajectory.csv --samples 3",
+    "mapgen simulate --family single-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega .92 --asymmetry .4 --force 1:.1:.3,3:.02 --restitution .9 --periods 2",
     "mapgen validate --out validation.md",
 ];
 

@@ -194,7 +194,7 @@ pub(super) fn parse(entry: &Entry) -> Result<FigureScene, CliError> {
         let sites = usize::try_from(sites).ok().filter(|sites| (1..=MAX_SITES).contains(sites)).ok_or_else(|| {
             wrong(format!("sites = {sites} is out of range: give a whole number from 1 to {MAX_SITES}"))
         })?;
-        let mut point = Point { sites, values: [0.0; 6] };
+        let mut point = Point { sites, values: [0.0; 6], force: None };
         let mut label: Vec<String> = curve.sites.map(|_| format!("N = {}", sites - 1)).into_iter().collect();
         for (parameter, own) in Parameter::ALL.into_iter().zip(curve.values()) {
             let without_force = match parameter {
