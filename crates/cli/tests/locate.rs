@@ -1,0 +1,81 @@
+//! `mapgen locate` as its users meet it.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use assert_cmd::Command;
+use predicates::prelude::PredicateBooleanExt;
+use predicates::str::contains;
+use serde_json::Value;
+
+const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
+const FIGURE_9: &str =
+    "--family double-sided --sites 21 --gamma1 .1 --gamma2 .05 --omega 1.33 --asymmetry 0 --amplitude 1.5";
+
+fn locate(flags: &str, model: &str) -> Command {
+    let mut command = Command::cargo_bin("mapgen").unwrap();
+    command.arg("locate").args(flags.split(' ')).args(model.split(' '));
+    command
+}
+
+fn answer(flags: &str, model: &str) -> Value {
+    let output = locate(flags, model).arg("--json").assert().success().get_output().stdout.clone();
+    serde_json::from_slice(&output).unwrap()
+}
+
+#[test]
+fn a_period_doubling_with_the_orbit_that_takes_over() {
+    let json = answer("--event period-doubling --free amplitude", DOUBLING);
+    let point = &json["points"][0];
+    let close = |value: &Value, expected: f64, error: f64| (value.as_f64().unwrap() - expected).abs() < error;
+    assert!(close(&point["value"], 0.158908086, 5e-10) && close(&point["sign"]["multiplier"][0], -1.0, 1e-10));
+    assert!(point["error"].as_f64().unwrap() < 1e-12 && point["physical"] == true);
+    let branching = &point["branching"];
+    assert!(branching["side"] == "below" && branching["orbits"].as_array().unwrap().len() == 1);
+    let doubled = &branching["orbits"][0];
+    assert!(doubled["family"] == "period-doubled" && doubled["stability"]["stable"] == true);
+    assert!(doubled["impacts"].as_array().unwrap().len() == 2 && doubled["physical"] == true);
+    // Below it the branch ends in the fold.
+    assert!(json["ends"][0]["reason"] == "fold" && close(&json["ends"][0]["value"], 0.157927457267, 1e-12));
+    assert_eq!((&json["free"], &json["event"]), (&"amplitude".into(), &"period-doubling".into()));
+}
+
+#[test]
+fn text_for_people() {
+    locate("--event pitchfork --free restitution --from .45 --to .65", &format!("{FIGURE_9} --restitution .5"))
+        .assert()
+        .success()
+        .stdout(contains("restitution = 0.52458531444792"))
+        .stdout(contains("the asymmetric pair exists above it"))
+        .stdout(contains("down: searched to restitution = 0.45"));
+}
+
+#[test]
+fn no_event_is_an_answer_and_a_wrong_range_is_not() {
+    locate("--event grazing --free amplitude --from .16 --to .17", DOUBLING)
+        .assert()
+        .success()
+        .stdout(contains("no grazing between amplitude = 0.16 and 0.17"));
+    let outside = "amplitude = 0.165 is not between 0.2 and 0.3: start inside";
+    locate("--event fold --free amplitude --from .2 --to .3", DOUBLING).assert().code(2).stderr(contains(outside));
+    locate("--event fold --free restitution --to 1.5", DOUBLING)
+        .assert()
+        .code(2)
+        .stderr(contains("--to: restitution = 1.5 is out of range"));
+    locate("--event fold --free amplitude --solution 3", DOUBLING)
+        .assert()
+        .code(2)
+        .stderr(contains("there are 2, give 1 to 2"));
+    let conservative = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega .95 --asymmetry .4";
+    locate("--event fold --free amplitude", conservative)
+        .assert()
+        .code(2)
+        .stderr(contains("a conservative orbit has no amplitude"));
+    let weak = DOUBLING.replace(".165", ".15");
+    locate("--event fold --free amplitude", &weak).assert().code(1).stderr(contains("the force is too weak"));
+}
+
+#[test]
+fn help_says_what_can_be_found_and_freed() {
+    let mut command = Command::cargo_bin("mapgen").unwrap();
+    let help = contains("neimark-sacker").and(contains("restitution")).and(contains("every event on it is an answer"));
+    command.args(["locate", "--help"]).assert().success().stdout(help);
+}
