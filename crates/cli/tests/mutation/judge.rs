@@ -14,9 +14,22 @@ pub(crate) struct Outcome {
     pub(crate) message: String,
 }
 
-/// Keys of JSON answers whose value may be missing.
-const OPTIONAL: [&str; 10] =
-    ["phi", "psi", "margin", "obstruction", "mechanism", "reason", "stability", "title", "revision", "threshold"];
+/// Keys of JSON answers whose value may be missing; errors are where no bound is known.
+const OPTIONAL: [&str; 13] = [
+    "phi",
+    "psi",
+    "margin",
+    "obstruction",
+    "mechanism",
+    "reason",
+    "stability",
+    "title",
+    "revision",
+    "threshold",
+    "resolution",
+    "impulse_error",
+    "time_error",
+];
 
 /// No word of it is a number that is none.
 fn unfit_number(text: &str) -> Option<&str> {
