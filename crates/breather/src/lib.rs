@@ -15,7 +15,7 @@
 //! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `equations`, `polish` | the orbit's equations linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
-//! | `branch`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
+//! | `branch`, `reduction`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
@@ -49,6 +49,7 @@ mod forced_single;
 mod motion;
 mod orbit;
 mod polish;
+mod reduction;
 mod roots;
 mod two_impacts;
 mod window;
