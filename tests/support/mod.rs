@@ -5,14 +5,14 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use vibrochain::breather::{Motion, Orbit};
-use vibrochain::lattice::Model;
+use vibrochain::lattice::{Harmonic, Model};
 
 /// Free flight of a ring under its force.
 pub(crate) struct Ring {
     frequencies: DVector<f64>,
     shapes: DMatrix<f64>,
-    response: f64,
-    omega: f64,
+    /// (rate, amplitude of the response, phase) of each harmonic of the force.
+    response: Vec<(f64, f64, f64)>,
 }
 
 impl Ring {
@@ -25,12 +25,14 @@ impl Ring {
             stiffness[(n, (n + m - 1) % m)] -= g2;
         }
         let eigen = SymmetricEigen::new(stiffness);
-        let omega = model.omega();
+        let response = |harmonic: &Harmonic| {
+            let rate = f64::from(harmonic.number) * model.omega();
+            (rate, harmonic.amplitude / (g1 - rate * rate), harmonic.phase)
+        };
         Self {
             frequencies: eigen.eigenvalues.map(|x| x.max(0.0).sqrt()),
             shapes: eigen.eigenvectors,
-            response: model.amplitude() / (g1 - omega * omega),
-            omega,
+            response: model.force().harmonics().iter().map(response).collect(),
         }
     }
 
@@ -43,8 +45,10 @@ impl Ring {
         time: f64,
     ) -> (DVector<f64>, DVector<f64>) {
         let force = |t: f64| {
-            let (sin, cos) = (self.omega * t).sin_cos();
-            (self.response * cos, -self.response * self.omega * sin)
+            self.response.iter().fold((0.0, 0.0), |sum, (rate, amplitude, phase)| {
+                let (sin, cos) = (rate * t + phase).sin_cos();
+                (sum.0 + amplitude * cos, sum.1 - amplitude * rate * sin)
+            })
         };
         let (g0, h0) = force(phase);
         let (q, p) = (self.shapes.transpose() * u.add_scalar(-g0), self.shapes.transpose() * v.add_scalar(-h0));
@@ -68,7 +72,7 @@ impl Ring {
             let mut unit = DVector::zeros(2 * m);
             unit[j] = 1.0;
             let quiet =
-                Self { response: 0.0, shapes: self.shapes.clone(), frequencies: self.frequencies.clone(), omega: 1.0 };
+                Self { response: Vec::new(), shapes: self.shapes.clone(), frequencies: self.frequencies.clone() };
             let (u, v) = quiet.fly(&unit.rows(0, m).into(), &unit.rows(m, m).into(), 0.0, time);
             flow.view_mut((0, j), (m, 1)).copy_from(&u);
             flow.view_mut((m, j), (m, 1)).copy_from(&v);

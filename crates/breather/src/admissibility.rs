@@ -176,6 +176,7 @@ impl Watch {
         }
         // A ring whose modes all stand still takes its unit from the period.
         self.window.set_rate(rate.max(1.0 / horizon));
+        let force = model.force_wave();
         let unit = self.window.unit();
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
         'search: for interval in 0..motion.intervals() {
@@ -193,7 +194,7 @@ impl Watch {
                 if w > 0 {
                     self.window.advance(&self.watched, motion, interval, elapsed, step);
                 }
-                self.window.expand(&self.watched, model, motion.force_phase(interval, elapsed));
+                self.window.expand(&self.watched, model, &force, motion.force_time(interval, elapsed));
                 for (i, &site) in self.watched.sites.iter().enumerate() {
                     if !is_hit(site) {
                         closest.note(a, site, start + elapsed, self.window.displacement(i));

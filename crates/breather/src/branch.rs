@@ -374,9 +374,9 @@ impl Branch {
     fn rows(&mut self, z: &Vector) -> Result<(Orbit, Vector), BranchError> {
         let (orbit, displacement) = self.assemble(z)?;
         let (n, mut rows) = (self.layout.impacts, [0.0; WIDTH]);
-        let (response, motion) = (&self.finder.response, &mut self.finder.motion);
+        let response = &self.finder.response;
         for i in 0..n {
-            let (position, newton) = orbit.violation(i, motion);
+            let [position, newton] = Terms::new(&orbit, response).violation(i);
             rows[i] = position;
             if Terms::has_newton_row(self.layout, i) {
                 rows[n + 1 + i] = newton;

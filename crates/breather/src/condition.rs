@@ -6,7 +6,7 @@
 //! are carried as one; the rest is taken with the worst signs, |δx| ≤ |J⁻¹| δF.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_lattice::{ImpulseResponse, WaveTerm};
 
 use crate::equations::{Column, MOST, System, Terms};
 use crate::motion::Motion;
@@ -29,11 +29,12 @@ pub struct Condition {
     /// Distance to resonance: the smallest |Ω_k − jω|/Ω_k over modes and harmonics j ≥ 1, at most 1; ω is the orbit's base
     /// frequency. So many digits of the kernels are lost as this has zeros.
     pub resonance: f64,
-    /// Distance to grazing: the smallest velocity before an impact, in units of ω times half the gap. Saltation grows
+    /// Distance to grazing: the smallest velocity before an impact, in units of the force's ω times half the gap. Saltation grows
     /// like its inverse.
     pub grazing: f64,
     /// Distance to a fold or pitchfork: reciprocal condition number of the orbit's equations, rows and columns scaled, at
-    /// most 1. `None` for an orbit given by its impacts.
+    /// most 1. For a mirror-symmetric conservative orbit, whose times are fixed, of the equations for its impulses alone.
+    /// `None` for an orbit given by its impacts.
     pub fold: Option<f64>,
     /// Estimated error of the force's phase ψ, as a time; 0 without force.
     pub psi_error: f64,
@@ -45,12 +46,13 @@ impl Condition {
     /// Largest error of an impulse, relative to the largest impulse.
     pub fn impulse_error(&self, orbit: &Orbit) -> f64 {
         let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        self.impacts.iter().map(|error| error.impulse).fold(0.0, f64::max) / largest
+        self.impacts.iter().map(|error| error.impulse).fold(0.0, worse) / largest
     }
 
-    /// Largest error of a time or of the phase, relative to the period of the orbit.
+    /// Largest error of a time relative to the period of the orbit, or of the phase relative to that of the force.
     pub fn time_error(&self, orbit: &Orbit) -> f64 {
-        self.impacts.iter().map(|error| error.time).fold(self.psi_error, f64::max) / orbit.period()
+        let phase = self.psi_error / orbit.model().period();
+        self.impacts.iter().map(|error| error.time / orbit.period()).fold(phase, worse)
     }
 
     pub(crate) fn of(orbit: &Orbit, response: &ImpulseResponse, motion: &mut Motion) -> Self {
@@ -78,7 +80,22 @@ impl Condition {
             condition.take(&terms, system, &system.spread(errors));
         }
         terms.amplitudes(system.as_ref(), &mut condition);
+        for impact in condition.impacts.iter_mut().skip(1) {
+            // A time that symmetry fixes is rounded, too.
+            impact.time += f64::EPSILON * orbit.period();
+        }
+        if condition.fold == Some(0.0) {
+            condition.lose_all();
+        }
         condition
+    }
+
+    /// Nothing is known of an orbit whose equations are singular.
+    fn lose_all(&mut self) {
+        self.psi_error = f64::INFINITY;
+        for impact in &mut self.impacts {
+            *impact = ImpactError { time: f64::INFINITY, impulse: f64::INFINITY, acceleration: f64::INFINITY };
+        }
     }
 
     /// Adds errors of the unknowns.
@@ -96,14 +113,34 @@ impl Condition {
     }
 }
 
+/// Digits beyond which a lost one could show in a verdict.
+const DELICATE: f64 = 1e-6;
+
+/// Next to a resonance, to grazing or to a fold, by signs that cost little.
+pub(crate) fn is_delicate(orbit: &Orbit, response: &ImpulseResponse) -> bool {
+    let slowest = orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(f64::INFINITY, f64::min);
+    let fastest = orbit.velocity_scale();
+    response.condition() > 1.0 / DELICATE
+        || slowest < DELICATE * fastest
+        || fastest > orbit.model().omega() / DELICATE
+        || !orbit.is_reversible()
+            && Terms::new(orbit, response).system().is_some_and(|system| system.reciprocal_condition < DELICATE)
+}
+
+/// The larger of two errors; one that is not a number is as bad as can be.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
+}
+
 /// Rounding of one operation, with room for the few that a term takes.
 const UNIT: f64 = 2.0 * f64::EPSILON;
 
 impl Terms<'_> {
-    /// Error of a term of the force whose value and rate of change are given.
-    fn force_rounding(&self, i: usize, value: f64, rate: f64) -> f64 {
+    /// Error of G's derivative of some order at impact `i`.
+    fn force_rounding(&self, i: usize, order: usize) -> f64 {
         let t = self.orbit.impacts()[i].time + self.orbit.psi_or_zero();
-        UNIT * (value.abs() + (t * rate).abs())
+        let moduli = self.orbit.steady().moduli(t);
+        UNIT * (moduli[order] + t.abs() * moduli[order + 1])
     }
 
     /// Rounding of the rows, the modes' amplitudes left out.
@@ -113,10 +150,9 @@ impl Terms<'_> {
         let mut errors = [0.0; MOST];
         let displacement = self.static_displacement();
         for i in 0..n {
-            let force = self.force(i);
             let impact = &orbit.impacts()[i];
             let mut position = UNIT * (displacement.abs() + orbit.model().barrier(impact.barrier).abs());
-            let mut newton = UNIT * (0.5 * q * impact.impulse).abs() + self.force_rounding(i, force[1], force[2]);
+            let mut newton = UNIT * (0.5 * q * impact.impulse).abs() + self.force_rounding(i, 1);
             for j in 0..n {
                 let bound = self.response.rounding_at(0, self.elapsed(i, j));
                 position += UNIT * self.impulse(j).abs() * bound.value;
@@ -124,7 +160,7 @@ impl Terms<'_> {
                     newton += UNIT * self.impulse(j).abs() * bound.slope;
                 }
             }
-            errors[i] = position + self.force_rounding(i, force[0], force[1]);
+            errors[i] = position + self.force_rounding(i, 0);
             if Terms::has_newton_row(layout, i) {
                 errors[n + 1 + i] = newton;
             }
@@ -217,7 +253,6 @@ impl Terms<'_> {
         motion.seek(i, 0.0);
         let (neighbours, modes) = motion.acceleration_sizes(impact.site);
         let ring = motion.sites();
-        let force = self.force(i);
         let bound = |site: usize, part: fn(vibrochain_lattice::KernelJet) -> f64| -> f64 {
             let term = |(j, other): (usize, &crate::orbit::Impact)| {
                 let distance = site.abs_diff(other.site) % ring;
@@ -226,17 +261,17 @@ impl Terms<'_> {
             UNIT * orbit.impacts().iter().enumerate().map(term).sum::<f64>()
         };
         if modes < neighbours {
-            return UNIT * modes + self.force_rounding(i, force[2], force[3]) + bound(impact.site, |jet| jet.curvature);
+            return UNIT * modes + self.force_rounding(i, 2) + bound(impact.site, |jet| jet.curvature);
         }
         // What rounding does to the displacement of the mass itself and of a neighbour.
         let displacement = |site: usize| {
             let still = UNIT * (orbit.uniform_offset().abs() + motion.site(site % ring).displacement.abs());
-            self.force_rounding(i, force[0], force[1]) + still + bound(site, |jet| jet.value)
+            self.force_rounding(i, 0) + still + bound(site, |jet| jet.value)
         };
-        let phase = orbit.model().omega() * (impact.time + orbit.psi_or_zero());
+        let (force, t) = (orbit.model().force_wave(), impact.time + orbit.psi_or_zero());
+        let turned = |term: &WaveTerm| (term.amplitude * (term.rate * t + term.phase)).abs();
+        let force = force.terms().iter().map(turned).sum::<f64>();
         let (own, next) = (displacement(impact.site), displacement(impact.site + 1));
-        chain.gamma1() * own
-            + 2.0 * chain.gamma2() * (own + next)
-            + UNIT * (neighbours + orbit.model().amplitude() * phase.abs())
+        chain.gamma1() * own + 2.0 * chain.gamma2() * (own + next) + UNIT * (neighbours + force)
     }
 }

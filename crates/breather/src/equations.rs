@@ -13,6 +13,7 @@
 
 use vibrochain_lattice::{ImpulseResponse, KernelJet};
 
+use crate::condition::worse;
 use crate::orbit::{Family, Orbit};
 
 /// Most unknowns: two impulses, s, t_1, ψ.
@@ -71,10 +72,7 @@ impl<'a> Terms<'a> {
 
     /// G and its first three derivatives at impact `i`.
     pub(crate) fn force(&self, i: usize) -> [f64; 4] {
-        let w = self.orbit.model().omega();
-        let g = self.orbit.force_response();
-        let (sin, cos) = (w * (self.orbit.impacts()[i].time + self.orbit.psi_or_zero())).sin_cos();
-        [g * cos, -g * w * sin, -g * w * w * cos, g * w * w * w * sin]
+        self.orbit.steady().jet(self.orbit.impacts()[i].time + self.orbit.psi_or_zero())
     }
 
     /// Static displacement of site 0, of which the orbit carries the uniform mode's share.
@@ -105,6 +103,35 @@ impl<'a> Terms<'a> {
         let time = place(impacts == 2 && !orbit.is_reversible());
         let psi = place(!orbit.model().is_conservative());
         Some(Layout { impacts, time, psi, size })
+    }
+
+    /// What is left of position and Newton's law at impact `i`.
+    pub(crate) fn violation(&self, i: usize) -> [f64; 2] {
+        let impact = &self.orbit.impacts()[i];
+        let force = self.force(i);
+        let position = self.static_displacement() + force[0] - self.orbit.model().barrier(impact.barrier);
+        let newton = force[1] + 0.5 * self.orbit.model().loss() * impact.impulse;
+        (0..self.orbit.impacts().len()).fold([position, newton], |[position, newton], j| {
+            let jet = self.jet(i, j);
+            let slope = if j == i { 0.0 } else { jet.slope };
+            [position + self.impulse(j) * jet.value, newton + self.impulse(j) * slope]
+        })
+    }
+
+    /// Largest violation, each over the sizes of its terms.
+    pub(crate) fn worst_violation(&self) -> f64 {
+        let (force, rate) = (self.orbit.steady().bound(0), self.orbit.steady().bound(1));
+        let worst = |i: usize| {
+            let [position, newton] = self.violation(i);
+            let (mut length, mut velocity) = (force.max(1.0), rate);
+            for j in 0..self.orbit.impacts().len() {
+                let (jet, impulse) = (self.jet(i, j), self.impulse(j).abs());
+                length += impulse * jet.value.abs();
+                velocity += impulse * if j == i { 0.5 * self.orbit.model().loss() } else { jet.slope.abs() };
+            }
+            worse((position / length).abs(), (newton / velocity.max(f64::MIN_POSITIVE)).abs())
+        };
+        (0..self.orbit.impacts().len()).map(worst).fold(0.0, worse)
     }
 
     /// The linearised equations.
@@ -151,7 +178,8 @@ impl<'a> Terms<'a> {
         matrix[n][n] = -self.response.static_stiffness();
         let mut units = [1.0; MOST];
         units[..n].fill((0..n).map(|j| self.impulse(j).abs()).fold(f64::MIN_POSITIVE, f64::max));
-        units[n] = self.static_displacement().abs().max(1e-3);
+        // In units of half the gap.
+        units[n] = self.static_displacement().abs().max(1.0);
         if let Some(time) = layout.time {
             units[time] = self.response.period();
         }

@@ -4,13 +4,14 @@
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::{Admissibility, Depth, Watch};
-use crate::condition::Condition;
+use crate::condition::{Condition, is_delicate};
 use crate::error::{BreatherError, NoBreather};
+use crate::forced_harmonics::Open;
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
 use crate::polish::polish;
 use crate::roots::Zeros;
-use crate::{conservative, forced_double, forced_single};
+use crate::{conservative, forced_double, forced_harmonics, forced_single};
 
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -22,8 +23,8 @@ pub struct Found {
     /// Places where two orbits may have merged (a fold) closer than rounding can tell; 0 means that `orbits` is
     /// complete, if `exhausted` is 0 too.
     pub unresolved: usize,
-    /// Intervals of φ that were not searched because the budget for one point was spent (hundreds of solutions at very
-    /// low frequency): the list may be incomplete.
+    /// Intervals of φ (under several harmonics rectangles of φ and ψ) that were not searched because the budget for one
+    /// point was spent (hundreds of solutions at very low frequency): the list may be incomplete.
     pub exhausted: usize,
 }
 
@@ -105,7 +106,7 @@ impl Finder {
     fn search(&mut self, model: &Model, family: Family, all: bool, found: &mut Found) -> Result<(), BreatherError> {
         found.orbits.clear();
         (found.none, found.unresolved, found.exhausted) = (None, 0, 0);
-        self.zeros = Zeros::default();
+        self.zeros.clear();
         let conservative = model.is_conservative();
         if !conservative && model.amplitude() == 0.0 {
             found.none = Some(NoBreather::LossWithoutForce);
@@ -115,7 +116,9 @@ impl Finder {
             found.none = Some(NoBreather::NeedsForce);
             return Ok(());
         }
-        let force = model.force_response()?;
+        let steady = model.steady_response()?;
+        // A plain cosine lets the phase be eliminated.
+        let cosine = model.force().cosine_amplitude().map(|_| steady.reach());
         self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
         let (response, motion, zeros) = (&self.response, &mut self.motion, &mut self.zeros);
         let mut failure = None;
@@ -126,31 +129,39 @@ impl Finder {
             }
             Err(error) => failure = Some(error),
         };
-        let outcome = match (family, conservative) {
-            (Family::DoubleSided, true) => conservative::double_sided(model, response).map(|draft| {
+        let resolved = |unresolved| Open { unresolved, exhausted: 0 };
+        let outcome = match (family, cosine) {
+            (Family::DoubleSided, _) if conservative => conservative::double_sided(model, response).map(|draft| {
                 add(draft);
-                if all { conservative::double_sided_asymmetric(model, response, zeros, &mut add) } else { 0 }
+                resolved(if all { conservative::double_sided_asymmetric(model, response, zeros, &mut add) } else { 0 })
             }),
-            (Family::SingleSided, true) => conservative::single_sided(model, response).map(|draft| {
+            (Family::SingleSided, _) if conservative => conservative::single_sided(model, response).map(|draft| {
                 add(draft);
-                0
+                resolved(0)
             }),
-            (Family::DoubleSided, false) => forced_double::double_sided(model, response, force, zeros, &mut add),
-            (Family::SingleSided, false) => forced_single::single_sided(model, response, force).map(|drafts| {
+            (Family::DoubleSided, Some(force)) => {
+                forced_double::double_sided(model, response, force, zeros, &mut add).map(resolved)
+            }
+            (Family::SingleSided, Some(force)) => forced_single::single_sided(model, response, force).map(|drafts| {
                 drafts.into_iter().for_each(&mut add);
-                0
+                resolved(0)
             }),
-            (Family::PeriodDoubled, _) => forced_double::period_doubled(model, response, force, zeros, &mut add),
+            (Family::PeriodDoubled, Some(force)) => {
+                forced_double::period_doubled(model, response, force, zeros, &mut add).map(resolved)
+            }
+            (Family::DoubleSided, None) => forced_harmonics::double_sided(model, response, &steady, zeros, &mut add),
+            (Family::SingleSided, None) => forced_harmonics::single_sided(model, response, &steady, zeros, &mut add),
+            (Family::PeriodDoubled, None) => forced_harmonics::period_doubled(model, response, &steady, &mut add),
             (Family::Word, _) => Err(NoBreather::Singular),
         };
         match outcome {
-            Ok(unresolved) => found.unresolved = unresolved,
+            Ok(open) => (found.unresolved, found.exhausted) = (open.unresolved, open.exhausted),
             Err(reason) => found.none = Some(reason),
         }
         if let Some(error) = failure {
             return Err(error);
         }
-        found.exhausted = self.zeros.exhausted;
+        found.exhausted = found.exhausted.max(self.zeros.exhausted);
         if all {
             found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
         }
@@ -211,6 +222,16 @@ impl Finder {
         Ok(Condition::of(orbit, &self.response, &mut self.motion))
     }
 
+    /// Whether errors of an orbit could matter to its verdict: next to a resonance, to grazing or to a fold. Cheap enough
+    /// for a sweep, which asks for [`Finder::condition`] only then.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn is_delicate(&mut self, orbit: &Orbit) -> Result<bool, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        Ok(is_delicate(orbit, &self.response))
+    }
+
     /// The impulse response last used.
     pub fn response(&self) -> &ImpulseResponse {
         &self.response
@@ -234,4 +255,12 @@ pub fn breathers(model: &Model, family: Family) -> Result<Found, BreatherError> 
     let mut found = Found::default();
     Finder::new(model.chain().sites()).find(model, family, &mut found)?;
     Ok(found)
+}
+
+/// How far an orbit can be trusted: the one-shot form of [`Finder::condition`].
+///
+/// # Errors
+/// As [`Finder::condition`].
+pub fn condition(orbit: &Orbit) -> Result<Condition, BreatherError> {
+    Finder::new(orbit.model().chain().sites()).condition(orbit)
 }

@@ -12,11 +12,11 @@ use crate::two_impacts::{TwoImpactSolution, TwoImpacts, Word};
 /// Where δ = 0 solves by itself (a = 0, e = 1 or γ₁ = 0, and always for a doubled orbit), E has a double zero there that
 /// is not a pair of orbits; the search stays this fraction of the half period away from it. Asymmetric orbits closer
 /// than that to their bifurcation are not told from the symmetric one.
-const SYMMETRIC_GUARD: f64 = 1e-7;
+pub(crate) const SYMMETRIC_GUARD: f64 = 1e-7;
 
 /// What breaks the symmetry is q a gD, which puts the two orbits next to δ = 0 at δ/T of that order: below this, they
 /// are at δ = 0 to rounding.
-const SYMMETRIC: f64 = 1e-18;
+pub(crate) const SYMMETRIC: f64 = 1e-18;
 
 /// All double-sided solutions; the number of unresolved zeros is returned.
 pub(crate) fn double_sided(
@@ -35,7 +35,7 @@ pub(crate) fn double_sided(
         let draft = double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement);
         found(draft);
     };
-    let edge = half - shortest_flight(response, omega, force);
+    let edge = half - shortest_flight(response, omega * force.abs());
     let mut symmetric = 0;
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
     if q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC {
@@ -123,9 +123,9 @@ fn phase(theta: f64, phi: f64, omega: f64) -> f64 {
 
 /// A time shorter than any flight between the two barriers. From the conditions,
 /// (m²+d²)(χ₃²+q²) ≤ ω²Ã² and Dm = 1 − Y sin h; with |χ₃| ≤ V, |χ₃′| ≤ W and χ₃(0⁺) = 1 one has χ₃ ≥ ½ and D ≤ Vφ for
-/// φ ≤ 1/(2W), hence 2Vφω|Ã| ≥ 1 − ½ω|Ã|φ.
-fn shortest_flight(response: &ImpulseResponse, omega: f64, force: f64) -> f64 {
+/// φ ≤ 1/(2W), hence 2Vφω|Ã| ≥ 1 − ½ω|Ã|φ. `driven` is ω|Ã|, or whatever else bounds |Ġ|.
+pub(crate) fn shortest_flight(response: &ImpulseResponse, driven: f64) -> f64 {
     let [slope, curvature, ..] = response.derivative_bounds();
     let (v, w) = (2.0 * slope, 2.0 * curvature);
-    (0.5 / w).min(1.0 / (omega * force.abs() * (2.0 * v + 0.5))).min(0.5 * response.period())
+    (0.5 / w).min(1.0 / (driven * (2.0 * v + 0.5))).min(0.5 * response.period())
 }

@@ -3,7 +3,7 @@
 //! Between impacts the chain is linear, so that a periodic orbit is a superposition of periodic impulse responses.
 //! What remains are the conditions at the impacts: position on the barrier, Newton's law. Every family of the paper has
 //! a closed form or, with a force and two impacts, one analytic function of one variable whose zeros are all its
-//! orbits. An orbit is *physical* if every impact meets its barrier from inside and every mass stays strictly inside
+//! orbits; under several harmonics two functions of two variables. An orbit is *physical* if every impact meets its barrier from inside and every mass stays strictly inside
 //! the gap at all other times.
 //!
 //! | module | holds |
@@ -11,12 +11,14 @@
 //! | `orbit` | [`Orbit`], [`Impact`], [`Family`] |
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
 //! | `conservative`, `forced_single`, `forced_double`, `two_impacts` | the families |
+//! | `forced_harmonics`, `harmonic_impacts` | the forced ones under several harmonics |
 //! | `motion` | [`Motion`]: every mass at any time |
 //! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `equations`, `polish` | the orbit's equations linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
 //! | `branch`, `reduction`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
+//! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
 //! double-sided orbit, the only or first impact of the others.
@@ -45,9 +47,13 @@ mod equations;
 mod error;
 mod finder;
 mod forced_double;
+mod forced_harmonics;
 mod forced_single;
+mod harmonic_impacts;
 mod motion;
 mod orbit;
+mod patch;
+mod planar_roots;
 mod polish;
 mod reduction;
 mod roots;
@@ -58,6 +64,6 @@ pub use admissibility::{Admissibility, Approach, Obstruction, admissibility};
 pub use branch::{Branch, BranchError, BranchPoint};
 pub use condition::{Condition, ImpactError};
 pub use error::{BreatherError, NoBreather};
-pub use finder::{Finder, Found, breathers};
+pub use finder::{Finder, Found, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Impact, Orbit};

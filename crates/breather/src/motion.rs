@@ -4,10 +4,13 @@
 //! modes' displacement and velocity at its start (from the periodic impulse response, so that no error is carried
 //! from one interval to the next) and swings them forward.
 
-use vibrochain_lattice::{ImpulseResponse, RingCosines, Spectrum};
+use vibrochain_lattice::{ImpulseResponse, RingCosines, Spectrum, Wave};
 
 use crate::error::BreatherError;
 use crate::orbit::Orbit;
+
+/// Modes added up before they go into the sum over a large ring.
+const BLOCK: usize = 256;
 
 /// Displacement, velocity and acceleration of one mass.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -37,11 +40,10 @@ pub struct Motion {
     cosines: RingCosines,
     frequencies: Vec<f64>,
     period: f64,
-    omega: f64,
     psi: f64,
-    force: f64,
+    steady: Wave,
     gamma: (f64, f64),
-    amplitude: f64,
+    force: Wave,
     sites: Vec<usize>,
     starts: Vec<f64>,
     /// Modal displacement and velocity (weights included) at the start of each interval: [interval][source][mode].
@@ -58,11 +60,10 @@ impl Motion {
             cosines: RingCosines::new(sites),
             frequencies: Vec::new(),
             period: 1.0,
-            omega: 1.0,
             psi: 0.0,
-            force: 0.0,
+            steady: Wave::default(),
             gamma: (0.0, 0.0),
-            amplitude: 0.0,
+            force: Wave::default(),
             sites: Vec::new(),
             starts: Vec::new(),
             states: Vec::new(),
@@ -91,8 +92,8 @@ impl Motion {
         self.frequencies.clear();
         self.frequencies.extend_from_slice(response.frequencies());
         self.period = response.period();
-        (self.omega, self.psi, self.force) = (model.omega(), orbit.psi_or_zero(), orbit.force_response());
-        (self.gamma, self.amplitude) = ((model.chain().gamma1(), model.chain().gamma2()), model.amplitude());
+        (self.psi, self.steady, self.force) = (orbit.psi_or_zero(), *orbit.steady(), model.force_wave());
+        self.gamma = (model.chain().gamma1(), model.chain().gamma2());
         self.sites.clear();
         self.sites.extend(orbit.sources().iter().map(|source| source.site));
         self.starts.clear();
@@ -157,9 +158,8 @@ impl Motion {
             let displacement = q * cos + p * sin_over;
             *now = [displacement, p * cos - q * frequency * sin, -frequency * frequency * displacement];
         }
-        let (sin, cos) = self.force_phase(i, elapsed).sin_cos();
-        let (g, w) = (self.force, self.omega);
-        self.now_force = Kinematics { displacement: g * cos, velocity: -g * w * sin, acceleration: -g * w * w * cos };
+        let [displacement, velocity, acceleration, _] = self.steady.jet(self.force_time(i, elapsed));
+        self.now_force = Kinematics { displacement, velocity, acceleration };
     }
 
     /// The mass at `site` at the time last sought.
@@ -167,11 +167,14 @@ impl Motion {
         let mut sum = [0.0; 3];
         let ring = self.cosines.sites();
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
-            let distance = site.abs_diff(source).min(ring);
-            for (now, shape) in modes.iter().zip(self.cosines.shapes(distance)) {
-                for (sum, now) in sum.iter_mut().zip(now) {
-                    *sum += shape * now;
+            let mut shapes = self.cosines.shapes(site.abs_diff(source).min(ring));
+            // In blocks, so that rounding does not grow with the size of the ring.
+            for block in modes.chunks(BLOCK) {
+                let mut part = [0.0; 3];
+                for (now, shape) in block.iter().zip(&mut shapes) {
+                    (0..3).for_each(|i| part[i] += shape * now[i]);
                 }
+                (0..3).for_each(|i| sum[i] += part[i]);
             }
         }
         Kinematics {
@@ -206,10 +209,10 @@ impl Motion {
         self.site(site)
     }
 
-    /// v̈ of a mass at the time last sought, where the force has the given phase, from the equation of motion,
+    /// v̈ of a mass at the time last sought, `force_time` for the force, from the equation of motion,
     /// −γ₁v − γ₂(2v − v_l − v_r) + F, or from the modes, −Σ Ω²q + G̈, whichever cancels less: the modal sum does where the
     /// coupling is stiff, the neighbours' difference where the ring hangs on soft springs.
-    pub(crate) fn acceleration_from_forces(&self, site: usize, phase: f64) -> f64 {
+    pub(crate) fn acceleration_from_forces(&self, site: usize, force_time: f64) -> f64 {
         let (neighbours, modes) = self.acceleration_sizes(site);
         if modes < neighbours {
             return self.site(site).acceleration;
@@ -217,7 +220,7 @@ impl Motion {
         let ring = self.sites();
         let v = |n: usize| self.site(n % ring).displacement;
         let (own, sides) = (v(site), v(site + 1) + v(site + ring - 1));
-        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - sides) + self.amplitude * phase.cos()
+        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - sides) + self.force.value(force_time)
     }
 
     /// Sums of the moduli of the terms of v̈ in the two forms of [`Motion::acceleration_from_forces`].
@@ -226,7 +229,7 @@ impl Motion {
         let v = |n: usize| self.site(n % ring).displacement.abs();
         let own = v(site);
         let neighbours =
-            self.gamma.0 * own + self.gamma.1 * (2.0 * own + v(site + 1) + v(site + ring - 1)) + self.amplitude;
+            self.gamma.0 * own + self.gamma.1 * (2.0 * own + v(site + 1) + v(site + ring - 1)) + self.force.bound(0);
         let modes: f64 = self
             .now
             .chunks_exact(self.frequencies.len().max(1))
@@ -234,18 +237,17 @@ impl Motion {
             .flat_map(|(modes, &source)| modes.iter().zip(self.cosines.shapes(site.abs_diff(source).min(ring))))
             .map(|(now, shape)| (shape * now[2]).abs())
             .sum();
-        (neighbours, modes + self.omega * self.omega * self.force.abs())
+        (neighbours, modes + self.steady.bound(2))
     }
 
-    /// ω(t+ψ), the force's phase, `elapsed` after the start of interval `i`.
-    pub(crate) fn force_phase(&self, i: usize, elapsed: f64) -> f64 {
-        self.omega * (self.starts.get(i).copied().unwrap_or_default() + elapsed + self.psi)
+    /// t+ψ, the force's time, `elapsed` after the start of interval `i`.
+    pub(crate) fn force_time(&self, i: usize, elapsed: f64) -> f64 {
+        self.starts.get(i).copied().unwrap_or_default() + elapsed + self.psi
     }
 
     /// The highest frequency in the motion between impacts.
     pub(crate) fn top_frequency(&self) -> f64 {
-        let force = if self.force == 0.0 { 0.0 } else { self.omega };
-        self.frequencies.last().copied().unwrap_or_default().max(force)
+        self.frequencies.last().copied().unwrap_or_default().max(self.steady.top_rate())
     }
 
     /// Modal displacement, velocity and acceleration at the time last sought, for the first impacted site; weights

@@ -1,14 +1,15 @@
 //! The one type for all periodic orbits: a chain, a force, a period and a list of impacts.
 //!
 //! ```text
-//! v_n(t) = Σ_i P_i K_{n−n_i}(t−t_i) + G(t+ψ),          G(t) = Ã cos ωt                       (superposition)
+//! v_n(t) = Σ_i P_i K_{n−n_i}(t−t_i) + G(t+ψ),          G(t) = Ã cos ωt, or Σ Ã_j cos(jωt+θ_j)   (superposition)
 //! velocity before/after impact i:  w_i ∓ P_i/2,         w_i = Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ)
 //! Newton's law:  w_i = −q P_i/2,   q = (1−e)/(1+e);     position:  v(t_i) = a ± 1         (design, sec. 3)
 //! ```
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum, Wave};
 
+use crate::condition::worse;
 use crate::error::BreatherError;
 use crate::motion::Motion;
 
@@ -70,7 +71,7 @@ pub struct Orbit {
     family: Family,
     force_periods: u32,
     psi: f64,
-    force: f64,
+    steady: Wave,
     impacts: SmallVec<[Impact; 2]>,
     sources: SmallVec<[Source; 1]>,
     uniform_offset: f64,
@@ -122,7 +123,7 @@ impl Orbit {
             family: draft.family,
             force_periods: draft.force_periods,
             psi: draft.psi,
-            force: model.force_response()?,
+            steady: model.steady_response()?,
             impacts: draft.impacts.iter().map(impact).collect(),
             sources: draft.sources,
             uniform_offset: draft.uniform_offset,
@@ -136,28 +137,34 @@ impl Orbit {
         motion.load(&orbit, response);
         for i in 0..orbit.impacts.len() {
             let site = orbit.impacts[i].site;
-            let (position, newton) = orbit.violation(i, motion);
+            let [position, newton] = orbit.violation(i, motion);
             // The motion stands just after the impact now.
             let impact = &mut orbit.impacts[i];
-            impact.acceleration = motion.acceleration_from_forces(site, motion.force_phase(i, 0.0));
-            orbit.residual = orbit.residual.max(position.abs()).max((newton / orbit.velocity_scale()).abs());
+            impact.acceleration = motion.acceleration_from_forces(site, motion.force_time(i, 0.0));
+            orbit.residual = [position, newton].into_iter().fold(orbit.residual, |worst, x| worse(worst, x.abs()));
         }
         Ok(orbit)
     }
 
+    /// The largest length in the conditions of position: half the gap, or the swing of the force.
+    pub(crate) fn length_scale(&self) -> f64 {
+        self.steady.bound(0).max(1.0)
+    }
+
     /// The largest velocity in Newton's law at the impacts.
     pub(crate) fn velocity_scale(&self) -> f64 {
-        let force = self.force.abs() * self.model.omega();
+        let force = self.steady.bound(1);
         self.impacts.iter().map(|impact| impact.impulse.abs()).fold(force.max(f64::MIN_POSITIVE), f64::max)
     }
 
-    /// v(t_i) − (a±1) and w_i + qP_i/2 of impact `i`; `motion` must hold this orbit, and is left just after the impact.
-    pub(crate) fn violation(&self, i: usize, motion: &mut Motion) -> (f64, f64) {
+    /// v(t_i) − (a±1) and w_i + qP_i/2 of impact `i`, over the largest terms; `motion` must hold this orbit, and is left
+    /// just after the impact.
+    pub(crate) fn violation(&self, i: usize, motion: &mut Motion) -> [f64; 2] {
         let impact = &self.impacts[i];
         let after = motion.after_impact(i, impact.site);
         let mean = after.velocity - 0.5 * impact.impulse;
         let position = after.displacement - self.model.barrier(impact.barrier);
-        (position, mean + 0.5 * self.model.loss() * impact.impulse)
+        [position / self.length_scale(), (mean + 0.5 * self.model.loss() * impact.impulse) / self.velocity_scale()]
     }
 
     /// An orbit from any list of impacts at any sites: `(site, barrier, time, impulse)`, times within the orbit's
@@ -262,7 +269,8 @@ impl Orbit {
 
     /// Phase ψ of the force at t = 0, as a time, 0 ≤ ψ < T. `None` without force.
     pub fn psi(&self) -> Option<f64> {
-        (self.model.amplitude() > 0.0).then_some(self.psi)
+        // No −0.
+        (self.model.amplitude() > 0.0).then_some(self.psi + 0.0)
     }
 
     /// Time φ of the second impact of a family with two. `None` for the others.
@@ -273,9 +281,14 @@ impl Orbit {
         }
     }
 
-    /// Ã = A/(γ₁−ω²), 0 without force.
+    /// Ã = A/(γ₁−ω²), 0 without force; of a force of several harmonics the bound Σ|A_j/(γ₁−j²ω²)|.
     pub fn force_response(&self) -> f64 {
-        self.force
+        self.steady.reach()
+    }
+
+    /// G, the uniform motion driven by the force, as a function of t+ψ.
+    pub fn steady(&self) -> &Wave {
+        &self.steady
     }
 
     /// The impacts in order of time.
@@ -297,8 +310,9 @@ impl Orbit {
         self.reversible
     }
 
-    /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)|, and
-    /// |w_i + qP_i/2| over the largest of |P_j| and ω|Ã|, over all impacts. Rounding level for a sound orbit.
+    /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)| over the
+    /// larger of 1 and |Ã| (or Σ|Ã_j|), and |w_i + qP_i/2| over the largest of |P_j| and ω|Ã| (or Σ jω|Ã_j|). Rounding level
+    /// for a sound orbit.
     pub fn residual(&self) -> f64 {
         self.residual
     }

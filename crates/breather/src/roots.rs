@@ -34,6 +34,13 @@ const MOST_PER_PIECE: usize = 200;
 const LEAST_BUDGET: usize = 20_000;
 
 impl Zeros {
+    /// Forgets what was found, but keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.simple.clear();
+        self.unresolved.clear();
+        (self.exhausted, self.evaluations) = (0, 0);
+    }
+
     /// Finds the zeros of `f` between `from` and `to`, starting from about `pieces` equal intervals. Intervals are
     /// not halved below the width `resolution(centre)`. Zero is a boundary of intervals where it lies inside, so that
     /// they can shrink towards it without end.

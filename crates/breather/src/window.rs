@@ -11,7 +11,7 @@
 //! polynomials are each mass's own: far from the breather their coefficients are as small as the motion itself, and
 //! bounds taken from them are as tight, which no bound common to the ring could be.
 
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Model, Wave};
 
 use crate::motion::Motion;
 
@@ -79,25 +79,30 @@ impl Window {
         }
     }
 
-    /// Works out the polynomials from displacement and velocity; `phase` is ω(t+ψ) at the window's start.
-    pub(crate) fn expand(&mut self, watched: &Watched, model: &Model, phase: f64) {
+    /// Works out the polynomials from displacement and velocity; `time` is t+ψ, for the force, at the window's start.
+    pub(crate) fn expand(&mut self, watched: &Watched, model: &Model, force: &Wave, time: f64) {
         let n = self.masses;
         let squared = self.unit * self.unit;
         let (g1, g2) = (model.chain().gamma1() * squared, model.chain().gamma2() * squared);
-        let (sin, cos) = phase.sin_cos();
-        // Derivatives of A cos: A cos, −Aω sin, −Aω² cos, Aω³ sin, …, over k!.
-        let mut force = model.amplitude() * squared;
-        let omega = model.omega() * self.unit;
-        let quarter = [cos, -sin, -cos, sin];
-        for k in 0..ORDER - 2 {
+        let mut pushes = [0.0; ORDER - 2];
+        for term in force.terms() {
+            let (sin, cos) = (term.rate * time + term.phase).sin_cos();
+            // Derivatives of A cos: A cos, −Aω sin, −Aω² cos, Aω³ sin, …, over k!.
+            let mut size = term.amplitude * squared;
+            let rate = term.rate * self.unit;
+            let quarter = [cos, -sin, -cos, sin];
+            for (k, push) in pushes.iter_mut().enumerate() {
+                *push += size * quarter[k % 4];
+                size *= rate / (k + 1) as f64;
+            }
+        }
+        for (k, push) in pushes.into_iter().enumerate() {
             let scale = 1.0 / ((k + 1) * (k + 2)) as f64;
-            let push = force * quarter[k % 4];
             let (known, rest) = self.coefficients.split_at_mut((k + 2) * n);
             let c = &known[k * n..(k + 1) * n];
             for (((next, own), &l), &r) in rest.iter_mut().zip(c).zip(&watched.left).zip(&watched.right) {
                 *next = scale * (push - g1 * own - g2 * (2.0 * own - (c[l] + c[r])));
             }
-            force *= omega / (k + 1) as f64;
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use vibrochain_lattice::Force;
 
 use crate::parameter::Parameter;
 
@@ -33,6 +34,10 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Print the table of closed forms against simulation (docs/validation.md).
     Validate(ValidateArgs),
+    /// Draw every figure of the paper, with the numbers behind it (docs/figures.md).
+    Figures(FiguresArgs),
+    /// Print the corrections to the paper, each with its evidence (docs/errata.md).
+    Errata(ErrataArgs),
     /// Measure error against run time, this program's methods beside others (docs/accuracy).
     Accuracy(AccuracyArgs),
 }
@@ -104,11 +109,15 @@ pub struct ModelArgs {
     /// Centre a of the gap, 0 ≤ a < 1.
     #[arg(long, value_name = "a", allow_negative_numbers = true)]
     pub asymmetry: f64,
-    /// Amplitude A of the force [default: no force].
-    #[arg(long, value_name = "A", requires = "restitution", allow_negative_numbers = true)]
+    /// Amplitude A of the force A cos ω(t+ψ) [default: no force].
+    #[arg(long, value_name = "A", group = "driving", requires = "restitution", allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
+    /// Force of several odd harmonics, instead of --amplitude: number:amplitude:phase of each, as in 1:0.1:0,3:0.03:1.57
+    /// for 0.1 cos ω(t+ψ) + 0.03 cos(3ω(t+ψ) + 1.57).
+    #[arg(long, value_name = "J:A:θ,…", group = "driving", requires = "restitution", value_parser = crate::force::parse)]
+    pub force: Option<Force>,
     /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
-    #[arg(long, value_name = "e", requires = "amplitude", allow_negative_numbers = true)]
+    #[arg(long, value_name = "e", requires = "driving", allow_negative_numbers = true)]
     pub restitution: Option<f64>,
 }
 
@@ -127,6 +136,12 @@ pub struct OrbitArgs {
     /// Picture of the orbits, .png or .svg: profile at the impacts, impacting mass over a period.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Folder for six pictures of each solution: profile, trace, phase portrait, multipliers, leading eigenvector, decay.
+    #[arg(long, value_name = "DIR")]
+    pub all_plots: Option<PathBuf>,
+    /// Write the pictures of --all-plots as SVG instead of PNG.
+    #[arg(long, requires = "all_plots")]
+    pub svg: bool,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
@@ -273,6 +288,31 @@ pub struct ValidateArgs {
     /// File to write instead of standard output (Markdown).
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `mapgen errata`.
+#[derive(Debug, Args)]
+pub struct ErrataArgs {
+    /// File to write instead of standard output (Markdown).
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `mapgen figures`.
+#[derive(Debug, Args)]
+pub struct FiguresArgs {
+    /// Folder to write into: figure-NUMBER.png, .svg and .csv for each figure.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Figures to make, by number (3,9; 15 is all its panels) or name (15c, 10-strict) [default: all].
+    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', allow_hyphen_values = true)]
+    pub only: Vec<String>,
+    /// Folder with scenes figure-NUMBER.toml to use instead of those built in, see scenes/figures.
+    #[arg(long, value_name = "DIR")]
+    pub scenes: Option<PathBuf>,
+    /// Also write a document (Markdown) that shows the figures and what is found in them.
+    #[arg(long, value_name = "FILE")]
+    pub document: Option<PathBuf>,
 }
 
 /// Suites of `mapgen accuracy`.

@@ -4,6 +4,7 @@ use serde_json::{Map, Value, json};
 use vibrochain_floquet::Tolerance;
 
 use crate::cell::{Class, Status};
+use crate::force;
 use crate::parameter::Parameter;
 use crate::scene::{Axis, Scene};
 use crate::sweep::Summary;
@@ -36,8 +37,14 @@ pub fn manifest(run: &Run<'_>) -> Value {
     let mut model = Map::new();
     model.insert("sites".into(), scene.base.sites.into());
     for parameter in Parameter::ALL {
-        if parameter != scene.x.parameter && parameter != scene.y.parameter {
-            model.insert(parameter.name().into(), scene.base.get(parameter).into());
+        match &scene.base.force {
+            Some(force) if parameter == Parameter::Amplitude => {
+                model.insert("force".into(), force::value(force));
+            }
+            _ if parameter != scene.x.parameter && parameter != scene.y.parameter => {
+                model.insert(parameter.name().into(), scene.base.get(parameter).into());
+            }
+            _ => {}
         }
     }
     let threshold = match scene.task.tolerance {

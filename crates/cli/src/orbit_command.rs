@@ -10,6 +10,7 @@ use vibrochain_lattice::{MAX_SITES, Model};
 use crate::args::{FamilyName, ModelArgs, OrbitArgs};
 use crate::console::Console;
 use crate::error::CliError;
+use crate::force;
 use crate::output::Number;
 use crate::parameter::{Parameter, Point};
 use crate::scene::tolerance_from;
@@ -24,7 +25,8 @@ pub fn model(args: &ModelArgs) -> Result<Model, CliError> {
     })?;
     let (amplitude, restitution) = (args.amplitude.unwrap_or(0.0), args.restitution.unwrap_or(1.0));
     let values = [args.gamma1, args.gamma2, args.omega, args.asymmetry, amplitude, restitution];
-    Ok(Point { sites, values }.model()?)
+    let plain = Point { sites, values, force: None };
+    Ok(args.force.map_or(plain, |force| plain.under(&force)).model()?)
 }
 
 /// The family of that name.
@@ -83,16 +85,20 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 }
 
 fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
+    let mut parameters = json!({
+        "sites": model.chain().sites(),
+        "gamma1": model.chain().gamma1(),
+        "gamma2": model.chain().gamma2(),
+        "omega": model.omega(),
+        "asymmetry": model.asymmetry(),
+        "amplitude": model.force().cosine_amplitude(),
+        "restitution": model.restitution(),
+    });
+    if model.force().cosine_amplitude().is_none() {
+        parameters["force"] = force::value(model.force());
+    }
     json!({
-        "parameters": {
-            "sites": model.chain().sites(),
-            "gamma1": model.chain().gamma1(),
-            "gamma2": model.chain().gamma2(),
-            "omega": model.omega(),
-            "asymmetry": model.asymmetry(),
-            "amplitude": model.amplitude(),
-            "restitution": model.restitution(),
-        },
+        "parameters": parameters,
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
         "reason": found.none.map(|reason| reason.to_string()),
         "unresolved": found.unresolved,
@@ -156,6 +162,11 @@ impl Solution {
     }
 }
 
+/// An estimated error for people: from 1 on, or without bound, nothing is known.
+fn estimate(error: f64) -> String {
+    if error < 1.0 { format!("{error:.0e}") } else { "unknown".to_owned() }
+}
+
 /// An estimate that has no bound is `null`, not a number.
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
@@ -185,19 +196,25 @@ fn complex(z: Complex<f64>) -> String {
 /// The answer for people.
 fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) -> String {
     let mut out = String::new();
-    let point: Vec<String> = [
+    let named = |(parameter, value): (Parameter, f64)| format!("{} = {}", parameter.name(), Number(value));
+    let force = match model.force().cosine_amplitude() {
+        Some(amplitude) => named((Parameter::Amplitude, amplitude)),
+        None => format!("force = {}", force::listed(model.force())),
+    };
+    let mut point: Vec<String> = [
         (Parameter::Gamma1, model.chain().gamma1()),
         (Parameter::Gamma2, model.chain().gamma2()),
         (Parameter::Omega, model.omega()),
         (Parameter::Asymmetry, model.asymmetry()),
-        (Parameter::Amplitude, model.amplitude()),
-        (Parameter::Restitution, model.restitution()),
     ]
-    .iter()
-    .map(|(parameter, value)| format!("{} = {}", parameter.name(), Number(*value)))
+    .into_iter()
+    .map(named)
     .collect();
+    point.extend([force, named((Parameter::Restitution, model.restitution()))]);
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "{} breathers, {} masses, {}", family.name(), model.chain().sites(), point.join(", "));
+    let sites = model.chain().sites();
+    let masses = if sites == 1 { "mass" } else { "masses" };
+    let _ = writeln!(out, "{} breathers, {sites} {masses}, {}", family.name(), point.join(", "));
     match found.none {
         Some(reason) => {
             let _ = writeln!(out, "none: {reason}");
@@ -209,7 +226,8 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         }
     }
     if found.unresolved > 0 {
-        let _ = writeln!(out, "{} places where two more may have merged: next to a fold", found.unresolved);
+        let places = if found.unresolved == 1 { "place" } else { "places" };
+        let _ = writeln!(out, "{} {places} where two more may have merged: next to a fold", found.unresolved);
     }
     if found.exhausted > 0 {
         let _ = writeln!(
@@ -253,8 +271,10 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
                     None => "stable".to_owned(),
                 };
                 // Structure puts it on the circle exactly, or the eigenvalue has an error.
-                let error =
-                    if verdict.resolution > 0.0 { format!(" ± {:.0e}", verdict.resolution) } else { String::new() };
+                let error = match verdict.resolution {
+                    0.0 => String::new(),
+                    resolution => format!(" ± {}", estimate(resolution)),
+                };
                 writeln!(
                     out,
                     "  {how}: spectral radius {}{error}, leading multiplier {}",
@@ -268,10 +288,10 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         let fold = condition.fold.map_or(String::new(), |fold| format!(", to a fold {fold:.1e}"));
         let _ = writeln!(
             out,
-            "  residual {:.1e}; errors: impulses {:.0e}, times {:.0e} of a period",
+            "  residual {:.1e}; errors: impulses {}, times {} of a period",
             orbit.residual(),
-            condition.impulse_error(orbit),
-            condition.time_error(orbit)
+            estimate(condition.impulse_error(orbit)),
+            estimate(condition.time_error(orbit))
         );
         let _ = writeln!(
             out,
@@ -289,9 +309,12 @@ use without_plot::Plot;
 
 #[cfg(feature = "plot")]
 mod with_plot {
+    use std::path::PathBuf;
+
     use vibrochain_breather::Motion;
 
     use super::{CliError, Console, OrbitArgs, Solution};
+    use crate::orbit_plots;
     use crate::output::Output;
     use crate::plot::{Format, OrbitPanels, open, orbit_picture};
 
@@ -301,15 +324,32 @@ mod with_plot {
     /// Orbits beyond this are left to the printed list.
     const MOST: usize = 8;
 
-    pub(super) struct Plot(Option<(Format, Output)>);
+    pub(super) struct Plot {
+        one: Option<(Format, Output)>,
+        /// The folder of --all-plots.
+        all: Option<(Format, PathBuf)>,
+    }
 
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            open(args.plot.as_deref()).map(Self)
+            let format = if args.svg { Format::Svg } else { Format::Png };
+            let all = args.all_plots.as_deref().map(|folder| {
+                std::fs::create_dir_all(folder)
+                    .map_err(|error| CliError::file("cannot make folder", folder, &error))?;
+                Ok::<_, CliError>((format, folder.to_owned()))
+            });
+            Ok(Self { one: open(args.plot.as_deref())?, all: all.transpose()? })
         }
 
         pub(super) fn finish(self, solutions: &[Solution], console: &mut Console<'_>) -> Result<(), CliError> {
-            let Some((format, file)) = self.0 else { return Ok(()) };
+            if let Some((format, folder)) = &self.all {
+                for (i, solution) in solutions.iter().enumerate().take(MOST) {
+                    orbit_plots::write(folder, *format, i + 1, &solution.orbit, solution.stability.as_ref().ok())?;
+                }
+                let (drawn, folder) = (solutions.len().min(MOST), folder.display());
+                console.remark(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
+            }
+            let Some((format, file)) = self.one else { return Ok(()) };
             let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
             let mut panels = Vec::new();
             for (i, solution) in solutions.iter().enumerate().take(MOST) {
@@ -359,11 +399,7 @@ mod with_plot {
                 }
             },
         };
-        let force = if model.is_conservative() {
-            String::new()
-        } else {
-            format!(", A = {}, e = {}", model.amplitude(), model.restitution())
-        };
+        let force = crate::force::caption(model);
         let caption = format!(
             "{} breather {}: N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}{force}; {state}",
             orbit.family().name(),
@@ -387,10 +423,11 @@ mod without_plot {
 
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            match args.plot {
-                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self),
+            if args.plot.is_some() || args.all_plots.is_some() {
+                let message = "--plot and --all-plots need a build with the feature `plot`";
+                return Err(CliError::Request(message.to_owned()));
             }
+            Ok(Self)
         }
 
         pub(super) fn finish(self, _: &[Solution], _: &mut Console<'_>) -> Result<(), CliError> {

@@ -1,7 +1,7 @@
 //! Points of the parameter space.
 
 pub use vibrochain_lattice::Parameter;
-use vibrochain_lattice::{Chain, Model, ParameterError};
+use vibrochain_lattice::{Chain, Force, Model, ParameterError};
 
 /// A point of the parameter space, not yet checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,6 +10,8 @@ pub struct Point {
     pub sites: usize,
     /// Values in the order of [`Parameter::ALL`].
     pub values: [f64; 6],
+    /// A force that is not the plain cosine of the amplitude among the values, which is then Σ|A_j|.
+    pub force: Option<Force>,
 }
 
 impl Point {
@@ -24,12 +26,22 @@ impl Point {
         self
     }
 
+    /// The same point under `force`.
+    pub fn under(self, force: &Force) -> Self {
+        let plain = force.cosine_amplitude().is_some();
+        Self { force: (!plain).then_some(*force), ..self.with(Parameter::Amplitude, force.amplitude()) }
+    }
+
     /// The model at this point.
     ///
     /// # Errors
     /// [`ParameterError`] for a value out of range.
     pub fn model(&self) -> Result<Model, ParameterError> {
         let [gamma1, gamma2, omega, asymmetry, amplitude, restitution] = self.values;
-        Model::forced(Chain::new(self.sites, gamma1, gamma2)?, omega, asymmetry, amplitude, restitution)
+        let chain = Chain::new(self.sites, gamma1, gamma2)?;
+        match &self.force {
+            None => Model::forced(chain, omega, asymmetry, amplitude, restitution),
+            Some(force) => Model::with_force(chain, omega, asymmetry, force, restitution),
+        }
     }
 }

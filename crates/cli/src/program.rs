@@ -7,7 +7,7 @@ use clap::Parser;
 use crate::args::{Cli, Command};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::{locate_command, orbit_command, simulate_command, sweep_command, validate_command};
+use crate::{errata, locate_command, orbit_command, simulate_command, sweep_command, validate_command};
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
 ///
@@ -32,6 +32,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Locate(args) => locate_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
         Command::Validate(args) => validate_command::run(args, console),
+        Command::Errata(args) => errata::run(args, console),
+        #[cfg(feature = "plot")]
+        Command::Figures(args) => crate::figures::run(args, console),
+        #[cfg(not(feature = "plot"))]
+        Command::Figures(_) => {
+            Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
+        }
         #[cfg(feature = "accuracy")]
         Command::Accuracy(args) => crate::accuracy::run(args, console),
         #[cfg(not(feature = "accuracy"))]

@@ -135,11 +135,7 @@ mod with_plot {
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose();
             let motion = motion.map_err(|error| CliError::Computation(error.to_string()))?;
             let sites = model.chain().sites();
-            let force = if model.is_conservative() {
-                String::new()
-            } else {
-                format!(", A = {}, e = {}", model.amplitude(), model.restitution())
-            };
+            let force = crate::force::caption(model);
             let title = format!(
                 "N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}{force}",
                 sites - 1,

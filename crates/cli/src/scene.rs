@@ -7,6 +7,7 @@ use serde::Deserialize;
 use toml::Spanned;
 use vibrochain_breather::Family;
 use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC};
 
 use crate::cell::Task;
 use crate::error::CliError;
@@ -77,6 +78,16 @@ struct ModelTable {
     omega: Option<Spanned<f64>>,
     asymmetry: Option<Spanned<f64>>,
     forcing: Option<ForcingTable>,
+    force: Option<Spanned<Vec<HarmonicTable>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HarmonicTable {
+    harmonic: Spanned<i64>,
+    amplitude: f64,
+    #[serde(default)]
+    phase: f64,
 }
 
 #[derive(Deserialize)]
@@ -112,13 +123,13 @@ struct ComputeTable {
 }
 
 /// A scene's text, for errors that point into it.
-struct Source<'a> {
-    path: &'a Path,
-    text: &'a str,
+pub(crate) struct Source<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) text: &'a str,
 }
 
 impl Source<'_> {
-    fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> CliError {
+    pub(crate) fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> CliError {
         let start = span.start.min(self.text.len());
         let before = self.text.get(..start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
@@ -132,6 +143,20 @@ impl Source<'_> {
             "",
             indent = column - 1
         ))
+    }
+
+    fn force(&self, list: &Spanned<Vec<HarmonicTable>>) -> Result<Force, CliError> {
+        let harmonic = |table: &HarmonicTable| {
+            let number = *table.harmonic.get_ref();
+            let number = u32::try_from(number).map_err(|_| {
+                let message =
+                    format!("harmonic = {number} is out of range: give an odd number from 1 to {MAX_HARMONIC}");
+                self.error(table.harmonic.span(), message)
+            })?;
+            Ok(Harmonic { number, amplitude: table.amplitude, phase: table.phase })
+        };
+        let harmonics = list.get_ref().iter().map(harmonic).collect::<Result<Vec<_>, CliError>>()?;
+        Force::new(&harmonics).map_err(|error| self.error(list.span(), error))
     }
 
     fn axis(&self, table: &AxisTable) -> Result<Axis, CliError> {
@@ -206,8 +231,9 @@ impl Scene {
             let message = format!("sites = {sites} is out of range: give a whole number from 1 to {limit}");
             source.error(file.model.sites.span(), message)
         })?;
-        let mut base = Point { sites, values: [0.0; 6] };
+        let mut base = Point { sites, values: [0.0; 6], force: None };
         let forcing = file.model.forcing.as_ref();
+        let force = file.model.force.as_ref().map(|list| source.force(list)).transpose()?;
         let given = [
             (Parameter::Gamma1, &file.model.gamma1),
             (Parameter::Gamma2, &file.model.gamma2),
@@ -218,12 +244,27 @@ impl Scene {
         ];
         let is_swept = |parameter| x.parameter == parameter || y.parameter == parameter;
         // Without any word of force or restitution the model is conservative.
-        let conservative = forcing.is_none() && !is_swept(Parameter::Amplitude) && !is_swept(Parameter::Restitution);
+        let conservative = forcing.is_none()
+            && force.is_none()
+            && !is_swept(Parameter::Amplitude)
+            && !is_swept(Parameter::Restitution);
         let mut spans = [const { None }; 6];
         for (parameter, value) in given {
             let name = parameter.name();
             let forcing = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
             let place = if forcing { "[model] forcing" } else { "[model]" };
+            if parameter == Parameter::Amplitude
+                && let Some(force) = &force
+            {
+                let message = "amplitude and force are both given, but the harmonics of force have their own amplitudes: remove one of the two";
+                let axes = [file.sweep.x.get_ref(), file.sweep.y.get_ref()];
+                let axis = axes.iter().find(|axis| axis.parameter.get_ref() == name).map(|axis| &axis.parameter);
+                if let Some(span) = value.as_ref().map(Spanned::span).or(axis.map(Spanned::span)) {
+                    return Err(source.error(span, message));
+                }
+                base = base.under(force);
+                continue;
+            }
             let value = match (value, is_swept(parameter)) {
                 (Some(value), true) => {
                     let message = format!("{name} is given twice, here and as an axis of [sweep]: remove one of them");

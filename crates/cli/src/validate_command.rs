@@ -125,13 +125,13 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The simulated return map of an orbit, from the middle of its last flight.
-struct ReturnMap<'a> {
+pub(crate) struct ReturnMap<'a> {
     orbit: &'a Orbit,
     start: Start,
 }
 
 impl<'a> ReturnMap<'a> {
-    fn new(orbit: &'a Orbit) -> Result<Self, CliError> {
+    pub(crate) fn new(orbit: &'a Orbit) -> Result<Self, CliError> {
         Ok(Self { orbit, start: Start::on(orbit)? })
     }
 
@@ -160,8 +160,13 @@ impl<'a> ReturnMap<'a> {
         self.reach(&mut self.simulation(state)?, periods)
     }
 
-    /// Largest distance of a multiplier from the spectrum of the differenced return map.
-    fn multiplier_error(&self, answer: &Stability) -> Result<f64, CliError> {
+    /// Time from the map's section to the first impact.
+    pub(crate) fn lead(&self) -> f64 {
+        -self.start.time
+    }
+
+    /// The map's Jacobian by central differences, row by row.
+    pub(crate) fn jacobian(&self) -> Result<Vec<f64>, CliError> {
         let point = self.state();
         let n = point.len();
         // Small against the slowest impact: near grazing the map bends on the scale of its velocity squared.
@@ -182,6 +187,12 @@ impl<'a> ReturnMap<'a> {
                 entries[i * n + j] = (4.0 * fine - coarse) / 3.0;
             }
         }
+        Ok(entries)
+    }
+
+    /// Largest distance of a multiplier from the spectrum of the differenced return map.
+    fn multiplier_error(&self, answer: &Stability) -> Result<f64, CliError> {
+        let (n, entries) = (self.state().len(), self.jacobian()?);
         let mut found = Vec::new();
         let matrix = Square::from_rows(n, entries).unwrap_or_default();
         eigenvalues(&matrix, &mut found).map_err(computation)?;

@@ -106,18 +106,20 @@ const STATE: &str = r#"{"displacement": [0.1, -0.2, 0.3], "velocity": [0.5, 0.0,
 
 const SWEEP: &str = "mapgen sweep scene.toml --out map.csv --quiet --threads 1";
 
-const LINES: [&str; 12] = [
+const LINES: [&str; 14] = [
     "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4",
     "mapgen orbit --family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega .93 --asymmetry .4 --threshold 0.01",
     "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
     "mapgen orbit --family single-sided --json --sites 4 --gamma1 .2 --gamma2 .1 --omega .92 --asymmetry .7 --amplitude .05 --restitution .9",
     "mapgen orbit --family period-doubled --sites 7 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .1582 --restitution .25",
+    "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --force 1:.1:0,3:-.033:0,5:.02:.5 --restitution .9",
     "mapgen orbit --family double-sided --sites 2 --gamma1 0 --gamma2 .1 --omega 1.3 --asymmetry 0 --amplitude 1.5 --restitution 1",
     "mapgen orbit --family double-sided --json --sites 1 --gamma1 .2 --gamma2 0 --omega .42 --asymmetry 0 --amplitude 0 --restitution 1",
     "mapgen simulate --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --periods 3 --impacts impacts.csv",
     "mapgen simulate --family single-sided --sites 4 --gamma1 .2 --gamma2 .1 --omega .93 --asymmetry .4 --periods 2 --perturb 1e-8 --direction unstable --samples 4 --trajectory trajectory.csv",
     "mapgen simulate --family double-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9 --solution 1 --perturb 1e-3 --seed 5 --max-impacts 7",
     "mapgen simulate --state state.json --psi .3 --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .4 --restitution .5 --periods 2 --impacts impacts.csv --trajectory trajectory.csv --samples 3",
+    "mapgen simulate --family single-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega .92 --asymmetry .4 --force 1:.1:.3,3:.02 --restitution .9 --periods 2",
     "mapgen validate --out validation.md",
 ];
 
@@ -189,12 +191,12 @@ enum Plan {
     Parameters,
 }
 
-/// Windows of flight in a period of the slowest orbit; their square under a force, where both the number of solutions and
-/// the work on each grow with them.
-fn windows(model: &Model) -> f64 {
+/// Windows of flight in a period of the slowest orbit; their square where all solutions are sought, because both their
+/// number and the work on each grow with them. A sweep without force seeks the symmetric one alone.
+fn windows(model: &Model, all: bool) -> f64 {
     let top = (model.chain().gamma1() + 4.0 * model.chain().gamma2()).sqrt().max(model.omega());
     let windows = 1.0 + 2.0 * model.period() * top;
-    if model.is_conservative() { windows } else { windows * windows }
+    if all || !model.is_conservative() { windows * windows } else { windows }
 }
 
 /// How much of a command is affordable. What cannot be parsed is always run whole: it costs nothing.
@@ -207,7 +209,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let mut windows_most = 0.0_f64;
             for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                 let corner = scene.point(i * (scene.x.points - 1), j * (scene.y.points - 1));
-                windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model)));
+                windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model, false)));
             }
             // A picture takes longer than its cells, threads longer than they are worth.
             let pictures = args.png.is_some() || args.svg.is_some() || args.threads.is_none_or(|threads| threads > 4);
@@ -215,19 +217,21 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
         Ok(Command::Orbit(args)) => match model(&args.model) {
-            Ok(model) if args.plot.is_none() => of(model.chain().sites() as f64 * windows(&model), Plan::Parameters),
+            Ok(model) if args.plot.is_none() && args.all_plots.is_none() => {
+                of(model.chain().sites() as f64 * windows(&model, true), Plan::Parameters)
+            }
             Ok(_) => Plan::Parameters,
             Err(_) => Plan::Whole,
         },
         // Hundreds of orbits.
         Ok(Command::Locate(args)) => match model(&args.model) {
-            Ok(model) => of(100.0 * model.chain().sites() as f64 * windows(&model), Plan::Parameters),
+            Ok(model) => of(100.0 * model.chain().sites() as f64 * windows(&model, true), Plan::Parameters),
             Err(_) => Plan::Whole,
         },
         Ok(Command::Simulate(args)) => {
             let Ok(model) = model(&args.model) else { return Plan::Whole };
             let sites = model.chain().sites() as f64;
-            if args.plot.is_some() || sites * windows(&model) > work {
+            if args.plot.is_some() || sites * windows(&model, true) > work {
                 return Plan::Parameters;
             }
             let periods = args.periods as f64;
@@ -235,10 +239,10 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             // Impacts of a mass that is thrown from barrier to barrier.
             let fastest = args.state.as_deref().map_or(0.0, fastest).max(model.amplitude() / model.omega());
             let impacts = fastest * model.period();
-            of(sites * periods * (windows(&model) + sampled + sites * impacts), Plan::Stopped)
+            of(sites * periods * (windows(&model, true) + sampled + sites * impacts), Plan::Stopped)
         }
         // Minutes of work, tested elsewhere.
-        Ok(Command::Validate(_) | Command::Accuracy(_)) => Plan::Parameters,
+        Ok(Command::Validate(_) | Command::Accuracy(_) | Command::Figures(_) | Command::Errata(_)) => Plan::Parameters,
     }
 }
 

@@ -4,7 +4,7 @@
 //! barrier:
 //!
 //! ```text
-//! ü_n = −γ₁u_n − γ₂(2u_n − u_{n+1} − u_{n−1}) + A cos ω(t+ψ) ,      |u_n − a| ≤ 1 ,      v⁺ = −e v⁻ .
+//! ü_n = −γ₁u_n − γ₂(2u_n − u_{n+1} − u_{n−1}) + F(t+ψ) ,      |u_n − a| ≤ 1 ,      v⁺ = −e v⁻ .
 //! ```
 //!
 //! Three things are promised:
@@ -38,7 +38,7 @@
 //!
 //! Everything is dimensionless, as in `vibrochain_lattice`: mass and half the gap are 1, times are in the units of 1/ω, 1/√γ.
 //! Sites are numbered 0 … M−1. Velocities are signed, positive towards the upper barrier. The start is t = 0; the force is
-//! A cos ω(t+ψ). A [`Time`] is a number of whole periods T = 2π/ω and a rest. A state at the time of an event is that
+//! A cos ω(t+ψ), or Σ A_j cos(jω(t+ψ) + θ_j). A [`Time`] is a number of whole periods T = 2π/ω and a rest. A state at the time of an event is that
 //! after it.
 //!
 //! | module | holds |

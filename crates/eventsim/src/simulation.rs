@@ -42,7 +42,7 @@ pub struct State {
     pub displacement: Vec<f64>,
     /// u̇_n, one a mass; at an event, just after it.
     pub velocity: Vec<f64>,
-    /// Phase ψ of the force at time zero: it is A cos ω(t+ψ).
+    /// Phase ψ of the force at time zero: it is A cos ω(t+ψ), or the sum of its harmonics at t+ψ.
     pub psi: f64,
     /// The time t.
     pub time: Time,
@@ -82,7 +82,7 @@ pub struct Simulation {
 
 impl Simulation {
     /// A simulation of `model` from the displacements and velocities of all its masses at t = 0, where the force is
-    /// A cos ωψ.
+    /// A cos ωψ (or what its harmonics add up to at the time ψ).
     ///
     /// A mass may start on a barrier. With a velocity outward its impact is the first event, at t = 0; with none it
     /// leaves or rests (event at t = 0), whichever the force wants. A displacement behind a barrier by rounding

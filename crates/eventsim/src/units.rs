@@ -3,12 +3,12 @@
 //! Time is scaled by a power of two (exactly, therefore) such that the fastest rate
 //!
 //! ```text
-//! r = max(√(γ₁+4γ₂), ω)          (ω only with a force; without one, ω/4, to keep windows near a period)
+//! r = max(√(γ₁+4γ₂), jω)          (ω/4 without a force, to keep windows near a period; j the highest harmonic of it)
 //! ```
 //!
 //! lies in [1, 2). Every coefficient of every series then is of the size of the motion, for any γ and ω.
 
-use vibrochain_lattice::{Barrier, Model};
+use vibrochain_lattice::{Barrier, Force, Model};
 
 /// Highest order of a Taylor series.
 pub(crate) const MAX_ORDER: usize = 24;
@@ -39,7 +39,9 @@ pub(crate) struct Units {
     pub(crate) gamma1: f64,
     pub(crate) gamma2: f64,
     pub(crate) omega: f64,
+    /// Σ|A_j|, a bound of the force.
     pub(crate) amplitude: f64,
+    force: Force,
     pub(crate) restitution: f64,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
@@ -55,7 +57,7 @@ impl Units {
         let coupling = if chain.sites() == 1 { 0.0 } else { chain.gamma2() };
         let stiffness = (chain.gamma1() + 4.0 * coupling).sqrt();
         let forced = model.amplitude() > 0.0;
-        let rate = stiffness.max(if forced { model.omega() } else { 0.25 * model.omega() });
+        let rate = stiffness.max(if forced { model.force_wave().top_rate() } else { 0.25 * model.omega() });
         // The power of two below: the exponent alone.
         let scale = f64::from_bits(rate.to_bits() & 0x7ff0_0000_0000_0000);
         let square = scale * scale;
@@ -66,6 +68,7 @@ impl Units {
             gamma2: coupling / square,
             omega: model.omega() / scale,
             amplitude: model.amplitude() / square,
+            force: *model.force(),
             restitution: model.restitution(),
             lower: model.barrier(Barrier::Lower),
             upper: model.barrier(Barrier::Upper),
@@ -85,7 +88,7 @@ impl Units {
     ///
     /// Taylor's remainder after order K is at most z^{K+1}/(K+1)! times the size of the motion, z = rH, and
     /// z^K/K! for the velocity. With the force in it the K-th derivative is at most
-    /// r^K [|u| + (K/2) A/r²]. The size of the motion is |u| ≤ 1+a up to the first impact; a window outlives impacts
+    /// r^K [|u| + (K/2) A/r²], A = Σ|A_j|. The size of the motion is |u| ≤ 1+a up to the first impact; a window outlives impacts
     /// of distant masses, after which the series of those nearer by describe a ring without barriers, with energy
     /// enough for |u| + |v|/r: the factor 4 covers its growth, cosh z, over the longest window.
     pub(crate) fn horizons(&self, fastest: f64) -> [f64; ORDERS.len()] {
@@ -114,17 +117,22 @@ impl Units {
         m
     }
 
-    /// Derivatives F, F′, F″ … of the force A cos(ω·) at `phase` (internal time since the crest).
+    /// Derivatives F, F′, F″ … of the force at `phase` (internal time): of A cos ωt, or of the sum of its harmonics.
     pub(crate) fn force(&self, phase: f64, derivatives: &mut [f64; MAX_ORDER + 1]) {
         if self.amplitude == 0.0 {
             return; // zero from the start
         }
-        let (sin, cos) = (self.omega * phase).sin_cos();
-        let cycle = [cos, -sin, -cos, sin];
-        let mut size = self.amplitude;
-        for (k, derivative) in derivatives.iter_mut().enumerate() {
-            *derivative = size * cycle[k % 4];
-            size *= self.omega;
+        let square = self.scale * self.scale;
+        derivatives.fill(0.0);
+        for harmonic in self.force.harmonics() {
+            let rate = f64::from(harmonic.number) * self.omega;
+            let (sin, cos) = (rate * phase + harmonic.phase).sin_cos();
+            let cycle = [cos, -sin, -cos, sin];
+            let mut size = harmonic.amplitude / square;
+            for (k, derivative) in derivatives.iter_mut().enumerate() {
+                *derivative += size * cycle[k % 4];
+                size *= rate;
+            }
         }
     }
 }
@@ -132,7 +140,7 @@ impl Units {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vibrochain_lattice::Chain;
+    use vibrochain_lattice::{Chain, Harmonic};
 
     fn units(g1: f64, g2: f64, omega: f64, amplitude: f64) -> Units {
         Units::new(&Model::forced(Chain::new(21, g1, g2).unwrap(), omega, 0.4, amplitude, 1.0).unwrap())
@@ -147,6 +155,27 @@ mod tests {
             assert!((1.0..2.0).contains(&u.rate), "{u:?}");
             let horizons = u.horizons(1.0);
             assert!(horizons.windows(2).all(|h| 0.0 < h[0] && h[0] < h[1]) && horizons[7] < 2.0);
+        }
+    }
+
+    #[test]
+    fn derivatives_of_a_force_of_several_harmonics_are_those_of_its_sum_and_bounded() {
+        let harmonic = |number, amplitude, phase| Harmonic { number, amplitude, phase };
+        let force = Force::new(&[harmonic(1, 0.7, 0.4), harmonic(5, -0.2, 1.0)]).unwrap();
+        let model = Model::with_force(Chain::new(3, 0.2, 0.1).unwrap(), 13.0, 0.4, &force, 1.0).unwrap();
+        let u = Units::new(&model);
+        assert!((u.scale * u.rate - 65.0).abs() < 1e-12);
+        for i in 0..30 {
+            let t = 0.11 * f64::from(i);
+            let mut derivatives = [0.0; MAX_ORDER + 1];
+            u.force(t * u.scale, &mut derivatives);
+            let direct = 0.7 * (13.0 * t + 0.4).cos() - 0.2 * (65.0 * t + 1.0).cos();
+            assert!((derivatives[0] * u.scale * u.scale - direct).abs() < 1e-12);
+            let third = 0.7 * 13f64.powi(3) * (13.0 * t + 0.4).sin() - 0.2 * 65f64.powi(3) * (65.0 * t + 1.0).sin();
+            assert!((derivatives[3] * u.scale.powi(5) - third).abs() < 1e-12 * 65f64.powi(3));
+            for (k, derivative) in derivatives.iter().enumerate() {
+                assert!(derivative.abs() <= u.amplitude * u.rate.powi(k as i32) * (1.0 + 1e-13));
+            }
         }
     }
 

@@ -5,7 +5,7 @@ mod support;
 
 use support::{Random, scan};
 use vibrochain_eventsim::{EventKind, Limits, Simulation, Time};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, Force, Harmonic, Model};
 
 /// Impacts compared.
 fn compare(model: &Model, seed: u64, speed: f64, periods: f64, samples: u32) -> usize {
@@ -51,6 +51,27 @@ fn small_rings_at_a_hundred_thousand_samples_a_period() {
         }
     }
     assert!(compared > 300, "{compared} impacts are no test");
+}
+
+#[test]
+fn forces_of_several_harmonics() {
+    let mut compared = 0;
+    for (i, (sites, terms, e)) in [
+        (1, vec![(1, 0.5, 0.0), (3, -0.17, 0.0), (5, 0.1, 0.0)], 0.9),
+        (5, vec![(1, 0.4, 1.0), (7, 0.9, -0.5)], 1.0),
+        (8, vec![(3, -2.0, 0.3)], 0.95),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let harmonic = |(number, amplitude, phase)| Harmonic { number, amplitude, phase };
+        let force = Force::new(&terms.into_iter().map(harmonic).collect::<Vec<_>>()).unwrap();
+        let model = Model::with_force(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4, &force, e).unwrap();
+        for seed in 1..=3 {
+            compared += compare(&model, seed + 29 * i as u64, 2.5, 2.0, 100_000);
+        }
+    }
+    assert!(compared > 60, "{compared} impacts are no test");
 }
 
 #[test]

@@ -39,8 +39,10 @@ pub fn eigenvalues(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Result<()
             return Ok(());
         }
         if let Some(schur) = Schur::try_new(dense, f64::EPSILON, SWEEPS * dimension) {
-            values.extend(schur.complex_eigenvalues().iter());
-            return Ok(());
+            let before = values.len();
+            diagonal_blocks(&schur.unpack().1, values);
+            let finite = |value: &Complex<f64>| value.re.is_finite() && value.im.is_finite();
+            return if values[before..].iter().all(finite) { Ok(()) } else { Err(failed) };
         }
         // Stagnation is known on multiples of the unit matrix plus rounding (uncoupled masses); faer takes those.
     }
@@ -55,6 +57,25 @@ pub fn eigenvalues(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Result<()
     }
     values.extend(found.iter().map(|value| Complex::new(value.re, value.im)));
     Ok(())
+}
+
+/// The eigenvalues of a quasi-triangular matrix. nalgebra's own reading takes the pair of a 2×2 block for complex and gets
+/// NaN from one whose discriminant is not negative, by rounding.
+fn diagonal_blocks(t: &DMatrix<f64>, values: &mut Vec<Complex<f64>>) {
+    let mut i = 0;
+    while i < t.nrows() {
+        if i + 1 == t.nrows() || t[(i + 1, i)] == 0.0 {
+            values.push(Complex::new(t[(i, i)], 0.0));
+            i += 1;
+            continue;
+        }
+        let (mean, half) = (0.5 * (t[(i, i)] + t[(i + 1, i + 1)]), 0.5 * (t[(i, i)] - t[(i + 1, i + 1)]));
+        let discriminant = half.mul_add(half, t[(i, i + 1)] * t[(i + 1, i)]);
+        let root = discriminant.abs().sqrt();
+        let (re, im) = if discriminant < 0.0 { (0.0, root) } else { (root, 0.0) };
+        values.extend([Complex::new(mean + re, im), Complex::new(mean - re, -im)]);
+        i += 2;
+    }
 }
 
 #[cfg(test)]
@@ -96,6 +117,23 @@ mod tests {
         let mut values = Vec::new();
         eigenvalues(&matrix, &mut values).unwrap();
         assert!(values.len() == 10 && values.iter().all(|v| (v.re + 0.83).abs() < 1e-14 && v.im.abs() < 1e-14));
+    }
+
+    #[test]
+    fn a_block_with_a_real_pair_is_not_read_as_a_complex_one() {
+        let mut values = Vec::new();
+        // (λ − 1)² = 4e-4, (λ − 2)² = −4e-4, and 3 alone.
+        let mut t = DMatrix::zeros(5, 5);
+        for (i, diagonal) in [1.0, 1.0, 2.0, 2.0, 3.0].into_iter().enumerate() {
+            t[(i, i)] = diagonal;
+        }
+        (t[(0, 1)], t[(1, 0)], t[(2, 3)], t[(3, 2)]) = (4.0, 1e-4, 4.0, -1e-4);
+        diagonal_blocks(&t, &mut values);
+        let expected = [(1.02, 0.0), (0.98, 0.0), (2.0, 0.02), (2.0, -0.02), (3.0, 0.0)];
+        for (value, (re, im)) in values.iter().zip(expected) {
+            assert!((value.re - re).abs() < 1e-14 && (value.im - im).abs() < 1e-14, "{value}");
+        }
+        assert_eq!(values.len(), 5);
     }
 
     #[test]

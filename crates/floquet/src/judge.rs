@@ -13,8 +13,9 @@ use crate::error::FloquetError;
 use crate::multipliers::pair;
 use crate::verdict::{Tolerance, Verdict};
 
-/// More doubtful eigenvalues than this are not looked at one by one: the verdict is marginal.
-const MOST_DOUBTS: usize = 12;
+/// Multiplications that doubtful eigenvalues of one orbit may cost, each the cube of the dimension; what is beyond them is
+/// judged by the bound that needs no eigenvector.
+const BUDGET: f64 = 1e9;
 
 /// What keeps multipliers on the circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,6 +73,23 @@ impl Structure {
             _ => (value.norm() - 1.0).abs(),
         }
     }
+
+    /// Next to the circle, and next to another eigenvalue or to where multipliers leave it.
+    fn is_doubtful(self, values: &[Complex<f64>], i: usize, window: f64) -> bool {
+        let near = self == Self::Reversible || (values[i].norm() - 1.0).abs() < window;
+        near && self.distance(values, i) < window
+    }
+}
+
+/// The spectrum of one orbit and how well it is known.
+struct Judge<'a> {
+    analyser: &'a Analyser,
+    orbit: &'a Orbit,
+    structure: Structure,
+    /// Norm of the matrix.
+    norm: f64,
+    /// By how much, in norm, the matrix may be off.
+    error: f64,
 }
 
 impl Analyser {
@@ -84,87 +102,121 @@ impl Analyser {
         thorough: bool,
     ) -> Result<Verdict, FloquetError> {
         let norm = self.solve(orbit, finder)?;
-        let structure = Structure::of(orbit);
-        let moduli = self.values.iter().map(|&value| (value, structure.multiplier(value)));
-        let Some((value, leading)) = moduli.max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())) else {
-            return Ok(Verdict::on_circle(None));
-        };
-        let rounding = self.values.len() as f64 * f64::EPSILON * norm;
-        let excess = leading.norm() - 1.0 - tolerance.allowed();
-        let window = 4.0 * rounding.sqrt();
-        let elastic = structure != Structure::Dissipative;
-        let doubtful = excess.abs() <= window;
-        if elastic && doubtful && !(0..self.values.len()).any(|i| self.is_doubtful(structure, i, window)) {
-            return Ok(Verdict::on_circle(Some(leading)));
+        let dimension = self.values.len();
+        let mut error = dimension as f64 * f64::EPSILON * norm;
+        let careful = thorough || finder.is_delicate(orbit)?;
+        if careful {
+            let condition = finder.condition(orbit)?;
+            let response = finder.response();
+            let top = response.frequencies().last().copied().unwrap_or_default().max(orbit.model().omega());
+            let orbital = norm * relative_uncertainty(orbit, &condition, dimension, top);
+            error = if orbital.is_nan() { f64::INFINITY } else { error.max(orbital) };
         }
-        if !thorough && !doubtful {
-            return Ok(Verdict::of(leading, structure.growth_error(value, rounding), tolerance));
-        }
-        let condition = finder.condition(orbit)?;
-        let response = finder.response();
-        let top = response.frequencies().last().copied().unwrap_or_default().max(orbit.model().omega());
-        let error = norm * relative_uncertainty(orbit, &condition, self.values.len(), top);
-        let reach = |analyser: &Self, value| error * eigenvalue_condition(analyser.matrix_of(orbit), value);
-        if !(elastic && doubtful) {
-            return Ok(Verdict::of(leading, structure.growth_error(value, reach(self, value)), tolerance));
-        }
-        self.settle(structure, window, error, tolerance, orbit)
+        let judge = Judge { analyser: self, orbit, structure: Structure::of(orbit), norm, error };
+        Ok(judge.verdict(tolerance, careful))
+    }
+}
+
+impl Judge<'_> {
+    fn values(&self) -> &[Complex<f64>] {
+        &self.analyser.values
     }
 
-    /// Elastic, and some eigenvalue is next to another or to ±1: each such one by its own condition.
-    fn settle(
-        &self,
-        structure: Structure,
-        window: f64,
-        error: f64,
-        tolerance: Tolerance,
-        orbit: &Orbit,
-    ) -> Result<Verdict, FloquetError> {
-        let doubts: Vec<usize> = (0..self.values.len()).filter(|&i| self.is_doubtful(structure, i, window)).collect();
-        let mut worst: Option<Complex<f64>> = None;
-        let mut unsettled = 0.0_f64;
-        let mut unstable: Option<(Complex<f64>, f64)> = None;
-        for (number, &i) in doubts.iter().enumerate() {
-            let value = self.values[i];
-            let condition =
-                if number < MOST_DOUBTS { eigenvalue_condition(self.matrix_of(orbit), value) } else { f64::INFINITY };
-            let reach = error * condition;
-            let multiplier = structure.multiplier(value);
-            let on_circle = multiplier.norm() - 1.0 <= 4.0 * f64::EPSILON;
-            if !on_circle && structure.excess(value) > reach {
-                let larger = unstable.is_none_or(|(old, _)| multiplier.norm_sqr() > old.norm_sqr());
-                if larger {
-                    unstable = Some((multiplier, structure.growth_error(value, reach)));
+    fn verdict(&self, tolerance: Tolerance, careful: bool) -> Verdict {
+        let moduli = self.values().iter().map(|&value| (value, self.structure.multiplier(value)));
+        let Some((value, leading)) = moduli.max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())) else {
+            return Verdict::on_circle(None);
+        };
+        let growth = leading.norm() - 1.0;
+        // How far errors carry two eigenvalues that meet, with room.
+        let window = 4.0 * self.split();
+        if self.structure != Structure::Dissipative && growth <= window {
+            return self.on_circle_or(tolerance, window, leading);
+        }
+        if !careful && (growth - tolerance.allowed()).abs() > window {
+            return Verdict::of(leading, self.structure.growth_error(value, self.error), tolerance);
+        }
+        // Every multiplier that could decide, the leading one first.
+        let mut verdict = Verdict::of(leading, self.growth_error(value, 0), tolerance);
+        let border = tolerance.allowed() - window;
+        let mut number = 1;
+        for &other in self.values() {
+            let multiplier = self.structure.multiplier(other);
+            if other != value && verdict.stable && multiplier.norm() - 1.0 > border {
+                let resolution = self.growth_error(other, number);
+                if Verdict::of(multiplier, resolution, tolerance).marginal {
+                    (verdict.stable, verdict.marginal) = (false, true);
+                    verdict.resolution = verdict.resolution.max(resolution);
                 }
-            } else if !(reach < structure.distance(&self.values, i)) {
-                // A pair that may have met is off the circle by at most the root of what rounding can do.
-                unsettled = unsettled.max(error.sqrt()).max(structure.growth_error(value, error));
-                if worst.is_none_or(|old| multiplier.norm_sqr() > old.norm_sqr()) {
-                    worst = Some(multiplier);
-                }
+                number += 1;
             }
         }
-        Ok(match (unstable, worst) {
+        verdict
+    }
+
+    /// How far a perturbation of the matrix can carry two eigenvalues that meet: the root of it, in units of the matrix.
+    fn split(&self) -> f64 {
+        (self.norm * self.error).sqrt()
+    }
+
+    /// How far errors carry an eigenvalue: by its condition, and no farther than two that meet. `number` counts those asked
+    /// for.
+    fn reach(&self, value: Complex<f64>, number: usize) -> f64 {
+        let cost = (self.values().len() as f64).powi(3) * (number + 1) as f64;
+        let condition = if cost <= BUDGET {
+            eigenvalue_condition(self.analyser.matrix_of(self.orbit), value)
+        } else {
+            f64::INFINITY
+        };
+        let linear = self.error * condition;
+        if linear < self.split() { linear } else { self.split() }
+    }
+
+    fn growth_error(&self, value: Complex<f64>, number: usize) -> f64 {
+        self.structure.growth_error(value, self.reach(value, number))
+    }
+
+    /// Elastic, and no multiplier is farther from the circle than errors carry: on it by structure, unless one next to
+    /// another or to ±1 may have left it.
+    fn on_circle_or(&self, tolerance: Tolerance, window: f64, leading: Complex<f64>) -> Verdict {
+        let values = self.values();
+        let doubts = (0..values.len()).filter(|&i| self.structure.is_doubtful(values, i, window));
+        let mut unsettled: Option<(Complex<f64>, f64)> = None;
+        let mut unstable: Option<(Complex<f64>, f64)> = None;
+        let larger = |old: &Option<(Complex<f64>, f64)>, new: Complex<f64>| {
+            old.is_none_or(|(old, _)| new.norm_sqr() > old.norm_sqr())
+        };
+        for (number, i) in doubts.enumerate() {
+            let value = values[i];
+            let reach = self.reach(value, number);
+            let multiplier = self.structure.multiplier(value);
+            let off = multiplier.norm() - 1.0 > 4.0 * f64::EPSILON;
+            if off && self.structure.excess(value) > reach {
+                if larger(&unstable, multiplier) {
+                    unstable = Some((multiplier, self.structure.growth_error(value, reach)));
+                }
+            } else if reach.is_nan() || reach >= self.structure.distance(values, i) {
+                // A pair that may have met.
+                let error = self.structure.growth_error(value, self.split()).max((multiplier.norm() - 1.0).abs());
+                let error = unsettled.map_or(error, |(_, old)| error.max(old));
+                let multiplier =
+                    unsettled.map_or(
+                        multiplier,
+                        |(old, _)| {
+                            if multiplier.norm_sqr() > old.norm_sqr() { multiplier } else { old }
+                        },
+                    );
+                unsettled = Some((multiplier, error));
+            }
+        }
+        match (unstable, unsettled) {
             (Some((leading, resolution)), _) => Verdict::of(leading, resolution, tolerance),
-            (None, Some(leading)) => {
+            (None, Some((leading, resolution))) => {
                 let spectral_radius = leading.norm();
-                let resolution = unsettled.max((spectral_radius - 1.0).abs());
                 let stable = spectral_radius - 1.0 + resolution < tolerance.allowed();
                 Verdict { stable, marginal: !stable, mechanism: None, spectral_radius, leading, resolution }
             }
-            (None, None) => {
-                let leading = self.values.iter().map(|&value| structure.multiplier(value));
-                Verdict::on_circle(leading.max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())))
-            }
-        })
-    }
-
-    /// Next to the circle, and next to another eigenvalue or to where multipliers leave it.
-    fn is_doubtful(&self, structure: Structure, i: usize, window: f64) -> bool {
-        let value = self.values[i];
-        match structure {
-            Structure::Reversible => structure.distance(&self.values, i) < window,
-            _ => (value.norm() - 1.0).abs() < window && structure.distance(&self.values, i) < window,
+            (None, None) => Verdict::on_circle(Some(leading)),
         }
     }
 }

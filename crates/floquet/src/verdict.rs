@@ -59,7 +59,7 @@ impl Tolerance {
 /// The verdict on an orbit: stable, unstable, or too close to the border to be told (`marginal`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
-    /// No perturbation grows by more than the tolerance, beyond doubt.
+    /// No perturbation grows by more than the tolerance, errors allowed for.
     pub stable: bool,
     /// The growth is closer to the tolerance than its own error: neither stable nor unstable can be said.
     pub marginal: bool,
@@ -73,7 +73,7 @@ pub struct Verdict {
     pub leading: Complex<f64>,
     /// Estimated error of the spectral radius. [`crate::Analyser::stability`] works it out for every orbit from the
     /// condition of the leading multiplier and the errors of the orbit; [`crate::Analyser::verdict`] only where the
-    /// answer hangs on it, else it is the error of a well-conditioned eigenvalue. 0 where structure decides.
+    /// answer may hang on it, else it is the error of a well-conditioned eigenvalue. 0 where structure decides.
     pub resolution: f64,
 }
 
@@ -93,8 +93,8 @@ impl Verdict {
     pub(crate) fn of(leading: Complex<f64>, resolution: f64, tolerance: Tolerance) -> Self {
         let spectral_radius = leading.re.hypot(leading.im);
         let excess = spectral_radius - 1.0 - tolerance.allowed();
-        // Also where the error is not a number: nothing is known then.
-        let marginal = !(excess.abs() > resolution);
+        // Where the error is not a number nothing is known.
+        let marginal = resolution.is_nan() || excess.abs() <= resolution;
         let stable = !marginal && excess < 0.0;
         let mechanism = (!marginal && !stable).then(|| Mechanism::of(leading));
         Self { stable, marginal, mechanism, spectral_radius, leading, resolution }

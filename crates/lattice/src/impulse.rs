@@ -19,10 +19,10 @@
 
 use crate::error::Resonance;
 use crate::ring::RingCosines;
-use crate::small::{cubic_defect, sinc};
+use crate::small::{cubic_defect, long_sum, sinc};
 use crate::spectrum::{RESONANCE_TOLERANCE, Spectrum};
 
-/// The impulse response at one time, and its first two derivatives in t.
+/// The impulse response at one time, and its first three derivatives in t.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct KernelJet {
     /// The dynamic part of K₀(t).
@@ -201,7 +201,7 @@ impl ImpulseResponse {
         if self.gamma1 == 0.0 {
             return 0.0;
         }
-        let sum: f64 = self.frequencies.iter().zip(&self.weights).map(|(f, w)| w / (f * f)).sum();
+        let [sum] = long_sum(self.modes(), |k| [self.weights[k] / (self.frequencies[k] * self.frequencies[k])]);
         self.period / sum
     }
 
@@ -258,7 +258,7 @@ impl ImpulseResponse {
     }
 
     fn dynamic(&self, t: f64) -> f64 {
-        self.weights.iter().enumerate().map(|(k, weight)| weight * self.mode_dynamic(k, t)).sum()
+        long_sum(self.modes(), |k| [self.weights[k] * self.mode_dynamic(k, t)])[0]
     }
 
     /// Bounds over the open period on |K₀′|, |K₀″|, |K₀‴| and |K₀⁗|, from the modes' amplitudes.
@@ -281,29 +281,24 @@ impl ImpulseResponse {
     /// Dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
-        let mut jet = KernelJet::default();
-        for k in 0..self.modes() {
+        let [value, slope, curvature, third] = long_sum(self.modes(), |k| {
             let (frequency, weight, y) = (self.frequencies[k], self.weights[k], self.half_phase[k]);
             if y < 1.0 {
                 let xi = offset / self.period;
                 let x = frequency * offset;
                 let (s, c) = (xi * sinc(0.5 * x), x.cos());
                 let scale = weight / sinc(y);
-                jet.value += scale * self.period * (cubic_defect(y) - 2.0 * s * s) * 0.25;
                 let slope = scale * xi * sinc(x);
-                jet.slope -= slope;
-                jet.curvature -= scale * c / self.period;
-                jet.third += frequency * frequency * slope;
+                let value = scale * self.period * (cubic_defect(y) - 2.0 * s * s) * 0.25;
+                [value, -slope, -scale * c / self.period, frequency * frequency * slope]
             } else {
                 let (sin, cos) = (frequency * offset).sin_cos();
                 let scale = weight / (2.0 * self.sin_half[k]);
-                jet.value += scale * (cos - self.sin_half[k] / y) / frequency;
-                jet.slope -= scale * sin;
-                jet.curvature -= scale * frequency * cos;
-                jet.third += scale * frequency * frequency * sin;
+                let value = scale * (cos - self.sin_half[k] / y) / frequency;
+                [value, -scale * sin, -scale * frequency * cos, scale * frequency * frequency * sin]
             }
-        }
-        jet
+        });
+        KernelJet { value, slope, curvature, third }
     }
 
     /// K_n(t) for 0 ≤ `t` ≤ T (other times are folded into the period).
@@ -313,13 +308,13 @@ impl ImpulseResponse {
     pub fn value(&self, site: usize, t: f64) -> f64 {
         let t = self.fold(t);
         let shape = |k| self.weights[k] * self.cosines.shape(k, site);
-        (0..self.modes()).map(|k| shape(k) * (self.mode_static(k) + self.mode_dynamic(k, t))).sum()
+        long_sum(self.modes(), |k| [shape(k) * (self.mode_static(k) + self.mode_dynamic(k, t))])[0]
     }
 
     /// dK_n/dt; at the impulse itself (t = 0) the mean of both sides, 0.
     pub fn derivative(&self, site: usize, t: f64) -> f64 {
         let t = self.fold(t);
-        (0..self.modes()).map(|k| self.weights[k] * self.cosines.shape(k, site) * self.mode_slope(k, t)).sum()
+        long_sum(self.modes(), |k| [self.weights[k] * self.cosines.shape(k, site) * self.mode_slope(k, t)])[0]
     }
 
     /// K_n(t) at the sites n = 0 … ⌊M/2⌋ (the ring is symmetric about site 0), written to `out`; one sine a mode

@@ -4,9 +4,10 @@
 //! coupled to both neighbours by γ₂,
 //!
 //! ```text
-//! ü_n = −γ₁ u_n − γ₂ (2u_n − u_{n+1} − u_{n−1}) + A cos ω(t+ψ),     |u_n − a| ≤ 1 .
+//! ü_n = −γ₁ u_n − γ₂ (2u_n − u_{n+1} − u_{n−1}) + F(t+ψ),     |u_n − a| ≤ 1 ,
 //! ```
 //!
+//! under the force F(t) = A cos ωt or any sum of its odd harmonics.
 //! Everything is dimensionless: the half width of the gap and the mass are 1.
 //!
 //! Conventions, the same in every layer above:
@@ -19,6 +20,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `params` | [`Chain`], [`Model`], [`Barrier`]: validated parameters |
+//! | `force` | [`Force`], [`Wave`]: odd harmonics and the uniform motion they drive |
 //! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
 //! | `parameter` | [`Parameter`]: the real ones by name, to be varied |
 //! | `ring` | [`RingCosines`]: cos(2πj/M) to the last digit |
@@ -41,6 +43,7 @@
 
 mod decay;
 mod error;
+mod force;
 mod impulse;
 mod parameter;
 mod params;
@@ -52,6 +55,7 @@ mod spectrum;
 
 pub use decay::{Decay, decay, far_field, harmonic_response};
 pub use error::{LatticeError, ParameterError, Resonance};
+pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use impulse::{ImpulseResponse, KernelJet};
 pub use parameter::Parameter;
 pub use params::{Barrier, Chain, MAX_MAGNITUDE, MAX_SITES, Model};

@@ -1,6 +1,7 @@
 //! Validated parameters. A value of these types is always in range; nothing downstream checks again.
 
 use crate::error::{ParameterError, Resonance};
+use crate::force::{Force, Wave};
 use crate::spectrum::RESONANCE_TOLERANCE;
 
 /// The most masses a ring may have; beyond it the work arrays would not fit a usual machine.
@@ -10,7 +11,7 @@ pub const MAX_SITES: usize = 10_000_000;
 /// must stay within the range of `f64`.
 pub const MAX_MAGNITUDE: f64 = 1e100;
 
-fn check(ok: bool, name: &'static str, value: f64, requirement: &'static str) -> Result<(), ParameterError> {
+pub(crate) fn check(ok: bool, name: &'static str, value: f64, requirement: &'static str) -> Result<(), ParameterError> {
     if ok { Ok(()) } else { Err(ParameterError { name, value, requirement }) }
 }
 
@@ -113,13 +114,14 @@ impl Chain {
 /// A chain with its barriers, its force and its law of impact: one point of the parameter space.
 ///
 /// Without force (`amplitude` = 0) and with elastic impacts (`restitution` = 1) it is conservative; `omega`
-/// is then the frequency of the orbit that is asked for.
+/// is then the frequency of the orbit that is asked for. The force is a cosine ([`Model::forced`]) or any sum of its odd
+/// harmonics ([`Model::with_force`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
     chain: Chain,
     omega: f64,
     asymmetry: f64,
-    amplitude: f64,
+    force: Force,
     restitution: f64,
 }
 
@@ -151,13 +153,34 @@ impl Model {
         amplitude: f64,
         restitution: f64,
     ) -> Result<Self, ParameterError> {
-        let omega_ok = (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega);
-        check(omega_ok, "omega", omega, "a positive number, 1e-100 to 1e100")?;
-        check((0.0..1.0).contains(&asymmetry), "asymmetry", asymmetry, "a number from 0 up to but not including 1")?;
-        check((0.0..=MAX_MAGNITUDE).contains(&amplitude), "amplitude", amplitude, "a finite number from 0 to 1e100")?;
+        check_place(omega, asymmetry)?;
+        let force = Force::cosine(amplitude)?;
+        Self::with_force(chain, omega, asymmetry, &force, restitution)
+    }
+
+    /// A model under the uniform force Σ A_j cos(jω(t+ψ) + θ_j) with restitution coefficient e.
+    ///
+    /// # Errors
+    /// As [`Model::conservative`], and unless 0 < e ≤ 1.
+    ///
+    /// ```
+    /// use vibrochain_lattice::{Chain, Force, Harmonic, Model};
+    /// let terms = [(1, 0.1), (3, -0.03)].map(|(number, amplitude)| Harmonic { number, amplitude, phase: 0.0 });
+    /// let model = Model::with_force(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, &Force::new(&terms)?, 0.9)?;
+    /// assert!((model.force_wave().value(0.0) - 0.07).abs() < 1e-16);
+    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
+    /// ```
+    pub fn with_force(
+        chain: Chain,
+        omega: f64,
+        asymmetry: f64,
+        force: &Force,
+        restitution: f64,
+    ) -> Result<Self, ParameterError> {
+        check_place(omega, asymmetry)?;
         let e_ok = restitution > 0.0 && restitution <= 1.0;
         check(e_ok, "restitution", restitution, "a number above 0 and up to 1")?;
-        Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, amplitude: amplitude + 0.0, restitution })
+        Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, force: *force, restitution })
     }
 
     /// The linear ring.
@@ -180,9 +203,19 @@ impl Model {
         self.asymmetry
     }
 
-    /// Amplitude A of the force.
+    /// Amplitude A of the force; of a force of several harmonics Σ|A_j|, which it never exceeds.
     pub fn amplitude(&self) -> f64 {
-        self.amplitude
+        self.force.amplitude()
+    }
+
+    /// The force.
+    pub fn force(&self) -> &Force {
+        &self.force
+    }
+
+    /// The force as a function of the time t + ψ.
+    pub fn force_wave(&self) -> Wave {
+        Wave::new(&self.force, self.omega, |_, _| Ok::<_, std::convert::Infallible>(1.0)).unwrap_or_default()
     }
 
     /// Coefficient e of restitution.
@@ -197,7 +230,7 @@ impl Model {
 
     /// No force and elastic impacts.
     pub fn is_conservative(&self) -> bool {
-        self.amplitude == 0.0 && self.restitution == 1.0
+        self.amplitude() == 0.0 && self.restitution == 1.0
     }
 
     /// Position of a barrier.
@@ -205,23 +238,42 @@ impl Model {
         barrier.position(self.asymmetry)
     }
 
-    /// Ã = A/(γ₁ − ω²): amplitude of the uniform motion that the force drives without impacts (paper, sec. II B).
+    /// Σ A_j/(γ₁ − j²ω²) cos(jω(t+ψ) + θ_j): the uniform motion that the force drives without impacts, as a function of the
+    /// time t + ψ (paper, sec. II B; of the plain cosine Ã cos ω(t+ψ)).
     ///
     /// # Errors
-    /// [`Resonance`] when ω meets the uniform mode, Ω₀ = √γ₁.
-    pub fn force_response(&self) -> Result<f64, Resonance> {
-        if self.amplitude == 0.0 {
-            return Ok(0.0);
-        }
+    /// [`Resonance`] when a harmonic meets the uniform mode, Ω₀ = √γ₁.
+    pub fn steady_response(&self) -> Result<Wave, Resonance> {
         let (gamma1, omega) = (self.chain.gamma1, self.omega);
-        // One rounding only: the difference is what resonance hangs on.
-        let stiffness = (-omega).mul_add(omega, gamma1);
-        if stiffness.abs() <= 2.0 * RESONANCE_TOLERANCE * omega * omega {
-            let frequency = gamma1.sqrt();
-            return Err(Resonance { harmonic: 1, mode: 0, frequency, omega, distance: frequency - omega });
+        if self.amplitude() == 0.0 {
+            return Ok(self.force_wave());
         }
-        Ok(self.amplitude / stiffness)
+        Wave::new(&self.force, omega, |harmonic, rate| {
+            // One rounding only: the difference is what resonance hangs on.
+            let stiffness = (-rate).mul_add(rate, gamma1);
+            if stiffness.abs() <= 2.0 * RESONANCE_TOLERANCE * rate * rate {
+                let frequency = gamma1.sqrt();
+                let harmonic = u64::from(harmonic);
+                return Err(Resonance { harmonic, mode: 0, frequency, omega, distance: frequency - rate });
+            }
+            Ok(stiffness)
+        })
     }
+
+    /// Ã = A/(γ₁ − ω²), the amplitude of [`Model::steady_response`] to a plain cosine; of any other force
+    /// Σ|A_j/(γ₁ − j²ω²)|, which that motion never exceeds.
+    ///
+    /// # Errors
+    /// As [`Model::steady_response`].
+    pub fn force_response(&self) -> Result<f64, Resonance> {
+        Ok(self.steady_response()?.reach())
+    }
+}
+
+fn check_place(omega: f64, asymmetry: f64) -> Result<(), ParameterError> {
+    let omega_ok = (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega);
+    check(omega_ok, "omega", omega, "a positive number, 1e-100 to 1e100")?;
+    check((0.0..1.0).contains(&asymmetry), "asymmetry", asymmetry, "a number from 0 up to but not including 1")
 }
 
 #[cfg(test)]
@@ -253,7 +305,7 @@ mod tests {
     #[test]
     fn force_on_the_uniform_mode_is_a_resonance() {
         let model = Model::forced(Chain::new(5, 0.25, 0.1).unwrap(), 0.5, 0.0, 1.0, 0.5).unwrap();
-        let error = model.force_response().unwrap_err();
+        let error = model.steady_response().unwrap_err();
         assert_eq!((error.harmonic, error.mode), (1, 0));
     }
 }

@@ -51,19 +51,20 @@ impl ImpulseResponse {
             let weight = weight * self.cosines().shape(k, site).abs();
             let y = 0.5 * frequency * self.period();
             if y < 1.0 {
-                // All terms are of one sign or regular in y: a few units each.
-                let xi = offset / self.period();
+                // All terms are of one sign or regular in y: a few units each, and what a change of t and T does.
+                let xi = (offset / self.period()).abs();
+                let swing = 2.0 * (t / self.period()).max(0.5);
                 let scale = weight / sinc(y);
-                sum.value += scale * self.period() * (cubic_defect(y) + 2.0 * xi * xi);
-                sum.slope += scale * 4.0 * xi.abs();
+                sum.value += scale * self.period() * (cubic_defect(y) + 2.0 * xi * xi + xi * swing);
+                sum.slope += scale * (4.0 * xi + swing);
                 sum.curvature += scale * 4.0 / self.period();
-                sum.third += scale * 4.0 * frequency * frequency * xi.abs();
+                sum.third += scale * frequency * frequency * (4.0 * xi + swing);
             } else {
                 let (sine, x) = (self.sin_half()[k].abs(), frequency * offset);
                 let (sin, cos) = x.sin_cos();
                 let (sin, cos) = (sin.abs(), cos.abs());
                 // t, T and Ω enter x = Ω(t−T/2).
-                let (amplitude, swing) = (2.0 + detuning(k), 2.0 * frequency * t.abs().max(offset.abs()));
+                let (amplitude, swing) = (2.0 + detuning(k), 2.0 * frequency * t.max(0.5 * self.period()));
                 let (even, odd) = (amplitude * cos + swing * sin, amplitude * sin + swing * cos);
                 let scale = weight * 0.5 / sine;
                 sum.value += scale * (even + 2.0 * sine / y) / frequency;
@@ -101,10 +102,15 @@ mod tests {
             for fraction in [0.0, 0.13, 0.5, 0.77] {
                 let bound = plain.sensitivity(fraction * plain.period());
                 let mut worst = KernelJet::default();
-                // All frequencies of one mass move with γ₁; ω moves T and, here, t with it.
-                for other in [at(0.2 * (1.0 + 2.0 * h), omega), at(0.2, omega * (1.0 + h))] {
-                    let jet = |r: &ImpulseResponse| r.jet_from_half((fraction - 0.5) * r.period());
-                    let (a, b) = (jet(&plain), jet(&other));
+                // All frequencies of one mass move with γ₁; ω moves T, with t or without it; t moves alone.
+                let t = fraction * plain.period();
+                let jet = |r: &ImpulseResponse, t: f64| r.jet_from_half(t - 0.5 * r.period());
+                let (stiffer, faster) = (at(0.2 * (1.0 + 2.0 * h), omega), at(0.2, omega * (1.0 + h)));
+                for (other, t) in [(&stiffer, t), (&faster, t / (1.0 + h)), (&faster, t), (&plain, t * (1.0 + h))] {
+                    if t > other.period() {
+                        continue;
+                    }
+                    let (a, b) = (jet(&plain, fraction * plain.period()), jet(other, t));
                     worst.value = worst.value.max((a.value - b.value).abs() / h);
                     worst.slope = worst.slope.max((a.slope - b.slope).abs() / h);
                     worst.curvature = worst.curvature.max((a.curvature - b.curvature).abs() / h);

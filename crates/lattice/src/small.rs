@@ -28,9 +28,46 @@ pub(crate) fn cubic_defect(y: f64) -> f64 {
     COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * z + c)
 }
 
+/// Terms added up plainly before they go into a compensated sum: rounding of long sums grows with the square root of this,
+/// not of their length, while short ones cost nothing more.
+const BLOCK: usize = 64;
+
+/// Σ term(k) over k < `count`.
+pub(crate) fn long_sum<const N: usize>(count: usize, term: impl Fn(usize) -> [f64; N]) -> [f64; N] {
+    let block = |from: usize| {
+        let mut sum = [0.0; N];
+        for k in from..(from + BLOCK).min(count) {
+            let term = term(k);
+            (0..N).for_each(|i| sum[i] += term[i]);
+        }
+        sum
+    };
+    let (mut sum, mut carry) = (block(0), [0.0; N]);
+    for from in (BLOCK..count).step_by(BLOCK) {
+        let next = block(from);
+        for i in 0..N {
+            // What the addition drops is kept (Neumaier).
+            let total = sum[i] + next[i];
+            carry[i] +=
+                if sum[i].abs() >= next[i].abs() { (sum[i] - total) + next[i] } else { (next[i] - total) + sum[i] };
+            sum[i] = total;
+        }
+    }
+    (0..N).for_each(|i| sum[i] += carry[i]);
+    sum
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_sums_keep_their_digits() {
+        for count in [0, 1, 64, 65, 100_000] {
+            let [sum] = long_sum(count, |_| [0.1]);
+            assert!((sum - 0.1 * count as f64).abs() <= 16.0 * f64::EPSILON * sum, "{count}: {sum}");
+        }
+    }
 
     #[test]
     fn series_meet_the_plain_forms() {

@@ -1,7 +1,7 @@
 //! The conditions at the impacts and Newton's method for them.
 //!
 //! ```text
-//! v_n(t) = Σ_j P_j K_{n−n_j}(t−t_j) + c + G(t+ψ),   G(t) = Ã cos ωt,   Ã = A/(γ₁−ω²)
+//! v_n(t) = Σ_j P_j K_{n−n_j}(t−t_j) + c + G(t+ψ),   G(t) = Σ_h Ã_h cos(hωt + θ_h),   Ã_h = A_h/(γ₁−h²ω²)
 //! position   v(t_i) − (a ± 1)                                   = 0
 //! Newton     Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ) + q P_i/2       = 0,   q = (1−e)/(1+e)
 //! γ₁ = 0     Σ_j P_j                                            = 0
@@ -12,7 +12,7 @@
 //! when q = 0, because K′ is odd; the one of the strongest impact is left out. Orbits that are their own mirror image in
 //! time have their impacts at 0 and T/2 and are left with a linear system.
 
-use vibrochain_lattice::{Barrier, Model};
+use vibrochain_lattice::{Barrier, Harmonic, Model};
 
 use crate::error::TruthError;
 use crate::kernel::{Jet, Kernel};
@@ -38,8 +38,8 @@ pub(crate) struct State {
 pub(crate) struct Problem<'a> {
     pub(crate) model: &'a Model,
     pub(crate) kernel: &'a Kernel,
-    /// Ã
-    pub(crate) force: Real,
+    /// G
+    pub(crate) force: Steady,
     /// q
     pub(crate) loss: Real,
     pub(crate) hits: Vec<(usize, Barrier)>,
@@ -49,16 +49,36 @@ pub(crate) struct Problem<'a> {
     pub(crate) rigid: bool,
 }
 
-/// Ã cos θ, −Ãω sin θ, −Ãω² cos θ, at θ = ω(t+ψ).
-pub(crate) fn wave(force: &Real, omega: f64, psi: Option<&Real>, t: &Real) -> (Real, Real, Real) {
-    match psi {
-        None => (Real::zero(64), Real::zero(64), Real::zero(64)),
-        Some(psi) => {
-            let (sin, cos) = ((t + psi) * omega).sin_cos();
-            let (x, y) = (force * cos, force * sin * omega);
-            let z = -(&x * omega * omega);
-            (x, -y, z)
+/// The uniform motion that the force drives: (hω, Ã_h, θ_h) of each harmonic.
+#[derive(Debug, Clone)]
+pub(crate) struct Steady(Vec<(Real, Real, f64)>);
+
+impl Steady {
+    /// The answer of a uniform mode to the model's force, in `bits` digits.
+    pub(crate) fn new(model: &Model, bits: usize) -> Result<Self, TruthError> {
+        let harmonics = model.force().harmonics().iter().filter(|harmonic| harmonic.amplitude != 0.0);
+        let answer = |harmonic: &Harmonic| {
+            let rate = Real::new(model.omega(), bits) * f64::from(harmonic.number);
+            let stiffness = -(&rate * &rate) + model.chain().gamma1();
+            if stiffness.is_zero() {
+                return Err(TruthError::Resonance { mode: 0, omega: model.omega() });
+            }
+            Ok((rate, Real::new(harmonic.amplitude, bits) / stiffness, harmonic.phase))
+        };
+        harmonics.map(answer).collect::<Result<_, _>>().map(Self)
+    }
+
+    /// G, Ġ and G̈ at t+ψ; nothing without a phase, hence without force.
+    pub(crate) fn at(&self, psi: Option<&Real>, t: &Real) -> (Real, Real, Real) {
+        let mut sum = (Real::zero(64), Real::zero(64), Real::zero(64));
+        let Some(psi) = psi else { return sum };
+        for (rate, amplitude, phase) in &self.0 {
+            let (sin, cos) = ((t + psi) * rate + *phase).sin_cos();
+            let (x, y) = (amplitude * cos, amplitude * sin * rate);
+            let z = &x * rate * rate;
+            sum = (sum.0 + x, sum.1 - y, sum.2 - z);
         }
+        sum
     }
 }
 
@@ -94,7 +114,7 @@ impl Problem<'_> {
 
     /// Displacement, mean velocity and acceleration of the mass that is hit at impact i.
     pub(crate) fn motion(&self, state: &State, jets: &[Vec<Jet>], i: usize) -> [Real; 3] {
-        let (mut u, mut v, mut a) = wave(&self.force, self.model.omega(), state.psi.as_ref(), &state.times[i]);
+        let (mut u, mut v, mut a) = self.force.at(state.psi.as_ref(), &state.times[i]);
         u += &state.offset;
         for (j, impulse) in state.impulses.iter().enumerate() {
             let (value, slope, curvature) = Self::pair(jets, i, j);
@@ -121,8 +141,7 @@ impl Problem<'_> {
     fn jacobian(&self, state: &State, jets: &[Vec<Jet>]) -> Vec<Vec<Real>> {
         let n = self.hits.len();
         let zero = Real::zero(self.kernel.work_bits());
-        let waves: Vec<_> =
-            state.times.iter().map(|t| wave(&self.force, self.model.omega(), state.psi.as_ref(), t)).collect();
+        let waves: Vec<_> = state.times.iter().map(|t| self.force.at(state.psi.as_ref(), t)).collect();
         let row = |i: usize, newton: bool| {
             let mut row = Vec::with_capacity(2 * n + 1);
             for j in 0..n {

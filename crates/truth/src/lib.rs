@@ -1,4 +1,4 @@
-//! The quantities of the layers above in 50 digits: slow, separate, for checks.
+//! The quantities of the layers above in 57 digits or more: slow, separate, for checks.
 //!
 //! What `vibrochain-lattice`, `-breather` and `-floquet` compute in `f64` is computed here once more in multiprecision, by
 //! the plainest formulas there are and without sharing code with them: only parameters come in (taken as exact), and an

@@ -6,7 +6,7 @@
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::{Barrier, Model};
 
-use crate::conditions::{Problem, State, wave};
+use crate::conditions::{Problem, State, Steady};
 use crate::error::TruthError;
 use crate::kernel::Kernel;
 use crate::real::Real;
@@ -62,7 +62,7 @@ pub struct TrueOrbit {
     force_periods: u32,
     bits: usize,
     kernel: Kernel,
-    force: Real,
+    force: Steady,
     psi: Option<Real>,
     offset: Real,
     impacts: Vec<TrueImpact>,
@@ -98,7 +98,7 @@ impl TrueOrbit {
         let problem = Problem {
             model,
             kernel: &kernel,
-            force: force_response(model, work)?,
+            force: Steady::new(model, work)?,
             loss: (-&e + 1.0) / (&e + 1.0),
             hits,
             times_free: !orbit.is_reversible(),
@@ -208,7 +208,7 @@ impl TrueOrbit {
 
     /// G(t+ψ) and its derivatives.
     fn wave(&self, t: &Real) -> (Real, Real, Real) {
-        wave(&self.force, self.model.omega(), self.psi.as_ref(), t)
+        self.force.at(self.psi.as_ref(), t)
     }
 
     /// The errors of an `f64` orbit that this one was refined from, or of any other with the same impacts.
@@ -254,19 +254,6 @@ impl TrueOrbit {
 fn circular(x: Real, period: &Real) -> Real {
     let turns = (&x / period + 0.5).floor();
     x - turns * period
-}
-
-/// Ã = A/(γ₁−ω²)
-fn force_response(model: &Model, bits: usize) -> Result<Real, TruthError> {
-    let omega = Real::new(model.omega(), bits);
-    let stiffness = -(&omega * &omega) + model.chain().gamma1();
-    if model.amplitude() == 0.0 {
-        Ok(Real::zero(bits))
-    } else if stiffness.is_zero() {
-        Err(TruthError::Resonance { mode: 0, omega: model.omega() })
-    } else {
-        Ok(Real::new(model.amplitude(), bits) / stiffness)
-    }
 }
 
 /// A mirror-symmetric orbit has its impacts at 0 and exactly T/2, which no `f64` is.

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 use vibrochain_breather::{Family, Orbit, breathers};
-use vibrochain_lattice::{Barrier, Chain, Model};
+use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, Model};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TruthError};
 
 fn model(sites: usize, gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
@@ -25,7 +25,11 @@ fn assert_solves_its_equations(orbit: &TrueOrbit) {
     let (chain, e) = (model.chain(), model.restitution());
     let sites = chain.sites();
     let force = |t: &Real| match orbit.psi() {
-        Some(psi) => ((t + psi) * model.omega()).sin_cos().1 * model.amplitude(),
+        Some(psi) => model.force().harmonics().iter().fold(Real::zero(64), |sum, harmonic| {
+            // In digits: j times an f64 need not be one.
+            let phase = (t + psi) * model.omega() * f64::from(harmonic.number) + harmonic.phase;
+            sum + phase.sin_cos().1 * harmonic.amplitude
+        }),
         None => Real::zero(64),
     };
     let by_forces = |site: usize, t: &Real| {
@@ -165,6 +169,33 @@ fn forced_single_sided_orbits_solve_their_quadratic() {
     }
     // Both roots, not one twice.
     assert!((sum * &square - &chi * 2.0 * (1.0 - a)).log10_abs() < -57.0);
+}
+
+#[test]
+fn orbits_under_several_harmonics() {
+    let harmonic = |(number, amplitude, phase)| Harmonic { number, amplitude, phase };
+    let square = Force::new(&[(1, 0.3, 0.0), (3, -0.1, 0.0), (5, 0.06, 0.0)].map(harmonic)).unwrap();
+    let skew =
+        Force::new(&[(1, 0.1582, 0.5), (3, 0.002, 1.5 - std::f64::consts::PI), (5, 0.001, 2.5)].map(harmonic)).unwrap();
+    let mut families = [0; 3];
+    for (family, force, gamma1, omega, a, e) in [
+        (Family::DoubleSided, square, 0.2, 1.5, 0.4, 0.9),
+        (Family::DoubleSided, square, 0.2, 1.5, 0.0, 0.8),
+        (Family::DoubleSided, skew, 0.0, 1.7, 0.3, 0.9),
+        (Family::SingleSided, square, 0.2, 0.92, 0.4, 0.9),
+        (Family::PeriodDoubled, skew, 0.2, 1.07, 0.8, 0.25),
+    ] {
+        let chain = Chain::new(21, gamma1, 0.1).unwrap();
+        let model = Model::with_force(chain, omega, a, &force, e).unwrap();
+        for orbit in &orbits(&model, family) {
+            let truth = refine(orbit);
+            assert_solves_its_equations(&truth);
+            let error = truth.error_of(orbit).unwrap();
+            assert!(error.impulse < 1e-11 && error.time < 1e-11 && error.psi < 1e-11, "{family:?} {error:?}");
+            families[family as usize] += 1;
+        }
+    }
+    assert!(families.iter().all(|&count| count > 0), "{families:?}");
 }
 
 #[test]

@@ -67,7 +67,7 @@ const DOCUMENT: &str = "accuracy.md";
 /// The folder beside it, with tables and pictures.
 const FILES: &str = "accuracy";
 
-/// What `scripts/lean.sh` leaves in that folder: the document takes it over as it stands.
+/// What `scripts/lean.sh` prints, if it has been put into that folder: the document takes it over as it stands.
 const LEAN: &str = "lean.md";
 
 /// Runs the subcommand.
@@ -110,8 +110,17 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
         broken = report.broken().map(|(count, row)| format!("{count} promises are broken, the first: {row:?}"));
         file.finish_with(&report.csv()?)?;
     }
-    if everything && let Ok(text) = std::fs::read_to_string(folder.join(LEAN)) {
-        document.sections.push(Section { title: "What a scene pays for".to_owned(), blocks: vec![Block::Prose(text)] });
+    if everything {
+        match std::fs::read_to_string(folder.join(LEAN)) {
+            Ok(text) => document
+                .sections
+                .push(Section { title: "What a scene pays for".to_owned(), blocks: vec![Block::Prose(text)] }),
+            Err(_) => {
+                let path = folder.join(LEAN).display().to_string();
+                console
+                    .remark(&format!("{path} is not there: the document goes without it (scripts/lean.sh makes it)"));
+            }
+        }
     }
     bar.finish_and_clear();
     // All or nothing: an interrupted run leaves an older set of files as it was.

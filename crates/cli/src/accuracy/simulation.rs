@@ -23,7 +23,7 @@ pub(super) const SUITE: Suite = Suite {
         - *Runge–Kutta 4*: fixed step, bisection for the time of an impact;\n\
         - *time stepping*: Moreau's midpoint rule with a fixed step and the impact law at its end, no search for impacts.\n\n\
         Exact flight has no step to choose and ends at rounding. The error of the others is set by their step or tolerance: \
-        small enough a step brings Runge–Kutta 4 there too, at many times the cost, while time stepping, which does not know \
+        small enough a step brings Runge–Kutta 4 near it, at many times the cost, while time stepping, which does not know \
         when in a step the impact was, gains one digit for ten times the steps. All of them spend most of their time between \
         impacts, where everything is known in closed form.",
     error: "largest difference of a displacement or velocity from the exact motion at the end",

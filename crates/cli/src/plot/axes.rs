@@ -15,16 +15,16 @@ pub(crate) type Panel<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, R
 
 /// Draws the axes, over a light grid if the panel is not filled by a raster.
 pub(crate) fn axes<B: DrawingBackend>(panel: &mut Panel<'_, B>, x: &str, y: &str, grid: bool) -> Result<(), PlotError> {
-    labelled_axes(panel, x, y, grid, &|value| tick(*value))
+    labelled_axes(panel, x, y, grid, [&|value| tick(*value); 2])
 }
 
-/// The same for axes of any kind, with `label` for their ticks.
+/// The same for axes of any kind, with labels for the ticks of x and y.
 pub(crate) fn labelled_axes<B: DrawingBackend, X, Y>(
     panel: &mut ChartContext<'_, B, Cartesian2d<X, Y>>,
     x: &str,
     y: &str,
     grid: bool,
-    label: &dyn Fn(&f64) -> String,
+    labels: [&dyn Fn(&f64) -> String; 2],
 ) -> Result<(), PlotError>
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,
@@ -40,8 +40,8 @@ where
         .y_desc(y)
         .axis_desc_style(("sans-serif", 17))
         .label_style(("sans-serif", 14))
-        .x_label_formatter(&label)
-        .y_label_formatter(&label)
+        .x_label_formatter(&labels[0])
+        .y_label_formatter(&labels[1])
         .draw()
         .map_err(PlotError::from)
 }

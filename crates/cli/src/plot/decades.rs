@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
-/// More decades than this have a tick at every second one.
+/// More decades than this have a tick at every second (third …) one.
 const MANY: i32 = 10;
 
 /// Whole decades from 10^low to 10^high; positions on the axis are decimal logarithms.
@@ -26,11 +26,13 @@ impl Decades {
     }
 
     /// One more at the lower end.
+    #[cfg(any(feature = "accuracy", test))]
     pub(crate) fn with_one_below(self) -> Self {
         Self { low: self.low - 1, ..self }
     }
 
     /// The logarithm at the lower end.
+    #[cfg(feature = "accuracy")]
     pub(crate) fn low(self) -> f64 {
         f64::from(self.low)
     }
@@ -49,7 +51,8 @@ impl Ranged for Decades {
         if hint.weight().allow_light_points() {
             return Vec::new();
         }
-        let stride = if self.high - self.low > MANY { 2 } else { 1 };
+        // At least 1: the axis has two decades or more.
+        let stride = (self.high - self.low + MANY - 1) / MANY;
         (self.low..=self.high).filter(|decade| decade % stride == 0).map(f64::from).collect()
     }
 

@@ -7,6 +7,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use vibrochain_floquet::Mechanism;
 
 use crate::cell::Class;
+use crate::force::listed;
 use crate::parameter::Parameter;
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
 use crate::plot::palette::{Palette, Tile};
@@ -88,7 +89,9 @@ fn fixed(scene: &Scene) -> String {
     for parameter in Parameter::ALL {
         let swept = scene.x.parameter == parameter || scene.y.parameter == parameter;
         let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-        if !(swept || forced && scene.is_conservative()) {
+        if let (Parameter::Amplitude, Some(force)) = (parameter, &scene.base.force) {
+            text += &format!(", force {}", listed(force));
+        } else if !(swept || forced && scene.is_conservative()) {
             text += &format!(", {} = {}", parameter.symbol(), scene.base.get(parameter));
         }
     }

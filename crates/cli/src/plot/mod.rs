@@ -2,9 +2,10 @@
 
 mod axes;
 mod canvas;
-#[cfg(feature = "accuracy")]
+mod curves;
 mod decades;
 mod map;
+mod markers;
 mod orbit;
 mod palette;
 mod run;
@@ -13,6 +14,7 @@ mod work_precision;
 
 pub(crate) use canvas::open;
 pub use canvas::{Format, PlotError};
+pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 pub use map::{MapPicture, map_picture};
 pub use orbit::{OrbitPanels, orbit_picture};
 pub use palette::{Palette, Tile};

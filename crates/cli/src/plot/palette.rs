@@ -64,7 +64,6 @@ impl Palette {
 
 /// Colours of lines in a diagram, in order of use: dark and light take turns, so that neighbours in a legend are told
 /// apart in grey; the hues are apart for colour-blind eyes.
-#[cfg(feature = "accuracy")]
 pub(crate) const LINES: [Rgb; 6] =
     [[16, 50, 98], [236, 138, 60], [0, 120, 90], [110, 190, 235], [150, 40, 90], [150, 150, 150]];
 
@@ -88,7 +87,6 @@ mod tests {
         }
     }
 
-    #[cfg(feature = "accuracy")]
     #[test]
     fn neighbouring_lines_are_told_apart_in_grey() {
         let grey = |[r, g, b]: Rgb| 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);

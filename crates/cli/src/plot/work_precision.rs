@@ -8,6 +8,7 @@ use plotters::prelude::{BLACK, Color, DrawingArea, DrawingBackend, IntoFont, Lin
 use crate::plot::axes::labelled_axes;
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
 use crate::plot::decades::{Decades, power_of_ten};
+use crate::plot::markers::marker;
 use crate::plot::palette::LINES;
 
 /// What is drawn.
@@ -76,25 +77,6 @@ struct Sheet<'a> {
     layout: Layout,
 }
 
-/// The marker of a method: corners in pixels about the point.
-fn marker(method: usize) -> Vec<(i32, i32)> {
-    match method % 6 {
-        // Circle, square, triangle, diamond, triangle on its head, star.
-        0 => (0..16).map(|i| f64::from(i) * std::f64::consts::TAU / 16.0).map(|t| polar(5.0, t)).collect(),
-        1 => vec![(-4, -4), (4, -4), (4, 4), (-4, 4)],
-        2 => vec![(0, -6), (6, 4), (-6, 4)],
-        3 => vec![(0, -6), (6, 0), (0, 6), (-6, 0)],
-        4 => vec![(0, 6), (6, -4), (-6, -4)],
-        _ => (0..10)
-            .map(|i| polar(if i % 2 == 0 { 7.0 } else { 3.0 }, std::f64::consts::TAU * (f64::from(i) / 10.0 - 0.25)))
-            .collect(),
-    }
-}
-
-fn polar(radius: f64, angle: f64) -> (i32, i32) {
-    ((radius * angle.cos()).round() as i32, (radius * angle.sin()).round() as i32)
-}
-
 fn colour(method: usize) -> RGBColor {
     let [r, g, b] = LINES[method % LINES.len()];
     RGBColor(r, g, b)
@@ -161,7 +143,7 @@ fn draw_panel<B: DrawingBackend>(
         .build_cartesian_2d(x, y)
         .map_err(PlotError::from)?;
     let error = if first_column { "error" } else { "" };
-    labelled_axes(&mut chart, "time of one evaluation, seconds", error, true, &|value| power_of_ten(*value))?;
+    labelled_axes(&mut chart, "time of one evaluation, seconds", error, true, [&|value| power_of_ten(*value); 2])?;
     let floor = y.low();
     for (method, series) in panel.series.iter().enumerate() {
         let place = |&(seconds, error): &(f64, f64)| (seconds.log10(), if error > 0.0 { error.log10() } else { floor });

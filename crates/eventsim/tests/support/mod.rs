@@ -97,9 +97,13 @@ impl Modes {
 
     /// The forced motion Ã cos ω(t+ψ) and its velocity.
     fn driven(&self, t: f64) -> (f64, f64) {
-        let response = self.model.force_response().unwrap();
-        let (sin, cos) = (self.model.omega() * (t + self.psi)).sin_cos();
-        (response * cos, -response * self.model.omega() * sin)
+        let (w, g1) = (self.model.omega(), self.model.chain().gamma1());
+        self.model.force().harmonics().iter().fold((0.0, 0.0), |sum, harmonic| {
+            let rate = f64::from(harmonic.number) * w;
+            let response = harmonic.amplitude / (g1 - rate * rate);
+            let (sin, cos) = (rate * (t + self.psi) + harmonic.phase).sin_cos();
+            (sum.0 + response * cos, sum.1 - response * rate * sin)
+        })
     }
 
     fn set(&mut self, t: f64, u: &[f64], v: &[f64]) {

@@ -26,6 +26,8 @@ pub struct Row {
     pub outcome: String,
     /// What is delivered may exceed what is promised by this factor.
     pub slack: f64,
+    /// Errors below this are none: the last digits of the truth itself.
+    pub floor: f64,
     /// The answer contradicts the truth in kind, not in digits.
     pub wrong: bool,
 }
@@ -39,6 +41,7 @@ impl Row {
             delivered: None,
             outcome: String::new(),
             slack: 10.0,
+            floor: 0.0,
             wrong: false,
         }
     }
@@ -61,7 +64,7 @@ impl Row {
     /// The promise holds: the error is within the estimate, no number is missing or NaN, no verdict is wrong.
     pub fn holds(&self) -> bool {
         let within = match (self.promised, self.delivered) {
-            (Some(promised), Some(delivered)) => delivered <= self.slack * promised,
+            (Some(promised), Some(delivered)) => delivered <= (self.slack * promised).max(self.floor),
             (None, None) => true,
             _ => false,
         };
@@ -184,7 +187,7 @@ pub fn check_orbits(case: &str, model: &Model, family: Family, depth: Depth) -> 
 fn worse(row: &Row, old: &Row) -> bool {
     let ratio = |row: &Row| match (row.promised, row.delivered) {
         _ if row.wrong => f64::INFINITY,
-        (Some(promised), Some(delivered)) if delivered > 0.0 => delivered / promised,
+        (Some(promised), Some(delivered)) if delivered > row.floor => delivered / promised,
         _ => -1.0,
     };
     !row.holds() && old.holds() || ratio(row) > ratio(old)
@@ -215,7 +218,7 @@ fn check_orbit(
     );
     let impulses = Row::new(case, format!("{family} impulses"));
     keep(impulses.measured(condition.impulse_error(orbit), error.impulse).told(distances));
-    if orbit.phi().is_some() && !orbit.is_reversible() || orbit.psi().is_some() {
+    if orbit.phi().is_some() || orbit.psi().is_some() {
         let times = Row::new(case, format!("{family} times"));
         keep(times.measured(condition.time_error(orbit), error.time.max(error.psi)));
     }
@@ -249,18 +252,21 @@ fn check_radius(row: Row, stability: &Stability, truth: &TrueOrbit) -> Row {
         Err(error) => return row.told(format!("{said}; no truth to compare with: {error}")),
     };
     match spectrum.refine((verdict.leading.re, verdict.leading.im)) {
-        Ok((root, _)) => {
+        Ok((root, moved)) => {
             let excess = root.abs() - 1.0;
             // On the circle to all digits, up to those of the root itself.
             let digits = 2f64.powi(10 - i32::try_from(truth.bits()).unwrap_or(0));
             let on_circle = excess.abs() < digits;
             let wrong = verdict.stable && !on_circle && excess.to_f64() > 0.0
                 || verdict.mechanism.is_some() && excess.to_f64() <= 0.0;
+            // A root far away is another one: the program's is none.
+            let far = (1e-3 * (1.0 + verdict.spectral_radius)).max(10.0 * verdict.resolution);
+            let wrong = wrong || !verdict.marginal && moved > far;
             let error = (root.abs() - verdict.spectral_radius).abs().to_f64();
-            // A radius of exactly 1 carries no error; the root's own digits end somewhere.
-            let promised = verdict.resolution.max(if on_circle { digits } else { f64::EPSILON });
+            // A radius of exactly 1 carries no error, but the root's own digits end somewhere.
+            let promised = if on_circle { verdict.resolution } else { verdict.resolution.max(f64::EPSILON) };
             let told = format!("{said}, |μ| = {:.7}", verdict.spectral_radius);
-            Row { wrong, ..row.measured(promised, error).told(told) }
+            Row { wrong, floor: digits, ..row.measured(promised, error).told(told) }
         }
         Err(error @ TruthError::OnPole { .. }) => row.told(format!("{said}: {error}")),
         Err(error) => row.told(format!("{said}; no truth to compare with: {error}")),

@@ -1,0 +1,193 @@
+//! All breathers under a force of several harmonics. The plain cosine has its own, faster ways: `forced_single`,
+//! `forced_double`.
+//!
+//! Single-sided, with U = 2pS₀ the static displacement, c = 1 + gK̂(0), l = qg/2:
+//!
+//! ```text
+//! cU + G(ψ) = a − 1,   Ġ(ψ) + lU = 0        hence   cĠ(ψ) + l(a − 1 − G(ψ)) = 0 ,
+//! ```
+//!
+//! an analytic function of one variable. So is D Ġ(ψ) + qG(ψ) − q, whose zeros are the double-sided orbits with φ = T/2
+//! where those solve by themselves. All others with two impacts are zeros in the plane, `harmonic_impacts`.
+//!
+//! A force whose harmonics are all multiples of one repeats within the period T; ψ then runs over that repetition alone,
+//! because orbits with other ψ are the same.
+
+use smallvec::smallvec;
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
+
+use crate::conservative::{double_sided_draft, single_sided_draft};
+use crate::enclosure::Dual;
+use crate::error::NoBreather;
+use crate::forced_double::{SYMMETRIC, SYMMETRIC_GUARD, shortest_flight};
+use crate::harmonic_impacts::HarmonicImpacts;
+use crate::orbit::{Draft, Family, Source};
+use crate::planar_roots::PlanarZeros;
+use crate::roots::{Enclosed, Zeros};
+use crate::two_impacts::Word;
+
+/// What the search for zeros left open.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Open {
+    pub(crate) unresolved: usize,
+    pub(crate) exhausted: usize,
+}
+
+/// α Ġ(ψ) + β G(ψ) + γ.
+struct Line<'a> {
+    steady: &'a Wave,
+    velocity: f64,
+    displacement: f64,
+    constant: f64,
+}
+
+impl Enclosed for Line<'_> {
+    fn enclose(&self, psi: f64, radius: f64) -> Dual {
+        let mut sum = Dual::wave(0.0, 0.0, 0.0, radius).shifted(self.constant);
+        for term in self.steady.terms() {
+            let (sin, cos) = (term.rate * psi + term.phase).sin_cos();
+            let (g, v) = (self.displacement * term.amplitude, -self.velocity * term.rate * term.amplitude);
+            sum = sum + Dual::wave(g * cos, g * sin, term.rate, radius);
+            sum = sum + Dual::wave(v * sin, -v * cos, term.rate, radius);
+        }
+        sum
+    }
+}
+
+impl Line<'_> {
+    /// All zeros on one repetition of the force, each in 0 … `repeat`, appended to `zeros`.
+    fn zeros(&self, repeat: f64, zeros: &mut Zeros) {
+        let pieces = 8 + (repeat * self.steady.top_rate()) as usize;
+        // A start that no symmetry puts a zero on.
+        let start = -0.1234 * repeat;
+        zeros.find(self, start, start + repeat, pieces, |_| 64.0 * f64::EPSILON * repeat);
+        // The ends are one point.
+        if let [first, .., last] = zeros.simple[..]
+            && last - first >= repeat * (1.0 - 64.0 * f64::EPSILON)
+        {
+            zeros.simple.pop();
+        }
+    }
+}
+
+/// The least period of the force.
+fn repetition(model: &Model) -> f64 {
+    model.period() / f64::from(model.force().repetitions())
+}
+
+fn outcome(count: usize, open: Open) -> Result<Open, NoBreather> {
+    if count + open.unresolved + open.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(open) }
+}
+
+/// All single-sided solutions.
+pub(crate) fn single_sided(
+    model: &Model,
+    response: &ImpulseResponse,
+    steady: &Wave,
+    zeros: &mut Zeros,
+    mut found: impl FnMut(Draft),
+) -> Result<Open, NoBreather> {
+    let (q, g) = (model.loss(), response.static_stiffness());
+    if g == 0.0 {
+        return Err(NoBreather::NetImpulse);
+    }
+    let gap = 1.0 - model.asymmetry();
+    let (c, l) = (1.0 + g * response.dynamic_at_impulse(), 0.5 * q * g);
+    // Lengths and velocities on one footing.
+    let (omega, loss) = (model.omega(), l / model.omega());
+    let norm = c.hypot(loss);
+    if !(norm > 0.0 && norm.is_finite()) {
+        return Err(NoBreather::Singular);
+    }
+    let line = Line { steady, velocity: c / omega / norm, displacement: -loss / norm, constant: -loss / norm * gap };
+    let repeat = repetition(model);
+    line.zeros(repeat, zeros);
+    let mut count = 0;
+    for &psi in &zeros.simple {
+        let [displacement, velocity, ..] = steady.jet(psi);
+        let u = ((c / norm) * (-gap - displacement) - (loss / norm) * (velocity / omega)) / norm;
+        let p = 0.5 * g * u;
+        if p.is_finite() {
+            count += 1;
+            found(single_sided_draft(response, psi.rem_euclid(repeat), p, u));
+        }
+    }
+    outcome(count, Open { unresolved: zeros.unresolved.len(), exhausted: zeros.exhausted })
+}
+
+/// All double-sided solutions.
+pub(crate) fn double_sided(
+    model: &Model,
+    response: &ImpulseResponse,
+    steady: &Wave,
+    zeros: &mut Zeros,
+    mut found: impl FnMut(Draft),
+) -> Result<Open, NoBreather> {
+    let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
+    let problem = HarmonicImpacts::new(Word::DoubleSided, response, steady, omega, a, q);
+    let (half, repeat) = (0.5 * response.period(), repetition(model));
+    let mut count = 0;
+    let mut emit = |place: [f64; 2]| {
+        let Some(solution) = problem.solution(place) else { return };
+        let phi = half + solution.delta;
+        let psi = (place[1] - 0.5 * phi).rem_euclid(repeat);
+        count += 1;
+        found(double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement));
+    };
+    let edge = half - shortest_flight(response, steady.bound(1));
+    let mut plane = PlanarZeros::default();
+    let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
+    if q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC {
+        let norm = q.hypot(omega * d);
+        let line = Line { steady, velocity: d / norm, displacement: q / norm, constant: -q / norm };
+        line.zeros(repeat, zeros);
+        zeros.simple.iter().for_each(|&psi| emit([0.0, psi + 0.5 * half]));
+        problem.zeros(&mut plane, -edge, -SYMMETRIC_GUARD * half, repeat);
+        problem.zeros(&mut plane, SYMMETRIC_GUARD * half, edge, repeat);
+    } else {
+        problem.zeros(&mut plane, -edge, edge, repeat);
+    }
+    plane.simple.iter().for_each(|&place| emit(place));
+    let open = Open {
+        unresolved: zeros.unresolved.len() + plane.unresolved.len(),
+        exhausted: zeros.exhausted + plane.exhausted,
+    };
+    outcome(count, open)
+}
+
+/// All period-doubled solutions; `response` is that of the doubled period. The orbit and its shift by one period of the
+/// force are listed once, as the one with φ beyond half the doubled period.
+pub(crate) fn period_doubled(
+    model: &Model,
+    response: &ImpulseResponse,
+    steady: &Wave,
+    mut found: impl FnMut(Draft),
+) -> Result<Open, NoBreather> {
+    if response.static_stiffness() == 0.0 {
+        return Err(NoBreather::NetImpulse);
+    }
+    let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
+    let problem = HarmonicImpacts::new(Word::PeriodDoubled, response, steady, omega, a, q);
+    let (half, repeat) = (0.5 * response.period(), repetition(model));
+    let mut plane = PlanarZeros::default();
+    problem.zeros(&mut plane, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD), repeat);
+    let mut count = 0;
+    for &place in &plane.simple {
+        let Some(solution) = problem.solution(place) else { continue };
+        let phi = half + solution.delta;
+        let net_impulse = solution.static_displacement * response.static_stiffness();
+        count += 1;
+        found(Draft {
+            family: Family::PeriodDoubled,
+            force_periods: 2,
+            psi: (place[1] - 0.5 * phi).rem_euclid(repeat),
+            impacts: smallvec![
+                (0, Barrier::Lower, 0.0, 2.0 * solution.p2),
+                (0, Barrier::Lower, phi, 2.0 * solution.p1)
+            ],
+            sources: smallvec![Source { site: 0, net_impulse }],
+            uniform_offset: solution.static_displacement * response.uniform_share(),
+        });
+    }
+    outcome(count, Open { unresolved: plane.unresolved.len(), exhausted: plane.exhausted })
+}

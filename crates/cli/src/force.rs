@@ -1,0 +1,58 @@
+//! Forces of several harmonics on the command line and in files.
+
+use serde_json::{Value, json};
+use vibrochain_lattice::{Force, Harmonic, Model};
+
+/// Reads a force as `--force` gives it, `number:amplitude[:phase]` for each harmonic, with commas between.
+///
+/// # Errors
+/// What is wrong with it, and with which harmonic.
+///
+/// ```
+/// use vibrochain_cli::force::{listed, parse};
+/// let force = parse("1:0.1:0,3:-0.03").unwrap();
+/// assert_eq!(listed(&force), "1:0.1:0,3:-0.03:0");
+/// assert!(parse("1:0.1:0,2:0.03").unwrap_err().contains("harmonic = 2"));
+/// ```
+pub fn parse(text: &str) -> Result<Force, String> {
+    let harmonics = text.split(',').map(harmonic).collect::<Result<Vec<_>, _>>()?;
+    Force::new(&harmonics).map_err(|error| error.to_string())
+}
+
+fn harmonic(text: &str) -> Result<Harmonic, String> {
+    let wrong = |what: &str| format!("`{text}` has {what}: give number:amplitude:phase, as in 1:0.1:0,3:0.03:1.57");
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+    let (number, amplitude, phase) = match parts[..] {
+        [number, amplitude] => (number, amplitude, "0"),
+        [number, amplitude, phase] => (number, amplitude, phase),
+        _ => return Err(wrong("not two or three parts")),
+    };
+    Ok(Harmonic {
+        number: number.parse().map_err(|_| wrong("no whole number in front"))?,
+        amplitude: amplitude.parse().map_err(|_| wrong("an amplitude that is no number"))?,
+        phase: phase.parse().map_err(|_| wrong("a phase that is no number"))?,
+    })
+}
+
+/// The force as `--force` takes it.
+pub fn listed(force: &Force) -> String {
+    let one = |harmonic: &Harmonic| format!("{}:{}:{}", harmonic.number, harmonic.amplitude, harmonic.phase);
+    force.harmonics().iter().map(one).collect::<Vec<_>>().join(",")
+}
+
+/// The force as a scene gives it: its harmonics.
+pub fn value(force: &Force) -> Value {
+    let one = |harmonic: &Harmonic| json!({ "harmonic": harmonic.number, "amplitude": harmonic.amplitude, "phase": harmonic.phase });
+    force.harmonics().iter().map(one).collect()
+}
+
+/// Force and restitution for captions, with a comma in front; nothing for a conservative model.
+pub fn caption(model: &Model) -> String {
+    if model.is_conservative() {
+        String::new()
+    } else if model.force().cosine_amplitude().is_some() {
+        format!(", A = {}, e = {}", model.amplitude(), model.restitution())
+    } else {
+        format!(", force {}, e = {}", listed(model.force()), model.restitution())
+    }
+}

@@ -1,0 +1,319 @@
+//! `mapgen orbit --all-plots`: six pictures of each solution.
+//!
+//! | file | shows |
+//! |---|---|
+//! | `solution-K-profile` | displacements of all masses at the impacts |
+//! | `solution-K-trace` | the impacting mass and its neighbour over a period |
+//! | `solution-K-phase` | phase portrait of the impacting mass, impacts as jumps |
+//! | `solution-K-multipliers` | Floquet multipliers and the unit circle |
+//! | `solution-K-eigenvector` | the perturbation that belongs to the leading multiplier |
+//! | `solution-K-decay` | distance from the uniform motion, site by site, on a logarithmic axis |
+
+use std::path::Path;
+
+use vibrochain_breather::{BreatherError, Motion, Orbit};
+use vibrochain_floquet::{Complex, Stability, leading_modes};
+use vibrochain_lattice::{Decay, ImpulseResponse, Spectrum, decay, far_field};
+
+use crate::error::CliError;
+use crate::output::Output;
+use crate::plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
+
+/// Samples of one flight between impacts.
+const FLIGHT: usize = 160;
+
+/// Harmonics of a far field that are added at most; the nearest neighbours need the most of them.
+const MAX_TERMS: u64 = 1_000_000;
+
+/// Harmonics among which the slowest decay is looked for: later ones decay faster.
+const HARMONICS: u64 = 1000;
+
+/// Corners of the unit circle.
+const CIRCLE: u32 = 180;
+
+fn computation(error: impl std::fmt::Display) -> CliError {
+    CliError::Computation(error.to_string())
+}
+
+/// Writes the pictures of solution number `number`. Without stability those of multipliers and eigenvector are left out.
+///
+/// # Errors
+/// [`CliError`].
+pub(crate) fn write(
+    folder: &Path,
+    format: Format,
+    number: usize,
+    orbit: &Orbit,
+    stability: Option<&Stability>,
+) -> Result<(), CliError> {
+    let title = format!("{} breather {number}: {}", orbit.family().name(), describe(orbit));
+    let ending = if format == Format::Png { "png" } else { "svg" };
+    let save = |name: &str, pane: (u32, u32), panes: Vec<Pane>| {
+        let columns = panes.len();
+        let picture = Curves { title: title.clone(), panes, columns, pane };
+        let bytes = curves_picture(&picture, format).map_err(computation)?;
+        Output::create(&folder.join(format!("solution-{number}-{name}.{ending}")))?.finish_with(&bytes)
+    };
+    save("profile", (960, 480), vec![profile(orbit).map_err(computation)?])?;
+    let (trace, phase) = flights(orbit).map_err(computation)?;
+    save("trace", (960, 480), vec![trace])?;
+    save("phase", (960, 560), vec![phase])?;
+    save("decay", (960, 520), vec![decay_pane(orbit).map_err(computation)?])?;
+    if let Some(stability) = stability {
+        save("multipliers", (960, 760), vec![multipliers(stability)])?;
+        save("eigenvector", (660, 480), eigenvector(orbit)?)?;
+    }
+    Ok(())
+}
+
+fn describe(orbit: &Orbit) -> String {
+    let (model, chain) = (orbit.model(), orbit.model().chain());
+    let mut text = format!(
+        "N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}",
+        chain.sites() - 1,
+        chain.gamma1(),
+        chain.gamma2(),
+        model.omega(),
+        model.asymmetry()
+    );
+    if !model.is_conservative() {
+        text += &format!(", A = {}, e = {}", model.amplitude(), model.restitution());
+    }
+    text
+}
+
+/// Sites by offset from the breather, −⌊(M−1)/2⌋ … ⌊M/2⌋.
+fn offsets(orbit: &Orbit) -> impl Iterator<Item = (f64, usize)> + use<> {
+    let sites = orbit.model().chain().sites() as i64;
+    let home = orbit.impact_site().unwrap_or(0) as i64;
+    (-(sites - 1) / 2..=sites / 2).map(move |n| (n as f64, (home + n).rem_euclid(sites) as usize))
+}
+
+fn pane(caption: &str, x: &str, y: &str, series: Vec<Series>) -> Pane {
+    Pane {
+        caption: caption.to_owned(),
+        x: x.to_owned(),
+        y: y.to_owned(),
+        x_range: None,
+        scale: Scale::Linear,
+        levels: Vec::new(),
+        round: false,
+        series,
+    }
+}
+
+fn barriers(orbit: &Orbit) -> Vec<f64> {
+    let a = orbit.model().asymmetry();
+    vec![a - 1.0, a + 1.0]
+}
+
+fn impact_name(orbit: &Orbit, i: usize) -> String {
+    let impact = orbit.impacts().get(i);
+    impact.map_or(String::new(), |impact| {
+        format!("{} barrier, t/T = {:.4}", impact.barrier.name(), impact.time / orbit.period())
+    })
+}
+
+fn profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
+    let mut motion = Motion::of(orbit)?;
+    let mut all = Vec::new();
+    for (i, impact) in orbit.impacts().iter().enumerate() {
+        let v = motion.displacements(impact.time);
+        let (stroke, mark) =
+            if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
+        let points = offsets(orbit).map(|(n, site)| (n, v[site])).collect();
+        all.push(Series { name: format!("impact on the {}", impact_name(orbit, i)), colour: i, stroke, mark, points });
+    }
+    let pane = pane("", "site n, from the impacting mass", "displacement vₙ", all);
+    Ok(Pane { levels: barriers(orbit), ..pane })
+}
+
+/// The traces over a period, and the phase portrait.
+fn flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
+    let mut motion = Motion::of(orbit)?;
+    let home = orbit.impact_site().unwrap_or(0);
+    let next = (home + 1) % motion.sites();
+    let (mut own, mut neighbour) = (Vec::new(), Vec::new());
+    let (mut flight, mut jumps, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut ends: Vec<((f64, f64), (f64, f64))> = Vec::new();
+    for i in 0..motion.intervals() {
+        let (start, length) = motion.interval(i);
+        let mut ends_of = ((0.0, 0.0), (0.0, 0.0));
+        for k in 0..=FLIGHT {
+            let elapsed = length * k as f64 / FLIGHT as f64;
+            motion.seek(i, elapsed);
+            let now = motion.site(home);
+            let time = (start + elapsed) / orbit.period();
+            own.push((time, now.displacement));
+            neighbour.push((time, motion.site(next).displacement));
+            let here = (now.displacement, now.velocity);
+            flight.push(here);
+            if k == 0 {
+                ends_of.0 = here;
+            }
+            ends_of.1 = here;
+        }
+        flight.push((f64::NAN, f64::NAN));
+        ends.push(ends_of);
+    }
+    for (i, &(start, _)) in ends.iter().enumerate() {
+        let from = ends[(i + ends.len() - 1) % ends.len()].1;
+        before.push(from);
+        after.push(start);
+        jumps.extend([from, start, (f64::NAN, f64::NAN)]);
+    }
+    let line = |name: &str, colour, stroke, points| {
+        let name = name.to_owned();
+        Series { name, colour, stroke, mark: Mark::None, points }
+    };
+    let dots = |name: &str, colour, mark, points| {
+        let name = name.to_owned();
+        Series { name, colour, stroke: Stroke::None, mark, points }
+    };
+    let mut traces = vec![line("impacting mass v₀", 0, Stroke::Solid(3), own)];
+    if motion.sites() > 1 {
+        traces.push(line("its neighbour v₁", 1, Stroke::Dashed(2), neighbour));
+    }
+    let trace = pane("", "time t/T", "displacement", traces);
+    let portrait = vec![
+        line("flight", 0, Stroke::Solid(2), flight),
+        line("impact", 5, Stroke::Dashed(2), jumps),
+        dots("before", 1, Mark::Filled(3), before),
+        dots("after", 1, Mark::Hollow(0), after),
+    ];
+    let phase = pane("", "displacement v₀", "velocity of the impacting mass", portrait);
+    Ok((Pane { x_range: Some(0.0..1.0), levels: barriers(orbit), ..trace }, phase))
+}
+
+fn multipliers(stability: &Stability) -> Pane {
+    let place = |z: &Complex<f64>| (z.re, z.im);
+    let circle = (0..=CIRCLE).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(CIRCLE));
+    let circle = circle.map(|t| (t.cos(), t.sin())).collect();
+    let verdict = stability.verdict;
+    let leading = stability.multipliers.iter().filter(|z| verdict.mechanism.is_some() && same(z, &verdict.leading));
+    let leading: Vec<_> = leading.map(place).collect();
+    let all = stability.multipliers.iter().map(place).collect();
+    let series =
+        |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
+    let caption = format!(
+        "{}; |μ| = {:.9}, leading μ = {:.6} {} {:.6}i",
+        verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |m| format!(
+            "unstable, {}",
+            m.name()
+        )),
+        verdict.spectral_radius,
+        verdict.leading.re,
+        if verdict.leading.im < 0.0 { '−' } else { '+' },
+        verdict.leading.im.abs()
+    );
+    let mut all = vec![
+        series("unit circle", 5, Stroke::Solid(1), Mark::None, circle),
+        series("multipliers", 0, Stroke::None, Mark::Filled(0), all),
+    ];
+    if !leading.is_empty() {
+        all.push(series("leading", 1, Stroke::None, Mark::Hollow(3), leading));
+    }
+    Pane { round: true, ..pane(&caption, "Re μ", "Im μ", all) }
+}
+
+/// The leading multiplier or its conjugate.
+fn same(a: &Complex<f64>, b: &Complex<f64>) -> bool {
+    let close = 1e-9 * (1.0 + b.norm());
+    (a - b).norm() < close || (a.conj() - b).norm() < close
+}
+
+fn eigenvector(orbit: &Orbit) -> Result<Vec<Pane>, CliError> {
+    let modes = leading_modes(orbit, 1).map_err(computation)?;
+    let Some(mode) = modes.first() else { return Ok(Vec::new()) };
+    let turning = mode.multiplier.im != 0.0;
+    let part = |name: &str, colour, stroke, mark, of: &dyn Fn(usize) -> f64| Series {
+        name: name.to_owned(),
+        colour,
+        stroke,
+        mark,
+        points: offsets(orbit).map(|(n, site)| (n, of(site))).collect(),
+    };
+    let panel = |caption: &str, letter: &str, values: &[Complex<f64>]| {
+        let mut series = vec![part("real part", 0, Stroke::Solid(2), Mark::Filled(0), &|n| values[n].re)];
+        if turning {
+            series.push(part("imaginary part", 1, Stroke::Dashed(2), Mark::Hollow(3), &|n| values[n].im));
+        }
+        pane(caption, "site n, from the impacting mass", letter, series)
+    };
+    let caption = format!("leading perturbation just before the first impact, |μ| = {:.6}", mode.multiplier.norm());
+    Ok(vec![
+        panel(&caption, "displacement δvₙ", &mode.displacement),
+        panel("its velocities", "velocity δv̇ₙ", &mode.velocity),
+    ])
+}
+
+/// |v_n − G| at the impacts, each site in full relative accuracy: by harmonics, of which every one falls from site to site
+/// by its own factor. The modal sum, which keeps absolute accuracy, stands beside it.
+fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
+    let model = orbit.model();
+    let chain = model.chain();
+    let spectrum = Spectrum::new(*chain);
+    let response = ImpulseResponse::new(&spectrum, orbit.frequency())?;
+    let mut motion = Motion::of(orbit)?;
+    let home = orbit.impact_site().unwrap_or(0);
+    let mut all = Vec::new();
+    for (i, impact) in orbit.impacts().iter().enumerate() {
+        let field = |n: usize| -> f64 {
+            orbit
+                .impacts()
+                .iter()
+                .map(|source| {
+                    let t = (impact.time - source.time).rem_euclid(orbit.period());
+                    let kernel = if n == 0 {
+                        response.value(0, t)
+                    } else {
+                        far_field(&spectrum, orbit.frequency(), n, t, MAX_TERMS).0
+                    };
+                    source.impulse * kernel
+                })
+                .sum()
+        };
+        let points = (0..chain.even_modes()).map(|n| (n as f64, field(n).abs())).collect();
+        let (stroke, mark) =
+            if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Solid(2), Mark::Filled(3)) };
+        all.push(Series { name: format!("impact on the {}", impact_name(orbit, i)), colour: i, stroke, mark, points });
+        if i == 0 {
+            let uniform = orbit.steady().value(impact.time + orbit.psi().unwrap_or(0.0));
+            let v = motion.displacements(impact.time);
+            let modal = (0..chain.even_modes()).map(|n| (n as f64, (v[(home + n) % chain.sites()] - uniform).abs()));
+            let (name, stroke, mark) = ("the same by the sum over modes".to_owned(), Stroke::None, Mark::Hollow(1));
+            all.push(Series { name, colour: 4, stroke, mark, points: modal.collect() });
+        }
+    }
+    let caption = match slowest(orbit) {
+        None => "a harmonic of the breather lies in the band of the ring: no decay".to_owned(),
+        Some((0, factor)) => format!("slowest decay: the mean over a period, factor {factor:.6} from site to site"),
+        Some((j, factor)) => format!("slowest decay: harmonic {j}, factor {factor:.6} from site to site"),
+    };
+    let pane = pane(&caption, "distance from the impacting mass, in sites", "|vₙ − uniform motion|", all);
+    Ok(Pane { scale: Scale::Logarithmic, ..pane })
+}
+
+/// The harmonic present that decays the slowest, and its factor per site; `None` if one propagates.
+fn slowest(orbit: &Orbit) -> Option<(u64, f64)> {
+    let chain = orbit.model().chain();
+    let mut slowest = (0, 0.0_f64);
+    // Equal and opposite impulses half a period apart make odd harmonics alone.
+    let present = |j: u64| {
+        let phase = |t: f64| std::f64::consts::TAU * j as f64 * t / orbit.period();
+        let (re, im) = orbit.impacts().iter().fold((0.0, 0.0), |(re, im), impact| {
+            let (sin, cos) = phase(impact.time).sin_cos();
+            (re + impact.impulse * cos, im + impact.impulse * sin)
+        });
+        let most = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
+        f64::hypot(re, im) > 1e-12 * most
+    };
+    for j in (0..HARMONICS).filter(|&j| (j > 0 || chain.gamma1() > 0.0) && present(j)) {
+        match decay(chain, j as f64 * orbit.frequency()) {
+            Decay::Propagating(_) => return None,
+            Decay::Evanescent(factor) if factor.abs() > slowest.1.abs() => slowest = (j, factor),
+            Decay::Evanescent(_) => {}
+        }
+    }
+    Some(slowest)
+}

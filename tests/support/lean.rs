@@ -1,0 +1,68 @@
+//! The four kinds of map, N = 20, and what a cell of them allocates.
+
+use std::hint::black_box;
+use std::path::Path;
+
+use allocation_counter::measure;
+use vibrochain_cli::cell::Worker;
+use vibrochain_cli::scene::Scene;
+
+/// A kind of map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Kind {
+    pub(crate) forced: bool,
+    pub(crate) stability: bool,
+}
+
+pub(crate) const KINDS: [Kind; 4] = [
+    Kind { forced: false, stability: false },
+    Kind { forced: false, stability: true },
+    Kind { forced: true, stability: false },
+    Kind { forced: true, stability: true },
+];
+
+impl Kind {
+    pub(crate) fn name(self) -> String {
+        let model = if self.forced { "forced" } else { "conservative" };
+        format!("{model}, {}", if self.stability { "stability" } else { "existence" })
+    }
+
+    /// The paper's map on a coarser grid.
+    pub(crate) fn scene(self) -> Scene {
+        let forcing = if self.forced { "forcing = { amplitude = 0.1, restitution = 0.9 }" } else { "" };
+        let text = format!(
+            r#"
+            [model]
+            sites = 21
+            gamma1 = 0.2
+            asymmetry = 0.4
+            {forcing}
+            [sweep]
+            x = {{ parameter = "omega",  from = 0.4, to = 3.0, points = 40 }}
+            y = {{ parameter = "gamma2", from = 0.0, to = 0.3, points = 24 }}
+            [compute]
+            families = ["double-sided", "single-sided"]
+            stability = {}
+            "#,
+            self.stability
+        );
+        Scene::parse(Path::new("lean"), &text).unwrap()
+    }
+
+    /// Computes every cell of the scene.
+    pub(crate) fn compute(scene: &Scene, worker: &mut Worker) {
+        for j in 0..scene.y.points {
+            for i in 0..scene.x.points {
+                black_box(worker.cell(&scene.point(i, j).model().unwrap(), &scene.task));
+            }
+        }
+    }
+
+    /// Allocations a cell once the work space has seen the whole map.
+    pub(crate) fn allocations(self) -> f64 {
+        let scene = self.scene();
+        let mut worker = Worker::new(scene.base.sites);
+        Self::compute(&scene, &mut worker);
+        measure(|| Self::compute(&scene, &mut worker)).count_total as f64 / scene.cells() as f64
+    }
+}
