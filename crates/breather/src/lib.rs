@@ -16,7 +16,7 @@
 //! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `equations`, `polish` | the orbit's equations linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
-//! | `branch`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
+//! | `branch`, `reduction`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
 //!
@@ -55,6 +55,7 @@ mod orbit;
 mod patch;
 mod planar_roots;
 mod polish;
+mod reduction;
 mod roots;
 mod two_impacts;
 mod window;

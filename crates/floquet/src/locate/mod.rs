@@ -20,7 +20,9 @@ mod bracket;
 mod follow;
 mod handover;
 mod secular;
+mod settle;
 mod spectrum_events;
+mod watch;
 
 use nalgebra::Complex;
 use thiserror::Error;

@@ -1,0 +1,187 @@
+//! From a zero to an answer: whether it is an event, its error, and what there is to say about it.
+
+use nalgebra::Complex;
+use vibrochain_breather::{Branch, BranchPoint};
+use vibrochain_lattice::Parameter;
+
+use super::follow::{Follower, LONGEST};
+use super::handover::hand_over;
+use super::watch::Test;
+use super::{LocateError, Located, Sign};
+use crate::multipliers::pair;
+use crate::verdict::{Tolerance, Verdict};
+
+/// A multiplier farther than this from where it should be is not the zero of the function but a pole.
+const POLE: f64 = 1e-4;
+
+/// Points and distance at which the function's rounding is sampled next to its zero: far enough for rounding to be another
+/// one, near enough for the function to be a straight line.
+const SAMPLES: i32 = 4;
+const SAMPLE_STEP: f64 = 1e-9;
+
+/// Worst case over what a few samples show.
+const SAFETY: f64 = 4.0;
+
+/// Rounding of the data, and the relative step by which its effect is seen.
+const DATA_ROUNDING: f64 = 2.0 * f64::EPSILON;
+const DATA_STEP: f64 = 1e-7;
+
+/// A small step away from an event, as a part of the parameter.
+const AWAY: f64 = 1e-4;
+
+impl Follower {
+    /// The event at `s` along a step: checked, with its error. `None` for a pole or another false alarm.
+    pub(super) fn settle(
+        &mut self,
+        point: &BranchPoint,
+        length: f64,
+        s: f64,
+        test: Test,
+    ) -> Result<Option<Located>, LocateError> {
+        let there = self.branch.step(point, s)?;
+        let sign = match test {
+            Test::Impact(i) => Sign::Impact(i),
+            Test::Margin => match self.finder.admissibility(there.orbit())?.closest {
+                Some(closest) => Sign::Touch(closest),
+                None => return Ok(None),
+            },
+            Test::Equations => self.nearest_to(&there, Complex::new(1.0, 0.0))?,
+            Test::Shifted { shift, .. } => self.nearest_to(&there, Complex::new(-shift, 0.0))?,
+            Test::Modulus { ends: [(a, from), (b, to)] } => {
+                self.nearest_to(&there, from + (to - from) * ((s - a) / (b - a)))?
+            }
+            Test::Collision { centre } => {
+                let angle = centre.clamp(-1.0, 1.0).acos();
+                self.nearest_to(&there, Complex::from_polar(1.0, angle))?
+            }
+        };
+        if let Sign::Multiplier(multiplier) = sign {
+            let goal = match test {
+                Test::Modulus { .. } => multiplier / multiplier.norm(),
+                Test::Collision { centre } => Complex::from_polar(1.0, centre.clamp(-1.0, 1.0).acos()),
+                Test::Shifted { shift, .. } => Complex::new(-shift, 0.0),
+                _ => Complex::new(1.0, 0.0),
+            };
+            // Written so that a multiplier that is not a number is no event either.
+            let near = (multiplier - goal).norm() <= POLE * (1.0 + self.analyser_norm(&there)?.ln().max(0.0));
+            if !near {
+                return Ok(None);
+            }
+        }
+        let error = self.error(point, length, s, test, &there)?;
+        self.describe(&there, error, sign).map(Some)
+    }
+
+    /// Norm of the matrix whose eigenvalues were last worked out.
+    pub(super) fn analyser_norm(&self, point: &BranchPoint) -> Result<f64, LocateError> {
+        Ok(self.analyser.matrix_of(point.orbit()).norm().max(1.0))
+    }
+
+    /// The multiplier nearest to `goal`.
+    pub(super) fn nearest_to(&mut self, point: &BranchPoint, goal: Complex<f64>) -> Result<Sign, LocateError> {
+        let orbit = point.orbit();
+        let values = self.spectrum(orbit)?;
+        let multipliers = values.iter().flat_map(|&value| {
+            let [large, small] = if orbit.is_reversible() { pair(value) } else { [value, value] };
+            [large, small]
+        });
+        let nearest = multipliers.min_by(|a, b| (a - goal).norm_sqr().total_cmp(&(b - goal).norm_sqr()));
+        nearest.map(Sign::Multiplier).ok_or(LocateError::NoMultiplier)
+    }
+
+    /// Error of the parameter at a zero: rounding of the function and of the parameter along the curve, as samples show
+    /// them, over the function's slope.
+    pub(super) fn error(
+        &mut self,
+        point: &BranchPoint,
+        length: f64,
+        s: f64,
+        test: Test,
+        there: &BranchPoint,
+    ) -> Result<f64, LocateError> {
+        let mut samples = Vec::new();
+        for k in -SAMPLES..=SAMPLES {
+            let at = s + f64::from(k) * SAMPLE_STEP;
+            // Past the end of the parameter's range there are none.
+            let Ok(sample) = self.branch.step(point, at) else { continue };
+            samples.push((at - s, self.value(test, &sample, at)?, sample.value()));
+        }
+        let reach = 1e-3 * length;
+        let mut side = |at: f64| -> Result<(f64, f64), LocateError> {
+            let sample = self.branch.step(point, at)?;
+            Ok((self.value(test, &sample, at)?, sample.value()))
+        };
+        // One-sided next to such an end.
+        let (below, above) = (side(s - reach), side(s + reach));
+        let (from, to) = (if below.is_ok() { s - reach } else { s }, if above.is_ok() { s + reach } else { s });
+        let (low, high) = (below.or_else(|_| side(s))?, above.or_else(|_| side(s))?);
+        let (slope, pace) = ((high.0 - low.0) / (to - from), (high.1 - low.1) / (to - from));
+        // Departures from the straight line through their mean.
+        let scatter = |of: fn(&(f64, f64, f64)) -> f64, slope: f64| {
+            let rests: Vec<f64> = samples.iter().map(|sample| of(sample) - slope * sample.0).collect();
+            let mean = rests.iter().sum::<f64>() / rests.len() as f64;
+            rests.iter().map(|rest| (rest - mean).abs()).fold(0.0, f64::max)
+        };
+        let (of_value, of_parameter) = (scatter(|sample| sample.1, slope), scatter(|sample| sample.2, pace));
+        let error = SAFETY * (of_value * (pace / slope).abs() + of_parameter);
+        // Rounding that all samples share, such as that of the period, is a change of the data.
+        let data = self.sensitivity(s, test, there)? * (pace / slope).abs() + there.value().abs();
+        Ok(error + DATA_ROUNDING * data)
+    }
+
+    /// Σ |p ∂/∂p| of the function over all other parameters p of the model.
+    pub(super) fn sensitivity(&mut self, s: f64, test: Test, there: &BranchPoint) -> Result<f64, LocateError> {
+        let (orbit, here) = (there.orbit(), self.value(test, there, s)?);
+        let mut sum = 0.0;
+        for parameter in Parameter::ALL {
+            let value = orbit.model().get(parameter);
+            let absent =
+                orbit.model().is_conservative() && matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
+            if parameter == self.search.free || value == 0.0 || absent {
+                continue;
+            }
+            // Downwards: restitution may be 1.
+            let step = DATA_STEP * value;
+            let mut across = Branch::through(orbit, parameter, value)?;
+            // Where the change breaks a symmetry there is no such orbit at a pitchfork, nor rounding that would do it.
+            let moved = across.start().and_then(|start| across.at(&start, value - step));
+            self.others += across.evaluations();
+            let Ok(moved) = moved else { continue };
+            sum += (self.value(test, &moved, s)? - here).abs() / DATA_STEP;
+        }
+        Ok(sum)
+    }
+
+    /// The answer at a point.
+    pub(super) fn describe(&mut self, there: &BranchPoint, error: f64, sign: Sign) -> Result<Located, LocateError> {
+        let verdicts = self.verdicts(there);
+        let physical = self.finder.admissibility(there.orbit()).ok().map(|answer| answer.is_physical());
+        let search = self.search;
+        let distance = AWAY * there.value().abs().max(1e-2 * (search.to - search.from));
+        let handover = hand_over(there.orbit(), search, distance, &mut self.analyser, &mut self.finder);
+        Ok(Located {
+            value: there.value(),
+            error,
+            orbit: there.orbit().clone(),
+            sign,
+            physical,
+            verdicts,
+            handover,
+            evaluations: self.evaluations(),
+        })
+    }
+
+    /// Verdicts a small step away on either side, of those that exist and can be judged.
+    pub(super) fn verdicts(&mut self, there: &BranchPoint) -> Vec<(f64, Verdict)> {
+        let mut verdicts = Vec::new();
+        for sign in [-1.0, 1.0] {
+            // Along the curve: at a fold both sides lie on one side in the parameter.
+            let Ok(side) = self.branch.step(there, sign * 1e-2 * LONGEST) else { continue };
+            if let Ok(verdict) = self.analyser.verdict(side.orbit(), &mut self.finder, Tolerance::Rounding) {
+                verdicts.push((side.value(), verdict));
+            }
+        }
+        verdicts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        verdicts
+    }
+}

@@ -1,0 +1,270 @@
+//! What is watched at each point of a branch, and the zeros of it between two.
+
+use nalgebra::Complex;
+use vibrochain_breather::{BranchPoint, Orbit};
+
+use super::bracket::zero;
+use super::follow::Follower;
+use super::secular::polished;
+use super::spectrum_events::{
+    Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, log_determinant, upper_half,
+};
+use super::{Event, LocateError, Located};
+use crate::error::FloquetError;
+
+/// Halvings of a step within which two eigenvalues must become distinguishable.
+const HALVINGS: usize = 30;
+
+/// Events at most in one step, and how far behind one the next is looked for, as a part of the step.
+const MOST_IN_STEP: usize = 32;
+const BEHIND: f64 = 1e-4;
+
+/// A function of the point that changes sign at the event. Lengths are counted from the start of the step.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Test {
+    /// Velocity before an impact, towards its barrier.
+    Impact(usize),
+    /// Smallest distance to a barrier.
+    Margin,
+    /// Determinant of the orbit's equations.
+    Equations,
+    /// det(A + shift) over its size `log` at the start.
+    Shifted { shift: f64, log: f64 },
+    /// |μ|² − 1 of the pair that goes from one value to the other.
+    Modulus { ends: [(f64, Complex<f64>); 2] },
+    /// Discriminant of the two ν that collide.
+    Collision { centre: f64 },
+}
+
+/// What was seen at a point.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Seen {
+    /// Velocity before each impact, towards its barrier.
+    velocities: Vec<f64>,
+    margin: Option<f64>,
+    equations: f64,
+    /// ln|det(A + shift)| and its sign.
+    determinant: (f64, f64),
+    /// Eigenvalues: μ, or ν of a reversible orbit.
+    values: Vec<Complex<f64>>,
+}
+
+impl Follower {
+    /// What the search needs to know of a point.
+    pub(super) fn look(&mut self, point: &BranchPoint) -> Result<Seen, LocateError> {
+        let orbit = point.orbit();
+        let mut seen = Seen { equations: point.determinant(), ..Seen::default() };
+        match (self.search.event, shift_of(self.search.event, orbit)) {
+            (Event::Fold, _) => {}
+            (Event::Grazing, _) => {
+                let impacts = orbit.impacts().iter();
+                seen.velocities = impacts.map(|impact| impact.velocity_before * impact.barrier.sign()).collect();
+                seen.margin = self.finder.admissibility(orbit)?.margin;
+            }
+            (Event::NeimarkSacker, _) => seen.values = self.spectrum(orbit)?,
+            (_, Some(shift)) => {
+                self.spectrum(orbit)?;
+                seen.determinant = log_determinant(self.analyser.matrix_of(orbit), shift);
+            }
+            (_, None) => {}
+        }
+        Ok(seen)
+    }
+
+    /// Eigenvalues: μ, or ν of a reversible orbit.
+    pub(super) fn spectrum(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, LocateError> {
+        self.spectra += 1;
+        self.analyser.solve(orbit, &mut self.finder)?;
+        if self.analyser.values.is_empty() { Err(LocateError::NoMultiplier) } else { Ok(self.analyser.values.clone()) }
+    }
+
+    /// All events between two neighbouring points.
+    pub(super) fn all_between(
+        &mut self,
+        from: (&BranchPoint, &Seen),
+        to: (&BranchPoint, &Seen),
+        located: &mut Vec<Located>,
+    ) -> Result<(), LocateError> {
+        let (mut point, mut seen) = (from.0.clone(), from.1.clone());
+        for _ in 0..MOST_IN_STEP {
+            let length = self.branch.length_between(&point, to.0);
+            let Some((s, found)) = self.between((&point, &seen), to)? else { break };
+            located.extend(found);
+            // On from just behind it.
+            let behind = s + BEHIND * length;
+            if behind >= length {
+                break;
+            }
+            point = self.branch.step(&point, behind)?;
+            seen = self.look(&point)?;
+        }
+        Ok(())
+    }
+
+    /// The first zero between two neighbouring points, and the event there if it is one.
+    pub(super) fn between(
+        &mut self,
+        (point, seen): (&BranchPoint, &Seen),
+        (next, next_seen): (&BranchPoint, &Seen),
+    ) -> Result<Option<(f64, Option<Located>)>, LocateError> {
+        let length = self.branch.length_between(point, next);
+        let changes = |a: f64, b: f64| (a > 0.0) != (b > 0.0);
+        let mut found: Option<(f64, Test)> = None;
+        match self.search.event {
+            Event::Fold => {}
+            Event::Grazing => {
+                let velocities = seen.velocities.iter().zip(&next_seen.velocities).enumerate();
+                let mut tests: Vec<(Test, f64, f64)> =
+                    velocities.map(|(i, (&a, &b))| (Test::Impact(i), a, b)).collect();
+                if let (Some(a), Some(b)) = (seen.margin, next_seen.margin) {
+                    tests.push((Test::Margin, a, b));
+                }
+                for (test, a, b) in tests.into_iter().filter(|(_, a, b)| changes(*a, *b)) {
+                    let s = self.zero_of(test, point, (0.0, a), (length, b))?;
+                    if found.is_none_or(|(nearest, _)| s < nearest) {
+                        found = Some((s, test));
+                    }
+                }
+            }
+            Event::NeimarkSacker => found = self.crossing(point, length, seen, next_seen)?,
+            Event::Pitchfork | Event::PeriodDoubling => match shift_of(self.search.event, point.orbit()) {
+                None if changes(seen.equations, next_seen.equations) => {
+                    let s =
+                        self.zero_of(Test::Equations, point, (0.0, seen.equations), (length, next_seen.equations))?;
+                    found = Some((s, Test::Equations));
+                }
+                Some(shift) if changes(seen.determinant.1, next_seen.determinant.1) => {
+                    let test = Test::Shifted { shift, log: seen.determinant.0 };
+                    let (low, high) = (seen.determinant.1, next_seen.determinant);
+                    let s =
+                        self.zero_of(test, point, (0.0, low), (length, high.1 * (high.0 - seen.determinant.0).exp()))?;
+                    found = Some((s, test));
+                }
+                _ => {}
+            },
+        }
+        match found {
+            Some((s, test)) => Ok(Some((s, self.settle(point, length, s, test)?))),
+            None => Ok(None),
+        }
+    }
+
+    pub(super) fn zero_of(
+        &mut self,
+        test: Test,
+        point: &BranchPoint,
+        low: (f64, f64),
+        high: (f64, f64),
+    ) -> Result<f64, LocateError> {
+        zero(low, high, high.0, |s| {
+            let there = self.branch.step(point, s)?;
+            self.value(test, &there, s)
+        })
+    }
+
+    /// The function at a point `s` along the step.
+    pub(super) fn value(&mut self, test: Test, point: &BranchPoint, s: f64) -> Result<f64, LocateError> {
+        let orbit = point.orbit();
+        let lost = || FloquetError::NotConverged { dimension: 2 * orbit.model().chain().even_modes() };
+        Ok(match test {
+            Test::Impact(i) => {
+                orbit.impacts().get(i).map_or(0.0, |impact| impact.velocity_before * impact.barrier.sign())
+            }
+            // An impact that turned its sign has no margin: beyond grazing.
+            Test::Margin => self.finder.admissibility(orbit)?.margin.unwrap_or(-1.0),
+            Test::Equations => point.determinant(),
+            Test::Shifted { shift, log } => {
+                self.spectrum(orbit)?;
+                let (logarithm, sign) = log_determinant(self.analyser.matrix_of(orbit), shift);
+                sign * (logarithm - log).exp()
+            }
+            Test::Modulus { ends: [(a, from), (b, to)] } => {
+                let expected = from + (to - from) * ((s - a) / (b - a));
+                let values = self.spectrum(orbit)?;
+                let near = follow(expected, &values).ok_or_else(lost)?;
+                let multiplier = polished(orbit, &mut self.finder, near)?;
+                // |μ|² − 1 by factors: the sum of squares would round it.
+                let modulus = multiplier.norm();
+                (modulus - 1.0) * (modulus + 1.0)
+            }
+            Test::Collision { centre } => {
+                let values = self.spectrum(orbit)?;
+                discriminant(centre, &half_sums(&values, orbit.is_reversible())).ok_or_else(lost)?
+            }
+        })
+    }
+
+    /// The first pair that crosses the circle, or the first two that collide on it, in a step.
+    pub(super) fn crossing(
+        &mut self,
+        point: &BranchPoint,
+        length: f64,
+        seen: &Seen,
+        next_seen: &Seen,
+    ) -> Result<Option<(f64, Test)>, LocateError> {
+        let reversible = point.orbit().is_reversible();
+        if point.orbit().model().loss() == 0.0 {
+            let (mut low, mut high) = (0.0, length);
+            let (mut on, mut off) = (half_sums(&seen.values, reversible), half_sums(&next_seen.values, reversible));
+            if complex_count(&on) == complex_count(&off) {
+                return Ok(None);
+            }
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                let there = self.branch.step(point, middle)?;
+                let sums = half_sums(&self.spectrum(there.orbit())?, reversible);
+                if complex_count(&sums) == complex_count(&on) {
+                    (low, on) = (middle, sums);
+                } else {
+                    (high, off) = (middle, sums);
+                }
+            }
+            let (fewer, more) = if complex_count(&on) < complex_count(&off) { (&on, &off) } else { (&off, &on) };
+            let Some(centre) = collided(fewer, more) else { return Ok(None) };
+            let test = Test::Collision { centre: centre.re };
+            // Far enough out for the two to be told from one.
+            let reach = 1e-4 * length;
+            let (low, high) = ((low - reach).max(0.0), (high + reach).min(length));
+            let mut ends = [(low, 0.0), (high, 0.0)];
+            for (s, value) in &mut ends {
+                let there = self.branch.step(point, *s)?;
+                *value = self.value(test, &there, *s)?;
+            }
+            if (ends[0].1 > 0.0) == (ends[1].1 > 0.0) {
+                return Ok(None);
+            }
+            return Ok(Some((self.zero_of(test, point, ends[0], ends[1])?, test)));
+        }
+        let mut parts = vec![(0.0, upper_half(&seen.values), length, upper_half(&next_seen.values), 0)];
+        while let Some((low, from, high, to, depth)) = parts.pop() {
+            match crossing(&from, &to) {
+                Crossing::None => {}
+                Crossing::Pair(inside, outside) => {
+                    let test = Test::Modulus { ends: [(low, inside), (high, outside)] };
+                    let at = |s: f64, value: Complex<f64>| (s, value.norm_sqr() - 1.0);
+                    let s = self.zero_of(test, point, at(low, inside), at(high, outside))?;
+                    return Ok(Some((s, test)));
+                }
+                Crossing::Unclear if depth < HALVINGS => {
+                    let middle = 0.5 * (low + high);
+                    let there = self.branch.step(point, middle)?;
+                    let between = upper_half(&self.spectrum(there.orbit())?);
+                    parts.push((middle, between.clone(), high, to, depth + 1));
+                    parts.push((low, from, middle, between, depth + 1));
+                }
+                Crossing::Unclear => {}
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The shift s of det(A + s) that shows an event, for those that the spectrum shows; `None` where the orbit's own equations
+/// do. A holds μ, or ν of a reversible orbit, which are both ±1 together.
+pub(super) fn shift_of(event: Event, orbit: &Orbit) -> Option<f64> {
+    match event {
+        Event::PeriodDoubling => Some(1.0),
+        Event::Pitchfork if orbit.model().is_conservative() => Some(-1.0),
+        _ => None,
+    }
+}
