@@ -19,7 +19,7 @@ type Moves = SmallVec<[(usize, f64); 2]>;
 /// - Without symmetry: all of them.
 /// - Mirror images in space half a period apart (a = 0, or γ₁ = 0 where the ring is not held): P₁ = −P₀, t₁ = T/2. The
 ///   equations of the second impact repeat those of the first, but for the displacement s.
-/// - Mirror images in time (e = 1): t₁ = T/2 and ψ = 0 or T/2. Newton's law holds by symmetry.
+/// - Mirror images in time (e = 1, a force of cosines): t₁ = T/2 and ψ = 0 or T/2. Newton's law holds by symmetry.
 #[derive(Debug, Clone)]
 pub(crate) struct Reduction {
     pub(crate) columns: SmallVec<[Moves; WIDTH]>,
@@ -41,7 +41,8 @@ impl Reduction {
                 let columns = smallvec![smallvec![(0, 1.0), (1, -1.0)], one(2), one(4)];
                 return Self { columns, rows: smallvec![0, 1, 3], psi: 0.0 };
             }
-            if fixed(Parameter::Restitution, 1.0) && (phase - phase.round()).abs() <= SYMMETRIC {
+            let even = model.force().harmonics().iter().all(|harmonic| harmonic.phase == 0.0);
+            if even && fixed(Parameter::Restitution, 1.0) && (phase - phase.round()).abs() <= SYMMETRIC {
                 let columns = (0..3).map(one).collect();
                 return Self { columns, rows: smallvec![0, 1, 2], psi: 0.5 * phase.round().rem_euclid(2.0) };
             }

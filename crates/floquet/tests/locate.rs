@@ -3,7 +3,7 @@
 
 use vibrochain_breather::{Family, Orbit, breathers};
 use vibrochain_floquet::{Answer, End, Event, LocateError, Mechanism, Search, Sign, Verdict, locate};
-use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Parameter, Spectrum};
+use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Spectrum};
 
 fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
     Model::forced(Chain::new(21, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()
@@ -175,4 +175,22 @@ fn pitchfork_of_orbits_that_are_mirror_images_in_time() {
         }
     }
     assert!(seen > 0);
+}
+
+/// The force keeps its shape along the branch: existence ends where a search over single points says.
+#[test]
+fn fold_under_a_square_wave() {
+    let terms =
+        [(1, 1.0), (3, -0.3), (5, 0.1)].map(|(number, size)| Harmonic { number, amplitude: 0.165 * size, phase: 0.0 });
+    let chain = Chain::new(21, 0.2, 0.1).unwrap();
+    let model = Model::with_force(chain, 1.07, 0.8, &Force::new(&terms).unwrap(), 0.25).unwrap();
+    let start = orbit(&model, Family::SingleSided, 0);
+    let found = search(&start, Event::Fold, Parameter::Amplitude, None).located.swap_remove(0);
+    assert!(found.error < 1e-12 && found.orbit.model().force().harmonics().len() == 3, "{found:?}");
+    let count = |amplitude: f64| {
+        let model = model.with(Parameter::Amplitude, amplitude).unwrap();
+        breathers(&model, Family::SingleSided).unwrap().orbits.len()
+    };
+    let (outside, inside) = (found.value - 1e-9, found.value + 1e-9);
+    assert_eq!(count(outside) + 2, count(inside), "{}", found.value);
 }

@@ -93,6 +93,21 @@ impl Force {
         Ok(force)
     }
 
+    /// The same shape with Σ|A_j| = `amplitude`; no force becomes the plain cosine.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] unless 0 ≤ A ≤ 1e100.
+    pub fn scaled_to(&self, amplitude: f64) -> Result<Self, ParameterError> {
+        let plain = Self::cosine(amplitude)?;
+        if self.cosine_amplitude().is_some() {
+            return Ok(plain);
+        }
+        let ratio = amplitude / self.amplitude();
+        let scaled: Vec<Harmonic> =
+            self.harmonics().iter().map(|term| Harmonic { amplitude: term.amplitude * ratio, ..*term }).collect();
+        Self::new(&scaled)
+    }
+
     /// The harmonics, rising in number. No force is a first harmonic of amplitude 0.
     pub fn harmonics(&self) -> &[Harmonic] {
         &self.harmonics[..self.count]

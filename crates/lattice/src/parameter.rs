@@ -80,7 +80,8 @@ impl Model {
         }
     }
 
-    /// The same model with one parameter changed.
+    /// The same model with one parameter changed. The amplitude of a force of several harmonics is Σ|A_j|: all of them are
+    /// scaled alike.
     ///
     /// # Errors
     /// [`ParameterError`] for a value out of range.
@@ -96,14 +97,18 @@ impl Model {
     pub fn with(&self, parameter: Parameter, value: f64) -> Result<Self, ParameterError> {
         let or = |which: Parameter| if which == parameter { value } else { self.get(which) };
         let chain = Chain::new(self.chain().sites(), or(Parameter::Gamma1), or(Parameter::Gamma2))?;
-        let (amplitude, restitution) = (or(Parameter::Amplitude), or(Parameter::Restitution));
-        Self::forced(chain, or(Parameter::Omega), or(Parameter::Asymmetry), amplitude, restitution)
+        let force = match parameter {
+            Parameter::Amplitude => self.force().scaled_to(value)?,
+            _ => *self.force(),
+        };
+        Self::with_force(chain, or(Parameter::Omega), or(Parameter::Asymmetry), &force, or(Parameter::Restitution))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::force::{Force, Harmonic};
 
     #[test]
     fn with_changes_one_value_and_get_reads_it() {
@@ -117,5 +122,22 @@ mod tests {
             assert_eq!(Parameter::from_name(parameter.name()), Some(parameter));
             assert!(model.with(parameter, -1.0).is_err());
         }
+    }
+
+    #[test]
+    fn a_force_of_several_harmonics_keeps_its_shape() {
+        let terms =
+            [(1, 0.3, 0.5), (3, -0.1, 0.0)].map(|(number, amplitude, phase)| Harmonic { number, amplitude, phase });
+        let force = Force::new(&terms).unwrap();
+        let model = Model::with_force(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, &force, 0.9).unwrap();
+        assert_eq!(*model.with(Parameter::Gamma2, 0.05).unwrap().force(), force);
+        let twice = model.with(Parameter::Amplitude, 0.8).unwrap();
+        for (harmonic, term) in twice.force().harmonics().iter().zip(terms) {
+            assert_eq!((harmonic.number, harmonic.phase), (term.number, term.phase));
+            assert!((harmonic.amplitude - 2.0 * term.amplitude).abs() < 1e-15);
+        }
+        assert!((twice.get(Parameter::Amplitude) - 0.8).abs() < 1e-15);
+        assert!(model.with(Parameter::Amplitude, -0.1).is_err() && model.with(Parameter::Amplitude, f64::NAN).is_err());
+        assert_eq!(model.with(Parameter::Amplitude, 0.0).unwrap().amplitude(), 0.0);
     }
 }
