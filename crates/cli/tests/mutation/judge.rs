@@ -14,8 +14,11 @@ pub(crate) struct Outcome {
     pub(crate) message: String,
 }
 
-/// Keys of JSON answers whose value may be missing; errors are where no bound is known.
-const OPTIONAL: [&str; 13] = [
+/// Keys of JSON answers whose value may be missing; errors are where no bound is known, and the amplitude where the force
+/// is a list.
+const OPTIONAL: [&str; 15] = [
+    "amplitude",
+    "residual",
     "phi",
     "psi",
     "margin",
