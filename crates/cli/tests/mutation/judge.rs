@@ -14,9 +14,21 @@ pub(crate) struct Outcome {
     pub(crate) message: String,
 }
 
-/// Keys of JSON answers whose value may be missing.
-const OPTIONAL: [&str; 10] =
-    ["phi", "psi", "margin", "obstruction", "mechanism", "reason", "stability", "title", "revision", "threshold"];
+/// Keys of JSON answers whose value may be missing. An estimate without a bound is: `resolution` of a mass that nearly
+/// nothing holds.
+const OPTIONAL: [&str; 11] = [
+    "phi",
+    "psi",
+    "margin",
+    "obstruction",
+    "mechanism",
+    "reason",
+    "stability",
+    "title",
+    "revision",
+    "threshold",
+    "resolution",
+];
 
 /// No word of it is a number that is none.
 fn unfit_number(text: &str) -> Option<&str> {
