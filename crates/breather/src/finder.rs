@@ -121,11 +121,12 @@ impl Finder {
         let cosine = model.force().cosine_amplitude().map(|_| steady.reach());
         self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
         let (response, motion, zeros) = (&self.response, &mut self.motion, &mut self.zeros);
-        let mut failure = None;
+        let (mut failure, mut singular) = (None, false);
         let mut add = |draft: Draft| match Orbit::assemble(model, response, motion, draft.clone()) {
             Ok(mut orbit) => {
                 polish(&mut orbit, draft, response, motion);
-                found.orbits.push(orbit);
+                // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
+                if orbit.residual().is_finite() { found.orbits.push(orbit) } else { singular = true }
             }
             Err(error) => failure = Some(error),
         };
@@ -160,6 +161,9 @@ impl Finder {
         }
         if let Some(error) = failure {
             return Err(error);
+        }
+        if singular && found.orbits.is_empty() {
+            found.none = Some(NoBreather::Singular);
         }
         found.exhausted = found.exhausted.max(self.zeros.exhausted);
         if all {

@@ -91,12 +91,12 @@ fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
         "gamma2": model.chain().gamma2(),
         "omega": model.omega(),
         "asymmetry": model.asymmetry(),
-        "amplitude": model.force().cosine_amplitude(),
-        "restitution": model.restitution(),
     });
-    if model.force().cosine_amplitude().is_none() {
-        parameters["force"] = force::value(model.force());
+    match model.force().cosine_amplitude() {
+        Some(amplitude) => parameters["amplitude"] = amplitude.into(),
+        None => parameters["force"] = force::value(model.force()),
     }
+    parameters["restitution"] = model.restitution().into();
     json!({
         "parameters": parameters,
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),

@@ -296,7 +296,7 @@ fn a_force_of_several_harmonics() {
     let plain = [&POINT[..], &["--amplitude", ".1", "--restitution", ".9"]].concat();
     assert_eq!(orbit_json("double-sided", &flags("3:0,1:.1:0")), orbit_json("double-sided", &plain));
     let value = orbit_json("double-sided", &flags("1:.1,5:.02:1.57,3:-.033:0"));
-    assert_eq!(value["parameters"]["amplitude"], Value::Null);
+    assert!(value["parameters"].get("amplitude").is_none());
     assert_eq!(
         value["parameters"]["force"],
         serde_json::json!([

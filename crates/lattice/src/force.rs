@@ -7,6 +7,8 @@
 //!
 //! Both are a [`Wave`]. The plain cosine is one harmonic, j = 1 with phase 0.
 
+use std::fmt;
+
 use crate::error::ParameterError;
 use crate::params::{MAX_MAGNITUDE, check};
 
@@ -42,10 +44,17 @@ pub struct Harmonic {
 /// assert!(Force::new(&[Harmonic { number: 2, amplitude: 0.1, phase: 0.0 }]).is_err());
 /// # Ok::<(), vibrochain_lattice::ParameterError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Force {
     count: usize,
     harmonics: [Harmonic; MAX_HARMONICS],
+}
+
+impl fmt::Debug for Force {
+    /// The harmonics there are, without the room for others.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.harmonics()).finish()
+    }
 }
 
 impl Force {
