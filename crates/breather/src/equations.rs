@@ -107,31 +107,35 @@ impl<'a> Terms<'a> {
 
     /// What is left of position and Newton's law at impact `i`.
     pub(crate) fn violation(&self, i: usize) -> [f64; 2] {
-        let impact = &self.orbit.impacts()[i];
-        let force = self.force(i);
-        let position = self.static_displacement() + force[0] - self.orbit.model().barrier(impact.barrier);
-        let newton = force[1] + 0.5 * self.orbit.model().loss() * impact.impulse;
-        (0..self.orbit.impacts().len()).fold([position, newton], |[position, newton], j| {
-            let jet = self.jet(i, j);
-            let slope = if j == i { 0.0 } else { jet.slope };
-            [position + self.impulse(j) * jet.value, newton + self.impulse(j) * slope]
-        })
+        self.balance(i).map(|(left, _)| left)
     }
 
     /// Largest violation, each over the sizes of its terms.
     pub(crate) fn worst_violation(&self) -> f64 {
-        let (force, rate) = (self.orbit.steady().bound(0), self.orbit.steady().bound(1));
-        let worst = |i: usize| {
-            let [position, newton] = self.violation(i);
-            let (mut length, mut velocity) = (force.max(1.0), rate);
-            for j in 0..self.orbit.impacts().len() {
-                let (jet, impulse) = (self.jet(i, j), self.impulse(j).abs());
-                length += impulse * jet.value.abs();
-                velocity += impulse * if j == i { 0.5 * self.orbit.model().loss() } else { jet.slope.abs() };
-            }
-            worse((position / length).abs(), (newton / velocity.max(f64::MIN_POSITIVE)).abs())
-        };
+        let share = |(left, size): (f64, f64)| (left / size).abs();
+        let worst = |i: usize| self.balance(i).map(share).into_iter().fold(0.0, worse);
         (0..self.orbit.impacts().len()).map(worst).fold(0.0, worse)
+    }
+
+    /// Position and Newton's law at impact `i`: what is left, and the sum of the terms' sizes.
+    fn balance(&self, i: usize) -> [(f64, f64); 2] {
+        let (impact, steady, loss) = (&self.orbit.impacts()[i], self.orbit.steady(), self.orbit.model().loss());
+        let force = self.force(i);
+        let mut position = self.static_displacement() + force[0] - self.orbit.model().barrier(impact.barrier);
+        let mut newton = force[1] + 0.5 * loss * impact.impulse;
+        let (mut length, mut velocity) = (steady.bound(0).max(1.0), steady.bound(1));
+        for j in 0..self.orbit.impacts().len() {
+            let (jet, impulse) = (self.jet(i, j), self.impulse(j));
+            position += impulse * jet.value;
+            length += (impulse * jet.value).abs();
+            if j == i {
+                velocity += (0.5 * loss * impulse).abs();
+            } else {
+                newton += impulse * jet.slope;
+                velocity += (impulse * jet.slope).abs();
+            }
+        }
+        [(position, length), (newton, velocity.max(f64::MIN_POSITIVE))]
     }
 
     /// The linearised equations.

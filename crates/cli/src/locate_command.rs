@@ -12,7 +12,7 @@ use vibrochain_lattice::{Model, Parameter};
 use crate::args::{EventName, LocateArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::orbit_command::{family, model};
+use crate::orbit_command::{family, model, orbit_value};
 use crate::output::Number;
 
 fn event(name: EventName) -> Event {
@@ -96,31 +96,6 @@ fn point_json(model: &Model) -> Value {
     point
 }
 
-fn orbit_json(orbit: &Orbit) -> Value {
-    let impacts: Vec<Value> = orbit
-        .impacts()
-        .iter()
-        .map(|impact| {
-            json!({
-                "site": impact.site,
-                "barrier": impact.barrier.name(),
-                "time": impact.time,
-                "impulse": impact.impulse,
-                "velocity_before": impact.velocity_before,
-                "velocity_after": impact.velocity_after,
-            })
-        })
-        .collect();
-    json!({
-        "family": orbit.family().name(),
-        "period": orbit.period(),
-        "phi": orbit.phi(),
-        "psi": orbit.psi(),
-        "impacts": impacts,
-        "residual": orbit.residual(),
-    })
-}
-
 fn verdict_json(verdict: &Verdict) -> Value {
     json!({
         "stable": verdict.stable,
@@ -150,7 +125,7 @@ fn located_json(found: &Located) -> Value {
             .orbits
             .iter()
             .map(|branched| {
-                let mut value = orbit_json(&branched.orbit);
+                let mut value = orbit_value(&branched.orbit);
                 value["physical"] = branched.physical.into();
                 value["stability"] = branched.verdict.as_ref().map_or(Value::Null, verdict_json);
                 value
@@ -163,7 +138,7 @@ fn located_json(found: &Located) -> Value {
         "error": found.error.is_finite().then_some(found.error),
         "sign": sign_json(&found.sign),
         "physical": found.physical,
-        "orbit": orbit_json(&found.orbit),
+        "orbit": orbit_value(&found.orbit),
         "sides": sides,
         "branching": branching,
         "evaluations": found.evaluations,

@@ -106,42 +106,47 @@ fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
     })
 }
 
+/// The orbit itself as JSON: period, phases, impacts, residual.
+pub(crate) fn orbit_value(orbit: &Orbit) -> Value {
+    let impacts: Vec<Value> = orbit
+        .impacts()
+        .iter()
+        .map(|impact| {
+            json!({
+                "site": impact.site,
+                "barrier": impact.barrier.name(),
+                "time": impact.time,
+                "impulse": impact.impulse,
+                "velocity_before": impact.velocity_before,
+                "velocity_after": impact.velocity_after,
+            })
+        })
+        .collect();
+    json!({
+        "family": orbit.family().name(),
+        "period": orbit.period(),
+        "phi": orbit.phi(),
+        "psi": orbit.psi(),
+        "impacts": impacts,
+        "residual": orbit.residual(),
+    })
+}
+
 impl Solution {
     fn json(&self) -> Value {
         let orbit = &self.orbit;
-        let impacts: Vec<Value> = orbit
-            .impacts()
-            .iter()
-            .map(|impact| {
-                json!({
-                    "site": impact.site,
-                    "barrier": impact.barrier.name(),
-                    "time": impact.time,
-                    "impulse": impact.impulse,
-                    "velocity_before": impact.velocity_before,
-                    "velocity_after": impact.velocity_after,
-                })
-            })
-            .collect();
-        let mut value = json!({
-            "family": orbit.family().name(),
-            "period": orbit.period(),
-            "phi": orbit.phi(),
-            "psi": orbit.psi(),
-            "impacts": impacts,
-            "residual": orbit.residual(),
-            "condition": {
-                "resonance": self.condition.resonance,
-                "grazing": self.condition.grazing,
-                "fold": self.condition.fold,
-                "impulse_error": finite(self.condition.impulse_error(orbit)),
-                "time_error": finite(self.condition.time_error(orbit)),
-            },
-            "physical": self.admissibility.is_physical(),
-            "margin": self.admissibility.margin,
-            "obstruction": self.admissibility.obstruction.map(obstruction),
-            "stability": null,
+        let mut value = orbit_value(orbit);
+        value["condition"] = json!({
+            "resonance": self.condition.resonance,
+            "grazing": self.condition.grazing,
+            "fold": self.condition.fold,
+            "impulse_error": finite(self.condition.impulse_error(orbit)),
+            "time_error": finite(self.condition.time_error(orbit)),
         });
+        value["physical"] = self.admissibility.is_physical().into();
+        value["margin"] = self.admissibility.margin.into();
+        value["obstruction"] = self.admissibility.obstruction.map(obstruction).into();
+        value["stability"] = Value::Null;
         match &self.stability {
             Ok(stability) => {
                 let verdict = stability.verdict;
