@@ -4,9 +4,11 @@
 //! |---|---|
 //! | `formulas` | printed formulas against what holds: both are evaluated |
 //! | `matrices` | the printed monodromy matrix against differences of the simulated return map |
-//! | `points` | bifurcation points, by bisection |
-//! | `statements` | statements of the text, each with a command that shows otherwise and what it prints |
+//! | `points` | bifurcation points, each with the command that finds it |
+//! | `statements` | statements of the text, each with a command that shows otherwise |
+//! | `evidence` | runs those commands and quotes them |
 
+mod evidence;
 mod formulas;
 mod matrices;
 mod points;
@@ -45,8 +47,8 @@ pub fn run(args: &ErrataArgs, console: &mut Console<'_>) -> Result<(), CliError>
     }
     text += LETTERS;
     text += points::HEADING;
-    for line in points::lines()? {
-        text += &line;
+    for point in points::POINTS {
+        text += &point.markdown(console)?;
     }
     text += statements::HEADING;
     for statement in statements::STATEMENTS {

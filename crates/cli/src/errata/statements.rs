@@ -1,8 +1,6 @@
 //! Statements of the text that do not hold as they stand, each with a command and what it prints.
 
-use crate::console::Console;
-use crate::error::CliError;
-use crate::program;
+use crate::errata::evidence::Evidence;
 
 pub(super) const HEADING: &str = "
 ## Statements
@@ -10,48 +8,17 @@ pub(super) const HEADING: &str = "
 Each command prints more than is quoted.
 ";
 
-/// A statement, what is to be said to it, and the evidence.
-pub(super) struct Statement {
-    title: &'static str,
-    prose: &'static str,
-    /// Command lines of `mapgen`.
-    commands: &'static [&'static str],
-    /// Lines of their output are quoted if they contain one of these.
-    quoted: &'static [&'static str],
-}
-
-impl Statement {
-    /// The statement as Markdown; its commands are run.
-    pub(super) fn markdown(&self, console: &Console<'_>) -> Result<String, CliError> {
-        let mut text = format!("\n### {}\n\n{}\n", self.title, self.prose);
-        for command in self.commands {
-            let (mut out, mut err) = (Vec::new(), Vec::new());
-            let mut own = Console { out: &mut out, err: &mut err, progress: false, interrupt: console.interrupt };
-            let line = format!("mapgen {command}");
-            program::run(line.split_whitespace().map(Into::into), &mut own)?;
-            let printed = String::from_utf8_lossy(&out);
-            let quotation: Vec<_> =
-                printed.lines().filter(|line| self.quoted.iter().any(|part| line.contains(part))).collect();
-            if quotation.is_empty() {
-                return Err(CliError::Computation(format!("nothing to quote from `{line}`")));
-            }
-            text += &format!("\n```sh\n{line}\n```\n```text\n{}\n```\n", quotation.join("\n"));
-        }
-        Ok(text)
-    }
-}
-
 const RADIUS: &[&str] = &["spectral radius"];
 
-pub(super) const STATEMENTS: &[Statement] = &[
-    Statement {
+pub(super) const STATEMENTS: &[Evidence] = &[
+    Evidence {
         title: "\"φ = π/ω by orthogonality\" (conservative, double-sided)",
         prose: "Unique only if every mode lies below ω. Otherwise χ₃(φ) = 0 may have more roots; those found are not \
                 physical.",
         commands: &["orbit --family double-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega .42 --asymmetry .4"],
         quoted: &["solutions,", "phi", "physical"],
     },
-    Statement {
+    Evidence {
         title: "\"Stability of conservative breathers is lost by Neimark–Sacker\"",
         prose: "Also through +1 and −1.",
         commands: &[
@@ -60,7 +27,7 @@ pub(super) const STATEMENTS: &[Statement] = &[
         ],
         quoted: RADIUS,
     },
-    Statement {
+    Evidence {
         title: "\"Period doubling belongs to single-sided breathers\"",
         prose: "Forced double-sided ones have it, too.",
         commands: &[
@@ -68,7 +35,7 @@ pub(super) const STATEMENTS: &[Statement] = &[
         ],
         quoted: RADIUS,
     },
-    Statement {
+    Evidence {
         title: "The forced breathers that the map calls stable",
         prose: "They are mostly weakly unstable: they radiate into the ring's modes, and the longer the ring the slower \
                 the growth. At the paper's defaults, N = 10, 20 and 100 (first solution each). `mapgen validate` sets such rates \
@@ -81,7 +48,7 @@ pub(super) const STATEMENTS: &[Statement] = &[
         ],
         quoted: RADIUS,
     },
-    Statement {
+    Evidence {
         title: "\"Stable forced breathers are hyperbolic attractors\"",
         prose: "The modes that are odd about the breather have a node at it and never feel an impact: on a ring of M masses \
                 their ⌊(M−1)/2⌋ pairs of multipliers stay on the unit circle, and perturbations along them neither grow nor \
@@ -92,7 +59,7 @@ pub(super) const STATEMENTS: &[Statement] = &[
         ],
         quoted: &["largest distance", "time reached"],
     },
-    Statement {
+    Evidence {
         title: "\"The doubled orbit needs a frequency in the attenuation zone\"",
         prose: "A finite ring only asks that no harmonic of ω/2 meets a mode. In figure 13 half the force's frequency, 0.535, \
                 lies inside the band from √0.2 to √0.6 of the ring; two of the orbits listed are physical and stable.",
@@ -101,7 +68,7 @@ pub(super) const STATEMENTS: &[Statement] = &[
         ],
         quoted: &["physical", "spectral radius"],
     },
-    Statement {
+    Evidence {
         title: "\"φ = π/ω at grazing\" (forced, single-sided)",
         prose: "Only for e = 1. With losses the peak is late, see the first of the points above. The double-sided breather \
                 starts at the same point, with a multiplier that tends to −∞: just beyond, both barriers are met, the upper \
@@ -111,7 +78,7 @@ pub(super) const STATEMENTS: &[Statement] = &[
         ],
         quoted: &["solution 1:", "upper barrier", "spectral radius"],
     },
-    Statement {
+    Evidence {
         title: "Figure 9 without a restitution",
         prose: "Four solutions exist above the pitchfork listed above, two below.",
         commands: &[
