@@ -61,6 +61,8 @@ pub(crate) struct PlanarZeros {
     pub(crate) unresolved: Vec<[f64; 2]>,
     /// Rectangles not looked at because the budget was spent.
     pub(crate) exhausted: usize,
+    /// Rectangles examined.
+    pub(crate) boxes: usize,
     /// Enclosures spent.
     pub(crate) evaluations: usize,
 }
@@ -114,6 +116,13 @@ struct Search<'a, P: Planar> {
 }
 
 impl PlanarZeros {
+    /// Forgets what was found and spent, but keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.simple.clear();
+        self.unresolved.clear();
+        (self.exhausted, self.boxes, self.evaluations) = (0, 0, 0);
+    }
+
     /// Finds the zeros on `x` × `y`, cut into `pieces` to begin with. x is resolved relative to itself, down to `finest`;
     /// 0 is a boundary where it lies inside.
     pub(crate) fn find<P: Planar>(&mut self, problem: &P, x: [f64; 2], y: [f64; 2], pieces: [usize; 2], finest: f64) {
@@ -160,6 +169,7 @@ impl PlanarZeros {
         stack: &mut Vec<(Rectangle, Option<P::Strip>)>,
         blurred: &mut Vec<Rectangle>,
     ) {
+        self.boxes += 1;
         let (centre, radius) = (rectangle.centre(), rectangle.radius());
         let strip = strip.unwrap_or_else(|| search.problem.strip(centre[0], radius[0]));
         let mut best: Option<Linear> = None;
