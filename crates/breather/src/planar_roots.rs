@@ -211,7 +211,7 @@ impl PlanarZeros {
             return;
         }
         if let Some(linear) = best
-            && let Some(shrunk) = shrunk(&rectangle, &linear)
+            && let Some(shrunk) = shrunk(&rectangle, &linear, narrow)
         {
             let same_strip = shrunk.low[0] == rectangle.low[0] && shrunk.high[0] == rectangle.high[0];
             stack.push((shrunk, same_strip.then_some(strip)));
@@ -265,8 +265,10 @@ impl PlanarZeros {
             }
             previous = size;
         }
-        // Existence, on a rectangle a little larger than what rounding blurs.
-        let around: [f64; 2] = std::array::from_fn(|i| 8.0 * blur[i].max(f64::EPSILON * z[i].abs()).max(1e-300));
+        // Existence, on a rectangle a little larger than what rounding blurs; with a width that numbers can tell of, too, where
+        // a zero at 0 leaves nothing to round.
+        let around: [f64; 2] =
+            std::array::from_fn(|i| 8.0 * blur[i].max(f64::EPSILON * z[i].abs()).max(1e-30 * radius[i]));
         let strip = search.problem.strip(z[0], around[0]);
         let Some((patches, sound)) = search.problem.enclose(&strip, z, around, form) else { return false };
         self.evaluations += 1;
@@ -350,8 +352,9 @@ fn judge(patches: &[Patch; 2], radius: [f64; 2], form: usize) -> Verdict {
     Verdict::Linear(Linear { form, middle, reach, blur, alone: rows.iter().all(|row| *row < 0.99) })
 }
 
-/// The part of a rectangle where its zeros can be, if that is much smaller.
-fn shrunk(rectangle: &Rectangle, linear: &Linear) -> Option<Rectangle> {
+/// The part of a rectangle where its zeros can be, if that is much smaller. A direction that is narrow stays: towards 0,
+/// which has no rounding, it would shrink for ever while the other one waits.
+fn shrunk(rectangle: &Rectangle, linear: &Linear, narrow: [bool; 2]) -> Option<Rectangle> {
     let (centre, radius) = (rectangle.centre(), rectangle.radius());
     let mut next = *rectangle;
     let mut share = 1.0;
@@ -362,7 +365,7 @@ fn shrunk(rectangle: &Rectangle, linear: &Linear) -> Option<Rectangle> {
         let high = (centre[i] + (linear.middle[i] + reach) * radius[i]).min(rectangle.high[i]);
         let part = (high - low) / (rectangle.high[i] - rectangle.low[i]);
         // A little is not worth a new strip.
-        if part < 0.7 {
+        if part < 0.7 && !narrow[i] {
             (next.low[i], next.high[i]) = (low, high);
             share *= part;
         }
