@@ -4,8 +4,9 @@ use std::fmt;
 
 /// By which means the orbits of a family at a point are known to be all there are.
 ///
-/// What a search covers is the family as it is defined: two impacts of a doubled orbit, or of an asymmetric double-sided one
-/// beside the symmetric one it branches from, are told apart down to 1e-7 of half a period.
+/// It is the list of what was asked for ([`Finder::find_symmetric`](crate::Finder::find_symmetric) leaves a part out), and
+/// of orbits that can be told apart: a doubled orbit, or an asymmetric double-sided one, from the simple or symmetric one that
+/// it branches from as soon as its φ is 1e-7 of half the period away (conservative: 1e-6).
 ///
 /// ```
 /// use vibrochain_breather::{Completeness, Family, breathers};

@@ -148,8 +148,9 @@ impl Finder {
             (Family::DoubleSided, Some(force)) => {
                 forced_double::double_sided(model, response, (&steady, force), zeros, plane, &mut add)
             }
-            (Family::SingleSided, Some(force)) => forced_single::single_sided(model, response, force)
-                .map(|drafts| drafts.into_iter().for_each(&mut add)),
+            (Family::SingleSided, Some(force)) => {
+                forced_single::single_sided(model, response, force).map(|drafts| drafts.into_iter().for_each(&mut add))
+            }
             (Family::PeriodDoubled, Some(force)) => {
                 forced_double::period_doubled(model, response, (&steady, force), zeros, plane, &mut add)
             }
@@ -171,7 +172,11 @@ impl Finder {
         }
         found.unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
         found.exhausted = self.zeros.exhausted + self.plane.exhausted;
-        let lost = singular || found.none == Some(NoBreather::Singular);
+        // A zero without an orbit of finite numbers.
+        let lost = singular
+            || found.none == Some(NoBreather::Singular)
+            || found.orbits.len() < self.zeros.simple.len() + self.plane.simple.len()
+            || (found.orbits.is_empty() && found.none.is_none());
         found.completeness = match (self.zeros.intervals, self.plane.boxes) {
             _ if found.unresolved + found.exhausted > 0 || lost => Completeness::NotEstablished,
             (0, 0) => Completeness::ClosedForm,

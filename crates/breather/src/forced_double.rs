@@ -64,7 +64,7 @@ pub(crate) fn double_sided(
         let draft = double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement);
         found(draft);
     };
-    let mut count = zeros.simple.iter().filter_map(|&delta| problem.solution(delta)).map(&mut emit).count();
+    let mut count = 0;
     if symmetric {
         // At δ = 0 one condition vanishes; the other, ωD X + q Y = q, is a line that meets the circle.
         count += symmetric_phases(omega * d, q, force)
@@ -73,12 +73,13 @@ pub(crate) fn double_sided(
             .filter_map(|theta| problem.with_phase(0.0, theta))
             .map(&mut emit)
             .count();
-        if count == 0 && zeros.simple.is_empty() {
+        if count + zeros.simple.len() + zeros.exhausted == 0 {
             let distance = q / q.hypot(omega * d);
             let threshold = (model.chain().gamma1() - omega * omega).abs() * distance;
             return Err(NoBreather::ForceTooWeak { threshold });
         }
     }
+    count += zeros.simple.iter().filter_map(|&delta| problem.solution(delta)).map(&mut emit).count();
     if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }
 

@@ -280,9 +280,12 @@ impl PlanarZeros {
         if !(proved && inside && sharp) {
             return false;
         }
-        // Neighbours share their edges, and a zero there.
-        let shared = (0..2).any(|i| (z[i] - centre[i]).abs() >= radius[i] - 4.0 * around[i]);
-        let known = |other: &[f64; 2]| (0..2).all(|i| (z[i] - other[i]).abs() <= 4.0 * around[i]);
+        // Neighbours share their edges, and a zero there. What rounding tells of a zero at 0 differs from one to the other;
+        // closer than the narrowest rectangle no two zeros are told apart.
+        let narrowest = [NARROW * z[0].abs().max(search.finest / NARROW), NARROW * search.extent];
+        let width: [f64; 2] = std::array::from_fn(|i| (4.0 * around[i]).max(narrowest[i]));
+        let shared = (0..2).any(|i| (z[i] - centre[i]).abs() >= radius[i] - width[i]);
+        let known = |other: &[f64; 2]| (0..2).all(|i| (z[i] - other[i]).abs() <= width[i]);
         if !(shared && self.simple.iter().any(known)) {
             self.simple.push(z);
         }
