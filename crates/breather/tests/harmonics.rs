@@ -326,7 +326,7 @@ fn no_solution_is_missing_at_length() {
 /// A plain cosine, ring and force drawn at random; in every second set the gap is symmetric.
 fn plain(random: &mut Random, set: usize, restitution: f64) -> Model {
     let chain = Chain::new(random.next(1.0, 24.99) as usize, random.next(0.02, 1.0), random.next(0.0, 0.5)).unwrap();
-    let (omega, a) = (random.next(0.25, 3.0), if set % 2 == 0 { 0.0 } else { random.next(0.0, 0.95) });
+    let (omega, a) = (random.next(0.25, 3.0), if set.is_multiple_of(2) { 0.0 } else { random.next(0.0, 0.95) });
     Model::forced(chain, omega, a, random.next(0.01, 2.0), restitution).unwrap()
 }
 
