@@ -76,18 +76,17 @@ impl Enclosed for Balance<'_> {
     }
 }
 
-/// Double-sided breathers with χ₃(φ) = 0 at φ ≠ T/2; each comes with its mirror image in time, T − φ. Returns how
-/// many zeros could not be told from double ones.
+/// Double-sided breathers with χ₃(φ) = 0 at φ ≠ T/2; each comes with its mirror image in time, T − φ.
 pub(crate) fn double_sided_asymmetric(
     model: &Model,
     response: &ImpulseResponse,
     zeros: &mut Zeros,
     mut found: impl FnMut(Draft),
-) -> usize {
+) {
     let top = response.frequencies().last().copied().unwrap_or_default();
     if top < response.omega() {
         // Then Ω_kT/2 < π and every mode's −sin Ω_kδ/(2 sin Ω_kT/2) has the sign of −δ: χ₃ ≠ 0 for δ ≠ 0.
-        return 0;
+        return;
     }
     let half = 0.5 * response.period();
     let balance = Balance { response, fourth: response.derivative_bounds()[3] };
@@ -103,7 +102,6 @@ pub(crate) fn double_sided_asymmetric(
             }
         }
     }
-    zeros.unresolved.len()
 }
 
 /// The single-sided breather.

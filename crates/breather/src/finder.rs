@@ -4,11 +4,12 @@
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::{Admissibility, Depth, Watch};
+use crate::completeness::Completeness;
 use crate::condition::{Condition, is_delicate};
 use crate::error::{BreatherError, NoBreather};
-use crate::forced_harmonics::Open;
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
+use crate::planar_roots::PlanarZeros;
 use crate::polish::polish;
 use crate::roots::Zeros;
 use crate::{conservative, forced_double, forced_harmonics, forced_single};
@@ -20,12 +21,13 @@ pub struct Found {
     pub orbits: Vec<Orbit>,
     /// Why there are none.
     pub none: Option<NoBreather>,
-    /// Places where two orbits may have merged (a fold) closer than rounding can tell; 0 means that `orbits` is
-    /// complete, if `exhausted` is 0 too.
+    /// Places where two orbits may have merged (a fold) closer than rounding can tell.
     pub unresolved: usize,
     /// Intervals of φ (under several harmonics rectangles of φ and ψ) that were not searched because the budget for one
     /// point was spent (hundreds of solutions at very low frequency): the list may be incomplete.
     pub exhausted: usize,
+    /// By which means `orbits` is known to be all there are.
+    pub completeness: Completeness,
 }
 
 /// Reusable work space for finding and checking orbits.
@@ -49,6 +51,7 @@ pub struct Finder {
     current: Option<f64>,
     pub(crate) motion: Motion,
     zeros: Zeros,
+    plane: PlanarZeros,
     watch: Watch,
 }
 
@@ -62,6 +65,7 @@ impl Finder {
             current: None,
             motion: Motion::vacant(sites),
             zeros: Zeros::default(),
+            plane: PlanarZeros::default(),
             watch: Watch::default(),
         }
     }
@@ -106,7 +110,9 @@ impl Finder {
     fn search(&mut self, model: &Model, family: Family, all: bool, found: &mut Found) -> Result<(), BreatherError> {
         found.orbits.clear();
         (found.none, found.unresolved, found.exhausted) = (None, 0, 0);
+        found.completeness = Completeness::ClosedForm;
         self.zeros.clear();
+        self.plane.clear();
         let conservative = model.is_conservative();
         if !conservative && model.amplitude() == 0.0 {
             found.none = Some(NoBreather::LossWithoutForce);
@@ -120,7 +126,8 @@ impl Finder {
         // A plain cosine lets the phase be eliminated.
         let cosine = model.force().cosine_amplitude().map(|_| steady.reach());
         self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
-        let (response, motion, zeros) = (&self.response, &mut self.motion, &mut self.zeros);
+        let (response, motion) = (&self.response, &mut self.motion);
+        let (zeros, plane) = (&mut self.zeros, &mut self.plane);
         let (mut failure, mut singular) = (None, false);
         let mut add = |draft: Draft| match Orbit::assemble(model, response, motion, draft.clone()) {
             Ok(mut orbit) => {
@@ -130,42 +137,52 @@ impl Finder {
             }
             Err(error) => failure = Some(error),
         };
-        let resolved = |unresolved| Open { unresolved, exhausted: 0 };
         let outcome = match (family, cosine) {
             (Family::DoubleSided, _) if conservative => conservative::double_sided(model, response).map(|draft| {
                 add(draft);
-                resolved(if all { conservative::double_sided_asymmetric(model, response, zeros, &mut add) } else { 0 })
+                if all {
+                    conservative::double_sided_asymmetric(model, response, zeros, &mut add);
+                }
             }),
-            (Family::SingleSided, _) if conservative => conservative::single_sided(model, response).map(|draft| {
-                add(draft);
-                resolved(0)
-            }),
+            (Family::SingleSided, _) if conservative => conservative::single_sided(model, response).map(&mut add),
             (Family::DoubleSided, Some(force)) => {
-                forced_double::double_sided(model, response, force, zeros, &mut add).map(resolved)
+                forced_double::double_sided(model, response, (&steady, force), zeros, plane, &mut add)
             }
-            (Family::SingleSided, Some(force)) => forced_single::single_sided(model, response, force).map(|drafts| {
-                drafts.into_iter().for_each(&mut add);
-                resolved(0)
-            }),
+            (Family::SingleSided, Some(force)) => {
+                forced_single::single_sided(model, response, force).map(|drafts| drafts.into_iter().for_each(&mut add))
+            }
             (Family::PeriodDoubled, Some(force)) => {
-                forced_double::period_doubled(model, response, force, zeros, &mut add).map(resolved)
+                forced_double::period_doubled(model, response, (&steady, force), zeros, plane, &mut add)
             }
-            (Family::DoubleSided, None) => forced_harmonics::double_sided(model, response, &steady, zeros, &mut add),
+            (Family::DoubleSided, None) => {
+                forced_harmonics::double_sided(model, response, &steady, zeros, plane, &mut add)
+            }
             (Family::SingleSided, None) => forced_harmonics::single_sided(model, response, &steady, zeros, &mut add),
-            (Family::PeriodDoubled, None) => forced_harmonics::period_doubled(model, response, &steady, &mut add),
+            (Family::PeriodDoubled, None) => {
+                forced_harmonics::period_doubled(model, response, &steady, plane, &mut add)
+            }
             (Family::Word, _) => Err(NoBreather::Singular),
         };
-        match outcome {
-            Ok(open) => (found.unresolved, found.exhausted) = (open.unresolved, open.exhausted),
-            Err(reason) => found.none = Some(reason),
-        }
+        found.none = outcome.err();
         if let Some(error) = failure {
             return Err(error);
         }
         if singular && found.orbits.is_empty() {
             found.none = Some(NoBreather::Singular);
         }
-        found.exhausted = found.exhausted.max(self.zeros.exhausted);
+        found.unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
+        found.exhausted = self.zeros.exhausted + self.plane.exhausted;
+        // A zero without an orbit of finite numbers.
+        let lost = singular
+            || found.none == Some(NoBreather::Singular)
+            || found.orbits.len() < self.zeros.simple.len() + self.plane.simple.len()
+            || (found.orbits.is_empty() && found.none.is_none());
+        found.completeness = match (self.zeros.intervals, self.plane.boxes) {
+            _ if found.unresolved + found.exhausted > 0 || lost => Completeness::NotEstablished,
+            (0, 0) => Completeness::ClosedForm,
+            (intervals, 0) => Completeness::Enclosures { intervals },
+            (_, boxes) => Completeness::BranchAndPrune { boxes },
+        };
         if all {
             found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
         }

@@ -1,11 +1,26 @@
 //! Forced double-sided and period-doubled breathers: all of them, from the zeros of E(δ) (see `two_impacts`).
+//!
+//! Eliminating the phase has a price without loss (q = 0). Time reversal then maps solutions to solutions of the same φ,
+//! (d, Y) → (−d, −Y) for a doubled orbit and, at a = 0, (d, X) → (−d, −X) for a double-sided one, and with
+//!
+//! ```text
+//! F = χ₃ sin h − ωD cos h,   H = ωΣ sin h − χ₃ cos h,   Δ = FH
+//! period-doubled         E = F² ((1−a)²χ₃² − Ã²H²)
+//! double-sided, a = 0    E = H² (χ₃² − Ã²F²)
+//! ```
+//!
+//! such a pair, real or not, is a double zero of E; with little loss its two zeros are closer than can be told apart. In the
+//! plane of φ and ψ they are apart, so that whatever E leaves unresolved is searched for there (`forced_harmonics`).
+//! There, a double zero is a fold.
 
 use smallvec::smallvec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
 
 use crate::conservative::double_sided_draft;
 use crate::error::NoBreather;
+use crate::forced_harmonics;
 use crate::orbit::{Draft, Family, Source};
+use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
 use crate::two_impacts::{TwoImpactSolution, TwoImpacts, Word};
 
@@ -18,50 +33,54 @@ pub(crate) const SYMMETRIC_GUARD: f64 = 1e-7;
 /// are at δ = 0 to rounding.
 pub(crate) const SYMMETRIC: f64 = 1e-18;
 
-/// All double-sided solutions; the number of unresolved zeros is returned.
+/// All double-sided solutions under a cosine of response `steady`.
 pub(crate) fn double_sided(
     model: &Model,
     response: &ImpulseResponse,
-    force: f64,
+    (steady, force): (&Wave, f64),
     zeros: &mut Zeros,
+    plane: &mut PlanarZeros,
     mut found: impl FnMut(Draft),
-) -> Result<usize, NoBreather> {
+) -> Result<(), NoBreather> {
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
     let problem = TwoImpacts::new(Word::DoubleSided, response, omega, a, q, force);
     let half = 0.5 * response.period();
+    let edge = half - shortest_flight(response, omega * force.abs());
+    let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
+    let symmetric = q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC;
+    if symmetric {
+        problem.zeros(zeros, -edge, -SYMMETRIC_GUARD * half);
+        problem.zeros(zeros, SYMMETRIC_GUARD * half, edge);
+    } else {
+        problem.zeros(zeros, -edge, edge);
+    }
+    if !zeros.unresolved.is_empty() {
+        zeros.forget();
+        return forced_harmonics::double_sided(model, response, steady, zeros, plane, found);
+    }
     let mut emit = |solution: TwoImpactSolution| {
         let phi = half + solution.delta;
         let psi = phase(solution.theta, phi, omega);
         let draft = double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement);
         found(draft);
     };
-    let edge = half - shortest_flight(response, omega * force.abs());
-    let mut symmetric = 0;
-    let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
-    if q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC {
+    let mut count = 0;
+    if symmetric {
         // At δ = 0 one condition vanishes; the other, ωD X + q Y = q, is a line that meets the circle.
-        let distance = q / q.hypot(omega * d);
-        symmetric = symmetric_phases(omega * d, q, force)
+        count += symmetric_phases(omega * d, q, force)
             .into_iter()
             .flatten()
             .filter_map(|theta| problem.with_phase(0.0, theta))
             .map(&mut emit)
             .count();
-        problem.zeros(zeros, -edge, -SYMMETRIC_GUARD * half);
-        problem.zeros(zeros, SYMMETRIC_GUARD * half, edge);
-        if symmetric == 0 && zeros.simple.is_empty() && zeros.unresolved.is_empty() {
+        if count + zeros.simple.len() + zeros.exhausted == 0 {
+            let distance = q / q.hypot(omega * d);
             let threshold = (model.chain().gamma1() - omega * omega).abs() * distance;
             return Err(NoBreather::ForceTooWeak { threshold });
         }
-    } else {
-        problem.zeros(zeros, -edge, edge);
     }
-    let others = zeros.simple.iter().filter_map(|&delta| problem.solution(delta)).map(&mut emit).count();
-    if symmetric + others + zeros.unresolved.len() + zeros.exhausted == 0 {
-        Err(NoBreather::NoPhase)
-    } else {
-        Ok(zeros.unresolved.len())
-    }
+    count += zeros.simple.iter().filter_map(|&delta| problem.solution(delta)).map(&mut emit).count();
+    if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }
 
 /// θ of the solutions with φ = T/2, where they exist: ωDX + qY = q on the circle X² + Y² = Ã².
@@ -81,10 +100,11 @@ fn symmetric_phases(normal_x: f64, q: f64, force: f64) -> [Option<f64>; 2] {
 pub(crate) fn period_doubled(
     model: &Model,
     response: &ImpulseResponse,
-    force: f64,
+    (steady, force): (&Wave, f64),
     zeros: &mut Zeros,
+    plane: &mut PlanarZeros,
     mut found: impl FnMut(Draft),
-) -> Result<usize, NoBreather> {
+) -> Result<(), NoBreather> {
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
     if response.static_stiffness() == 0.0 {
         return Err(NoBreather::NetImpulse);
@@ -92,6 +112,10 @@ pub(crate) fn period_doubled(
     let problem = TwoImpacts::new(Word::PeriodDoubled, response, omega, a, q, force);
     let half = 0.5 * response.period();
     problem.zeros(zeros, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD));
+    if !zeros.unresolved.is_empty() {
+        zeros.forget();
+        return forced_harmonics::period_doubled(model, response, steady, plane, found);
+    }
     let mut count = 0;
     for solution in zeros.simple.iter().filter_map(|&delta| problem.solution(delta)) {
         let phi = half + solution.delta;
@@ -109,11 +133,7 @@ pub(crate) fn period_doubled(
             uniform_offset: solution.static_displacement * response.uniform_share(),
         });
     }
-    if count + zeros.unresolved.len() + zeros.exhausted == 0 {
-        Err(NoBreather::NoPhase)
-    } else {
-        Ok(zeros.unresolved.len())
-    }
+    if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }
 
 /// ψ = θ/ω − φ/2, folded into one period of the force.

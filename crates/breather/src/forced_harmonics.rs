@@ -26,13 +26,6 @@ use crate::planar_roots::PlanarZeros;
 use crate::roots::{Enclosed, Zeros};
 use crate::two_impacts::Word;
 
-/// What the search for zeros left open.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Open {
-    pub(crate) unresolved: usize,
-    pub(crate) exhausted: usize,
-}
-
 /// α Ġ(ψ) + β G(ψ) + γ.
 struct Line<'a> {
     steady: &'a Wave,
@@ -75,8 +68,9 @@ fn repetition(model: &Model) -> f64 {
     model.period() / f64::from(model.force().repetitions())
 }
 
-fn outcome(count: usize, open: Open) -> Result<Open, NoBreather> {
-    if count + open.unresolved + open.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(open) }
+/// None at all is an answer only if no place was left open.
+fn outcome(count: usize, open: usize) -> Result<(), NoBreather> {
+    if count + open == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }
 
 /// All single-sided solutions.
@@ -86,7 +80,7 @@ pub(crate) fn single_sided(
     steady: &Wave,
     zeros: &mut Zeros,
     mut found: impl FnMut(Draft),
-) -> Result<Open, NoBreather> {
+) -> Result<(), NoBreather> {
     let (q, g) = (model.loss(), response.static_stiffness());
     if g == 0.0 {
         return Err(NoBreather::NetImpulse);
@@ -112,7 +106,7 @@ pub(crate) fn single_sided(
             found(single_sided_draft(response, psi.rem_euclid(repeat), p, u));
         }
     }
-    outcome(count, Open { unresolved: zeros.unresolved.len(), exhausted: zeros.exhausted })
+    outcome(count, zeros.unresolved.len() + zeros.exhausted)
 }
 
 /// All double-sided solutions.
@@ -121,8 +115,9 @@ pub(crate) fn double_sided(
     response: &ImpulseResponse,
     steady: &Wave,
     zeros: &mut Zeros,
+    plane: &mut PlanarZeros,
     mut found: impl FnMut(Draft),
-) -> Result<Open, NoBreather> {
+) -> Result<(), NoBreather> {
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
     let problem = HarmonicImpacts::new(Word::DoubleSided, response, steady, omega, a, q);
     let (half, repeat) = (0.5 * response.period(), repetition(model));
@@ -135,24 +130,19 @@ pub(crate) fn double_sided(
         found(double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement));
     };
     let edge = half - shortest_flight(response, steady.bound(1));
-    let mut plane = PlanarZeros::default();
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
     if q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC {
         let norm = q.hypot(omega * d);
         let line = Line { steady, velocity: d / norm, displacement: q / norm, constant: -q / norm };
         line.zeros(repeat, zeros);
         zeros.simple.iter().for_each(|&psi| emit([0.0, psi + 0.5 * half]));
-        problem.zeros(&mut plane, -edge, -SYMMETRIC_GUARD * half, repeat);
-        problem.zeros(&mut plane, SYMMETRIC_GUARD * half, edge, repeat);
+        problem.zeros(plane, -edge, -SYMMETRIC_GUARD * half, repeat);
+        problem.zeros(plane, SYMMETRIC_GUARD * half, edge, repeat);
     } else {
-        problem.zeros(&mut plane, -edge, edge, repeat);
+        problem.zeros(plane, -edge, edge, repeat);
     }
     plane.simple.iter().for_each(|&place| emit(place));
-    let open = Open {
-        unresolved: zeros.unresolved.len() + plane.unresolved.len(),
-        exhausted: zeros.exhausted + plane.exhausted,
-    };
-    outcome(count, open)
+    outcome(count, zeros.unresolved.len() + zeros.exhausted + plane.unresolved.len() + plane.exhausted)
 }
 
 /// All period-doubled solutions; `response` is that of the doubled period. The orbit and its shift by one period of the
@@ -161,16 +151,16 @@ pub(crate) fn period_doubled(
     model: &Model,
     response: &ImpulseResponse,
     steady: &Wave,
+    plane: &mut PlanarZeros,
     mut found: impl FnMut(Draft),
-) -> Result<Open, NoBreather> {
+) -> Result<(), NoBreather> {
     if response.static_stiffness() == 0.0 {
         return Err(NoBreather::NetImpulse);
     }
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
     let problem = HarmonicImpacts::new(Word::PeriodDoubled, response, steady, omega, a, q);
     let (half, repeat) = (0.5 * response.period(), repetition(model));
-    let mut plane = PlanarZeros::default();
-    problem.zeros(&mut plane, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD), repeat);
+    problem.zeros(plane, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD), repeat);
     let mut count = 0;
     for &place in &plane.simple {
         let Some(solution) = problem.solution(place) else { continue };
@@ -189,5 +179,5 @@ pub(crate) fn period_doubled(
             uniform_offset: solution.static_displacement * response.uniform_share(),
         });
     }
-    outcome(count, Open { unresolved: plane.unresolved.len(), exhausted: plane.exhausted })
+    outcome(count, plane.unresolved.len() + plane.exhausted)
 }

@@ -10,6 +10,7 @@
 //! |---|---|
 //! | `orbit` | [`Orbit`], [`Impact`], [`Family`] |
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
+//! | `completeness` | [`Completeness`]: how a list of orbits is known to be all |
 //! | `conservative`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `forced_harmonics`, `harmonic_impacts` | the forced ones under several harmonics |
 //! | `motion` | [`Motion`]: every mass at any time |
@@ -40,6 +41,7 @@
 mod admissibility;
 mod bordered;
 mod branch;
+mod completeness;
 mod condition;
 mod conservative;
 mod enclosure;
@@ -62,6 +64,7 @@ mod window;
 
 pub use admissibility::{Admissibility, Approach, Obstruction, admissibility};
 pub use branch::{Branch, BranchError, BranchPoint};
+pub use completeness::Completeness;
 pub use condition::{Condition, ImpactError};
 pub use error::{BreatherError, NoBreather};
 pub use finder::{Finder, Found, breathers, condition};

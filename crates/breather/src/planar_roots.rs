@@ -61,6 +61,8 @@ pub(crate) struct PlanarZeros {
     pub(crate) unresolved: Vec<[f64; 2]>,
     /// Rectangles not looked at because the budget was spent.
     pub(crate) exhausted: usize,
+    /// Rectangles examined.
+    pub(crate) boxes: usize,
     /// Enclosures spent.
     pub(crate) evaluations: usize,
 }
@@ -114,6 +116,13 @@ struct Search<'a, P: Planar> {
 }
 
 impl PlanarZeros {
+    /// Forgets what was found and spent, but keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.simple.clear();
+        self.unresolved.clear();
+        (self.exhausted, self.boxes, self.evaluations) = (0, 0, 0);
+    }
+
     /// Finds the zeros on `x` × `y`, cut into `pieces` to begin with. x is resolved relative to itself, down to `finest`;
     /// 0 is a boundary where it lies inside.
     pub(crate) fn find<P: Planar>(&mut self, problem: &P, x: [f64; 2], y: [f64; 2], pieces: [usize; 2], finest: f64) {
@@ -160,6 +169,7 @@ impl PlanarZeros {
         stack: &mut Vec<(Rectangle, Option<P::Strip>)>,
         blurred: &mut Vec<Rectangle>,
     ) {
+        self.boxes += 1;
         let (centre, radius) = (rectangle.centre(), rectangle.radius());
         let strip = strip.unwrap_or_else(|| search.problem.strip(centre[0], radius[0]));
         let mut best: Option<Linear> = None;
@@ -201,7 +211,7 @@ impl PlanarZeros {
             return;
         }
         if let Some(linear) = best
-            && let Some(shrunk) = shrunk(&rectangle, &linear)
+            && let Some(shrunk) = shrunk(&rectangle, &linear, narrow)
         {
             let same_strip = shrunk.low[0] == rectangle.low[0] && shrunk.high[0] == rectangle.high[0];
             stack.push((shrunk, same_strip.then_some(strip)));
@@ -255,8 +265,10 @@ impl PlanarZeros {
             }
             previous = size;
         }
-        // Existence, on a rectangle a little larger than what rounding blurs.
-        let around: [f64; 2] = std::array::from_fn(|i| 8.0 * blur[i].max(f64::EPSILON * z[i].abs()).max(1e-300));
+        // Existence, on a rectangle a little larger than what rounding blurs; with a width that numbers can tell of, too, where
+        // a zero at 0 leaves nothing to round.
+        let around: [f64; 2] =
+            std::array::from_fn(|i| 8.0 * blur[i].max(f64::EPSILON * z[i].abs()).max(1e-30 * radius[i]));
         let strip = search.problem.strip(z[0], around[0]);
         let Some((patches, sound)) = search.problem.enclose(&strip, z, around, form) else { return false };
         self.evaluations += 1;
@@ -268,9 +280,12 @@ impl PlanarZeros {
         if !(proved && inside && sharp) {
             return false;
         }
-        // Neighbours share their edges, and a zero there.
-        let shared = (0..2).any(|i| (z[i] - centre[i]).abs() >= radius[i] - 4.0 * around[i]);
-        let known = |other: &[f64; 2]| (0..2).all(|i| (z[i] - other[i]).abs() <= 4.0 * around[i]);
+        // Neighbours share their edges, and a zero there. What rounding tells of a zero at 0 differs from one to the other;
+        // closer than the narrowest rectangle no two zeros are told apart.
+        let narrowest = [NARROW * z[0].abs().max(search.finest / NARROW), NARROW * search.extent];
+        let width: [f64; 2] = std::array::from_fn(|i| (4.0 * around[i]).max(narrowest[i]));
+        let shared = (0..2).any(|i| (z[i] - centre[i]).abs() >= radius[i] - width[i]);
+        let known = |other: &[f64; 2]| (0..2).all(|i| (z[i] - other[i]).abs() <= width[i]);
         if !(shared && self.simple.iter().any(known)) {
             self.simple.push(z);
         }
@@ -340,8 +355,9 @@ fn judge(patches: &[Patch; 2], radius: [f64; 2], form: usize) -> Verdict {
     Verdict::Linear(Linear { form, middle, reach, blur, alone: rows.iter().all(|row| *row < 0.99) })
 }
 
-/// The part of a rectangle where its zeros can be, if that is much smaller.
-fn shrunk(rectangle: &Rectangle, linear: &Linear) -> Option<Rectangle> {
+/// The part of a rectangle where its zeros can be, if that is much smaller. A direction that is narrow stays: towards 0,
+/// which has no rounding, it would shrink for ever while the other one waits.
+fn shrunk(rectangle: &Rectangle, linear: &Linear, narrow: [bool; 2]) -> Option<Rectangle> {
     let (centre, radius) = (rectangle.centre(), rectangle.radius());
     let mut next = *rectangle;
     let mut share = 1.0;
@@ -352,7 +368,7 @@ fn shrunk(rectangle: &Rectangle, linear: &Linear) -> Option<Rectangle> {
         let high = (centre[i] + (linear.middle[i] + reach) * radius[i]).min(rectangle.high[i]);
         let part = (high - low) / (rectangle.high[i] - rectangle.low[i]);
         // A little is not worth a new strip.
-        if part < 0.7 {
+        if part < 0.7 && !narrow[i] {
             (next.low[i], next.high[i]) = (low, high);
             share *= part;
         }

@@ -22,7 +22,9 @@ pub(crate) struct Zeros {
     pub(crate) unresolved: Vec<f64>,
     /// Intervals not looked at because the budget was spent.
     pub(crate) exhausted: usize,
-    /// Evaluations spent.
+    /// Intervals enclosed.
+    pub(crate) intervals: usize,
+    /// Evaluations spent, those that close in on a zero included.
     pub(crate) evaluations: usize,
     stack: Vec<(f64, f64)>,
 }
@@ -34,11 +36,17 @@ const MOST_PER_PIECE: usize = 200;
 const LEAST_BUDGET: usize = 20_000;
 
 impl Zeros {
-    /// Forgets what was found, but keeps the memory.
+    /// Forgets what was found and spent, but keeps the memory.
     pub(crate) fn clear(&mut self) {
+        self.forget();
+        (self.intervals, self.evaluations) = (0, 0);
+    }
+
+    /// Forgets what was found, not what was spent.
+    pub(crate) fn forget(&mut self) {
         self.simple.clear();
         self.unresolved.clear();
-        (self.exhausted, self.evaluations) = (0, 0);
+        self.exhausted = 0;
     }
 
     /// Finds the zeros of `f` between `from` and `to`, starting from about `pieces` equal intervals. Intervals are
@@ -72,6 +80,7 @@ impl Zeros {
                 return;
             }
             self.evaluations += 1;
+            self.intervals += 1;
             let centre = 0.5 * (low + high);
             let radius = (high - centre).max(centre - low);
             let enclosed = f.enclose(centre, radius);

@@ -12,7 +12,8 @@ use vibrochain_lattice::{Model, Parameter};
 use crate::args::{EventName, LocateArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::orbit_command::{family, model, orbit_value};
+use crate::force;
+use crate::orbit_command::{family, model, orbit_value, point_value};
 use crate::output::Number;
 
 fn event(name: EventName) -> Event {
@@ -88,14 +89,6 @@ fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
     )))
 }
 
-fn point_json(model: &Model) -> Value {
-    let mut point = json!({ "sites": model.chain().sites() });
-    for parameter in Parameter::ALL {
-        point[parameter.name()] = model.get(parameter).into();
-    }
-    point
-}
-
 fn verdict_json(verdict: &Verdict) -> Value {
     json!({
         "stable": verdict.stable,
@@ -158,7 +151,7 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
     json!({
         "event": search.event.name(),
         "free": search.free.name(),
-        "parameters": point_json(start.orbit.model()),
+        "parameters": point_value(start.orbit.model()),
         "family": start.orbit.family().name(),
         "solution": start.number,
         "range": [search.from, search.to],
@@ -211,9 +204,14 @@ fn stability_text(verdict: &Verdict) -> String {
 fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
     let mut out = String::new();
     let model = start.orbit.model();
-    let fixed = Parameter::ALL.into_iter().filter(|parameter| *parameter != search.free);
-    let point: Vec<String> =
-        fixed.map(|parameter| format!("{} = {}", parameter.name(), Number(model.get(parameter)))).collect();
+    let said = |parameter: Parameter| match parameter {
+        Parameter::Amplitude if model.force().cosine_amplitude().is_none() => {
+            Some(format!("force = {}", force::listed(model.force())))
+        }
+        parameter if parameter == search.free => None,
+        parameter => Some(format!("{} = {}", parameter.name(), Number(model.get(parameter)))),
+    };
+    let point: Vec<String> = Parameter::ALL.into_iter().filter_map(said).collect();
     let name = search.free.name();
     let _ = writeln!(
         out,

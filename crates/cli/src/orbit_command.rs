@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Admissibility, Condition, Family, Finder, Found, Obstruction, Orbit};
+use vibrochain_breather::{Admissibility, Completeness, Condition, Family, Finder, Found, Obstruction, Orbit};
 use vibrochain_floquet::{Analyser, Complex, FloquetError, Stability, Tolerance};
 use vibrochain_lattice::{MAX_SITES, Model};
 
@@ -84,7 +84,8 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     }
 }
 
-fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
+/// The point as JSON; a plain cosine by its amplitude, any other force by its harmonics.
+pub(crate) fn point_value(model: &Model) -> Value {
     let mut parameters = json!({
         "sites": model.chain().sites(),
         "gamma1": model.chain().gamma1(),
@@ -97,10 +98,27 @@ fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
         None => parameters["force"] = force::value(model.force()),
     }
     parameters["restitution"] = model.restitution().into();
+    parameters
+}
+
+/// How the list is known to be complete: by which means, and how many enclosures it took.
+fn completeness_value(completeness: Completeness) -> Value {
+    let mut value = json!({ "established": completeness.is_established(), "by": completeness.name() });
+    match completeness {
+        Completeness::Enclosures { intervals } => value["intervals"] = intervals.into(),
+        Completeness::BranchAndPrune { boxes } => value["boxes"] = boxes.into(),
+        Completeness::ClosedForm => {}
+        Completeness::NotEstablished => value["by"] = Value::Null,
+    }
+    value
+}
+
+fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
     json!({
-        "parameters": parameters,
+        "parameters": point_value(model),
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
         "reason": found.none.map(|reason| reason.to_string()),
+        "completeness": completeness_value(found.completeness),
         "unresolved": found.unresolved,
         "exhausted": found.exhausted,
     })
@@ -230,6 +248,7 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
             let _ = writeln!(out, "{} solution{plural}, {physical} physical", solutions.len());
         }
     }
+    let _ = writeln!(out, "the list is {}", found.completeness);
     if found.unresolved > 0 {
         let places = if found.unresolved == 1 { "place" } else { "places" };
         let _ = writeln!(out, "{} {places} where two more may have merged: next to a fold", found.unresolved);

@@ -49,6 +49,31 @@ fn text_for_people() {
 }
 
 #[test]
+fn a_force_of_several_harmonics_is_listed_by_its_harmonics() {
+    let model =
+        "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --restitution .25";
+    let flags = "--event grazing --free gamma2 --from .09 --to .11";
+    let several = format!("{model} --force 1:.165,3:.002:1");
+    let parameters = &answer(flags, &several)["parameters"];
+    assert!(parameters.get("amplitude").is_none());
+    let listed = serde_json::json!([
+        { "harmonic": 1, "amplitude": 0.165, "phase": 0.0 },
+        { "harmonic": 3, "amplitude": 0.002, "phase": 1.0 }
+    ]);
+    assert_eq!(parameters["force"], listed);
+    locate(flags, &several).assert().success().stdout(contains("asymmetry = 0.8, force = 1:0.165:0,3:0.002:1, rest"));
+    // A plain cosine, however it is given, by its amplitude.
+    let parameters = &answer(flags, &format!("{model} --force 1:.165"))["parameters"];
+    assert!(parameters["amplitude"] == 0.165 && parameters.get("force").is_none());
+    // Free, the amplitude is told beside the force that it scales.
+    let start = "force = 1:0.165:0,3:0.002:1, restitution = 0.25; from solution";
+    locate("--event grazing --free amplitude --from .166 --to .168", &several)
+        .assert()
+        .success()
+        .stdout(contains(start).and(contains("at amplitude = 0.167")));
+}
+
+#[test]
 fn no_event_is_an_answer_and_a_wrong_range_is_not() {
     locate("--event grazing --free amplitude --from .16 --to .17", DOUBLING)
         .assert()

@@ -394,6 +394,28 @@ fn orbit_as_json() {
 }
 
 #[test]
+fn an_orbit_list_says_how_it_is_known_to_be_complete() {
+    let closed = orbit_json("single-sided", &POINT);
+    assert_eq!(closed["completeness"], serde_json::json!({ "established": true, "by": "closed-form" }));
+    let cosine = [&POINT[..], &["--amplitude", ".1", "--restitution", ".9"]].concat();
+    let several = [&POINT[..], &["--force", "1:.1,3:.01:1", "--restitution", ".9"]].concat();
+    for (flags, by, count) in [(&cosine, "enclosures", "intervals"), (&several, "branch-and-prune", "boxes")] {
+        let value = &orbit_json("double-sided", flags)["completeness"];
+        assert!(value["established"] == true && value["by"] == by && value[count].as_u64().unwrap() > 10, "{value}");
+    }
+    let text = ["orbit", "--family", "double-sided"];
+    mapgen().args(text).args(cosine).assert().success().stdout(contains("the list is complete, by enclosures on "));
+    mapgen().args(text).args(several).assert().success().stdout(contains("the list is complete, by branch and prune"));
+    // Next to the resonance of the force more solutions crowd than can be searched.
+    let mut crowded = POINT;
+    crowded[7] = "0.4472136";
+    let crowded = [&crowded[..], &["--amplitude", ".1", "--restitution", ".9"]].concat();
+    let value = orbit_json("period-doubled", &crowded);
+    assert_eq!(value["completeness"], serde_json::json!({ "established": false, "by": null }));
+    assert!(value["exhausted"].as_u64().unwrap() > 0);
+}
+
+#[test]
 fn no_orbit_is_an_answer_and_a_resonance_is_not() {
     let value = orbit_json("period-doubled", &POINT);
     assert!(value["solutions"].as_array().unwrap().is_empty());
