@@ -38,15 +38,18 @@ fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
         Ok::<_, CliError>(worker.cell(&model, &scene.task))
     };
     let begun = Instant::now();
-    compute(0)?;
     let (mut seconds, mut cells) = (0.0, 0);
     while cells < wanted && (cells == 0 || begun.elapsed() < PATIENCE) {
         if stop.load(Ordering::Relaxed) {
             return Err(CliError::Interrupted);
         }
         let number = (((cells as f64 + 0.5) * GOLDEN).fract() * plan.cells() as f64) as u64;
+        let number = number.min(plan.cells() - 1);
+        if cells == 0 {
+            compute(number)?;
+        }
         let started = Instant::now();
-        let cell = compute(number.min(plan.cells() - 1))?;
+        let cell = compute(number)?;
         seconds += started.elapsed().as_secs_f64();
         table.write_all(scene, number..number + 1, &[cell]).map_err(|error| failed(&error))?;
         cells += 1;

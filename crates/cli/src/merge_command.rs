@@ -72,7 +72,8 @@ fn incomplete(args: &MergeArgs, plan: &Plan, faults: &[(u64, Fault)]) -> CliErro
     let bad: Vec<_> = faults.iter().filter(|(_, fault)| !matches!(fault, Fault::Missing)).collect();
     if !bad.is_empty() {
         lines.push(format!("{} of {all} chunks in {place} are not sound:", bad.len()));
-        let line = |(chunk, fault): &&(u64, Fault)| format!("  {}: {fault}", Store::path(&args.folder, *chunk).display());
+        let line =
+            |(chunk, fault): &&(u64, Fault)| format!("  {}: {fault}", Store::path(&args.folder, *chunk).display());
         lines.extend(bad.iter().take(MOST_NAMED).map(line));
         if bad.len() > MOST_NAMED {
             lines.push(format!("  and {} more", bad.len() - MOST_NAMED));

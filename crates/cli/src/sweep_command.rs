@@ -15,9 +15,7 @@ use crate::manifest::{Effort, Run, manifest};
 use crate::output::{Output, distinct, settle_names};
 use crate::pictures::{Pictures, Wanted};
 use crate::report::{report, speed};
-use crate::sweep::{
-    Claim, Ended, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, assemble, work,
-};
+use crate::sweep::{Claim, Ended, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, assemble, work};
 
 /// The most threads that may be asked for.
 const MAX_THREADS: usize = 1024;
@@ -182,7 +180,9 @@ impl SweepRun<'_> {
     fn failed(&self, error: &dyn std::fmt::Display, store: &Store, shard: Shard) -> CliError {
         if !store.folder().is_dir() {
             let (place, again) = (store.folder().display(), self.command());
-            return CliError::Computation(format!("{error}: the folder {place} has vanished; start again with: {again}"));
+            return CliError::Computation(format!(
+                "{error}: the folder {place} has vanished; start again with: {again}"
+            ));
         }
         CliError::Computation(format!("{error}\n{}", self.kept(store, shard)))
     }

@@ -96,11 +96,7 @@ fn findings(scene: &Scene, cells: &[Cell], summary: &Summary) -> Vec<String> {
     let columns = x.points();
     let last = cells.iter().enumerate().filter(|(_, cell)| exists(cell)).map(|(k, _)| k % columns).max();
     if let Some(last) = last {
-        let ends = format!(
-            "The largest {} with a physical breather is {:.4}",
-            x.parameter.symbol(),
-            x.value(last)
-        );
+        let ends = format!("The largest {} with a physical breather is {:.4}", x.parameter.symbol(), x.value(last));
         found.push(format!("{ends}; worst residual of an orbit {:.1e}.", summary.worst_residual));
     }
     found

@@ -52,6 +52,7 @@ impl Axis {
     pub fn value(&self, i: usize) -> f64 {
         match &self.values {
             Values::Linear { to, points, .. } | Values::Logarithmic { to, points, .. } if i + 1 == *points => *to,
+            Values::Logarithmic { from, .. } if i == 0 => *from,
             Values::Linear { from, to, points } => from + i as f64 * (to - from) / (points - 1) as f64,
             Values::Logarithmic { from, to, points } => {
                 let part = i as f64 / (points - 1) as f64;
@@ -82,11 +83,9 @@ impl Axis {
     pub fn limits(&self) -> [f64; 2] {
         match &self.values {
             Values::Linear { from, to, .. } | Values::Logarithmic { from, to, .. } => [*from, *to],
-            Values::List(values) => {
-                values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], &value| {
-                    [least.min(value), most.max(value)]
-                })
-            }
+            Values::List(values) => values
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], &value| [least.min(value), most.max(value)]),
         }
     }
 }

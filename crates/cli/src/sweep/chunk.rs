@@ -206,7 +206,7 @@ fn open(path: &Path) -> Result<(File, Tail), Fault> {
     let split = end.len().saturating_sub(CHECKSUM as usize);
     let checksum = String::from_utf8_lossy(&end[split..]).into_owned();
     if !checksum.starts_with("checksum ") {
-        return Err(Fault::Damaged("it is cut short"));
+        return Err(Fault::Damaged("it does not end as it should"));
     }
     let before = &end[..split];
     let line = before.strip_suffix(b"\n").unwrap_or(before);

@@ -274,15 +274,27 @@ mod tests {
         let (scene, pool) = (scene(), pool(2));
         let stop = AtomicBool::new(false);
         let mut left = 3;
-        let ended = crate::sweep::sweep(&scene, &pool, &stop, |_| {}, |_, _| {
-            left -= 1;
-            if left == 0 { Err("full") } else { Ok(()) }
-        });
+        let ended = crate::sweep::sweep(
+            &scene,
+            &pool,
+            &stop,
+            |_| {},
+            |_, _| {
+                left -= 1;
+                if left == 0 { Err("full") } else { Ok(()) }
+            },
+        );
         assert!(matches!(ended, Ended::Failed("full")) && left == 0);
-        let ended = crate::sweep::sweep(&scene, &pool, &stop, |_| {}, |range, _| {
-            stop.store(range.start > 100, Ordering::Relaxed);
-            Ok::<_, ()>(())
-        });
+        let ended = crate::sweep::sweep(
+            &scene,
+            &pool,
+            &stop,
+            |_| {},
+            |range, _| {
+                stop.store(range.start > 100, Ordering::Relaxed);
+                Ok::<_, ()>(())
+            },
+        );
         assert!(matches!(ended, Ended::Stopped));
     }
 }

@@ -109,7 +109,8 @@ impl Plan {
         if let Some(threshold) = threshold {
             let place = scene_file.display();
             if scene.task.tolerance != Tolerance::Rounding {
-                let message = format!("threshold is given twice, as --threshold {threshold} and in {place}: remove one");
+                let message =
+                    format!("threshold is given twice, as --threshold {threshold} and in {place}: remove one");
                 return Err(CliError::Request(message));
             }
             if !scene.task.stability {
@@ -247,9 +248,13 @@ mod tests {
 
     #[test]
     fn chunks_cover_all_cells_once_whatever_the_scene() {
-        for (points, sites, most) in
-            [("400", "6", 8192), ("3", "6", 8192), ("1000000", "6", 8192), ("400", "5001", 16), ("1000000", "5001", 4096)]
-        {
+        for (points, sites, most) in [
+            ("400", "6", 8192),
+            ("3", "6", 8192),
+            ("1000000", "6", 8192),
+            ("400", "5001", 16),
+            ("1000000", "5001", 4096),
+        ] {
             let text = TEXT.replace("points = 400", &format!("points = {points}"));
             let plan = plan(&text.replace("sites = 6", &format!("sites = {sites}")), None);
             assert_eq!(plan.chunk_cells, most);
@@ -263,9 +268,13 @@ mod tests {
 
     #[test]
     fn a_thousand_million_cells_are_planned_without_being_there() {
-        let plan = plan(&TEXT.replace("points = 400", "points = 1000000").replace("points = 300", "points = 1000"), None);
+        let plan =
+            plan(&TEXT.replace("points = 400", "points = 1000000").replace("points = 300", "points = 1000"), None);
         assert_eq!((plan.cells(), plan.chunks()), (1_000_000_000, 122_071));
-        let plan = self::plan(&TEXT.replace("points = 400", "points = 1000000").replace("points = 300", "points = 1000000"), None);
+        let plan = self::plan(
+            &TEXT.replace("points = 400", "points = 1000000").replace("points = 300", "points = 1000000"),
+            None,
+        );
         assert_eq!((plan.cells(), plan.chunk_cells), (1_000_000_000_000, 1 << 23));
     }
 
@@ -286,7 +295,8 @@ mod tests {
         let here = plan(TEXT, None);
         assert!(here.differences(&plan(&format!("# a remark\ntitle = \"a title\"\n{TEXT}"), None)).is_none());
         let told = here.differences(&plan(&TEXT.replace("gamma1 = 0.2", "gamma1 = 0.3"), Some(0.5))).unwrap();
-        let expected = "another scene: model.gamma1 is 0.3 there, 0.2 here, compute.threshold is 0.5 there, absent here";
+        let expected =
+            "another scene: model.gamma1 is 0.3 there, 0.2 here, compute.threshold is 0.5 there, absent here";
         assert_eq!(told, expected);
         let mut other = plan(TEXT, None);
         other.maker.version = "0.0.9".to_owned();
