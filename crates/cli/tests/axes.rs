@@ -79,10 +79,10 @@ fn wrong_axes() {
         (r#"x = { parameter = "omega" }"#.into(), "omega has no values yet: give from, to and points, or values"),
         (r#"x = { parameter = "omega", from = 1, to = 2 }"#.into(), "omega has no values yet"),
         (r#"x = { parameter = "omega", values = [] }"#.into(), "values has 0 numbers: give 1 to 1000000"),
-        (r#"x = { parameter = "omega", values = [1, 2, 1.0] }"#.into(), "6:44: 1 is listed twice"),
+        (r#"x = { parameter = "omega", values = [1, 2, 1.0] }"#.into(), "7:44: 1 is listed twice"),
         (format!("x = {{ parameter = \"omega\", values = [{long}] }}"), "0.001 is listed twice"),
         (r#"x = { parameter = "omega", values = [1, nan] }"#.into(), "NaN is out of range: give finite values"),
-        (r#"x = { parameter = "omega", values = [1, 0] }"#.into(), "6:41: omega = 0 is out of range: give a positive"),
+        (r#"x = { parameter = "omega", values = [1, 0] }"#.into(), "7:41: omega = 0 is out of range: give a positive"),
         (r#"x = { parameter = "omega", values = [1, 2], points = 2 }"#.into(), "values is given as well"),
         (r#"x = { parameter = "omega", values = [1, 2], spacing = "log" }"#.into(), "values is given as well"),
         (
@@ -104,7 +104,7 @@ fn wrong_axes() {
             "the axes have more than 1000000000000 cells together",
         ),
     ] {
-        let desk = Desk::with_scene(&format!("{MODEL}gamma2 = 0.1\n[sweep]\n{sweep}\n{COMPUTE}"));
+        let desk = Desk::with_scene(&format!("{MODEL}gamma2 = 0.1\nasymmetry = 0.4\n[sweep]\n{sweep}\n{COMPUTE}"));
         desk.run("sweep scene.toml --out map.csv").with(2, &[told, "scene.toml:"]);
         assert_eq!(desk.names("."), ["scene.toml"]);
     }
@@ -125,8 +125,11 @@ fn pictures_have_two_axes_of_any_spacing() {
     desk.run("sweep scene.toml --out map.csv --svg map.svg --quiet").with(0, &[]);
     let svg = String::from_utf8(desk.read("map.svg")).unwrap();
     // Values of the list, in its order from the bottom up; decades of the logarithmic axis.
-    let texts: Vec<&str> =
-        svg.split("<text").skip(1).map(|text| text.split_once('>').unwrap().1.split('<').next().unwrap().trim()).collect();
+    let texts: Vec<&str> = svg
+        .split("<text")
+        .skip(1)
+        .map(|text| text.split_once('>').unwrap().1.split('<').next().unwrap().trim())
+        .collect();
     for text in ["0.3", "0", "0.1", "0.01", "asymmetry a", "coupling stiffness γ₂"] {
         assert!(texts.contains(&text), "{text} not in {texts:?}");
     }

@@ -59,7 +59,11 @@ fn chunks_do_not_depend_on_threads() {
     for threads in ["1", "2", "3"] {
         desk.run(&format!("sweep scene.toml --out {threads} --shard 0/1 --quiet --threads {threads}")).with(0, &[]);
         assert_eq!(desk.names(threads), desk.names("1"));
-        assert!(desk.names("1").iter().all(|name| desk.read(&format!("1/{name}")) == desk.read(&format!("{threads}/{name}"))));
+        assert!(
+            desk.names("1")
+                .iter()
+                .all(|name| desk.read(&format!("1/{name}")) == desk.read(&format!("{threads}/{name}")))
+        );
     }
 }
 

@@ -42,9 +42,8 @@ fn a_table_that_does_not_fit_loses_no_chunk() {
 fn a_chunk_that_does_not_fit_is_not_there_and_those_before_it_are() {
     let desk = Desk::with_scene(SCENE);
     desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    let sizes: Vec<u64> = (0..CHUNKS)
-        .map(|i| fs::metadata(desk.path(&format!("parts/{i:06}.chunk"))).unwrap().len())
-        .collect();
+    let sizes: Vec<u64> =
+        (0..CHUNKS).map(|i| fs::metadata(desk.path(&format!("parts/{i:06}.chunk"))).unwrap().len()).collect();
     // The first one is smaller than the largest.
     let limit = (sizes[0] as usize).next_multiple_of(512);
     let refused = sizes.iter().position(|&size| size > limit as u64).unwrap();
@@ -115,13 +114,15 @@ fn folders_that_cannot_be_made_or_written_are_refused_before_anything_is_compute
         return;
     }
     desk.run("sweep scene.toml --out closed/map.csv").with(2, &["cannot write closed/map.csv: Permission denied"]);
-    desk.run("sweep scene.toml --out closed --shard 0/1").with(2, &["cannot write closed/plan.json: Permission denied"]);
+    desk.run("sweep scene.toml --out closed --shard 0/1")
+        .with(2, &["cannot write closed/plan.json: Permission denied"]);
 }
 
 #[test]
 fn a_folder_that_vanishes_midway_is_told() {
     let desk = Desk::with_scene(&SCENE.replace("points = 300", "points = 6000"));
-    for line in ["sweep scene.toml --out map.csv --resume", "sweep scene.toml --out map.csv.parts --shard 0/1 --resume"] {
+    for line in ["sweep scene.toml --out map.csv --resume", "sweep scene.toml --out map.csv.parts --shard 0/1 --resume"]
+    {
         let mut child = desk.start(line);
         desk.await_chunks(&mut child, "map.csv.parts", 2);
         fs::rename(desk.path("map.csv.parts"), desk.path("moved")).unwrap();

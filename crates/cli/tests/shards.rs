@@ -92,7 +92,8 @@ fn task(desk: &Desk, line: &str, variables: &[(&str, &str)]) -> Ran {
 fn tasks_of_a_job_array_share_a_sweep() {
     let expected = undisturbed(SCENE);
     let sweep = "sweep scene.toml --out parts --shard slurm --resume";
-    for (ids, step) in [(vec!["0", "1", "2"], "1"), (vec!["1", "2"], "1"), (vec!["1", "4", "7"], "3"), (vec!["5"], "1")] {
+    for (ids, step) in [(vec!["0", "1", "2"], "1"), (vec!["1", "2"], "1"), (vec!["1", "4", "7"], "3"), (vec!["5"], "1")]
+    {
         let desk = Desk::with_scene(SCENE);
         let count = ids.len().to_string();
         for (index, id) in ids.iter().enumerate() {
@@ -137,5 +138,6 @@ fn wrong_shards_and_folders() {
         assert_eq!(desk.names("."), ["scene.toml"], "{line}");
     }
     fs::write(desk.path("parts"), "").unwrap();
-    desk.run("sweep scene.toml --out parts --shard 0/1").with(2, &["parts is a file, where a folder of chunks would be"]);
+    desk.run("sweep scene.toml --out parts --shard 0/1")
+        .with(2, &["parts is a file, where a folder of chunks would be"]);
 }

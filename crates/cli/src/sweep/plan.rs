@@ -129,6 +129,13 @@ impl Plan {
         Ok(Self { scene, scene_file: scene_file.to_owned(), text, threshold, maker, chunk_cells, identity })
     }
 
+    /// As another version of the program would have made it.
+    #[cfg(test)]
+    pub(crate) fn by_version(scene_file: &Path, text: &str, version: &str) -> Self {
+        let maker = Maker { version: version.to_owned(), ..Maker::this() };
+        Self::new(scene_file, text.to_owned(), None, maker).unwrap()
+    }
+
     /// Number of cells.
     pub fn cells(&self) -> u64 {
         self.scene.cells()
@@ -298,9 +305,7 @@ mod tests {
         let expected =
             "another scene: model.gamma1 is 0.3 there, 0.2 here, compute.threshold is 0.5 there, absent here";
         assert_eq!(told, expected);
-        let mut other = plan(TEXT, None);
-        other.maker.version = "0.0.9".to_owned();
-        let other = Plan::new(Path::new("map.toml"), TEXT.to_owned(), None, other.maker).unwrap();
+        let other = Plan::by_version(Path::new("map.toml"), TEXT, "0.0.9");
         assert!(here.differences(&other).unwrap().starts_with("another version of mapgen: 0.0.9 ("));
     }
 }

@@ -172,3 +172,48 @@ fn kind(name: &OsStr) -> Option<&str> {
     let name = name.to_str().filter(|name| !name.starts_with('.'))?;
     name.rsplit_once('.').map(|(_, kind)| kind)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
+        x = { parameter = \"omega\", values = [0.5, 0.7, 1.1] }\ny = { parameter = \"gamma2\", values = [0.1] }\n\
+        [compute]\nfamilies = [\"double-sided\"]\n";
+
+    #[test]
+    fn chunks_of_another_version_are_refused_by_name() {
+        let desk = tempfile::tempdir().unwrap();
+        let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
+        fs::write(&scene, TEXT).unwrap();
+        let here = Plan::read(&scene, None).unwrap();
+        let there = Plan::by_version(&scene, TEXT, "0.0.9");
+        drop(Store::open(&folder, &there, Claim::Share).unwrap());
+        fs::write(Store::path(&folder, 0), "").unwrap();
+        for claim in [Claim::Resume, Claim::Share] {
+            let error = Store::open(&folder, &here, claim).unwrap_err();
+            let told = error.to_string();
+            assert!(told.contains("belongs to another version of mapgen: 0.0.9 (") && error.exit_code() == 2, "{told}");
+            assert!(told.contains(&format!(") there, {} (", crate::manifest::VERSION)), "{told}");
+        }
+        // Chunks that are sound, but of that version: without their plan they are refused one by one.
+        Store::open(&folder, &there, Claim::Share).unwrap().writer(&there, 0).unwrap().finish().unwrap();
+        assert!(matches!(Store::check(&folder, &here, 0), Err(Fault::Foreign)));
+    }
+
+    #[test]
+    fn a_folder_with_other_things_in_it_is_left() {
+        let desk = tempfile::tempdir().unwrap();
+        let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
+        fs::write(&scene, TEXT).unwrap();
+        let plan = Plan::read(&scene, None).unwrap();
+        fs::create_dir(&folder).unwrap();
+        fs::write(folder.join("notes.txt"), "mine").unwrap();
+        let store = Store::open(&folder, &plan, Claim::Fresh).unwrap();
+        assert!(!store.remove());
+        let left: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left, ["notes.txt"]);
+        fs::remove_file(folder.join("notes.txt")).unwrap();
+        assert!(Store::open(&folder, &plan, Claim::Resume).unwrap().remove() && !folder.exists());
+    }
+}
