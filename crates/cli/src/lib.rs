@@ -7,7 +7,7 @@
 //! | `args` | the command line |
 //! | `parameter`, `force`, `scene` | points of the parameter space, forces of several harmonics, scene files |
 //! | `cell`, `sweep` | one cell; all cells, in chunks that outlive the process |
-//! | `table`, `manifest`, `pictures`, `output` | the files a sweep writes |
+//! | `table`, `table_file`, `manifest`, `pictures`, `output` | the files a sweep writes |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `plot` | pictures (feature `plot`) |
 //! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
@@ -47,4 +47,5 @@ pub mod start;
 pub mod sweep;
 pub mod sweep_command;
 pub mod table;
+mod table_file;
 pub mod validate_command;

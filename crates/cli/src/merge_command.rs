@@ -10,6 +10,7 @@ use crate::pictures::{Pictures, Wanted};
 use crate::report::report;
 use crate::sweep::{Fault, Plan, Store, Unassembled, assemble};
 use crate::sweep_command::{manifest_path, quoted, write_manifest};
+use crate::table_file::TableFile;
 
 /// The most runs of missing chunks that are named.
 const MOST_NAMED: usize = 12;
@@ -32,7 +33,7 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     // Both fail early where they cannot be written.
     Output::create(&manifest_file)?;
     let mut pictures = Pictures::plan(&wanted, &plan.scene)?;
-    let mut table = Output::create(&args.out)?;
+    let mut table = TableFile::create(&args.out)?;
     let stop = (console.interrupt)()?;
 
     let faults: Vec<(u64, Fault)> = (0..plan.chunks())

@@ -24,11 +24,11 @@ mod with_pictures {
     use crate::cell::Class;
     use crate::error::CliError;
     use crate::output::Output;
-    use crate::plot::{Format, MapPicture, Palette, Tile, map_picture};
+    use crate::plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
     use crate::scene::Scene;
     use crate::table::class_column;
 
-    /// Pictures to draw once all rows are known; without any, no row is kept.
+    /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures<'a> {
         scene: &'a Scene,
         files: Vec<(Format, PathBuf)>,
@@ -60,8 +60,12 @@ mod with_pictures {
 
         /// What is to be done with each row, if anything.
         pub(crate) fn keeper(&mut self) -> Option<impl FnMut(&[u8])> {
-            let (column, tiles) = (self.class_column, &mut self.tiles);
+            let (scene, column, tiles) = (self.scene, self.class_column, &mut self.tiles);
+            let mut numbers = 0..;
             (!self.files.is_empty()).then_some(move |row: &[u8]| {
+                if !numbers.next().is_some_and(|number| is_shown(scene, number)) {
+                    return;
+                }
                 let mut fields = row.split(|&byte| byte == b',').skip(column);
                 let class = fields.next().unwrap_or_default();
                 let mechanism = fields.next().unwrap_or_default();

@@ -16,17 +16,15 @@ use crate::output::{Output, distinct, settle_names};
 use crate::pictures::{Pictures, Wanted};
 use crate::report::{report, speed};
 use crate::sweep::{Claim, Ended, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, assemble, work};
+use crate::table_file::{TableFile, stem};
 
 /// The most threads that may be asked for.
 const MAX_THREADS: usize = 1024;
 
-/// Where the manifest of a table goes: map.csv → map.manifest.json, map → map.manifest.json, map.5 → map.5.manifest.json.
+/// Where the manifest of a table goes: map.csv, map.csv.gz and map → map.manifest.json, map.5 → map.5.manifest.json.
 pub(crate) fn manifest_path(table: &Path) -> PathBuf {
-    let mut name = table.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    if let Some(stem) = name.strip_suffix(".csv") {
-        name = stem.to_owned();
-    }
-    table.with_file_name(name + ".manifest.json")
+    let name = table.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    table.with_file_name(format!("{}.manifest.json", stem(&name)))
 }
 
 /// Where the chunks of a table are kept until it is whole.
@@ -85,7 +83,7 @@ impl SweepRun<'_> {
             ("--svg", wanted.svg),
         ])?;
         // Destinations first: an impossible one should not cost a computation.
-        Output::create(out)?;
+        drop(TableFile::create(out)?);
         Output::create(&manifest_file)?;
         let mut pictures = Pictures::plan(&wanted, &self.plan.scene)?;
         let stop = (console.interrupt)()?;
@@ -93,7 +91,7 @@ impl SweepRun<'_> {
         let store = Store::open(&parts, self.plan, claim)?;
         let effort = self.compute(&store, Shard::WHOLE, &stop, console)?;
 
-        let mut table = Output::create(out)?;
+        let mut table = TableFile::create(out).map_err(|error| self.failed(&error, &store, Shard::WHOLE))?;
         let mut keeper = pictures.keeper();
         let row = keeper.as_mut().map(|keeper| keeper as &mut dyn FnMut(&[u8]));
         let summary = match assemble(self.plan, store.folder(), &stop, &mut table, row) {

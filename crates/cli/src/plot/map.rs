@@ -31,10 +31,23 @@ const BOTTOM: u32 = 74;
 pub struct MapPicture<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Tiles by rows, the first row at the bottom.
+    /// Tiles of the cells that are [shown](is_shown), by rows, the first row at the bottom.
     pub tiles: &'a [Tile],
     /// The colours.
     pub palette: Palette,
+}
+
+/// Whether the picture of a sweep over two axes shows cell number `cell`: all do, unless there are thousands along an axis.
+pub fn is_shown(scene: &Scene, cell: u64) -> bool {
+    scene.plane().is_some_and(|[x, y]| {
+        let columns = x.points() as u64;
+        let (column, row) = (cell % columns, cell / columns);
+        column.is_multiple_of(stride(x.points()) as u64) && row.is_multiple_of(stride(y.points()) as u64)
+    })
+}
+
+fn stride(points: usize) -> usize {
+    points.div_ceil(MOST).max(1)
 }
 
 /// The bytes of a map's picture.
@@ -60,7 +73,7 @@ struct Grid {
 
 impl Grid {
     fn new(points: usize) -> Self {
-        let stride = points.div_ceil(MOST).max(1);
+        let stride = stride(points);
         let shown = points.div_ceil(stride);
         Self { shown, stride, cell: (TARGET / shown.max(1)).clamp(1, 60) as u32 }
     }
@@ -106,14 +119,13 @@ impl Sheet<'_> {
     fn raster(&self) -> (u32, u32, Vec<u8>) {
         let (columns, rows) = (self.layout.columns, self.layout.rows);
         let (width, height) = (columns.pixels(), rows.pixels());
-        let points = self.x.points();
         let mut pixels = Vec::with_capacity(3 * (width * height) as usize);
         for py in 0..height {
-            let row = (rows.shown as u32 - 1 - py / rows.cell) as usize * rows.stride;
+            let row = (rows.shown as u32 - 1 - py / rows.cell) as usize;
             for px in 0..width {
-                let column = (px / columns.cell) as usize * columns.stride;
+                let column = (px / columns.cell) as usize;
                 let unknown = Tile { class: None, mechanism: None };
-                let tile = self.picture.tiles.get(row * points + column).copied().unwrap_or(unknown);
+                let tile = self.picture.tiles.get(row * columns.shown + column).copied().unwrap_or(unknown);
                 pixels.extend(self.picture.palette.pixel(tile, px, py));
             }
         }
@@ -286,5 +298,38 @@ pub(crate) fn tick(value: f64) -> String {
         "0".to_owned()
     } else {
         trimmed.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn scene(x: &str, y: &str) -> Scene {
+        let text = format!(
+            "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = {{ parameter = \"omega\", {x} }}\n\
+             y = {{ parameter = \"gamma2\", {y} }}\n[compute]\nfamilies = [\"double-sided\"]\n"
+        );
+        Scene::parse(Path::new("scene.toml"), &text).unwrap()
+    }
+
+    #[test]
+    fn a_map_with_thousands_of_columns_shows_as_many_as_it_can() {
+        let scene = scene("from = 0.4, to = 3.0, points = 12001", "values = [0.1, 0.2]");
+        let shown: Vec<u64> = (0..scene.cells()).filter(|&cell| is_shown(&scene, cell)).collect();
+        let expected: Vec<u64> = (0..2).flat_map(|row| (0..4001).map(move |i| 12_001 * row + 3 * i)).collect();
+        assert_eq!(shown, expected);
+        assert_eq!(Grid::new(12_001).shown, 4001);
+    }
+
+    #[test]
+    fn ticks_stand_where_the_values_are() {
+        let scene = scene("from = 0.01, to = 100, points = 5, spacing = \"log\"", "values = [0.3, 0, 0.125]");
+        let [x, y] = scene.plane().unwrap();
+        assert_eq!(places(x), (-2.0, 1.0));
+        assert_eq!([-2.0, -0.5, 0.0, 2.0].map(|place| tick_at(x, place)), ["0.01", "0.316", "1", "100"]);
+        assert_eq!([-1.0, 0.0, 0.5, 1.0, 2.0, 3.0].map(|place| tick_at(y, place)), ["", "0.3", "", "0", "0.125", ""]);
     }
 }

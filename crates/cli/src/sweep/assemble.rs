@@ -5,10 +5,10 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::CliError;
-use crate::output::Output;
 use crate::sweep::chunk::{Fault, read};
 use crate::sweep::{Plan, Store, Summary};
 use crate::table::header;
+use crate::table_file::TableFile;
 
 /// Why there is no table.
 #[derive(Debug)]
@@ -63,7 +63,7 @@ pub(crate) fn assemble(
     plan: &Plan,
     folder: &Path,
     stop: &AtomicBool,
-    table: &mut Output,
+    table: &mut TableFile,
     mut row: Option<&mut dyn FnMut(&[u8])>,
 ) -> Result<Summary, Unassembled> {
     let mut total = Summary::default();
