@@ -64,7 +64,7 @@ says how to go on and ends with exit code 130; killed, it goes on from there as 
 pub struct SweepArgs {
     /// Scene file (TOML), see scenes/.
     pub scene: PathBuf,
-    /// Table to write (CSV, compressed if named .csv.gz or .csv.zst); a manifest is written beside it. With --shard: folder
+    /// Table to write (CSV; named .csv.gz or .csv.zst, compressed; named .parquet, by columns); a manifest is written beside it. With --shard: folder
     /// of chunks.
     #[arg(long, value_name = "FILE", required_unless_present = "dry_run")]
     pub out: Option<PathBuf>,
@@ -103,7 +103,7 @@ pub struct SweepArgs {
 pub struct MergeArgs {
     /// Folder of chunks, the --out of `mapgen sweep --shard`.
     pub folder: PathBuf,
-    /// Table to write (CSV, compressed if named .csv.gz or .csv.zst), the same to the byte as that of an undivided sweep; a
+    /// Table to write (CSV; named .csv.gz or .csv.zst, compressed; named .parquet, by columns), the same to the byte as that of an undivided sweep; a
     /// manifest is written beside it.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,

@@ -7,7 +7,7 @@
 //! | `args` | the command line |
 //! | `parameter`, `force`, `scene` | points of the parameter space, forces of several harmonics, scene files |
 //! | `cell`, `sweep` | one cell; all cells, in chunks that outlive the process |
-//! | `table`, `table_file`, `manifest`, `pictures`, `output` | the files a sweep writes |
+//! | `table`, `table_file`, `columnar`, `manifest`, `pictures`, `output` | the files a sweep writes |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `plot` | pictures (feature `plot`) |
 //! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
@@ -19,6 +19,8 @@
 pub mod accuracy;
 pub mod args;
 pub mod cell;
+#[cfg(feature = "parquet")]
+mod columnar;
 pub mod console;
 pub mod errata;
 pub mod error;
@@ -27,6 +29,7 @@ mod estimate;
 pub mod figures;
 pub mod force;
 mod forms;
+mod lines;
 pub mod locate_command;
 pub mod manifest;
 pub mod merge_command;

@@ -8,7 +8,7 @@ use crate::error::CliError;
 use crate::output::{Output, distinct};
 use crate::pictures::{Pictures, Wanted};
 use crate::report::report;
-use crate::sweep::{Fault, Plan, Store, Unassembled, assemble};
+use crate::sweep::{Fault, Plan, Store, Unassembled};
 use crate::sweep_command::{manifest_path, quoted, write_manifest};
 use crate::table_file::TableFile;
 
@@ -33,7 +33,7 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     // Both fail early where they cannot be written.
     Output::create(&manifest_file)?;
     let mut pictures = Pictures::plan(&wanted, &plan.scene)?;
-    let mut table = TableFile::create(&args.out)?;
+    let mut table = TableFile::create(&args.out, &plan.scene)?;
     let stop = (console.interrupt)()?;
 
     let faults: Vec<(u64, Fault)> = (0..plan.chunks())
@@ -43,15 +43,12 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     if !faults.is_empty() {
         return Err(incomplete(args, &plan, &faults));
     }
-    let mut keeper = pictures.keeper();
-    let row = keeper.as_mut().map(|keeper| keeper as &mut dyn FnMut(&[u8]));
-    let summary = match assemble(&plan, &args.folder, &stop, &mut table, row) {
+    let summary = match pictures.assemble(&plan, &args.folder, &stop, &mut table) {
         Ok(summary) => summary,
         Err(Unassembled::Stopped) => return Err(CliError::Interrupted),
         Err(Unassembled::Table(error)) => return Err(error),
         Err(Unassembled::Chunk(chunk, fault)) => return Err(incomplete(args, &plan, &[(chunk, fault)])),
     };
-    drop(keeper);
     table.commit()?;
     write_manifest(&manifest_file, &plan, &summary, None)?;
     pictures.finish()?;

@@ -10,12 +10,14 @@ pub(crate) use without_pictures::Pictures;
 pub(crate) struct Wanted<'a> {
     pub(crate) png: Option<&'a std::path::Path>,
     pub(crate) svg: Option<&'a std::path::Path>,
+    #[cfg_attr(not(feature = "plot"), expect(dead_code, reason = "nothing is drawn in these colours"))]
     pub(crate) palette: crate::args::PaletteName,
 }
 
 #[cfg(feature = "plot")]
 mod with_pictures {
-    use std::path::PathBuf;
+    use std::path::{Path, PathBuf};
+    use std::sync::atomic::AtomicBool;
 
     use vibrochain_floquet::Mechanism;
 
@@ -26,7 +28,9 @@ mod with_pictures {
     use crate::output::Output;
     use crate::plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
     use crate::scene::Scene;
+    use crate::sweep::{Plan, Summary, Unassembled, assemble};
     use crate::table::class_column;
+    use crate::table_file::TableFile;
 
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures<'a> {
@@ -58,23 +62,32 @@ mod with_pictures {
             Ok(Self { scene, files, palette, class_column: class_column(scene), tiles: Vec::new() })
         }
 
-        /// What is to be done with each row, if anything.
-        pub(crate) fn keeper(&mut self) -> Option<impl FnMut(&[u8])> {
-            let (scene, column, tiles) = (self.scene, self.class_column, &mut self.tiles);
+        /// Writes the table of all chunks, as [`assemble`] does, and keeps what the pictures need.
+        pub(crate) fn assemble(
+            &mut self,
+            plan: &Plan,
+            folder: &Path,
+            stop: &AtomicBool,
+            table: &mut TableFile,
+        ) -> Result<Summary, Unassembled> {
+            if self.files.is_empty() {
+                return assemble(plan, folder, stop, table, None);
+            }
+            let mechanisms = [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker];
             let mut numbers = 0..;
-            (!self.files.is_empty()).then_some(move |row: &[u8]| {
-                if !numbers.next().is_some_and(|number| is_shown(scene, number)) {
+            let mut keep = |row: &[u8]| {
+                if !numbers.next().is_some_and(|number| is_shown(self.scene, number)) {
                     return;
                 }
-                let mut fields = row.split(|&byte| byte == b',').skip(column);
+                let mut fields = row.split(|&byte| byte == b',').skip(self.class_column);
                 let class = fields.next().unwrap_or_default();
                 let mechanism = fields.next().unwrap_or_default();
-                let mechanisms = [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker];
-                tiles.push(Tile {
+                self.tiles.push(Tile {
                     class: Class::ALL.into_iter().find(|known| known.name().as_bytes() == class),
                     mechanism: mechanisms.into_iter().find(|known| known.name().as_bytes() == mechanism),
                 });
-            })
+            };
+            assemble(plan, folder, stop, table, Some(&mut keep))
         }
 
         /// Draws and writes them.
@@ -92,10 +105,14 @@ mod with_pictures {
 #[cfg(not(feature = "plot"))]
 mod without_pictures {
     use std::marker::PhantomData;
+    use std::path::Path;
+    use std::sync::atomic::AtomicBool;
 
     use super::Wanted;
     use crate::error::CliError;
     use crate::scene::Scene;
+    use crate::sweep::{Plan, Summary, Unassembled, assemble};
+    use crate::table_file::TableFile;
 
     /// This build draws nothing.
     pub(crate) struct Pictures<'a>(PhantomData<&'a Scene>);
@@ -108,8 +125,14 @@ mod without_pictures {
             Ok(Self(PhantomData))
         }
 
-        pub(crate) fn keeper(&mut self) -> Option<fn(&[u8])> {
-            None
+        pub(crate) fn assemble(
+            &mut self,
+            plan: &Plan,
+            folder: &Path,
+            stop: &AtomicBool,
+            table: &mut TableFile,
+        ) -> Result<Summary, Unassembled> {
+            assemble(plan, folder, stop, table, None)
         }
 
         pub(crate) fn finish(self) -> Result<(), CliError> {

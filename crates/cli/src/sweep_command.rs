@@ -15,7 +15,7 @@ use crate::manifest::{Effort, Run, manifest};
 use crate::output::{Output, distinct, settle_names};
 use crate::pictures::{Pictures, Wanted};
 use crate::report::{report, speed};
-use crate::sweep::{Claim, Ended, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, assemble, work};
+use crate::sweep::{Claim, Ended, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, work};
 use crate::table_file::{TableFile, stem};
 
 /// The most threads that may be asked for.
@@ -83,7 +83,7 @@ impl SweepRun<'_> {
             ("--svg", wanted.svg),
         ])?;
         // Destinations first: an impossible one should not cost a computation.
-        drop(TableFile::create(out)?);
+        drop(TableFile::create(out, &self.plan.scene)?);
         Output::create(&manifest_file)?;
         let mut pictures = Pictures::plan(&wanted, &self.plan.scene)?;
         let stop = (console.interrupt)()?;
@@ -91,10 +91,9 @@ impl SweepRun<'_> {
         let store = Store::open(&parts, self.plan, claim)?;
         let effort = self.compute(&store, Shard::WHOLE, &stop, console)?;
 
-        let mut table = TableFile::create(out).map_err(|error| self.failed(&error, &store, Shard::WHOLE))?;
-        let mut keeper = pictures.keeper();
-        let row = keeper.as_mut().map(|keeper| keeper as &mut dyn FnMut(&[u8]));
-        let summary = match assemble(self.plan, store.folder(), &stop, &mut table, row) {
+        let mut table =
+            TableFile::create(out, &self.plan.scene).map_err(|error| self.failed(&error, &store, Shard::WHOLE))?;
+        let summary = match pictures.assemble(self.plan, store.folder(), &stop, &mut table) {
             Ok(summary) => summary,
             Err(Unassembled::Stopped) => return Err(CliError::Paused(self.kept(&store, Shard::WHOLE))),
             Err(Unassembled::Table(error)) => return Err(self.failed(&error, &store, Shard::WHOLE)),
@@ -104,7 +103,6 @@ impl SweepRun<'_> {
                 return Err(self.failed(&error, &store, Shard::WHOLE));
             }
         };
-        drop(keeper);
         let finish = || {
             table.commit()?;
             write_manifest(&manifest_file, self.plan, &summary, Some(effort))?;

@@ -1,13 +1,19 @@
-//! The file of a table, compressed as the end of its name asks.
+//! The file of a table, in the form that the end of its name asks for.
 
 use std::io::{self, Write};
 use std::path::Path;
 
+#[cfg(feature = "parquet")]
+use crate::columnar::Columns;
 use crate::error::CliError;
 use crate::output::Output;
+use crate::scene::Scene;
 
 /// Endings of compressed tables.
 const COMPRESSED: [&str; 2] = [".gz", ".zst"];
+
+/// Ending of tables by columns.
+const PARQUET: &str = ".parquet";
 
 /// Level of gzip: larger ones take several times as long for a hundredth of the size.
 #[cfg(feature = "compress")]
@@ -27,22 +33,42 @@ pub(crate) enum TableFile {
     /// `.zst`
     #[cfg(feature = "compress")]
     Zstd(Box<zstd::Encoder<'static, Output>>),
+    /// `.parquet`
+    #[cfg(feature = "parquet")]
+    Columns(Box<Columns>),
 }
 
 /// The name of a table without the endings that tell its form: map.csv.gz → map.
 pub(crate) fn stem(name: &str) -> &str {
     let name = COMPRESSED.iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
-    name.strip_suffix(".csv").unwrap_or(name)
+    name.strip_suffix(".csv").or(name.strip_suffix(PARQUET)).unwrap_or(name)
 }
 
 impl TableFile {
     /// As [`Output::create`].
-    pub(crate) fn create(path: &Path) -> Result<Self, CliError> {
+    pub(crate) fn create(path: &Path, scene: &Scene) -> Result<Self, CliError> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if name.ends_with(PARQUET) {
+            return Self::by_columns(path, scene);
+        }
         let Some(end) = COMPRESSED.into_iter().find(|end| name.ends_with(end)) else {
             return Output::create(path).map(Self::Plain);
         };
         Self::compressed(path, end)
+    }
+
+    #[cfg(feature = "parquet")]
+    fn by_columns(path: &Path, scene: &Scene) -> Result<Self, CliError> {
+        let columns = Columns::new(scene, Output::create(path)?);
+        let columns =
+            columns.map_err(|error| CliError::Computation(format!("cannot begin {}: {error}", path.display())))?;
+        Ok(Self::Columns(Box::new(columns)))
+    }
+
+    #[cfg(not(feature = "parquet"))]
+    fn by_columns(path: &Path, _: &Scene) -> Result<Self, CliError> {
+        let message = format!("{}: {PARQUET} needs a build with the feature `parquet`", path.display());
+        Err(CliError::Request(message))
     }
 
     #[cfg(feature = "compress")]
@@ -71,6 +97,8 @@ impl TableFile {
             Self::Gzip(encoder) => encoder.get_ref().unwritten(error),
             #[cfg(feature = "compress")]
             Self::Zstd(encoder) => encoder.get_ref().unwritten(error),
+            #[cfg(feature = "parquet")]
+            Self::Columns(columns) => columns.output().unwritten(error),
         }
     }
 
@@ -84,6 +112,8 @@ impl TableFile {
             Self::Gzip(encoder) => encoder.finish().map_err(|error| failed(&error))?,
             #[cfg(feature = "compress")]
             Self::Zstd(encoder) => encoder.finish().map_err(|error| failed(&error))?,
+            #[cfg(feature = "parquet")]
+            Self::Columns(columns) => columns.finish().map_err(|error| failed(&error))?,
         }
         .commit()
     }
@@ -97,6 +127,8 @@ impl Write for TableFile {
             Self::Gzip(encoder) => encoder.write(buffer),
             #[cfg(feature = "compress")]
             Self::Zstd(encoder) => encoder.write(buffer),
+            #[cfg(feature = "parquet")]
+            Self::Columns(columns) => columns.write(buffer),
         }
     }
 
@@ -107,6 +139,8 @@ impl Write for TableFile {
             Self::Gzip(encoder) => encoder.flush(),
             #[cfg(feature = "compress")]
             Self::Zstd(encoder) => encoder.flush(),
+            #[cfg(feature = "parquet")]
+            Self::Columns(columns) => columns.flush(),
         }
     }
 }
@@ -117,7 +151,7 @@ mod tests {
 
     #[test]
     fn the_manifest_of_every_form_has_the_name_of_the_table() {
-        for name in ["map", "map.csv", "map.csv.gz", "map.csv.zst", "map.gz"] {
+        for name in ["map", "map.csv", "map.csv.gz", "map.csv.zst", "map.gz", "map.parquet"] {
             assert_eq!(stem(name), "map");
         }
         assert_eq!(stem("map.5"), "map.5");

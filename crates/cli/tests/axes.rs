@@ -71,7 +71,7 @@ fn one_axis_and_six_are_sweeps_as_well() {
 
 #[test]
 fn wrong_axes() {
-    let long = vec!["1e-3"; 3].join(", ");
+    let long = ["1e-3"; 3].join(", ");
     for (sweep, told) in [
         (String::new(), "[sweep] has no axis: give x and y"),
         (format!("y = {OMEGA}"), "y is given without x: x is the fastest axis"),

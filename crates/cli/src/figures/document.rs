@@ -70,7 +70,7 @@ fn parameters(scene: &FigureScene) -> String {
             let mut parts = vec![format!("N = {}", scene.base.sites - 1)];
             for parameter in Parameter::ALL {
                 let force = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-                if !scene.sweeps(parameter) && !(force && scene.is_conservative()) {
+                if !(scene.sweeps(parameter) || force && scene.is_conservative()) {
                     parts.push(format!("{} = {}", parameter.symbol(), scene.base.get(parameter)));
                 }
             }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::CliError;
+use crate::lines::Lines;
 use crate::sweep::chunk::{Fault, read};
 use crate::sweep::{Plan, Store, Summary};
 use crate::table::header;
@@ -33,27 +34,8 @@ impl From<Fault> for Trouble {
     }
 }
 
-/// Cuts bytes that come in pieces into lines.
-#[derive(Default)]
-struct Lines {
-    begun: Vec<u8>,
-}
-
-impl Lines {
-    fn take(&mut self, bytes: &[u8], mut each: impl FnMut(&[u8])) {
-        for piece in bytes.split_inclusive(|&byte| byte == b'\n') {
-            match piece.strip_suffix(b"\n") {
-                None => self.begun.extend_from_slice(piece),
-                Some(line) if self.begun.is_empty() => each(line),
-                Some(end) => {
-                    self.begun.extend_from_slice(end);
-                    each(&self.begun);
-                    self.begun.clear();
-                }
-            }
-        }
-    }
-}
+/// Takes rows.
+pub(crate) type Taker<'a> = dyn FnMut(&[u8]) + 'a;
 
 /// Writes the table of all chunks to `table` and hands every row to `row`, if there is one.
 ///
@@ -64,7 +46,7 @@ pub(crate) fn assemble(
     folder: &Path,
     stop: &AtomicBool,
     table: &mut TableFile,
-    mut row: Option<&mut dyn FnMut(&[u8])>,
+    mut row: Option<&mut Taker<'_>>,
 ) -> Result<Summary, Unassembled> {
     let mut total = Summary::default();
     let mut lines = Lines::default();
@@ -76,7 +58,11 @@ pub(crate) fn assemble(
         }
         let summary = read(&Store::path(folder, chunk), plan, chunk, |rows| {
             if let Some(row) = &mut row {
-                lines.take(rows, row);
+                // It has nothing to fail at.
+                let _ = lines.take(rows, |line| {
+                    row(line);
+                    Ok(())
+                });
             }
             table.write_all(rows).map_err(|error| Trouble::Table(table.unwritten(&error)))
         });
@@ -87,21 +73,4 @@ pub(crate) fn assemble(
         }
     }
     Ok(total)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_come_whole_however_they_are_cut() {
-        let text = b"one,1\n\ntwo,2\nthree,3\n";
-        for size in 1..text.len() {
-            let (mut lines, mut seen) = (Lines::default(), Vec::new());
-            for piece in text.chunks(size) {
-                lines.take(piece, |line| seen.push(String::from_utf8(line.to_vec()).unwrap()));
-            }
-            assert_eq!(seen, ["one,1", "", "two,2", "three,3"], "{size}");
-        }
-    }
 }
