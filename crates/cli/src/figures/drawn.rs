@@ -3,7 +3,7 @@
 use crate::cell::Cell;
 use crate::error::CliError;
 use crate::output::Number;
-use crate::plot::{Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, map_picture};
+use crate::plot::{Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture};
 use crate::scene::Scene;
 
 /// A figure that has been computed.
@@ -25,7 +25,8 @@ pub(super) enum Picture {
 
 impl Picture {
     pub(super) fn map(scene: &Scene, cells: &[Cell]) -> Self {
-        Self::Map { scene: Box::new(scene.clone()), tiles: cells.iter().map(Tile::from).collect() }
+        let shown = (0..).zip(cells).filter(|(number, _)| is_shown(scene, *number));
+        Self::Map { scene: Box::new(scene.clone()), tiles: shown.map(|(_, cell)| Tile::from(cell)).collect() }
     }
 
     pub(super) fn bytes(&self, format: Format) -> Result<Vec<u8>, PlotError> {

@@ -11,7 +11,7 @@ use crate::force::listed;
 use crate::parameter::Parameter;
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
 use crate::plot::palette::{Palette, Tile};
-use crate::scene::{Axis, Scene};
+use crate::scene::{Axis, Scene, Values};
 
 /// About this many pixels wide and high the map itself becomes.
 const TARGET: usize = 900;
@@ -31,10 +31,23 @@ const BOTTOM: u32 = 74;
 pub struct MapPicture<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Tiles by rows, the first row at the bottom.
+    /// Tiles of the cells that are [shown](is_shown), by rows, the first row at the bottom.
     pub tiles: &'a [Tile],
     /// The colours.
     pub palette: Palette,
+}
+
+/// Whether the picture of a sweep over two axes shows cell number `cell`: all do, unless there are thousands along an axis.
+pub fn is_shown(scene: &Scene, cell: u64) -> bool {
+    scene.plane().is_some_and(|[x, y]| {
+        let columns = x.points() as u64;
+        let (column, row) = (cell % columns, cell / columns);
+        column.is_multiple_of(stride(x.points()) as u64) && row.is_multiple_of(stride(y.points()) as u64)
+    })
+}
+
+fn stride(points: usize) -> usize {
+    points.div_ceil(MOST).max(1)
 }
 
 /// The bytes of a map's picture.
@@ -42,10 +55,12 @@ pub struct MapPicture<'a> {
 /// # Errors
 /// [`PlotError`].
 pub fn map_picture(picture: &MapPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
-    let (x, y) = (picture.scene.x.points, picture.scene.y.points);
-    let layout = Layout { columns: Grid::new(x), rows: Grid::new(y) };
+    let Some([x, y]) = picture.scene.plane() else {
+        return Err(PlotError("a map has two axes".to_owned()));
+    };
+    let layout = Layout { columns: Grid::new(x.points()), rows: Grid::new(y.points()) };
     let size = (layout.columns.pixels() + LEFT + RIGHT, layout.rows.pixels().max(360) + TOP + BOTTOM);
-    render(&Sheet { picture, layout }, format, size)
+    render(&Sheet { picture, x, y, layout }, format, size)
 }
 
 /// Cells along one axis.
@@ -58,7 +73,7 @@ struct Grid {
 
 impl Grid {
     fn new(points: usize) -> Self {
-        let stride = points.div_ceil(MOST).max(1);
+        let stride = stride(points);
         let shown = points.div_ceil(stride);
         Self { shown, stride, cell: (TARGET / shown.max(1)).clamp(1, 60) as u32 }
     }
@@ -76,6 +91,8 @@ struct Layout {
 
 struct Sheet<'a> {
     picture: &'a MapPicture<'a>,
+    x: &'a Axis,
+    y: &'a Axis,
     layout: Layout,
 }
 
@@ -87,7 +104,7 @@ fn label(axis: &Axis) -> String {
 fn fixed(scene: &Scene) -> String {
     let mut text = format!("N = {} ({} masses)", scene.base.sites - 1, scene.base.sites);
     for parameter in Parameter::ALL {
-        let swept = scene.x.parameter == parameter || scene.y.parameter == parameter;
+        let swept = scene.sweeps(parameter);
         let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
         if let (Parameter::Amplitude, Some(force)) = (parameter, &scene.base.force) {
             text += &format!(", force {}", listed(force));
@@ -102,14 +119,13 @@ impl Sheet<'_> {
     fn raster(&self) -> (u32, u32, Vec<u8>) {
         let (columns, rows) = (self.layout.columns, self.layout.rows);
         let (width, height) = (columns.pixels(), rows.pixels());
-        let points = self.picture.scene.x.points;
         let mut pixels = Vec::with_capacity(3 * (width * height) as usize);
         for py in 0..height {
-            let row = (rows.shown as u32 - 1 - py / rows.cell) as usize * rows.stride;
+            let row = (rows.shown as u32 - 1 - py / rows.cell) as usize;
             for px in 0..width {
-                let column = (px / columns.cell) as usize * columns.stride;
+                let column = (px / columns.cell) as usize;
                 let unknown = Tile { class: None, mechanism: None };
-                let tile = self.picture.tiles.get(row * points + column).copied().unwrap_or(unknown);
+                let tile = self.picture.tiles.get(row * columns.shown + column).copied().unwrap_or(unknown);
                 pixels.extend(self.picture.palette.pixel(tile, px, py));
             }
         }
@@ -172,9 +188,8 @@ impl Drawing for Sheet<'_> {
 
         // Axes: a cell covers half a step on either side of its value.
         let span = |axis: &Axis, grid: Grid| {
-            let half = 0.5 * axis.step();
-            let end = axis.from - half + axis.step() * (grid.shown * grid.stride) as f64;
-            axis.from - half..end
+            let (from, step) = places(axis);
+            from - 0.5 * step..from - 0.5 * step + step * (grid.shown * grid.stride) as f64
         };
         let (total_width, total_height) = area.dim_in_pixel();
         let mut chart = ChartBuilder::on(area)
@@ -184,19 +199,19 @@ impl Drawing for Sheet<'_> {
             .x_label_area_size(BOTTOM)
             .margin_left(EDGE)
             .y_label_area_size(LEFT - EDGE)
-            .build_cartesian_2d(span(&scene.x, self.layout.columns), span(&scene.y, self.layout.rows))
+            .build_cartesian_2d(span(self.x, self.layout.columns), span(self.y, self.layout.rows))
             .map_err(PlotError::from)?;
         chart
             .configure_mesh()
             .disable_mesh()
-            .x_desc(label(&scene.x))
-            .y_desc(label(&scene.y))
+            .x_desc(label(self.x))
+            .y_desc(label(self.y))
             .axis_desc_style(("sans-serif", 20))
             .label_style(("sans-serif", 16))
             .x_labels(8)
             .y_labels(8)
-            .x_label_formatter(&|value| tick(*value))
-            .y_label_formatter(&|value| tick(*value))
+            .x_label_formatter(&|place| tick_at(self.x, *place))
+            .y_label_formatter(&|place| tick_at(self.y, *place))
             .draw()
             .map_err(PlotError::from)?;
         let raster = BitMapElement::with_owned_buffer((left, top), (width, height), pixels)
@@ -246,6 +261,33 @@ impl Sheet<'_> {
     }
 }
 
+/// Where the first value of an axis lies on the picture, and the distance of neighbours: their logarithms where the ratio is
+/// constant, their numbers in a list.
+fn places(axis: &Axis) -> (f64, f64) {
+    let part = |from: f64, to: f64, points: usize| (from, (to - from) / (points - 1) as f64);
+    match &axis.values {
+        Values::Linear { from, to, points } => part(*from, *to, *points),
+        Values::Logarithmic { from, to, points } => part(from.log10(), to.log10(), *points),
+        Values::List(_) => (0.0, 1.0),
+    }
+}
+
+/// The tick at a place on the picture.
+fn tick_at(axis: &Axis, place: f64) -> String {
+    match &axis.values {
+        Values::Linear { .. } => tick(place),
+        Values::Logarithmic { .. } => {
+            // Three digits: between decades no more is of use.
+            let value = 10f64.powf(place);
+            tick(format!("{value:.2e}").parse().unwrap_or(value))
+        }
+        Values::List(values) => {
+            let whole = place.fract().abs() < 1e-9 && place >= 0.0;
+            values.get(place as usize).filter(|_| whole).map_or_else(String::new, |value| tick(*value))
+        }
+    }
+}
+
 /// A tick in as few digits as it needs; values that are 0 up to rounding are 0.
 pub(crate) fn tick(value: f64) -> String {
     let rounded = format!("{value:.6}");
@@ -256,5 +298,38 @@ pub(crate) fn tick(value: f64) -> String {
         "0".to_owned()
     } else {
         trimmed.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn scene(x: &str, y: &str) -> Scene {
+        let text = format!(
+            "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = {{ parameter = \"omega\", {x} }}\n\
+             y = {{ parameter = \"gamma2\", {y} }}\n[compute]\nfamilies = [\"double-sided\"]\n"
+        );
+        Scene::parse(Path::new("scene.toml"), &text).unwrap()
+    }
+
+    #[test]
+    fn a_map_with_thousands_of_columns_shows_as_many_as_it_can() {
+        let scene = scene("from = 0.4, to = 3.0, points = 12001", "values = [0.1, 0.2]");
+        let shown: Vec<u64> = (0..scene.cells()).filter(|&cell| is_shown(&scene, cell)).collect();
+        let expected: Vec<u64> = (0..2).flat_map(|row| (0..4001).map(move |i| 12_001 * row + 3 * i)).collect();
+        assert_eq!(shown, expected);
+        assert_eq!(Grid::new(12_001).shown, 4001);
+    }
+
+    #[test]
+    fn ticks_stand_where_the_values_are() {
+        let scene = scene("from = 0.01, to = 100, points = 5, spacing = \"log\"", "values = [0.3, 0, 0.125]");
+        let [x, y] = scene.plane().unwrap();
+        assert_eq!(places(x), (-2.0, 1.0));
+        assert_eq!([-2.0, -0.5, 0.0, 2.0].map(|place| tick_at(x, place)), ["0.01", "0.316", "1", "100"]);
+        assert_eq!([-1.0, 0.0, 0.5, 1.0, 2.0, 3.0].map(|place| tick_at(y, place)), ["", "0.3", "", "0", "0.125", ""]);
     }
 }

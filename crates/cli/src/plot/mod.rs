@@ -15,7 +15,7 @@ mod work_precision;
 pub(crate) use canvas::open;
 pub use canvas::{Format, PlotError};
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
-pub use map::{MapPicture, map_picture};
+pub use map::{MapPicture, is_shown, map_picture};
 pub use orbit::{OrbitPanels, orbit_picture};
 pub use palette::{Palette, Tile};
 pub use run::{RunPicture, run_picture};

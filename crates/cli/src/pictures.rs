@@ -1,0 +1,142 @@
+//! Pictures of a table that is being written, from its rows.
+
+#[cfg(feature = "plot")]
+pub(crate) use with_pictures::Pictures;
+#[cfg(not(feature = "plot"))]
+pub(crate) use without_pictures::Pictures;
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    pub(crate) png: Option<&'a std::path::Path>,
+    pub(crate) svg: Option<&'a std::path::Path>,
+    #[cfg_attr(not(feature = "plot"), expect(dead_code, reason = "nothing is drawn in these colours"))]
+    pub(crate) palette: crate::args::PaletteName,
+}
+
+#[cfg(feature = "plot")]
+mod with_pictures {
+    use std::path::{Path, PathBuf};
+    use std::sync::atomic::AtomicBool;
+
+    use vibrochain_floquet::Mechanism;
+
+    use super::Wanted;
+    use crate::args::PaletteName;
+    use crate::cell::Class;
+    use crate::error::CliError;
+    use crate::output::Output;
+    use crate::plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
+    use crate::scene::Scene;
+    use crate::sweep::{Plan, Summary, Unassembled, assemble};
+    use crate::table::class_column;
+    use crate::table_file::TableFile;
+
+    /// Pictures to draw once all rows are known; no more is kept of them than is shown.
+    pub(crate) struct Pictures<'a> {
+        scene: &'a Scene,
+        files: Vec<(Format, PathBuf)>,
+        palette: Palette,
+        class_column: usize,
+        tiles: Vec<Tile>,
+    }
+
+    impl<'a> Pictures<'a> {
+        /// Makes sure that they can be drawn and written.
+        pub(crate) fn plan(wanted: &Wanted<'_>, scene: &'a Scene) -> Result<Self, CliError> {
+            let mut files = Vec::new();
+            for (path, format) in [(wanted.png, Format::Png), (wanted.svg, Format::Svg)] {
+                let Some(path) = path else { continue };
+                if scene.plane().is_none() {
+                    let axes = scene.axes.len();
+                    let message = format!("pictures need two axes, the scene has {axes}: leave out --png and --svg");
+                    return Err(CliError::Request(message));
+                }
+                Output::create(path)?;
+                files.push((format, path.to_owned()));
+            }
+            let palette = match wanted.palette {
+                PaletteName::Colour => Palette::Colour,
+                PaletteName::Paper => Palette::Paper,
+            };
+            Ok(Self { scene, files, palette, class_column: class_column(scene), tiles: Vec::new() })
+        }
+
+        /// Writes the table of all chunks, as [`assemble`] does, and keeps what the pictures need.
+        pub(crate) fn assemble(
+            &mut self,
+            plan: &Plan,
+            folder: &Path,
+            stop: &AtomicBool,
+            table: &mut TableFile,
+        ) -> Result<Summary, Unassembled> {
+            if self.files.is_empty() {
+                return assemble(plan, folder, stop, table, None);
+            }
+            let mechanisms = [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker];
+            let mut numbers = 0..;
+            let mut keep = |row: &[u8]| {
+                if !numbers.next().is_some_and(|number| is_shown(self.scene, number)) {
+                    return;
+                }
+                let mut fields = row.split(|&byte| byte == b',').skip(self.class_column);
+                let class = fields.next().unwrap_or_default();
+                let mechanism = fields.next().unwrap_or_default();
+                self.tiles.push(Tile {
+                    class: Class::ALL.into_iter().find(|known| known.name().as_bytes() == class),
+                    mechanism: mechanisms.into_iter().find(|known| known.name().as_bytes() == mechanism),
+                });
+            };
+            assemble(plan, folder, stop, table, Some(&mut keep))
+        }
+
+        /// Draws and writes them.
+        pub(crate) fn finish(self) -> Result<(), CliError> {
+            let picture = MapPicture { scene: self.scene, tiles: &self.tiles, palette: self.palette };
+            for (format, path) in self.files {
+                let bytes = map_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
+                Output::create(&path)?.finish_with(&bytes)?;
+            }
+            Ok(())
+        }
+    }
+}
+
+#[cfg(not(feature = "plot"))]
+mod without_pictures {
+    use std::marker::PhantomData;
+    use std::path::Path;
+    use std::sync::atomic::AtomicBool;
+
+    use super::Wanted;
+    use crate::error::CliError;
+    use crate::scene::Scene;
+    use crate::sweep::{Plan, Summary, Unassembled, assemble};
+    use crate::table_file::TableFile;
+
+    /// This build draws nothing.
+    pub(crate) struct Pictures<'a>(PhantomData<&'a Scene>);
+
+    impl<'a> Pictures<'a> {
+        pub(crate) fn plan(wanted: &Wanted<'_>, _: &'a Scene) -> Result<Self, CliError> {
+            if wanted.png.is_some() || wanted.svg.is_some() {
+                return Err(CliError::Request("--png and --svg need a build with the feature `plot`".to_owned()));
+            }
+            Ok(Self(PhantomData))
+        }
+
+        pub(crate) fn assemble(
+            &mut self,
+            plan: &Plan,
+            folder: &Path,
+            stop: &AtomicBool,
+            table: &mut TableFile,
+        ) -> Result<Summary, Unassembled> {
+            assemble(plan, folder, stop, table, None)
+        }
+
+        pub(crate) fn finish(self) -> Result<(), CliError> {
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! A table by columns holds the values of the plain one, as other programs read it.
+#![cfg(feature = "parquet")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+#[path = "support/desk.rs"]
+mod desk;
+
+use std::process::Command;
+
+use desk::{Desk, SCENE};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+
+/// Compares every value; numbers must be the same to the last bit, and what is missing must be missing.
+const COMPARE: &str = r#"
+import csv, sys
+import pyarrow.parquet
+columns = pyarrow.parquet.read_table("map.parquet").to_pydict()
+rows = list(csv.DictReader(open("map.csv")))
+assert list(columns) == list(rows[0]), list(columns)
+words = {"class", "mechanism", "status"}
+for name, values in columns.items():
+    assert len(values) == len(rows)
+    kind = str if name in words else int if name == "solutions" else float
+    for row, value in zip(rows, values):
+        assert value == (kind(row[name]) if row[name] else None), (name, row, value)
+print(len(rows))
+"#;
+
+#[test]
+fn values_come_back_by_columns() {
+    let scene = SCENE.replace("points = 300", "points = 400").replace("families", "stability = true\nfamilies");
+    let desk = Desk::with_scene(&scene);
+    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    desk.run("sweep scene.toml --out map.parquet --quiet").with(0, &[]);
+    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    desk.run("merge parts --out merged.parquet --quiet").with(0, &[]);
+    assert!(desk.read("map.parquet") == desk.read("merged.parquet"));
+    assert!(desk.read("map.parquet").len() * 2 < desk.read("map.csv").len());
+
+    let reader = SerializedFileReader::new(std::fs::File::open(desk.path("map.parquet")).unwrap()).unwrap();
+    assert_eq!(reader.metadata().file_metadata().num_rows(), 160_000);
+    assert_eq!(reader.metadata().num_row_groups(), 2);
+
+    let python = std::env::var("PYTHON").unwrap_or("python3".to_owned());
+    let ready = Command::new(&python).args(["-c", "import pyarrow.parquet"]).output();
+    if !ready.is_ok_and(|ready| ready.status.success()) {
+        eprintln!("skipped: no Python with pyarrow (PYTHON names another)");
+        return;
+    }
+    let compared = Command::new(&python).current_dir(desk.path(".")).args(["-c", COMPARE]).output().unwrap();
+    assert!(compared.status.success(), "{}", String::from_utf8_lossy(&compared.stderr));
+    assert_eq!(compared.stdout, b"160000\n");
+}
