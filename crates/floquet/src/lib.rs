@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `saltation` | [`Saltation`]: a perturbation through an impact |
 //! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
+//! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
 //! | `reversible` | half the dimension for conservative orbits |
 //! | `analyser` | [`stability`], [`Analyser`]: the path that fits an orbit |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
@@ -44,6 +45,7 @@ mod monodromy;
 mod multipliers;
 mod reversible;
 mod saltation;
+mod secular;
 mod square;
 mod verdict;
 
@@ -56,5 +58,9 @@ pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use multipliers::{odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;
 pub use saltation::{Saltation, saltations};
+pub use secular::{
+    Doubt, ForcedSecular, ModalShape, Outcome, OutsideCount, OutsideCounter, Reason, Residues, Secular,
+    SecularMultipliers, SecularVerdict,
+};
 pub use square::Square;
 pub use verdict::{Mechanism, Tolerance, Verdict};
