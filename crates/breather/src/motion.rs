@@ -192,6 +192,10 @@ impl Motion {
     pub fn seek(&mut self, i: usize, elapsed: f64) {
         let states = self.states.iter().skip(i * self.now.len());
         for ((now, &(q, p)), frequency) in self.now.iter_mut().zip(states).zip(self.frequencies.iter().cycle()) {
+            if elapsed == 0.0 {
+                *now = [q, p, -frequency * frequency * q];
+                continue;
+            }
             let phase = frequency * elapsed;
             let (sin, cos) = phase.sin_cos();
             // sin Ωt/Ω through its series where Ωt is too small to divide by.

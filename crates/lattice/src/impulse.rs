@@ -65,6 +65,9 @@ pub struct ImpulseResponse {
     dynamic_at_impulse: f64,
     dynamic_at_half: f64,
     static_stiffness: f64,
+    /// What every time needs of a mode: b²/sinc y and (y − sin y)/y³ for y < 1, b²/(2 sin y) and sin y/y otherwise.
+    scales: Vec<f64>,
+    offsets: Vec<f64>,
     condition: f64,
 }
 
@@ -98,6 +101,8 @@ impl ImpulseResponse {
             dynamic_at_impulse: 0.0,
             dynamic_at_half: 0.0,
             static_stiffness: 0.0,
+            scales: Vec::new(),
+            offsets: Vec::new(),
             condition: 1.0,
         }
     }
@@ -143,11 +148,17 @@ impl ImpulseResponse {
         self.condition = condition;
         self.at_impulse.clear();
         self.at_half.clear();
+        self.scales.clear();
+        self.offsets.clear();
         for k in 0..self.modes() {
             let (impulse, half) =
                 (self.mode_dynamic_anywhere(k, 0.0), self.mode_dynamic_anywhere(k, 0.5 * self.period));
             self.at_impulse.push(impulse);
             self.at_half.push(half);
+            let (y, weight, sin) = (self.half_phase[k], self.weights[k], self.sin_half[k]);
+            let soft = y < 1.0;
+            self.scales.push(if soft { weight / sinc(y) } else { weight / (2.0 * sin) });
+            self.offsets.push(if soft { cubic_defect(y) } else { sin / y });
         }
         [self.dynamic_at_impulse, self.dynamic_at_half] =
             long_sum(self.modes(), |k| [self.weights[k] * self.at_impulse[k], self.weights[k] * self.at_half[k]]);
@@ -311,19 +322,17 @@ impl ImpulseResponse {
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
         let [value, slope, curvature, third] = long_sum(self.modes(), |k| {
-            let (frequency, weight, y) = (self.frequencies[k], self.weights[k], self.half_phase[k]);
-            if y < 1.0 {
+            let (frequency, scale, defect) = (self.frequencies[k], self.scales[k], self.offsets[k]);
+            if self.half_phase[k] < 1.0 {
                 let xi = offset / self.period;
                 let x = frequency * offset;
                 let (s, c) = (xi * sinc(0.5 * x), x.cos());
-                let scale = weight / sinc(y);
                 let slope = scale * xi * sinc(x);
-                let value = scale * self.period * (cubic_defect(y) - 2.0 * s * s) * 0.25;
+                let value = scale * self.period * (defect - 2.0 * s * s) * 0.25;
                 [value, -slope, -scale * c / self.period, frequency * frequency * slope]
             } else {
                 let (sin, cos) = (frequency * offset).sin_cos();
-                let scale = weight / (2.0 * self.sin_half[k]);
-                let value = scale * (cos - self.sin_half[k] / y) / frequency;
+                let value = scale * (cos - defect) / frequency;
                 [value, -scale * sin, -scale * frequency * cos, scale * frequency * frequency * sin]
             }
         });
