@@ -7,7 +7,7 @@ use crate::error::FloquetError;
 use crate::square::Square;
 
 /// Up to this dimension nalgebra's unblocked QR is the faster one, beyond it faer's blocked one (measured by
-/// `cargo bench --bench spectrum_dense`).
+/// `cargo bench --bench spectrum`).
 const SMALL: usize = 42;
 
 /// QR sweeps per eigenvalue after which nalgebra is told to give up; a handful is usual.

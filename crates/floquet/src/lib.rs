@@ -9,12 +9,13 @@
 //! |---|---|
 //! | `saltation` | [`Saltation`]: a perturbation through an impact |
 //! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
-//! | `reversible` | half the dimension for conservative orbits |
-//! | `analyser` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
+//! | `analyser`, `by_secular` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `dense`, `reversible` | the smallest matrix that has the multipliers |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
 //! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
 //! | `locate` | [`locate()`]: bifurcations and grazing in one parameter |
-//! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`] |
+//! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] |
 //!
 //! Multipliers are per period of the orbit (two periods of the force for a doubled one). Dimensionless throughout.
 //!
@@ -34,7 +35,9 @@
 //! ```
 
 mod analyser;
+mod by_secular;
 mod certainty;
+mod dense;
 mod eigen;
 mod eigenvectors;
 mod error;
@@ -44,6 +47,7 @@ mod monodromy;
 mod multipliers;
 mod reversible;
 mod saltation;
+mod secular;
 mod square;
 mod verdict;
 
@@ -56,5 +60,9 @@ pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use multipliers::{odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;
 pub use saltation::{Saltation, saltations};
+pub use secular::{
+    Doubt, ForcedSecular, ModalShape, Outcome, OutsideCount, OutsideCounter, Reason, Residues, Secular,
+    SecularMultipliers, SecularVerdict,
+};
 pub use square::Square;
-pub use verdict::{Mechanism, Tolerance, Verdict};
+pub use verdict::{Mechanism, Method, Tolerance, Verdict};

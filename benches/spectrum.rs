@@ -1,0 +1,154 @@
+//! Stability by the secular function against dense matrices, N = 5 … 40; and dense eigenvalues by nalgebra and by faer
+//! against their size, where `floquet` changes over.
+#![allow(missing_docs, reason = "criterion's macros define undocumented items")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark stops at the first surprise")]
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use faer::MatRef;
+use nalgebra::{DMatrix, Schur};
+use vibrochain::breather::{Family, Finder, Found, breathers};
+use vibrochain::floquet::{Analyser, OutsideCounter, Secular, SecularMultipliers, Tolerance, even_monodromy};
+use vibrochain::lattice::{Chain, Model};
+
+/// Orbits all over the paper's map, so that every path of the verdict takes its share.
+fn conservative(sites: usize, family: Family) -> Vec<Model> {
+    let mut models = Vec::new();
+    let (mut finder, mut found) = (Finder::new(sites), Found::default());
+    for i in 0..16 {
+        for j in 1..=8 {
+            let (omega, g2) = (0.5 + 0.125 * f64::from(i), 0.0375 * f64::from(j));
+            let model = Model::conservative(Chain::new(sites, 0.2, g2).unwrap(), omega, 0.4).unwrap();
+            if finder.find_symmetric(&model, family, &mut found).is_ok() && !found.orbits.is_empty() {
+                models.push(model);
+            }
+        }
+    }
+    models
+}
+
+fn verdicts(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("conservative");
+    for sites in [6, 11, 21, 41] {
+        for (name, family) in [("single", Family::SingleSided), ("double", Family::DoubleSided)] {
+            let cases: Vec<_> = conservative(sites, family)
+                .into_iter()
+                .map(|model| {
+                    let (mut finder, mut found) = (Finder::new(sites), Found::default());
+                    finder.find_symmetric(&model, family, &mut found).unwrap();
+                    (found.orbits[0].clone(), finder)
+                })
+                .collect();
+            group.throughput(criterion::Throughput::Elements(cases.len() as u64));
+            let mut secular = Secular::default();
+            group.bench_function(format!("residues/{name}/N={}", sites - 1), |bencher| {
+                bencher.iter(|| {
+                    for (orbit, finder) in &cases {
+                        let _ = black_box(secular.set(orbit, finder.response()));
+                    }
+                });
+            });
+            group.bench_function(format!("verdict/{name}/N={}", sites - 1), |bencher| {
+                bencher.iter(|| {
+                    for (orbit, finder) in &cases {
+                        if secular.set(orbit, finder.response()).is_ok() {
+                            let _ = black_box(secular.verdict());
+                        }
+                    }
+                });
+            });
+            group.bench_function(format!("all roots/{name}/N={}", sites - 1), |bencher| {
+                bencher.iter(|| {
+                    for (orbit, finder) in &cases {
+                        if secular.set(orbit, finder.response()).is_ok() {
+                            let _ = black_box(secular.roots());
+                        }
+                    }
+                });
+            });
+            let mut analyser = Analyser::dense();
+            let mut finder = Finder::new(sites);
+            group.bench_function(format!("dense verdict/{name}/N={}", sites - 1), |bencher| {
+                bencher.iter(|| {
+                    for (orbit, _) in &cases {
+                        let _ = black_box(analyser.verdict(orbit, &mut finder, Tolerance::Rounding));
+                    }
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+fn forced(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("forced");
+    for sites in [6, 11, 21, 41] {
+        for (name, family, omega) in [("n=1", Family::SingleSided, 0.92), ("n=2", Family::DoubleSided, 1.5)] {
+            let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, 0.1, 0.9).unwrap();
+            let (mut finder, mut found) = (Finder::new(sites), Found::default());
+            finder.find(&model, family, &mut found).unwrap();
+            let orbit = &found.orbits[0];
+            if family == Family::SingleSided {
+                let mut counter = OutsideCounter::default();
+                group.bench_function(format!("count outside/{name}/N={}", sites - 1), |bencher| {
+                    bencher.iter(|| counter.count(black_box(orbit), finder.response()).unwrap());
+                });
+            }
+            let mut secular = SecularMultipliers::default();
+            group.bench_function(format!("all multipliers/{name}/N={}", sites - 1), |bencher| {
+                bencher.iter(|| {
+                    secular.set(black_box(orbit), finder.response()).unwrap();
+                    secular.multipliers().unwrap().0.len()
+                });
+            });
+            let mut analyser = Analyser::dense();
+            let mut other = Finder::new(sites);
+            group.bench_function(format!("dense verdict/{name}/N={}", sites - 1), |bencher| {
+                bencher.iter(|| analyser.verdict(black_box(orbit), &mut other, Tolerance::Rounding).unwrap());
+            });
+        }
+    }
+    group.finish();
+}
+
+fn large_rings(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("large");
+    group.sample_size(10);
+    for sites in [1001, 10_001, 100_001] {
+        let model = Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), 0.8, 0.4).unwrap();
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        finder.find(&model, Family::SingleSided, &mut found).unwrap();
+        let mut secular = Secular::default();
+        group.bench_function(format!("all roots/{sites} sites"), |bencher| {
+            bencher.iter(|| {
+                secular.set(black_box(&found.orbits[0]), finder.response()).unwrap();
+                secular.roots().unwrap().0.len()
+            });
+        });
+    }
+    group.finish();
+}
+
+fn eigenvalues(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("eigenvalues");
+    for sites in [9, 19, 29, 39, 49, 79] {
+        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+        let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
+        let matrix = even_monodromy(orbit).unwrap();
+        let n = matrix.size();
+        group.bench_function(BenchmarkId::new("nalgebra", n), |bencher| {
+            bencher.iter(|| {
+                let dense = DMatrix::from_column_slice(n, n, black_box(matrix.entries()));
+                Schur::try_new(dense, f64::EPSILON, 60 * n).unwrap().complex_eigenvalues()
+            });
+        });
+        group.bench_function(BenchmarkId::new("faer", n), |bencher| {
+            bencher.iter(|| MatRef::from_row_major_slice(black_box(matrix.entries()), n, n).eigenvalues().unwrap());
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, verdicts, forced, large_rings, eigenvalues);
+criterion_main!(benches);

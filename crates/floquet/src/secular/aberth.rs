@@ -1,0 +1,159 @@
+//! Ehrlich and Aberth's simultaneous iteration for the zeros of f(z) = 1 + Σ ρ/(z−p) + conj.
+//!
+//! The zeros interlace the poles as long as impacts disturb little: one start inside each gap between poles sorted by
+//! angle, slightly inside the circle. (Started at the poles the iteration fails.) Newton's correction uses the numerator's
+//! logarithmic derivative, f′/f + Σ 1/(z−p), and repels the other approximations.
+
+use nalgebra::Complex;
+
+use super::doubt::Doubt;
+use super::forced::SecularMultipliers;
+use super::lanes::{Lane, ONE, ZERO, all, fill, four, total};
+
+type C = Complex<f64>;
+
+/// Work space.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Aberth {
+    pub(crate) roots: Vec<C>,
+    pub(crate) errors: Vec<f64>,
+    settled: Vec<bool>,
+    angles: Vec<f64>,
+    root_re: Vec<Lane>,
+    root_im: Vec<Lane>,
+}
+
+/// f, f′, Σ 1/(z−p), and a bound of the rounding error of f.
+pub(super) struct Value {
+    pub(super) f: C,
+    pub(super) slope: C,
+    poles: C,
+    noise: f64,
+}
+
+pub(super) fn evaluate(form: &SecularMultipliers, z: C) -> Value {
+    let (mut f_re, mut f_im, mut s_re, mut s_im) = (ZERO, ZERO, ZERO, ZERO);
+    let (mut p_re, mut p_im, mut noise) = (ZERO, ZERO, ZERO);
+    let lanes = form.pole_re.iter().zip(&form.pole_im).zip(form.residue_re.iter().zip(&form.residue_im));
+    for ((pole_re, pole_im), (residue_re, residue_im)) in lanes {
+        let (pole_im, residue_re, residue_im) = (four(*pole_im), four(*residue_re), four(*residue_im));
+        let u = all(z.re) - four(*pole_re);
+        for (v, r) in [(all(z.im) - pole_im, residue_im), (all(z.im) + pole_im, -residue_im)] {
+            let scale = ONE / (u * u + v * v);
+            let (a, b) = (u * scale, -v * scale);
+            // ρ/(z−p) and its square over ρ
+            let (x, y) = (residue_re * a - r * b, residue_re * b + r * a);
+            f_re += x;
+            f_im += y;
+            s_re -= x * a - y * b;
+            s_im -= x * b + y * a;
+            p_re += a;
+            p_im += b;
+            noise += x.abs() + y.abs();
+        }
+    }
+    Value {
+        f: C::new(1.0 + total(f_re), total(f_im)),
+        slope: C::new(total(s_re), total(s_im)),
+        poles: C::new(total(p_re), total(p_im)),
+        noise: 1.0 + total(noise),
+    }
+}
+
+/// Error of f from those of residues and poles.
+fn doubt(form: &SecularMultipliers, z: C) -> f64 {
+    let mut doubt = ZERO;
+    let lanes = form.pole_re.iter().zip(&form.pole_im).zip(form.residue_error.iter().zip(&form.pole_error));
+    for ((pole_re, pole_im), (residue, pole)) in lanes {
+        let (u, pole_im) = (all(z.re) - four(*pole_re), four(*pole_im));
+        for v in [all(z.im) - pole_im, all(z.im) + pole_im] {
+            let inverse = ONE / (u * u + v * v);
+            doubt += four(*residue) * inverse.sqrt() + four(*pole) * inverse;
+        }
+    }
+    f64::EPSILON + total(doubt)
+}
+
+const SWEEPS: usize = 100;
+
+impl Aberth {
+    /// All zeros into `roots`. `angles` are those of the poles on the upper half circle.
+    pub(crate) fn solve(&mut self, form: &SecularMultipliers, angles: &[f64]) -> Result<(), Doubt> {
+        let Self { roots, errors, settled, angles: sorted, root_re, root_im } = self;
+        sorted.clear();
+        sorted.extend_from_slice(angles);
+        sorted.sort_unstable_by(f64::total_cmp);
+        roots.clear();
+        errors.clear();
+        let m = sorted.len();
+        // Between neighbours, on both halves; and next to +1 and −1. Off the mirror image, so that pairs may turn real.
+        let radius = 1.0 - 0.3 / (m as f64 + 1.0);
+        for pair in sorted.windows(2) {
+            let (middle, tilt) = (0.5 * (pair[0] + pair[1]), 0.05 * (pair[1] - pair[0]));
+            roots.push(C::from_polar(radius, middle + tilt));
+            roots.push(C::from_polar(radius, -middle + tilt));
+        }
+        if let (Some(first), Some(last)) = (sorted.first(), sorted.last()) {
+            roots.push(C::from_polar(radius, 0.1 * first));
+            roots.push(C::from_polar(radius, std::f64::consts::PI - 0.1 * (std::f64::consts::PI - last)));
+        }
+        let wanted = 2 * m;
+        // Those that fill up the last group are too far away to repel.
+        fill(root_re, roots.iter().map(|z| z.re), 1e150);
+        fill(root_im, roots.iter().map(|z| z.im), 0.0);
+        settled.clear();
+        settled.resize(wanted, false);
+        let one = C::new(1.0, 0.0);
+        let mut open = wanted;
+        for _ in 0..SWEEPS {
+            for i in 0..wanted {
+                if settled[i] {
+                    continue;
+                }
+                let z = roots[i];
+                let value = evaluate(form, z);
+                let mut log = value.slope / value.f + value.poles;
+                // All others repel; from itself it has no distance.
+                let (mut re, mut im) = (ZERO, ZERO);
+                let (x, y) = (all(z.re), all(z.im));
+                for (root_re, root_im) in root_re.iter().zip(&*root_im) {
+                    let (u, v) = (x - four(*root_re), y - four(*root_im));
+                    let square = u * u + v * v;
+                    let itself = square.simd_eq(ZERO);
+                    let scale = itself.select(ZERO, ONE / itself.select(ONE, square));
+                    re += u * scale;
+                    im -= v * scale;
+                }
+                log -= C::new(total(re), total(im));
+                let step = one / log;
+                if step.re.is_finite() && step.im.is_finite() {
+                    let next = z - step;
+                    roots[i] = next;
+                    root_re.as_flattened_mut()[i] = next.re;
+                    root_im.as_flattened_mut()[i] = next.im;
+                }
+                // The iteration is of third order: after a step this small nothing is left to gain but rounding.
+                let small = 1e-18 * z.norm_sqr().max(1e-6);
+                let zero = 2.0 * f64::EPSILON * value.noise;
+                if step.norm_sqr() <= small || value.f.norm_sqr() <= zero * zero {
+                    settled[i] = true;
+                    open -= 1;
+                }
+            }
+            if open == 0 {
+                break;
+            }
+        }
+        for z in roots.iter_mut() {
+            let mut value = evaluate(form, *z);
+            let step = value.f / value.slope;
+            if step.norm_sqr() <= 1e-14 * z.norm_sqr().max(1e-6) {
+                *z -= step;
+                value = evaluate(form, *z);
+            }
+            // And it is rounded itself.
+            errors.push(doubt(form, *z) / value.slope.norm_sqr().sqrt() + 2.0 * f64::EPSILON * z.norm_sqr().sqrt());
+        }
+        if open == 0 { Ok(()) } else { Err(Doubt::Incomplete { found: wanted - open, wanted }) }
+    }
+}

@@ -1,0 +1,210 @@
+//! Residues of two impacts half a period apart, signed impulses P₀ and P₁.
+//!
+//! Let S₀,₁ = S̄ ± δE be the two saltations, E the entry (v, u), κ̄ = (κ₀+κ₁)/2, δ = (κ₀−κ₁)/2, and L half a period's
+//! flight. Sums and differences of the two halves split det(w² − LS₁LS₀) into det(w−LS̄)·det(w+LS̄) and a dyad each
+//! way; ∂f_h/∂κ = −g̃/2 of the one-impact function f_h of *half* a period gives the dyads' factor:
+//!
+//! ```text
+//! f(ν) = f_h(ρ)f_h(−ρ) − (δ²/4) g̃(ρ)g̃(−ρ),   ρ² = (1+ν)/2,   f_h(ρ) = (ρ²−1)σ̃² + g̃(h̃ − κ̄/2),
+//! σ̃ = Σ b²/(ρ−c),   g̃ = Σ b²x/(ρ−c),   h̃ = Σ b²y/(ρ−c),   x = s/Ω,   y = sΩ.
+//! ```
+//!
+//! With f_h = Q − Kg̃, K = κ̄/2, that is QQ⁻ − K(Qg̃⁻ + Q⁻g̃) + Λg̃g̃⁻, Λ = κ₀κ₁/4: the squares of κ, which grow without
+//! bound as one impact turns to grazing, have cancelled. The orbit's velocities −P/2 and accelerations give, with
+//! X = P₁/P₀, K = Σ b²(c+χ)/x, χ = (X+1/X)/2, and Λ = Σ b²(c+X)/x · Σ b²(c+1/X)/x. Then f(1) = 0, F = f/(ν−1), and with
+//! dν = 4ρ dρ, d − 1 = −2s²
+//!
+//! ```text
+//! R_k = −(2/s_k²) [ t_k (Φ_k + KΓ_k) − b_k²x_k (KΦ_k + ΛΓ_k) ],    Φ_k = c_k Q(−c_k),   Γ_k = −c_k g̃(−c_k),
+//! t_k = b_k² Σ_l b_l² [ 2s_k q_kl + x_k x_l (Ω_k−Ω_l)²/(c_k−c_l) ],   the residue of Q,
+//! q_kl = (s_l−s_k)/(c_k−c_l) = (c_k+c_l)/(s_k+s_l),
+//! ```
+//!
+//! l = k again giving the square term by the second form of q. In Φ_k and Γ_k the terms l = k, b_k²/(2c_k), are
+//! multiplied out: c_k → 0 is harmless, and so are the double poles, x_k y_k = s_k². Dividing by s_k² is not, for a mode
+//! that is very soft or next to resonance: its residue is better known as 1 − ΣR of the others, see [`super::Residues`].
+
+use super::lanes::{FOUR, HALF, Lane, ONE, SMALL, TWO, ZERO, all, four, total};
+use super::modes::{Mode, Modes};
+use super::residues::Pole;
+
+/// K, Λ and their errors in units of ε.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Saltations {
+    half_kappa: f64,
+    half_kappa_error: f64,
+    lambda: f64,
+    lambda_error: f64,
+}
+
+impl Saltations {
+    /// From the ratio X = P₁/P₀ and its relative error.
+    pub(crate) fn new(modes: &Modes, ratio: f64, ratio_error: f64) -> Self {
+        let off = ratio_error / f64::EPSILON;
+        let chi = 0.5 * (ratio + 1.0 / ratio);
+        let (mut half_kappa, mut kappa0, mut kappa1) = (0.0, 0.0, 0.0);
+        let (mut half_kappa_error, mut kappa0_error, mut kappa1_error) = (0.0, 0.0, 0.0);
+        for k in 0..modes.count {
+            let Mode { weight, cos: c, inverse, relative, .. } = modes.mode(k);
+            let stiffness = weight * inverse;
+            half_kappa += stiffness * (c + chi);
+            kappa0 += stiffness * (c + ratio);
+            kappa1 += stiffness * (c + 1.0 / ratio);
+            let (size, own) = (stiffness.abs(), relative + 4.0);
+            half_kappa_error += size * (own * c.abs() + (own + off) * chi.abs());
+            kappa0_error += size * (own * c.abs() + (own + off) * ratio.abs());
+            kappa1_error += size * (own * c.abs() + (own + off) / ratio.abs());
+        }
+        let lambda = kappa0 * kappa1;
+        let lambda_error = kappa0.abs() * kappa1_error + kappa1.abs() * kappa0_error;
+        Self { half_kappa, half_kappa_error, lambda, lambda_error }
+    }
+}
+
+/// What the residue of one mode needs of modes with c_l about c_k: t_k/b_k² and its error.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Own {
+    value: f64,
+    error: f64,
+}
+
+/// What it needs of modes with c_l about −c_k, itself left out: Σ b²/(c_k+c), Σ b²x/(…), Σ b²y/(…), the size of these and
+/// the sum of their errors.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Mirror {
+    sigma: f64,
+    g: f64,
+    h: f64,
+    size: f64,
+    doubted: f64,
+}
+
+impl Own {
+    pub(crate) fn add_far(&mut self, far: f64) {
+        self.value += far;
+        self.error += 4.0 * far.abs();
+    }
+}
+
+impl Mirror {
+    pub(crate) fn add_far(&mut self, inverse: f64, [sigma, g, h]: [f64; 3]) {
+        self.sigma += sigma;
+        self.g += g;
+        self.h += h;
+        let size = sigma.abs() + (inverse * g).abs();
+        self.size += size;
+        self.doubted += 8.0 * size;
+    }
+}
+
+/// Both kinds of sums over `modes`; `masked` are their weights, that of the mode itself set to 0.
+#[inline(always)]
+pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own, Mirror) {
+    let (w, f, c, s) = (&modes.weight, &modes.frequency, &modes.cos, &modes.sin);
+    let (x, y, relative, shift) = (&modes.sin_over, &modes.sin_times, &modes.relative, &modes.shift);
+    // Lengths are equal; said here, they need not be checked below.
+    let n = w.len();
+    let (f, c, s, x) = (&f[..n], &c[..n], &s[..n], &x[..n]);
+    let (y, relative, shift, masked) = (&y[..n], &relative[..n], &shift[..n], &masked[..n]);
+    let (mut own, mut own_error, mut sigma, mut g, mut h) = (ZERO, ZERO, ZERO, ZERO, ZERO);
+    let (mut size, mut doubted) = (ZERO, ZERO);
+    let (fk, ck, sk, xk) = (all(mode.frequency), all(mode.cos), all(mode.sin), all(mode.sin_over));
+    let opposite = sk * sk - ck * ck;
+    let (ik, rk, hk) = (all(mode.inverse), all(mode.relative), all(0.5 * mode.shift));
+    for i in 0..n {
+        let (w, f, c, s, x, y) = (four(w[i]), four(f[i]), four(c[i]), four(s[i]), four(x[i]), four(y[i]));
+        let (relative, shift, masked) = (four(relative[i]), four(shift[i]), four(masked[i]));
+        let (sum, minus) = (ck + c, ck - c);
+        let by_sine = (s - sk) * (s + sk);
+        let difference = (c * c - s * s).simd_gt(opposite).select(by_sine, minus * sum);
+        // As for one impact: no infinity where modes coincide.
+        let quotient = ONE / difference.simd_eq(ZERO).select(SMALL, difference);
+        // Of c_k ± c_l the larger one as it is, the smaller one from the product.
+        let same = (ck * c).simd_gt(ZERO);
+        let large = same.select(sum, minus);
+        let (of_large, of_small) = (ONE / large, large * quotient);
+        let (of_sum, of_difference) = (same.select(of_large, of_small), same.select(of_small, of_large));
+        let near = (ck * c + sk * s).simd_gt(ZERO);
+        let q = near.select(sum / near.select(sk + s, ONE), (s - sk) * of_difference);
+        let spread = fk - f;
+        let bent = xk * x * spread * spread * of_difference;
+        let direct = TWO * sk * q;
+        own += w * (direct + bent);
+        let doubt = (hk + HALF * shift) * quotient.abs();
+        let (doubt_of_sum, doubt_of_difference) = (same.select(FOUR, doubt), same.select(doubt, FOUR));
+        let direct_doubt = near.select(FOUR, FOUR + doubt_of_difference);
+        own_error += w * (direct.abs() * direct_doubt + bent.abs() * (doubt_of_difference + rk + relative));
+        let pole = masked * of_sum;
+        sigma += pole;
+        g += x * pole;
+        h += y * pole;
+        let term = pole.abs() * (ONE + (ik * x).abs());
+        size += term;
+        doubted += term * (doubt_of_sum + relative + rk);
+    }
+    let own = Own { value: total(own), error: total(own_error) };
+    let (sigma, g, h) = (total(sigma), total(g), total(h));
+    (own, Mirror { sigma, g, h, size: total(size), doubted: total(doubted) })
+}
+
+/// The residue from the sums.
+#[inline(always)]
+pub(crate) fn residue(k: usize, mode: &Mode, saltations: &Saltations, own: &Own, mirror: &Mirror) -> Pole {
+    let Mode { weight: wk, cos: ck, sin: sk, sin_over: xk, sin_times: yk, relative: rk, .. } = *mode;
+    let Saltations { half_kappa, half_kappa_error, lambda, lambda_error } = *saltations;
+    let Mirror { sigma, g, h, size, doubted } = *mirror;
+    let square = sk * sk;
+    let (own, own_error) = (wk * own.value, wk * own.error);
+    let cross = ck * (g * h - square * sigma * sigma) + 0.5 * wk * (xk * h + yk * g - 2.0 * square * sigma);
+    let tail = ck * g + 0.5 * wk * xk;
+    let gamma = wk * xk;
+    let (upper, lower) = (cross + half_kappa * tail, half_kappa * cross + lambda * tail);
+    let scale = -2.0 / square;
+    let residue = scale * (own * upper - gamma * lower);
+    // Two sums multiplied: their rounding counts twice where they cancel, the errors of their terms do not, since the
+    // square terms x_l y_l − s_l² vanish whatever the phases.
+    let doubt = doubted / size.max(f64::MIN_POSITIVE);
+    let product = (g * h - square * sigma * sigma).abs();
+    let sums = 4.0 * square * size * size + doubt * (product + square * size);
+    let cross_error = ck.abs() * sums + wk * square * size * (4.0 + doubt);
+    let tail_error = (ck * xk).abs() * size * (4.0 + doubt) + gamma.abs() * rk;
+    let upper_error = cross_error + half_kappa.abs() * tail_error + half_kappa_error * tail.abs();
+    let lower_error = half_kappa.abs() * cross_error
+        + half_kappa_error * cross.abs()
+        + lambda.abs() * tail_error
+        + lambda_error * tail.abs();
+    let error = own_error * upper.abs() + own.abs() * upper_error + gamma.abs() * (lower_error + rk * lower.abs());
+    let error = 2.0 * f64::EPSILON * (scale.abs() * error + residue.abs() * (rk + 4.0));
+    Pole::new(k, ck, sk, mode.shift, residue, error)
+}
+
+/// Residues into `poles`, one a mode. `masked` is scratch space.
+pub(crate) fn residues(modes: &Modes, saltations: &Saltations, masked: &mut Vec<Lane>, poles: &mut Vec<Pole>) {
+    poles.clear();
+    masked.clear();
+    masked.extend_from_slice(&modes.weight);
+    for k in 0..modes.count {
+        let mode = modes.mode(k);
+        masked.as_flattened_mut()[k] = 0.0;
+        let (own, mirror) = sums(modes, masked, &mode);
+        masked.as_flattened_mut()[k] = mode.weight;
+        poles.push(residue(k, &mode, saltations, &own, &mirror));
+    }
+}
+
+/// Σ R_k d_k from the asymptotics of f at infinity.
+pub(crate) fn trace(modes: &Modes, saltations: &Saltations) -> f64 {
+    let (mut m1, mut m2, mut g1, mut g2, mut h1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for k in 0..modes.count {
+        let Mode { weight: w, cos: c, sin_over: x, sin_times: y, .. } = modes.mode(k);
+        m1 += w * c;
+        m2 += w * c * c;
+        g1 += w * x;
+        g2 += w * x * c;
+        h1 += w * y;
+    }
+    // Q = 1 + α/ρ + β/ρ² + …, g̃ = g₁/ρ + g₂/ρ² + …, 1/ρ² = 2/ν + …
+    let (alpha, beta) = (2.0 * m1, m1 * m1 + 2.0 * m2 - 1.0 + g1 * h1);
+    let Saltations { half_kappa, lambda, .. } = *saltations;
+    1.0 + 2.0 * (2.0 * beta - alpha * alpha - 2.0 * half_kappa * (g2 - alpha * g1) - lambda * g1 * g1)
+}

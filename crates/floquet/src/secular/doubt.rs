@@ -1,0 +1,56 @@
+//! Why the secular function gives no answer.
+
+use thiserror::Error;
+
+/// What keeps the secular function from an answer that it could vouch for; a dense solver may still have one.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// The orbit is not its own mirror image in time, or impacts at several sites.
+    #[error("the orbit is not of the kind this secular function is for")]
+    NotReversible,
+    /// A certificate fails: rounding has eaten the residues (next to resonance, for very soft or stiff rings).
+    #[error("a certificate of the secular function fails by {} where rounding explains {}", told(*defect), told(*allowed))]
+    Certificate {
+        /// By how much.
+        defect: f64,
+        /// How much rounding explains.
+        allowed: f64,
+    },
+    /// A signature is not known: the residue of a mode is smaller than its error, Ω_k ± Ω_l = jω to within rounding.
+    #[error("the signature of mode {mode} is lost in rounding")]
+    Signature {
+        /// The mode.
+        mode: usize,
+    },
+    /// Two poles coincide (γ₂ → 0, a rigid mode, Ω_k ± Ω_l = jω).
+    #[error("the pole of mode {mode} coincides with another")]
+    Coincident {
+        /// The mode.
+        mode: usize,
+    },
+    /// A multiplier is on the unit circle to within rounding.
+    #[error("a multiplier is on the unit circle to within rounding")]
+    Tangency,
+    /// Rounding leaves the leading multiplier less accurate than a dense solver would.
+    #[error("the growth {} is uncertain by {}", told(*growth), told(*growth_error))]
+    Imprecise {
+        /// |μ| − 1
+        growth: f64,
+        /// Its error.
+        growth_error: f64,
+    },
+    /// Not all roots were found.
+    #[error("{found} of {wanted} roots were found")]
+    Incomplete {
+        /// Roots found.
+        found: usize,
+        /// Roots there are.
+        wanted: usize,
+    },
+}
+
+/// A number in words; one that is none is said so.
+fn told(value: f64) -> String {
+    if value.is_finite() { format!("{value:.1e}") } else { "an unknown amount".to_owned() }
+}

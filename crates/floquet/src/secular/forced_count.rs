@@ -1,0 +1,174 @@
+//! One impact a period with losses: how many multipliers are outside the unit circle, exactly, without computing one.
+//!
+//! With S − 1 = −(1+e)(1 − κ'E), κ' = (v̈/v⁻), and G = Bᵀ(z−R)⁻¹RB = ½(N − 1), N = [[ζσ, g], [−h, ζσ]], ζ = ½(z − 1/z), the
+//! quotient det(z−M)/det(z−R) = det(1 − (S−1)G) of the characteristic polynomials with and without impact is
+//!
+//! ```text
+//! f(z) = ¼(1+e)² { [q + ζσ]² + g(h − 2κ) },   q = (1−e)/(1+e),   κ = v̈/((1+e)v⁻),
+//! σ = Σ b²/(ν−d),   g = Σ 2b²xc/(ν−d),   h = Σ 2b²yc/(ν−d),   ν = ½(z + 1/z).
+//! ```
+//!
+//! On the circle, z = e^{iθ}: ζ = i sin θ and Im f ∝ 2q sin θ·σ(cos θ). On the upper half σ falls from pole to pole as ν
+//! rises, so that Im f passes each zero of σ from − to + as θ rises, and each pole from + to − on the far side, clockwise:
+//! the poles are simple, f ≈ ρ/(z−p). Hence f turns clockwise once for every zero of σ where Re f < 0 and not at all where
+//! Re f > 0; the same on the lower half; and likewise at z = ±1, where σ(1) > 0 > σ(−1) makes Im f rise, too. f(∞) = 1 and
+//! f has no pole outside, so clockwise turns are zeros outside:
+//!
+//! ```text
+//! N = 2·#{σ(ν) = 0 : q² + g(h − 2κ) < 0} + [f(1) < 0] + [f(−1) < 0].
+//! ```
+//!
+//! q² + g(h − 2κ) < 0 at a zero of σ means a complex pair, f(±1) < 0 a real multiplier beyond ±1.
+
+use nalgebra::Complex;
+use vibrochain_breather::Orbit;
+use vibrochain_lattice::ImpulseResponse;
+
+use super::doubt::Doubt;
+use super::evaluate::Local;
+use super::gap::root;
+use super::lanes::{Lane, fill};
+use super::modes::Modes;
+
+/// How many multipliers are outside the unit circle, and where they left it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OutsideCount {
+    /// Complex pairs.
+    pub pairs: usize,
+    /// A real multiplier beyond +1 (an odd number of them; pairs of real ones count among the pairs).
+    pub beyond_plus_one: bool,
+    /// A real multiplier beyond −1.
+    pub beyond_minus_one: bool,
+}
+
+impl OutsideCount {
+    /// The number of multipliers.
+    pub fn total(&self) -> usize {
+        2 * self.pairs + usize::from(self.beyond_plus_one) + usize::from(self.beyond_minus_one)
+    }
+}
+
+/// Work space for counting.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_floquet::OutsideCounter;
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 0.92, 0.4, 0.1, 0.9)?;
+/// let (mut finder, mut found) = (Finder::new(21), Found::default());
+/// finder.find(&model, Family::SingleSided, &mut found)?;
+/// let mut counter = OutsideCounter::default();
+/// let counts: Vec<_> = found.orbits.iter().map(|orbit| counter.count(orbit, finder.response())).collect();
+/// // One branch has a multiplier beyond +1, the other complex pairs.
+/// assert!(counts.iter().flatten().any(|count| count.beyond_plus_one));
+/// assert!(counts.iter().flatten().any(|count| count.pairs > 0 && !count.beyond_plus_one));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct OutsideCounter {
+    modes: Modes,
+    /// d, b², 2b²xc, 2b²yc, error of d
+    table: Vec<[f64; 5]>,
+    poles: Vec<Lane>,
+    weights: Vec<Lane>,
+    zeros: Vec<Lane>,
+    shifts: Vec<Lane>,
+    distances: Vec<Lane>,
+}
+
+impl OutsideCounter {
+    /// Counts. `response` is that of the orbit's chain and frequency.
+    ///
+    /// # Errors
+    /// [`Doubt::NotReversible`] unless the orbit has one impact a period and e < 1; [`Doubt::Tangency`] if rounding decides:
+    /// a multiplier is on the circle to within it.
+    pub fn count(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<OutsideCount, Doubt> {
+        let (e, q) = (orbit.model().restitution(), orbit.model().loss());
+        let [impact] = orbit.impacts() else { return Err(Doubt::NotReversible) };
+        if q <= 0.0 {
+            return Err(Doubt::NotReversible);
+        }
+        let twice_kappa = 2.0 * impact.acceleration / ((1.0 + e) * impact.velocity_before);
+        self.modes.set(response);
+        let count = self.modes.count;
+        self.table.clear();
+        let (mut plus, mut minus): ([f64; 4], [f64; 4]) = Default::default();
+        {
+            let flat = |lanes: &'_ Vec<Lane>, k: usize| lanes.as_flattened()[k];
+            let modes = &self.modes;
+            for k in 0..count {
+                let (w, c, s) = (flat(&modes.weight, k), flat(&modes.cos, k), flat(&modes.sin, k));
+                let (x, y, shift) = (flat(&modes.sin_over, k), flat(&modes.sin_times, k), flat(&modes.shift, k));
+                let (g, h) = (2.0 * w * x * c, 2.0 * w * y * c);
+                self.table.push([(c - s) * (c + s), w, g, h, f64::EPSILON * shift]);
+                // 1 − d = 2s², −1 − d = −2c².
+                for (sums, distance) in [(&mut plus, 2.0 * s * s), (&mut minus, -2.0 * c * c)] {
+                    let slack = f64::EPSILON * (8.0 + 2.0 * shift / distance.abs());
+                    sums[0] += g / distance;
+                    sums[1] += h / distance;
+                    sums[2] += (g / distance).abs() * slack;
+                    sums[3] += (h / distance).abs() * slack;
+                }
+            }
+        }
+        let negative = |[g, h, g_error, h_error]: [f64; 4]| {
+            let value = q * q + g * (h - twice_kappa);
+            let size = h.abs() + twice_kappa.abs();
+            let error = g_error * size + g.abs() * (h_error + 8.0 * f64::EPSILON * size) + f64::EPSILON * q * q;
+            // Not a number is a doubt, too.
+            if value.abs() > error { Ok(value < 0.0) } else { Err(Doubt::Tangency) }
+        };
+        let mut result =
+            OutsideCount { pairs: 0, beyond_plus_one: negative(plus)?, beyond_minus_one: negative(minus)? };
+        if let [first, .., last] = self.table.as_slice()
+            && first[0] > last[0]
+        {
+            self.table.reverse();
+        }
+        self.table.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        fill(&mut self.poles, self.table.iter().map(|row| row[0]), 1e100);
+        fill(&mut self.weights, self.table.iter().map(|row| row[1]), 0.0);
+        fill(&mut self.shifts, self.table.iter().map(|row| row[4]), 0.0);
+        fill(&mut self.zeros, (0..count).map(|_| 0.0), 0.0);
+        for gap in 0..count.saturating_sub(1) {
+            let (left, right) = (self.table[gap][0], self.table[gap + 1][0]);
+            let width = right - left;
+            if width <= 0.0 {
+                // Coincident modes: one combination of them never feels the impact, its multiplier is on the circle.
+                continue;
+            }
+            // From the nearer pole, whose side the sign in the middle tells: σ falls.
+            from(&self.poles, left, &mut self.distances);
+            let middle = local(&self.weights, &self.zeros, &self.shifts, &self.distances).value(0.5 * width);
+            let (low, high, other) = if middle < 0.0 { (0.0, 0.5 * width, width) } else { (-0.5 * width, 0.0, -width) };
+            if middle >= 0.0 {
+                from(&self.poles, right, &mut self.distances);
+            }
+            let sums = local(&self.weights, &self.zeros, &self.shifts, &self.distances);
+            let t = root(sums, (low, high), false, |t| 1.0 / t - 1.0 / (other - t));
+            let moved = sums.noise(Complex::new(t, 0.0)) / sums.jet(t).slope.abs();
+            let origin = if middle < 0.0 { left } else { right };
+            let mut at = [0.0; 4];
+            for row in &self.table {
+                let distance = (origin - row[0]) + t;
+                let slack = f64::EPSILON * 8.0 + (moved + row[4]) / distance.abs();
+                at[0] += row[2] / distance;
+                at[1] += row[3] / distance;
+                at[2] += (row[2] / distance).abs() * slack;
+                at[3] += (row[3] / distance).abs() * slack;
+            }
+            result.pairs += usize::from(negative(at)?);
+        }
+        Ok(result)
+    }
+}
+
+fn local<'a>(residues: &'a [Lane], errors: &'a [Lane], shifts: &'a [Lane], distances: &'a [Lane]) -> Local<'a> {
+    Local { residues, errors, shifts, distances, far: None }
+}
+
+/// Distances of all poles from an origin.
+fn from(poles: &[Lane], origin: f64, out: &mut Vec<Lane>) {
+    out.clear();
+    out.extend(poles.iter().map(|pole| pole.map(|d| origin - d)));
+}

@@ -1,0 +1,96 @@
+//! From ν to growth per period without cancellation.
+
+use nalgebra::Complex;
+
+/// ν by its distances from both ends of [−1, 1], since roots next to the ends are told apart by nothing else.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Nu {
+    /// Re ν − 1
+    pub(crate) below: f64,
+    /// Re ν + 1
+    pub(crate) above: f64,
+    /// Im ν
+    pub(crate) im: f64,
+}
+
+impl Nu {
+    /// ±(1 + δ) for `end` = ±1.
+    pub(crate) fn beyond(end: f64, delta: f64) -> Self {
+        if end > 0.0 {
+            Self { below: delta, above: 2.0 + delta, im: 0.0 }
+        } else {
+            Self { below: -2.0 - delta, above: -delta, im: 0.0 }
+        }
+    }
+
+    pub(crate) fn of(nu: Complex<f64>) -> Self {
+        Self { below: nu.re - 1.0, above: nu.re + 1.0, im: nu.im }
+    }
+
+    pub(crate) fn complex(&self) -> Complex<f64> {
+        let re = if self.below.abs() < self.above.abs() { 1.0 + self.below } else { self.above - 1.0 };
+        Complex::new(re, self.im)
+    }
+
+    /// |μ| − 1 ≥ 0 of the larger of the two multipliers μ + 1/μ = 2ν. With ν = cos θ, |Im θ| = arsinh r,
+    /// 2r² = B + √(B²+4y²), B = x²+y²−1; for B < 0 the conjugate form.
+    pub(crate) fn growth(&self) -> f64 {
+        let y = self.im;
+        if y == 0.0 {
+            return outside(self.below.max(-self.above));
+        }
+        let b = self.below * self.above + y * y;
+        let root = b.hypot(2.0 * y);
+        let square = if b > 0.0 { 0.5 * (b + root) } else { 2.0 * y * y / (root - b) };
+        square.sqrt().asinh().exp_m1()
+    }
+
+    /// How much an error of ν moves the growth: |dμ/dν| = |μ|/|√(ν²−1)|; a root within the error of ±1 like a square root.
+    pub(crate) fn growth_error(&self, growth: f64, error: f64) -> f64 {
+        let slope = (self.below.hypot(self.im) * self.above.hypot(self.im)).sqrt();
+        let reach = error / slope.max(error.sqrt()).max(f64::MIN_POSITIVE);
+        (1.0 + growth) * reach + 4.0 * f64::EPSILON * growth
+    }
+}
+
+/// The multiplier of larger modulus, μ = ν ± √(ν−1)√(ν+1).
+pub(crate) fn multiplier(nu: &Nu) -> Complex<f64> {
+    let (one, value) = (Complex::new(nu.below, nu.im), nu.complex());
+    let root = one.sqrt() * Complex::new(nu.above, nu.im).sqrt();
+    let (plus, minus) = (value + root, value - root);
+    if plus.norm_sqr() >= minus.norm_sqr() { plus } else { minus }
+}
+
+/// |z| − 1 without the cancellation of the modulus itself.
+pub(crate) fn excess(z: Complex<f64>) -> f64 {
+    let square = (z.re - 1.0).mul_add(z.re + 1.0, z.im * z.im);
+    square / (1.0 + z.norm())
+}
+
+/// |μ| − 1 for a real |ν| = 1 + δ; 0 for δ ≤ 0.
+pub(crate) fn outside(delta: f64) -> f64 {
+    if delta > 0.0 { delta + (delta * (2.0 + delta)).sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn growth_is_that_of_the_multiplier() {
+        for (x, y) in [(1.5_f64, 0.0_f64), (-3.0, 0.0), (0.3, 0.4), (-0.9, 1e-3), (2.0, 1.0), (0.0, 1e-2)] {
+            let nu = Complex::new(x, y);
+            let root = (nu * nu - 1.0).sqrt();
+            let modulus: f64 = (nu + root).norm().max((nu - root).norm());
+            assert!((Nu::of(nu).growth() / (modulus - 1.0) - 1.0).abs() < 1e-11, "{nu}");
+        }
+        assert_eq!(Nu::of(Complex::new(0.5, 0.0)).growth(), 0.0);
+        // Next to an end only the distance from it tells.
+        let close = Nu { below: 1e-20, above: 2.0, im: 1e-20 };
+        let expected = (1e-20 * (1.0 + 2f64.sqrt())).sqrt();
+        assert!((close.growth() / expected - 1.0).abs() < 1e-9);
+        assert!((multiplier(&close).re - 1.0 - expected).abs() < 1e-15);
+        // Far below what |μ| − 1 can hold: growth y/sin θ.
+        assert!((Nu::of(Complex::new(0.6, 1e-20)).growth() * 1e20 - 1.25).abs() < 1e-14);
+    }
+}

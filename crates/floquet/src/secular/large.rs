@@ -1,0 +1,105 @@
+//! Residues of large rings in O(M): pairs of modes with near poles by the formulas of [`super::single_sided`] and
+//! [`super::double_sided`], far ones by Cauchy sums,
+//!
+//! ```text
+//! single:  c_k Σ b²[2c_k − c(x_k/x + x/x_k)]/(d_k−d)  =  c_k [2c_k A₀ − x_k A₁ − A₂/x_k],     charges b², b²c/x, b²cx at d
+//! double:  Σ b²(x_k y + y_k x − 2s_k²)/(c_k−c)        =  x_k B₂ + y_k B₁ − 2s_k² B₀,          charges b², b²x, b²y at c
+//!          Σ b²(1, x, y)/(c_k+c)                      =  −B(−c_k), the mode itself left out.
+//! ```
+
+use super::cauchy::{Field, Tree};
+use super::lanes::Lane;
+use super::modes::Modes;
+use super::residues::Pole;
+use super::{double_sided, single_sided};
+
+/// Sorted positions and the modes they belong to.
+fn sorted(count: usize, position: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<usize>) {
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_unstable_by(|&k, &l| position(k).total_cmp(&position(l)));
+    (order.iter().map(|&k| position(k)).collect(), order)
+}
+
+fn gather(near: &mut Modes, chosen: &mut Vec<usize>, modes: &Modes, order: &[usize], field: &Field<3>) {
+    chosen.clear();
+    chosen.extend(field.near.iter().flat_map(|range| &order[range.clone()]).copied());
+    near.gather(modes, chosen);
+}
+
+/// As [`single_sided::residues`].
+pub(crate) fn single_sided(modes: &Modes, poles: &mut Vec<Pole>) {
+    poles.clear();
+    let (points, order) = sorted(modes.count, |k| {
+        let mode = modes.mode(k);
+        (mode.cos - mode.sin) * (mode.cos + mode.sin)
+    });
+    let charges: Vec<[f64; 3]> = order
+        .iter()
+        .map(|&k| {
+            let mode = modes.mode(k);
+            let w = mode.weight;
+            [w, w * mode.cos * mode.inverse, w * mode.cos * mode.sin_over]
+        })
+        .collect();
+    let tree = Tree::new(&points, false);
+    let (mut near, mut chosen) = (Modes::default(), Vec::new());
+    for field in tree.fields(&points, &charges, &tree) {
+        gather(&mut near, &mut chosen, modes, &order, &field);
+        for place in field.targets.clone() {
+            let mode = modes.mode(order[place]);
+            let [a0, a1, a2] = field.at(points[place]);
+            let far = mode.cos * (2.0 * mode.cos * a0 - mode.sin_over * a1 - mode.inverse * a2);
+            poles.push(single_sided::residue(order[place], &mode, &single_sided::sums(&near, &mode), far));
+        }
+    }
+}
+
+/// As [`double_sided::residues`].
+pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations, poles: &mut Vec<Pole>) {
+    poles.clear();
+    let (points, order) = sorted(modes.count, |k| modes.mode(k).cos);
+    let charges: Vec<[f64; 3]> = order
+        .iter()
+        .map(|&k| {
+            let mode = modes.mode(k);
+            [mode.weight, mode.weight * mode.sin_over, mode.weight * mode.sin_times]
+        })
+        .collect();
+    let tree = Tree::new(&points, false);
+    let (mut near, mut chosen, mut masked): (Modes, Vec<usize>, Vec<Lane>) = Default::default();
+    let mut own = vec![double_sided::Own::default(); modes.count];
+    for field in tree.fields(&points, &charges, &tree) {
+        gather(&mut near, &mut chosen, modes, &order, &field);
+        for place in field.targets.clone() {
+            let k = order[place];
+            let mode = modes.mode(k);
+            let [b0, b1, b2] = field.at(points[place]);
+            let (mut sum, _) = double_sided::sums(&near, &near.weight, &mode);
+            sum.add_far(mode.sin_over * b2 + mode.sin_times * b1 - 2.0 * mode.sin * mode.sin * b0);
+            own[k] = sum;
+        }
+    }
+    let (mirrored, images) = sorted(modes.count, |k| -modes.mode(k).cos);
+    for field in tree.fields(&points, &charges, &Tree::new(&mirrored, false)) {
+        gather(&mut near, &mut chosen, modes, &order, &field);
+        for place in field.targets.clone() {
+            let k = images[place];
+            let mode = modes.mode(k);
+            let mut far = field.at(mirrored[place]).map(|b| -b);
+            masked.clear();
+            masked.extend_from_slice(&near.weight);
+            match chosen.iter().position(|&l| l == k) {
+                Some(itself) => masked.as_flattened_mut()[itself] = 0.0,
+                None => {
+                    let itself = mode.weight / (2.0 * mode.cos);
+                    for (far, charge) in far.iter_mut().zip([1.0, mode.sin_over, mode.sin_times]) {
+                        *far -= itself * charge;
+                    }
+                }
+            }
+            let (_, mut mirror) = double_sided::sums(&near, &masked, &mode);
+            mirror.add_far(mode.inverse, far);
+            poles.push(double_sided::residue(k, &mode, saltations, &own[k], &mirror));
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Floquet spectra of orbits whose impacts are all at one site, without matrices: the multipliers are the zeros of a
+//! scalar function that costs one pass over the modes.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `single_sided`, `double_sided` | derivation and residues of F for reversible orbits |
+//! | `residues` | [`Residues`]: poles, residues = Krein signatures, certificates |
+//! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
+//! | `roots` | all ν |
+//! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
+//! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
+//! | `forced_verdict` | [`ForcedSecular`]: verdicts from these two |
+//! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
+//! | `large`, `cauchy`, `window` | the same for large rings in O(M) |
+//! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
+//! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
+
+mod aberth;
+mod cauchy;
+mod double_sided;
+mod doubt;
+mod evaluate;
+mod forced;
+mod forced_count;
+mod forced_verdict;
+mod gap;
+mod growth;
+mod lanes;
+mod large;
+mod modes;
+mod pair;
+mod residues;
+mod roots;
+mod shapes;
+mod single_sided;
+mod verdict;
+mod window;
+
+pub use doubt::Doubt;
+pub use forced::SecularMultipliers;
+pub use forced_count::{OutsideCount, OutsideCounter};
+pub use forced_verdict::ForcedSecular;
+pub(crate) use growth::excess;
+pub use residues::Residues;
+pub use shapes::ModalShape;
+pub use verdict::{Outcome, Reason, Secular, SecularVerdict};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,274 @@
+//! Poles and residues of F, sorted, with their certificates.
+
+use nalgebra::Complex;
+use vibrochain_breather::Orbit;
+use vibrochain_lattice::ImpulseResponse;
+
+use super::doubt::Doubt;
+use super::evaluate::Local;
+use super::growth::Nu;
+use super::lanes::{Lane, fill};
+use super::modes::Modes;
+use super::window::Leaf;
+use super::{double_sided, large, single_sided};
+
+/// Number of modes from which Cauchy sums are faster than pairs.
+const LARGE: usize = 256;
+
+/// Pole that pads the last group of four: so far away that its residue, 0, is never heard of.
+const FAR: f64 = 1e100;
+
+/// One pole of F before sorting.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pole {
+    pub(crate) mode: u32,
+    pub(crate) pole: f64,
+    /// 2s² = 1 − d and 2c² = 1 + d, to full relative accuracy.
+    below_one: f64,
+    above_minus_one: f64,
+    /// Error of the pole; it leaves 1 ∓ d their relative accuracy.
+    shift: f64,
+    pub(crate) residue: f64,
+    pub(crate) error: f64,
+}
+
+impl Pole {
+    pub(crate) fn new(mode: usize, cos: f64, sin: f64, shift: f64, residue: f64, error: f64) -> Self {
+        let (below_one, above_minus_one) = (2.0 * sin * sin, 2.0 * cos * cos);
+        let (pole, shift) = ((cos - sin) * (cos + sin), f64::EPSILON * shift);
+        Self { mode: mode as u32, pole, below_one, above_minus_one, shift, residue, error }
+    }
+
+    /// By rising d.
+    fn order(&self, other: &Self) -> std::cmp::Ordering {
+        match (self.pole < 0.0, other.pole < 0.0) {
+            (true, false) => std::cmp::Ordering::Less,
+            (false, true) => std::cmp::Ordering::Greater,
+            (true, true) => self.above_minus_one.total_cmp(&other.above_minus_one),
+            (false, false) => other.below_one.total_cmp(&self.below_one),
+        }
+    }
+
+    /// self − other, of what is left to the nearer end of [−1, 1]: poles crowd there, closer than 1 ± their distance tells.
+    fn distance(&self, other: &Self) -> f64 {
+        if self.pole < 0.0 { self.above_minus_one - other.above_minus_one } else { other.below_one - self.below_one }
+    }
+}
+
+/// The secular function F(ν) = Σ R_k/(ν−d_k) of a reversible orbit, ν = ½(μ + 1/μ), d_k = cos Ω_kT: its m−1 zeros are the
+/// non-trivial multiplier pairs of the m modes even about the site that is hit. The sign of R_k is the Krein signature
+/// of mode k; only neighbours of opposite signature can collide and leave the unit circle.
+///
+/// Also the work space for it: nothing is allocated from the second orbit of a chain on, up to 256 modes. Above, Cauchy
+/// sums take O(m) time and memory.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_floquet::Residues;
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::conservative(Chain::new(21, 0.2, 0.02)?, 1.1, 0.4)?;
+/// let (mut finder, mut found) = (Finder::new(21), Found::default());
+/// finder.find(&model, Family::DoubleSided, &mut found)?;
+/// let mut residues = Residues::default();
+/// residues.set(&found.orbits[0], finder.response())?;
+/// // All signatures alike: nothing can collide, the orbit is stable.
+/// assert!(residues.residues().len() == 11 && residues.residues().iter().all(|r| *r > 0.0));
+/// assert!((residues.residues().iter().sum::<f64>() - 1.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Residues {
+    modes: Modes,
+    masked: Vec<Lane>,
+    pub(crate) table: Vec<Pole>,
+    pub(crate) poles: Vec<Lane>,
+    pub(crate) residues: Vec<Lane>,
+    pub(crate) errors: Vec<Lane>,
+    pub(crate) shifts: Vec<Lane>,
+    pub(crate) below_one: Vec<Lane>,
+    pub(crate) above_minus_one: Vec<Lane>,
+    pub(super) leaves: Vec<Leaf>,
+    sum: f64,
+    trace: f64,
+    pub(crate) expected_trace: f64,
+    total_error: f64,
+}
+
+impl Residues {
+    /// Works out poles and residues of a reversible orbit. `response` is that of the orbit's chain and frequency, as the
+    /// finder that has just found or loaded the orbit holds it.
+    ///
+    /// # Errors
+    /// [`Doubt::NotReversible`]; [`Doubt::Certificate`] if ΣR = 1 or the trace is violated by more than the errors of the
+    /// residues explain: then they are worth nothing.
+    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+        self.set_within(orbit, response, 0.0)
+    }
+
+    /// As [`Residues::set`], for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
+    pub(crate) fn set_within(
+        &mut self,
+        orbit: &Orbit,
+        response: &ImpulseResponse,
+        ratio_error: f64,
+    ) -> Result<(), Doubt> {
+        let impacts = orbit.impacts();
+        if !orbit.is_reversible() {
+            return Err(Doubt::NotReversible);
+        }
+        self.modes.set(response);
+        let large = self.modes.count > LARGE;
+        match impacts {
+            [_] => {
+                if large {
+                    large::single_sided(&self.modes, &mut self.table);
+                } else {
+                    single_sided::residues(&self.modes, &mut self.table);
+                }
+                self.expected_trace = single_sided::trace(&self.modes);
+            }
+            [first, second] if first.impulse != 0.0 && second.impulse != 0.0 => {
+                let saltations =
+                    double_sided::Saltations::new(&self.modes, second.impulse / first.impulse, ratio_error);
+                if large {
+                    large::double_sided(&self.modes, &saltations, &mut self.table);
+                } else {
+                    double_sided::residues(&self.modes, &saltations, &mut self.masked, &mut self.table);
+                }
+                self.expected_trace = double_sided::trace(&self.modes, &saltations);
+            }
+            _ => return Err(Doubt::NotReversible),
+        }
+        if let [only] = self.table.as_mut_slice() {
+            // One mode: the trivial pair is all there is.
+            (only.residue, only.error) = (1.0, 0.0);
+            self.expected_trace = only.pole;
+        }
+        self.mend();
+        // Frequencies rise, so that poles often come in falling order.
+        if let [first, .., last] = self.table.as_slice()
+            && first.pole > last.pole
+        {
+            self.table.reverse();
+        }
+        self.table.sort_unstable_by(Pole::order);
+        let table = &self.table;
+        fill(&mut self.poles, table.iter().map(|pole| pole.pole), FAR);
+        fill(&mut self.residues, table.iter().map(|pole| pole.residue), 0.0);
+        fill(&mut self.errors, table.iter().map(|pole| pole.error), 0.0);
+        fill(&mut self.shifts, table.iter().map(|pole| pole.shift), 0.0);
+        fill(&mut self.below_one, table.iter().map(|pole| pole.below_one), FAR);
+        fill(&mut self.above_minus_one, table.iter().map(|pole| pole.above_minus_one), FAR);
+        self.certify()?;
+        self.divide(large);
+        Ok(())
+    }
+
+    /// F about an origin.
+    pub(crate) fn about<'a>(&'a self, distances: &'a [Lane]) -> Local<'a> {
+        Local { residues: &self.residues, errors: &self.errors, shifts: &self.shifts, distances, far: None }
+    }
+
+    /// Distances of all poles from that at `place`.
+    pub(crate) fn distances(&self, place: usize, out: &mut Vec<Lane>) {
+        let Some(origin) = self.table.get(place) else { return };
+        let (sign, end, lanes) = if origin.pole < 0.0 {
+            (1.0, origin.above_minus_one, &self.above_minus_one)
+        } else {
+            (-1.0, origin.below_one, &self.below_one)
+        };
+        out.clear();
+        out.extend(lanes.iter().map(|lane| lane.map(|other| sign * (end - other))));
+    }
+
+    /// The pole at one place less that at another.
+    pub(crate) fn distance(&self, place: usize, other: usize) -> f64 {
+        match (self.table.get(place), self.table.get(other)) {
+            (Some(a), Some(b)) => a.distance(b),
+            _ => 0.0,
+        }
+    }
+
+    /// ν at an offset from a pole.
+    pub(crate) fn nu(&self, place: usize, t: Complex<f64>) -> Nu {
+        let Some(pole) = self.table.get(place) else { return Nu::default() };
+        Nu { below: t.re - pole.below_one, above: t.re + pole.above_minus_one, im: t.im }
+    }
+
+    /// The residue known worst, from ΣR = 1.
+    fn mend(&mut self) {
+        let Some(worst) = (0..self.table.len()).max_by(|&i, &j| self.table[i].error.total_cmp(&self.table[j].error))
+        else {
+            return;
+        };
+        let others = || self.table.iter().enumerate().filter(|(i, _)| *i != worst).map(|(_, pole)| pole);
+        let (sum, error): (f64, f64) =
+            others().fold((0.0, 0.0), |(sum, error), pole| (sum + pole.residue, error + pole.error));
+        let size: f64 = others().map(|pole| pole.residue.abs()).sum();
+        let error = error + f64::EPSILON * (1.0 + size);
+        // A rigid mode's own formula gives no number at all.
+        let unknown = !self.table[worst].residue.is_finite() || self.table[worst].error.is_nan();
+        if unknown || error < 0.25 * self.table[worst].error {
+            self.table[worst].residue = 1.0 - sum;
+            self.table[worst].error = error;
+        }
+    }
+
+    fn certify(&mut self) -> Result<(), Doubt> {
+        (self.sum, self.trace, self.total_error) = (0.0, 0.0, 0.0);
+        let mut size = 0.0;
+        for pole in &self.table {
+            self.sum += pole.residue;
+            self.trace += pole.residue * pole.pole;
+            self.total_error += pole.error;
+            size += pole.residue.abs();
+        }
+        let allowed = 16.0 * (self.total_error + f64::EPSILON * (1.0 + size + self.expected_trace.abs()));
+        let defect = self.sum_defect().abs().max(self.trace_defect().abs());
+        // Not a number is a doubt, too.
+        if defect <= allowed && allowed < size { Ok(()) } else { Err(Doubt::Certificate { defect, allowed }) }
+    }
+
+    /// Poles d_k = cos Ω_kT, rising.
+    pub fn poles(&self) -> &[f64] {
+        self.flat(&self.poles)
+    }
+
+    /// Residues R_k in the order of the poles; their signs are the Krein signatures.
+    pub fn residues(&self) -> &[f64] {
+        self.flat(&self.residues)
+    }
+
+    /// Estimates of the rounding errors of the residues.
+    pub fn errors(&self) -> &[f64] {
+        self.flat(&self.errors)
+    }
+
+    /// The mode k to which a pole belongs, by the pole's place.
+    pub fn mode(&self, place: usize) -> Option<usize> {
+        self.table.get(place).map(|pole| pole.mode as usize)
+    }
+
+    /// ΣR_k − 1, a certificate.
+    pub fn sum_defect(&self) -> f64 {
+        self.sum - 1.0
+    }
+
+    /// ΣR_kd_k less the same from the trace of the monodromy matrix, a certificate.
+    pub fn trace_defect(&self) -> f64 {
+        self.trace - self.expected_trace
+    }
+
+    /// Σν over the non-trivial pairs.
+    pub(crate) fn sum_of_roots(&self) -> f64 {
+        self.table.iter().map(|pole| pole.pole * (1.0 - pole.residue)).sum()
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.table.len()
+    }
+
+    fn flat<'a>(&self, lanes: &'a [Lane]) -> &'a [f64] {
+        &lanes.as_flattened()[..self.table.len()]
+    }
+}

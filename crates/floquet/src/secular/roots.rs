@@ -1,0 +1,236 @@
+//! All roots ν of F: real ones from their brackets, complex ones by Newton from the lowest points of |F|, and what is
+//! missing then by Ehrlich and Aberth's simultaneous iteration with the known ones divided out.
+
+use nalgebra::Complex;
+
+use super::doubt::Doubt;
+use super::gap::{beyond, lowest, root};
+use super::lanes::Lane;
+use super::pair::{Suspect, from_suspects};
+use super::residues::Residues;
+use super::verdict::Secular;
+
+/// Roots and estimates of their errors.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Roots {
+    pub(crate) values: Vec<Complex<f64>>,
+    pub(crate) errors: Vec<f64>,
+    unknown: Vec<Complex<f64>>,
+}
+
+impl Roots {
+    fn push(&mut self, value: Complex<f64>, error: f64) {
+        self.values.push(value);
+        self.errors.push(error);
+    }
+}
+
+/// A real root in a gap, from the nearer pole, and its error.
+fn bracketed(
+    form: &Residues,
+    scratch: &mut Vec<Lane>,
+    gap: usize,
+    (low, high): (f64, f64),
+    rising: bool,
+) -> (Complex<f64>, f64) {
+    let width = form.distance(gap + 1, gap);
+    // On which side of the middle?
+    let middle = 0.5 * (low + high);
+    let from_left = (form.window(gap, gap, scratch).value(middle) > 0.0) == rising || high < 0.5 * width;
+    let (place, low, high, other) = if from_left && low < 0.5 * width {
+        (gap, low, high, width)
+    } else {
+        (gap + 1, low - width, high - width, -width)
+    };
+    let local = form.window(gap, place, scratch);
+    let t = root(local, (low, high), rising, |t| 1.0 / t - 1.0 / (other - t));
+    (form.nu(place, Complex::new(t, 0.0)).complex(), local.root_error(t).min(width))
+}
+
+impl Secular {
+    /// All m−1 non-trivial ν of the orbit taken over, in no order, with estimates of their errors. Complex ones come in
+    /// conjugate pairs.
+    ///
+    /// # Errors
+    /// [`Doubt::Incomplete`].
+    ///
+    /// ```
+    /// use vibrochain_breather::{Family, Finder, Found};
+    /// use vibrochain_floquet::Secular;
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
+    /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
+    /// finder.find(&model, Family::SingleSided, &mut found)?;
+    /// secular.set(&found.orbits[0], finder.response())?;
+    /// let (roots, _) = secular.roots()?;
+    /// let largest = roots.iter().map(|nu| nu.re).fold(0.0, f64::max);
+    /// // ν = (μ + 1/μ)/2 of μ = 2.7975…
+    /// assert!(roots.len() == 10 && (largest - 1.5775134618876).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn roots(&mut self) -> Result<(&[Complex<f64>], &[f64]), Doubt> {
+        self.solve()?;
+        Ok((&self.roots.values, &self.roots.errors))
+    }
+
+    pub(crate) fn solve(&mut self) -> Result<(), Doubt> {
+        let Self { residues: form, distances: scratch, suspects, pairs, roots } = self;
+        roots.values.clear();
+        roots.errors.clear();
+        suspects.clear();
+        let (signs, poles) = (form.residues(), form.poles());
+        let wanted = form.count().saturating_sub(1);
+        for gap in 0..wanted {
+            let (left, right) = (signs[gap], signs[gap + 1]);
+            let width = form.distance(gap + 1, gap);
+            if (left > 0.0) == (right > 0.0) {
+                // Coincident modes keep their multiplier.
+                let (nu, error) = if width > 0.0 {
+                    bracketed(form, scratch, gap, (0.0, width), left < 0.0)
+                } else {
+                    (Complex::new(poles[gap], 0.0), 4.0 * f64::EPSILON)
+                };
+                roots.push(nu, error);
+                continue;
+            }
+            let low = lowest(form.window(gap, gap, scratch), left.signum(), width, (left, right));
+            let half = low.half_distance();
+            if !low.is_certain() {
+                let error =
+                    if low.bend > 0.0 { (2.0 * (low.value.abs() + low.noise) / low.bend).sqrt() } else { width };
+                roots.push(Complex::new(poles[gap] + low.t, 0.0), error);
+                roots.push(Complex::new(poles[gap] + low.t, 0.0), error);
+            } else if low.value < 0.0 {
+                for (bracket, rising) in [((0.0, low.t), left < 0.0), ((low.t, width), left > 0.0)] {
+                    let (nu, error) = bracketed(form, scratch, gap, bracket, rising);
+                    roots.push(nu, error);
+                }
+            } else {
+                suspects.push(Suspect { gap, t: low.t, height: half, closeness: half / width });
+            }
+        }
+        let ends = [(1.0, &form.below_one, signs.last()), (-1.0, &form.above_minus_one, signs.first())];
+        for (end, below, outermost) in ends {
+            let Some(&outermost) = outermost else { continue };
+            let local = form.about(below);
+            let at_end = local.value(0.0);
+            if (outermost > 0.0) != (at_end > 0.0) {
+                let nearest = below.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+                let delta = root(local, (-nearest, 0.0), outermost < 0.0, |t| 1.0 / (nearest + t));
+                roots.push(Complex::new(end * (1.0 + delta), 0.0), local.root_error(delta));
+            }
+            if at_end < 0.0 {
+                let delta = beyond(local);
+                roots.push(Complex::new(end * (1.0 + delta), 0.0), local.root_error(delta));
+            }
+        }
+        if roots.values.len() < wanted {
+            from_suspects(form, suspects, (wanted - roots.values.len()) / 2, scratch, pairs);
+            for pair in pairs.iter() {
+                let nu = form.nu(pair.place, pair.t).complex();
+                roots.push(nu, pair.error);
+                roots.push(nu.conj(), pair.error);
+            }
+        }
+        if roots.values.len() < wanted {
+            roots.simultaneous(form, scratch, wanted);
+        }
+        let found = roots.values.len();
+        if found != wanted {
+            return Err(Doubt::Incomplete { found, wanted });
+        }
+        // Σν is known: a root found twice and another missed would show.
+        let sum: f64 = roots.values.iter().map(|nu| nu.re).sum();
+        let slack: f64 = roots.errors.iter().sum::<f64>() + form.errors().iter().sum::<f64>();
+        let size: f64 = signs.iter().map(|r| r.abs()).sum::<f64>() + wanted as f64;
+        let defect = (sum - form.sum_of_roots()).abs();
+        let allowed = 16.0 * (slack + f64::EPSILON * size);
+        if defect <= allowed.max(1e-9 * size) { Ok(()) } else { Err(Doubt::Certificate { defect, allowed }) }
+    }
+}
+
+impl Roots {
+    /// Ehrlich–Aberth for the roots still missing. They are added if the iteration settles.
+    fn simultaneous(&mut self, form: &Residues, scratch: &mut Vec<Lane>, wanted: usize) {
+        let missing = wanted - self.values.len();
+        let one = Complex::new(1.0, 0.0);
+        scratch.clear();
+        scratch.extend(form.poles.iter().map(|lane| lane.map(|d| -d)));
+        let known_sum: Complex<f64> = self.values.iter().sum();
+        let centre = (form.sum_of_roots() - known_sum.re) / missing as f64;
+        let radius = 0.5 + 0.1 * centre.abs();
+        self.unknown.clear();
+        if missing == 2 {
+            // Their sum is known, and their product from the value of F at one point.
+            let (z, sum) = (3.0, 2.0 * centre);
+            let value = form.about(scratch).value(z);
+            let top: f64 = form.poles().iter().map(|pole| z - pole).product();
+            let bottom: Complex<f64> = self.values.iter().map(|known| z - known).product();
+            let product = (value * top / bottom.re) - z * (z - sum);
+            let root = Complex::new(centre * centre - product, 0.0).sqrt();
+            // Off the axis: on it a pair that is complex after all would never be found.
+            let nudge = Complex::new(0.0, 1e-3 * (1e-3 + root.norm()));
+            self.unknown.extend([centre + root + nudge, centre - root + nudge]);
+        } else {
+            // No symmetry about the real axis: pairs may turn out real.
+            let turn = std::f64::consts::TAU / missing as f64;
+            self.unknown.extend((0..missing).map(|i| centre + Complex::from_polar(radius, 0.7 + turn * i as f64)));
+        }
+        for _ in 0..60 {
+            let mut largest = 0.0_f64;
+            for i in 0..missing {
+                let z = self.unknown[i];
+                let (value, slope) = form.about(scratch).complex(z);
+                // Logarithmic derivative of the numerator, the known roots divided out.
+                let mut log = slope / value;
+                for pole in form.poles() {
+                    log += one / (z - pole);
+                }
+                for known in &self.values {
+                    log -= one / (z - known);
+                }
+                for (j, other) in self.unknown.iter().enumerate() {
+                    if j != i {
+                        log -= one / (z - other);
+                    }
+                }
+                let step = log.inv();
+                if step.re.is_finite() && step.im.is_finite() {
+                    self.unknown[i] = z - step;
+                    largest = largest.max(step.norm() / (1.0 + z.norm()));
+                }
+            }
+            // Of third order: the next step would be lost in rounding.
+            if largest < 1e-9 {
+                break;
+            }
+        }
+        let local = form.about(scratch);
+        let found = self.values.len();
+        for i in 0..missing {
+            // A last step without the others in the way; one that is not small is no root.
+            let (value, slope) = local.complex(self.unknown[i]);
+            let step = value / slope;
+            let z = self.unknown[i] - step;
+            let error = 4.0 * local.noise(z) / local.complex(z).1.norm();
+            if !(step.norm() < (1e-7 * (1.0 + z.norm())).max(error) && error < 1e-3 * (1.0 + z.norm())) {
+                continue;
+            }
+            // Real is what F says is real, by a change of sign within rounding; two roots too close to be told apart may be
+            // off the axis as well as on it and stay where the iteration left them.
+            let reach = 8.0 * f64::EPSILON * (1.0 + z.norm());
+            let crosses = || (local.value(z.re - reach) > 0.0) != (local.value(z.re + reach) > 0.0);
+            if z.im.abs() <= reach || (z.im.abs() <= error && crosses()) {
+                self.push(Complex::new(z.re, 0.0), error);
+            } else if z.im > 0.0 {
+                self.push(z, error);
+                self.push(z.conj(), error);
+            }
+        }
+        // Only complete or not at all.
+        if self.values.len() != wanted {
+            self.values.truncate(found);
+            self.errors.truncate(found);
+        }
+    }
+}

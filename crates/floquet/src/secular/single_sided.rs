@@ -1,0 +1,103 @@
+//! Residues of one impact a period.
+//!
+//! With the block A of [`crate::reversible`] written as diag(d) plus two dyads, det(ν−A)/Π(ν−d) is a 2×2 determinant
+//! of sums over modes; C² = (1+d)/2 and S² = (1−d)/2 turn it into
+//!
+//! ```text
+//! f = (ν²−1)σ² + g(h − κ/2),   σ = Σ b²/(ν−d),  g = Σ 2b²xc/(ν−d),  h = Σ 2b²Ω²xc/(ν−d),  x = s/Ω.
+//! ```
+//!
+//! v̈/v⁻ of the orbit itself makes κ/2 = Σ b²c/x = h(1), and h(ν) − h(1) = −(ν−1)H with H = Σ (b²c/x)/(ν−d), hence
+//! f = (ν−1)F, F = (1+ν)σ² − gH. The double poles cancel ((1+d)b⁴ = 2b²xc·b²c/x) and leave
+//!
+//! ```text
+//! R_k = 2b_k²c_k Σ_l b_l² [ u_kl − c_l (x_k−x_l)²/(x_k x_l (d_k−d_l)) ],     u_kl = 2(c_k−c_l)/(d_k−d_l) = 1/(c_k+c_l);
+//! ```
+//!
+//! l = k gives the term b_k⁴ of (1+ν)σ² by the second form of u, which is taken whenever c_k and c_l agree in sign:
+//! nothing is lost as modes come together, γ₂ → 0, and coincident ones need no care at all.
+
+use super::lanes::{ONE, SMALL, TWO, ZERO, all, four, total};
+use super::modes::{Mode, Modes};
+use super::residues::Pole;
+
+/// What the residue of one mode needs of others.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sums {
+    /// c_k Σ b²u, Σ b²c(x_k−x)²/(x_k x(d_k−d)), and errors of both in units of ε.
+    straight: f64,
+    bent: f64,
+    straight_error: f64,
+    bent_error: f64,
+}
+
+/// The sums over `modes`.
+#[inline(always)]
+pub(crate) fn sums(modes: &Modes, mode: &Mode) -> Sums {
+    let (w, c, s, x) = (&modes.weight, &modes.cos, &modes.sin, &modes.sin_over);
+    let (inverse, relative, shift) = (&modes.inverse, &modes.relative, &modes.shift);
+    // Lengths are equal; said here, they need not be checked below.
+    let n = w.len();
+    let (c, s, x, inverse, relative, shift) = (&c[..n], &s[..n], &x[..n], &inverse[..n], &relative[..n], &shift[..n]);
+    let (mut straight, mut bent, mut straight_error, mut bent_error) = (ZERO, ZERO, ZERO, ZERO);
+    let (ck, sk, xk) = (all(mode.cos), all(mode.sin), all(mode.sin_over));
+    let opposite = sk * sk - ck * ck;
+    let (ik, rk, hk) = (all(mode.inverse), all(mode.relative), all(mode.shift));
+    for i in 0..n {
+        let (w, c, s, x) = (four(w[i]), four(c[i]), four(s[i]), four(x[i]));
+        let (inverse, relative, shift) = (four(inverse[i]), four(relative[i]), four(shift[i]));
+        // The smaller of sine and cosine carries the difference of the poles.
+        let by_sine = (s - sk) * (s + sk);
+        let by_cosine = (ck - c) * (ck + c);
+        let difference = TWO * (c * c - s * s).simd_gt(opposite).select(by_sine, by_cosine);
+        // Coincident modes have t = 0, or nearly so; others that coincide are to stand out in the error.
+        let quotient = ONE / difference.simd_eq(ZERO).select(SMALL, difference);
+        // c_k u_kl
+        let same = (ck * c).simd_gt(ZERO);
+        let u = same.select(ck / same.select(ck + c, ONE), TWO * ck * (ck - c) * quotient);
+        let spread = xk - x;
+        let t = w * c * spread * spread * ik * inverse * quotient;
+        straight += w * u;
+        bent += t;
+        let doubt = (hk + shift) * quotient.abs();
+        straight_error += w * same.select(ONE, doubt);
+        bent_error += t.abs() * (rk + relative + doubt);
+    }
+    Sums {
+        straight: total(straight),
+        bent: total(bent),
+        straight_error: total(straight_error),
+        bent_error: total(bent_error),
+    }
+}
+
+/// The residue from the sums; `far` is what modes left out of them add to c_k Σ b²(u − …).
+#[inline(always)]
+pub(crate) fn residue(k: usize, mode: &Mode, sums: &Sums, far: f64) -> Pole {
+    let Mode { weight, cos, sin, shift, .. } = *mode;
+    let residue = 2.0 * weight * (sums.straight - cos * sums.bent + far);
+    let phase = shift / sin.abs().max(f64::MIN_POSITIVE);
+    let error = sums.straight_error + cos.abs() * sums.bent_error + (phase + 4.0) * (sums.bent.abs() + far.abs());
+    Pole::new(k, cos, sin, shift, residue, 4.0 * f64::EPSILON * weight * (error + 1.0))
+}
+
+/// Residues into `poles`, one a mode.
+pub(crate) fn residues(modes: &Modes, poles: &mut Vec<Pole>) {
+    poles.clear();
+    for k in 0..modes.count {
+        let mode = modes.mode(k);
+        poles.push(residue(k, &mode, &sums(modes, &mode), 0.0));
+    }
+}
+
+/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − (κ/2)Σ2b²xc + 1.
+pub(crate) fn trace(modes: &Modes) -> f64 {
+    let (mut mean, mut coupling, mut stiffness) = (0.0, 0.0, 0.0);
+    for k in 0..modes.count {
+        let Mode { weight: w, cos: c, sin: s, sin_over: x, .. } = modes.mode(k);
+        mean += w * (c * c - s * s);
+        coupling += 2.0 * w * x * c;
+        stiffness += w * c / x;
+    }
+    1.0 + 2.0 * mean - stiffness * coupling
+}

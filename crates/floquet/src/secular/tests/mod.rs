@@ -1,0 +1,69 @@
+//! The secular function against dense eigenvalues of the reversible block, which shares no formula with it beyond the
+//! impulse response.
+
+mod forced;
+mod large;
+mod reversible;
+
+use nalgebra::Complex;
+use vibrochain_breather::{Family, Finder, Orbit};
+use vibrochain_lattice::{Chain, Model};
+
+use super::growth::Nu;
+use crate::eigen::eigenvalues;
+use crate::reversible::Reversible;
+
+/// A small generator of random numbers (splitmix64).
+pub(in crate::secular) struct Random(pub(in crate::secular) u64);
+
+impl Random {
+    pub(in crate::secular) fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / u64::MAX as f64
+    }
+
+    pub(in crate::secular) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    pub(in crate::secular) fn log(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+}
+
+/// ν of the dense block and its norm.
+pub(super) fn dense(orbit: &Orbit, finder: &mut Finder) -> (Vec<Complex<f64>>, f64) {
+    let mut block = Reversible::default();
+    block.build(orbit, finder).unwrap();
+    let mut values = Vec::new();
+    eigenvalues(&block.block, &mut values).unwrap();
+    (values, block.block.norm())
+}
+
+/// Largest distance from any of `some` to the nearest of `all`.
+pub(super) fn farthest(some: &[Complex<f64>], all: &[Complex<f64>]) -> f64 {
+    let nearest = |z: &Complex<f64>| all.iter().map(|w| (z - w).norm()).fold(f64::INFINITY, f64::min);
+    some.iter().map(nearest).fold(0.0, f64::max)
+}
+
+pub(super) fn growth(nu: Complex<f64>) -> f64 {
+    Nu::of(nu).growth()
+}
+
+pub(super) fn growth_error(nu: Complex<f64>, growth: f64, error: f64) -> f64 {
+    Nu::of(nu).growth_error(growth, error)
+}
+
+/// Error of ν that the dense solver is granted.
+pub(super) fn dense_error(norm: f64, condition: f64) -> f64 {
+    1e-14 * norm * (norm + condition)
+}
+
+pub(super) fn model(sites: usize, g1: f64, g2: f64, omega: f64, a: f64) -> Option<Model> {
+    Model::conservative(Chain::new(sites, g1, g2).ok()?, omega, a).ok()
+}
+
+pub(super) const BOTH: [Family; 2] = [Family::SingleSided, Family::DoubleSided];

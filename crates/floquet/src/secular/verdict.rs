@@ -1,0 +1,357 @@
+//! Stable or not, from the signs of F; roots are sought only where the signs leave a question.
+//!
+//! - Σ R = 1 makes F positive far right, negative far left: the signs of F(±1) tell whether a real root lies beyond ±1.
+//! - Neighbouring poles of equal signature enclose a root, and so do ±1 and the outermost poles if the signs say so.
+//! - If that makes m−1 roots, all are real and accounted for; if all signatures are equal it always does, and the orbit
+//!   is stable however close its poles are.
+//! - Otherwise each gap of opposite signatures may hide a pair: the least |F| in it decides. (A gap without roots means
+//!   nothing by itself: a root may have crossed a pole.)
+//! - If roots are still missing they are complex: Newton from the lowest points, then all roots at once.
+//!
+//! The count is the certificate: no search that fails can pass for an answer.
+
+use nalgebra::Complex;
+use vibrochain_breather::Orbit;
+use vibrochain_lattice::ImpulseResponse;
+
+use super::doubt::Doubt;
+use super::gap::{Lowest, beyond, lowest};
+use super::growth::{Nu, multiplier, outside};
+use super::lanes::Lane;
+use super::pair::{Pair, Suspect, from_suspects};
+use super::residues::Residues;
+
+/// What the secular function says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Outcome {
+    /// All multipliers are on the unit circle, beyond rounding.
+    Stable,
+    /// Two multipliers are so close to meeting that rounding decides on which side they are.
+    Marginal,
+    /// A multiplier is outside the unit circle, beyond rounding.
+    Unstable,
+}
+
+/// Why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Reason {
+    /// All modes have the same Krein signature: nothing can collide.
+    EqualSignatures,
+    /// As many real ν were counted in [−1, 1] as there are.
+    AllRootsCounted,
+    /// Losses: no multiplier was counted or found outside the circle.
+    NoneOutside,
+    /// A real ν beyond +1 or −1.
+    RealRoot,
+    /// A pair of complex ν.
+    ComplexPair,
+    /// F vanishes at ±1, or touches zero in a gap, to within its error; with losses, a multiplier is on the circle.
+    Tangency,
+}
+
+/// The verdict of the secular function.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecularVerdict {
+    /// Stable, marginal or unstable.
+    pub outcome: Outcome,
+    /// Why.
+    pub reason: Reason,
+    /// The leading multiplier: the one of largest modulus for an unstable orbit, the one next to leaving for a marginal
+    /// one; `None` for a stable one without losses: all are on the circle.
+    pub leading: Option<Complex<f64>>,
+    /// |μ| − 1 of it, with its own relative accuracy (it may be far below 1e-16); 0 for a stable orbit, with losses
+    /// whatever it is. For a marginal one the most that rounding leaves room for.
+    pub growth: f64,
+    /// Estimated error of the growth.
+    pub growth_error: f64,
+    /// How far, in ν, two multipliers are from meeting (stable) or have moved apart (unstable): the smallest distance of a
+    /// root from ±1, or half the distance of two roots of opposite signature in one gap. With losses, the smallest distance of a
+    /// multiplier from the circle. An estimate; infinite if there is nothing that could meet, or if it was not needed.
+    pub clearance: f64,
+}
+
+impl SecularVerdict {
+    /// The outcome is not marginal: rounding could not have changed it.
+    pub fn is_certain(&self) -> bool {
+        self.outcome != Outcome::Marginal
+    }
+
+    /// |μ| of the leading multiplier, 1 for a stable orbit without losses.
+    pub fn spectral_radius(&self) -> f64 {
+        1.0 + self.growth
+    }
+}
+
+/// Work space of the secular function: residues, verdict, roots.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_floquet::{Outcome, Reason, Secular};
+/// use vibrochain_lattice::{Chain, Model};
+/// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
+/// let mut verdict = |gamma2: f64, omega: f64, family| -> Result<_, Box<dyn std::error::Error>> {
+///     let model = Model::conservative(Chain::new(21, 0.2, gamma2)?, omega, 0.4)?;
+///     finder.find(&model, family, &mut found)?;
+///     secular.set(&found.orbits[0], finder.response())?;
+///     Ok(secular.verdict()?)
+/// };
+/// let unstable = verdict(0.1, 0.8, Family::SingleSided)?;
+/// assert!(unstable.outcome == Outcome::Unstable && (unstable.growth - 1.797574412183362).abs() < 1e-12);
+/// // Hardly coupled masses: multipliers closer than rounding can tell apart, and yet none can leave.
+/// let stable = verdict(1e-13, 1.5, Family::DoubleSided)?;
+/// assert_eq!((stable.outcome, stable.reason), (Outcome::Stable, Reason::EqualSignatures));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Secular {
+    pub(crate) residues: Residues,
+    pub(crate) distances: Vec<Lane>,
+    pub(crate) suspects: Vec<Suspect>,
+    pub(crate) pairs: Vec<Pair>,
+    pub(crate) roots: super::roots::Roots,
+}
+
+/// The most unstable multiplier so far.
+#[derive(Debug, Clone, Copy)]
+struct Leading {
+    nu: Nu,
+    growth: f64,
+    error: f64,
+    reason: Reason,
+}
+
+impl Secular {
+    /// Takes over a reversible orbit, see [`Residues::set`].
+    ///
+    /// # Errors
+    /// As [`Residues::set`].
+    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+        self.residues.set(orbit, response)
+    }
+
+    /// As [`Secular::set`], see [`Residues::set_within`].
+    pub(crate) fn set_within(
+        &mut self,
+        orbit: &Orbit,
+        response: &ImpulseResponse,
+        ratio_error: f64,
+    ) -> Result<(), Doubt> {
+        self.residues.set_within(orbit, response, ratio_error)
+    }
+
+    /// Both multipliers of every root ν, in pairs.
+    pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, Doubt> {
+        self.solve()?;
+        let form = &self.residues;
+        let both = |(nu, error): (&Complex<f64>, &f64)| {
+            let nu = near_end(form, *nu, *error);
+            if nu.im == 0.0 && nu.below <= 0.0 && nu.above >= 0.0 {
+                let on_circle = Complex::new(nu.complex().re, (-nu.below * nu.above).sqrt());
+                return [on_circle, on_circle.conj()];
+            }
+            let large = multiplier(&nu);
+            [large, large.inv()]
+        };
+        Ok(self.roots.values.iter().zip(&self.roots.errors).flat_map(both).collect())
+    }
+
+    /// Poles, residues, signatures.
+    pub fn residues(&self) -> &Residues {
+        &self.residues
+    }
+
+    /// The verdict on the orbit taken over.
+    ///
+    /// # Errors
+    /// [`Doubt::Signature`], [`Doubt::Incomplete`], [`Doubt::Imprecise`].
+    pub fn verdict(&mut self) -> Result<SecularVerdict, Doubt> {
+        let Self { residues: form, distances: scratch, suspects, pairs, .. } = self;
+        let count = form.count();
+        let (signs, errors) = (form.residues(), form.errors());
+        let mut positive = true;
+        for (place, (residue, error)) in signs.iter().zip(errors).enumerate() {
+            // Not a number is a doubt, too.
+            let known = residue.abs() > *error;
+            if !known && count > 1 {
+                return Err(Doubt::Signature { mode: form.mode(place).unwrap_or_default() });
+            }
+            positive &= *residue > 0.0;
+        }
+        let (Some(&first), Some(&last)) = (signs.first(), signs.last()) else {
+            return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
+        };
+        if count == 1 {
+            return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
+        }
+        let mut leading: Option<Leading> = None;
+        let mut marginal: Option<Leading> = None;
+        let (mut clearance, mut counted) = (f64::INFINITY, 0);
+        if !positive {
+            // Beyond ±1: the sum over 1/(|ν|−|d|…) is positive far away.
+            for (end, distances, outermost) in [(1.0, &form.below_one, last), (-1.0, &form.above_minus_one, first)] {
+                let local = form.about(distances);
+                let at = local.jet(0.0);
+                let error = local.noise(Complex::new(0.0, 0.0));
+                let distance = (at.value / at.slope).abs();
+                clearance = clearance.min(distance);
+                // The sign next to the outermost pole is that of its residue.
+                counted += usize::from((outermost > 0.0) != (at.value > 0.0)) + usize::from(at.value < 0.0);
+                if at.value.abs() <= error {
+                    let reach = (at.value.abs() + error) / at.slope.abs();
+                    let (nu, growth) = (Nu::beyond(end, reach), outside(reach));
+                    marginal = most(marginal, Leading { nu, growth, error: growth, reason: Reason::Tangency });
+                } else if at.value < 0.0 {
+                    let delta = beyond(local);
+                    let error = local.root_error(delta);
+                    let (nu, growth) = (Nu::beyond(end, delta), outside(delta));
+                    let error = growth_of_real_error(delta, error);
+                    leading = most(leading, Leading { nu, growth, error, reason: Reason::RealRoot });
+                }
+            }
+            counted += signs.windows(2).filter(|pair| (pair[0] > 0.0) == (pair[1] > 0.0)).count();
+        } else {
+            return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
+        }
+        suspects.clear();
+        let wanted = count - 1;
+        if counted < wanted {
+            for gap in 0..wanted {
+                let (left, right) = (signs[gap], signs[gap + 1]);
+                if (left > 0.0) == (right > 0.0) {
+                    continue;
+                }
+                let width = form.distance(gap + 1, gap);
+                let low = lowest(form.window(gap, gap, scratch), left.signum(), width, (left, right));
+                let half = low.half_distance();
+                if !low.is_certain() {
+                    let reach = tangency(&low);
+                    let nu = form.nu(gap, Complex::new(low.t, reach));
+                    let growth = nu.growth();
+                    marginal = most(marginal, Leading { nu, growth, error: growth, reason: Reason::Tangency });
+                    clearance = clearance.min(half);
+                    counted += 2;
+                } else if low.value < 0.0 {
+                    clearance = clearance.min(half);
+                    counted += 2;
+                } else {
+                    suspects.push(Suspect { gap, t: low.t, height: half, closeness: half / width });
+                }
+                if counted >= wanted {
+                    break;
+                }
+            }
+        }
+        if counted < wanted {
+            from_suspects(form, suspects, (wanted - counted) / 2, scratch, pairs);
+            counted += 2 * pairs.len();
+            for pair in pairs.iter() {
+                let nu = form.nu(pair.place, pair.t);
+                let growth = nu.growth();
+                let error = nu.growth_error(growth, pair.error);
+                clearance = clearance.min(nu.im);
+                leading = most(leading, Leading { nu, growth, error, reason: Reason::ComplexPair });
+            }
+        }
+        if counted != wanted {
+            return self.last_resort();
+        }
+        assemble(leading, marginal, clearance)
+    }
+
+    /// The last resort: all roots at once.
+    fn last_resort(&mut self) -> Result<SecularVerdict, Doubt> {
+        self.solve()?;
+        let mut leading: Option<Leading> = None;
+        let mut marginal: Option<Leading> = None;
+        for (nu, error) in self.roots.values.iter().zip(&self.roots.errors) {
+            let nu = Nu::of(*nu);
+            let growth = nu.growth();
+            if growth == 0.0 || nu.im < 0.0 {
+                continue;
+            }
+            let error = nu.growth_error(growth, error + f64::EPSILON);
+            let reason = if nu.im == 0.0 { Reason::RealRoot } else { Reason::ComplexPair };
+            let this = Leading { nu, growth, error, reason };
+            if error < growth {
+                leading = most(leading, this);
+            } else {
+                marginal = most(marginal, Leading { reason: Reason::Tangency, ..this });
+            }
+        }
+        let distance = |nu: &Complex<f64>| if nu.im == 0.0 { (nu.re.abs() - 1.0).abs() } else { nu.im.abs() };
+        let clearance = self.roots.values.iter().map(distance).fold(f64::INFINITY, f64::min);
+        assemble(leading, marginal, clearance)
+    }
+}
+
+fn stable(reason: Reason, clearance: f64) -> SecularVerdict {
+    SecularVerdict { outcome: Outcome::Stable, reason, leading: None, growth: 0.0, growth_error: 0.0, clearance }
+}
+
+fn most(best: Option<Leading>, other: Leading) -> Option<Leading> {
+    match best {
+        Some(best) if best.growth >= other.growth => Some(best),
+        _ => Some(other),
+    }
+}
+
+fn assemble(leading: Option<Leading>, marginal: Option<Leading>, clearance: f64) -> Result<SecularVerdict, Doubt> {
+    let tell = |this: Leading| {
+        let large = multiplier(&this.nu);
+        let (growth, growth_error) = (this.growth, this.error);
+        let certain = this.reason != Reason::Tangency && growth_error < growth;
+        let outcome = if certain { Outcome::Unstable } else { Outcome::Marginal };
+        let precise = growth_error <= WORST * (1.0 + growth);
+        let verdict =
+            SecularVerdict { outcome, reason: this.reason, leading: Some(large), growth, growth_error, clearance };
+        if precise { Ok(verdict) } else { Err(Doubt::Imprecise { growth, growth_error }) }
+    };
+    match (leading, marginal) {
+        // An instability beyond doubt stays one, but how large it is may be in question.
+        (Some(leading), Some(marginal)) => {
+            tell(Leading { error: leading.error.max(marginal.growth - leading.growth), ..leading })
+        }
+        (Some(leading), None) => tell(leading),
+        (None, Some(marginal)) => tell(marginal),
+        (None, None) => Ok(stable(Reason::AllRootsCounted, clearance)),
+    }
+}
+
+/// A root next to ±1 by its distance from there: μ goes with the root of it, which ν itself no longer holds.
+fn near_end(form: &Residues, nu: Complex<f64>, error: f64) -> Nu {
+    let (end, distances) = if nu.re > 0.0 { (1.0, &form.below_one) } else { (-1.0, &form.above_minus_one) };
+    let from = Complex::new(end * nu.re - 1.0, end * nu.im);
+    if from.norm() > NEAR_END {
+        return Nu::of(nu);
+    }
+    let local = form.about(distances);
+    let mut offset = from;
+    for _ in 0..4 {
+        let (value, slope) = local.complex(offset);
+        offset -= value / slope;
+    }
+    // Newton from a root rounded to ε stays there, or it has gone to another one.
+    let settled = (offset - from).norm() <= 4.0 * f64::EPSILON + error;
+    let offset = if settled { offset } else { from };
+    let im = if nu.im == 0.0 { 0.0 } else { end * offset.im };
+    match end > 0.0 {
+        true => Nu { below: offset.re, above: 2.0 + offset.re, im },
+        false => Nu { below: -2.0 - offset.re, above: -offset.re, im },
+    }
+}
+
+/// Distance from ±1 within which a root is worked out once more: beyond it 1 ∓ ν has lost no more than three digits.
+const NEAR_END: f64 = 1e-3;
+
+/// The largest error of a growth, in units of the multiplier, that is worth an answer: a dense solver's.
+const WORST: f64 = 1e-5;
+
+/// How far off the real axis a pair could be whose least |F| is lost in its error.
+fn tangency(low: &Lowest) -> f64 {
+    if low.bend > 0.0 { (2.0 * (low.value.abs() + low.noise) / low.bend).sqrt() } else { low.t }
+}
+
+/// Error of √(2δ) + … from that of δ.
+fn growth_of_real_error(delta: f64, error: f64) -> f64 {
+    (outside(delta + error) - outside(delta)).max(4.0 * f64::EPSILON * outside(delta))
+}

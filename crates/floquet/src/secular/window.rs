@@ -1,0 +1,77 @@
+//! F in one gap of a large ring: the poles near it one by one, the others as a polynomial (see [`super::cauchy`]), so that a
+//! value costs the same for any number of modes.
+
+use std::ops::Range;
+
+use super::cauchy::{Nodal, Tree, derivative};
+use super::evaluate::{Far, Local};
+use super::lanes::{Lane, fill};
+use super::residues::Residues;
+
+/// The gaps of one leaf of the tree over the poles, each gap named by the place of its left pole.
+#[derive(Debug, Clone)]
+pub(crate) struct Leaf {
+    gaps: Range<usize>,
+    places: Vec<usize>,
+    residues: Vec<Lane>,
+    errors: Vec<Lane>,
+    shifts: Vec<Lane>,
+    middle: f64,
+    /// The field of far poles and its derivatives in u = (ν − middle)·scale, and the error of the field.
+    pub(crate) scale: f64,
+    pub(crate) value: Nodal,
+    pub(crate) slope: Nodal,
+    pub(crate) bend: Nodal,
+    pub(crate) noise: f64,
+}
+
+impl Residues {
+    /// Divides the poles into leaves; for few of them there is nothing to divide.
+    pub(crate) fn divide(&mut self, large: bool) {
+        self.leaves.clear();
+        if !large {
+            return;
+        }
+        let poles = self.poles().to_vec();
+        let charges: Vec<[f64; 2]> = self.residues().iter().zip(self.errors()).map(|(r, e)| [*r, *e]).collect();
+        let total_error: f64 = self.errors().iter().sum();
+        for field in Tree::new(&poles, false).fields(&poles, &charges, &Tree::new(&poles, true)) {
+            let places: Vec<usize> = field.near.iter().flat_map(Clone::clone).collect();
+            let mut leaf = Leaf {
+                gaps: field.targets.clone(),
+                middle: field.middle,
+                scale: if field.half > 0.0 { 1.0 / field.half } else { 0.0 },
+                value: field.far[0],
+                slope: derivative(&field.far[0]),
+                bend: derivative(&derivative(&field.far[0])),
+                // Interpolation errs by 2e-14 of the kernels, which the sum of moduli overestimates rather than under.
+                noise: 1e-14 * field.far[0].iter().map(|c| c.abs()).sum::<f64>() + field.far[1][0].abs() + total_error,
+                residues: Vec::new(),
+                errors: Vec::new(),
+                shifts: Vec::new(),
+                places,
+            };
+            for (own, all) in [
+                (&mut leaf.residues, &self.residues),
+                (&mut leaf.errors, &self.errors),
+                (&mut leaf.shifts, &self.shifts),
+            ] {
+                fill(own, leaf.places.iter().map(|&place| all.as_flattened()[place]), 0.0);
+            }
+            self.leaves.push(leaf);
+        }
+    }
+
+    /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `distances` is scratch space.
+    pub(crate) fn window<'a>(&'a self, gap: usize, place: usize, distances: &'a mut Vec<Lane>) -> Local<'a> {
+        let leaf = self.leaves.partition_point(|leaf| leaf.gaps.end <= gap);
+        let Some(leaf) = self.leaves.get(leaf) else {
+            self.distances(place, distances);
+            return self.about(distances);
+        };
+        fill(distances, leaf.places.iter().map(|&other| self.distance(place, other)), 1e100);
+        let origin = (self.poles()[place] - leaf.middle) * leaf.scale;
+        let far = Some(Far { leaf, origin });
+        Local { residues: &leaf.residues, errors: &leaf.errors, shifts: &leaf.shifts, distances, far }
+    }
+}

@@ -1,0 +1,280 @@
+//! Stability without matrices against the table of checked numbers and against the dense monodromy matrix.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+mod support;
+
+use proptest::prelude::*;
+use serde_json::Value;
+use support::dense;
+use vibrochain::breather::{Family, Finder, Found, Orbit};
+use vibrochain::floquet::{
+    Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Outcome, Secular, SecularMultipliers,
+    SecularVerdict, Tolerance, even_monodromy,
+};
+use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
+
+fn verdict(orbit: &Orbit, finder: &mut Finder) -> Option<SecularVerdict> {
+    finder.motion(orbit).unwrap();
+    if orbit.is_reversible() {
+        let mut secular = Secular::default();
+        secular.set(orbit, finder.response()).ok()?;
+        secular.verdict().ok()
+    } else {
+        ForcedSecular::default().verdict(orbit, finder.response()).ok()
+    }
+}
+
+#[test]
+fn spectral_radii_of_the_table() {
+    let table: Value = serde_json::from_str(include_str!("data/reference.json")).unwrap();
+    let mut answered = 0;
+    for case in table["cases"].as_array().unwrap() {
+        let get = |name: &str| case["parameters"][name].as_f64();
+        let sites = case["parameters"]["sites"].as_u64().unwrap() as usize;
+        let chain = Chain::new(sites, get("gamma1").unwrap(), get("gamma2").unwrap()).unwrap();
+        let (amplitude, restitution) = (get("amplitude").unwrap_or(0.0), get("restitution").unwrap_or(1.0));
+        let (omega, a) = (get("omega").unwrap(), get("asymmetry").unwrap());
+        let model = Model::forced(chain, omega, a, amplitude, restitution).unwrap();
+        let doubled = (case["period"].as_f64().unwrap() / model.period()).round() == 2.0;
+        let family = match (case["p"].as_f64(), doubled) {
+            (Some(_), _) => Family::SingleSided,
+            (None, true) => Family::PeriodDoubled,
+            (None, false) => Family::DoubleSided,
+        };
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        finder.find(&model, family, &mut found).unwrap();
+        let mut impulses: Vec<f64> = ["p", "p1", "p2"].iter().filter_map(|key| case[*key].as_f64()).collect();
+        impulses.sort_by(f64::total_cmp);
+        let orbit = found.orbits.iter().find(|orbit| {
+            let mut own: Vec<f64> = orbit.impacts().iter().map(|impact| 0.5 * impact.impulse.abs()).collect();
+            own.sort_by(f64::total_cmp);
+            own.iter().zip(&impulses).all(|(a, b)| (a - b).abs() < 1e-9)
+        });
+        let name = case["name"].as_str().unwrap();
+        let Some(verdict) = verdict(orbit.unwrap(), &mut finder) else { continue };
+        let radius = case["spectral_radius"].as_f64().unwrap();
+        match verdict.outcome {
+            Outcome::Unstable => {
+                let error = (verdict.spectral_radius() / radius - 1.0).abs();
+                assert!(error < if radius > 1000.0 { 1e-6 } else { 1e-9 }, "{name}: {verdict:?}, table {radius}");
+                let table = &case["leading_multiplier"];
+                let leading = Complex::new(table[0].as_f64().unwrap(), table[1].as_f64().unwrap());
+                assert_eq!(Mechanism::of(verdict.leading.unwrap()), Mechanism::of(leading), "{name}");
+            }
+            Outcome::Stable => assert!(radius < 1.0 + 1e-9, "{name}: {verdict:?}, table {radius}"),
+            Outcome::Marginal => assert!((radius - 1.0).abs() < 1e-6, "{name}: {verdict:?}, table {radius}"),
+        }
+        answered += 1;
+    }
+    assert!(answered >= 25, "{answered}");
+}
+
+/// μ and 1/μ of a root ν, by the plain quadratic formula.
+fn multipliers(nu: Complex<f64>) -> [Complex<f64>; 2] {
+    let root = (nu * nu - 1.0).sqrt();
+    [nu + root, nu - root]
+}
+
+fn conservative() -> impl Strategy<Value = Model> {
+    (1usize..24, 0.02..1.0, 1e-3..0.5, 0.3..4.0, 0.0..0.95).prop_filter_map("valid", |(sites, g1, g2, omega, a)| {
+        Model::conservative(Chain::new(sites, g1, g2).ok()?, omega, a).ok()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Power sums of the multipliers from the roots, the trivial pair added, against traces of the dense matrix's powers.
+    #[test]
+    fn roots_have_the_power_sums_of_the_monodromy_matrix(model in conservative()) {
+        let (mut finder, mut found) = (Finder::new(21), Found::default());
+        let mut secular = Secular::default();
+        for family in [Family::SingleSided, Family::DoubleSided] {
+            if finder.find_symmetric(&model, family, &mut found).is_err() || finder.response().condition() > 1e3 {
+                continue;
+            }
+            for orbit in &found.orbits {
+                if secular.set(orbit, finder.response()).is_err() {
+                    continue;
+                }
+                let Ok((roots, _)) = secular.roots() else { continue };
+                let all: Vec<_> =
+                    roots.iter().flat_map(|nu| multipliers(*nu)).chain([Complex::new(1.0, 0.0); 2]).collect();
+                let matrix = dense(&even_monodromy(orbit).unwrap());
+                prop_assert_eq!(all.len(), matrix.nrows());
+                let scale = matrix.norm();
+                let square = &matrix * &matrix;
+                let cube = &square * &matrix;
+                for (power, trace) in [(1, matrix.trace()), (2, square.trace()), (3, cube.trace())] {
+                    let sum: Complex<f64> = all.iter().map(|mu| mu.powi(power)).sum();
+                    let error = (sum - trace).norm();
+                    prop_assert!(error < 1e-10 * scale.powi(power) * (1.0 + scale), "{family:?} {power}: {sum} {trace}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_shape_of_the_unstable_perturbation_is_that_of_the_dense_solver() {
+    let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    finder.find(&model, Family::DoubleSided, &mut found).unwrap();
+    for orbit in &found.orbits {
+        let mut secular = SecularMultipliers::default();
+        secular.set(orbit, finder.response()).unwrap();
+        let (values, _) = secular.multipliers().unwrap();
+        let leading = *values.iter().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
+        let (displacement, velocity) = ModalShape::new(orbit, finder.response(), leading).unwrap().at_sites(21, 0);
+        let modes = vibrochain::floquet::leading_modes(orbit, 2).unwrap();
+        let mode = modes.iter().find(|mode| (mode.multiplier - leading).norm() < 1e-9).unwrap();
+        let ratio = displacement[0] / mode.displacement[0];
+        for n in 0..21 {
+            assert!((displacement[n] - ratio * mode.displacement[n]).norm() < 1e-9 * ratio.norm());
+            assert!((velocity[n] - ratio * mode.velocity[n]).norm() < 1e-9 * ratio.norm());
+        }
+    }
+}
+
+/// A small generator of random numbers (splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / u64::MAX as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+}
+
+/// Where random orbits are looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Anywhere,
+    /// Ω_k ± Ω_l = jω or Ω_k = jω up to 1e-15 … 1e-3: coincident poles, stripes of instability, resonance.
+    Resonant,
+    /// An impact grazes, up to 1e-10 … 0.1.
+    Grazing,
+}
+
+fn model_at(random: &mut Random, place: Place, forced: bool) -> Option<Model> {
+    let sites = 1 + (random.unit() * 30.0) as usize;
+    let chain = Chain::new(sites, random.log(0.02, 1.0), random.log(1e-3, 0.5)).ok()?;
+    let (mut omega, mut a) = (random.between(0.4, 3.0), random.between(0.0, 0.9));
+    let sign = (random.unit() - 0.5).signum();
+    match place {
+        Place::Anywhere => {}
+        Place::Resonant => {
+            let spectrum = Spectrum::new(chain);
+            let mut pick = || {
+                spectrum.frequencies()
+                    [(random.unit() * spectrum.frequencies().len() as f64) as usize % spectrum.frequencies().len()]
+            };
+            let (first, second) = (pick(), pick());
+            let target = [first + second, (first - second).abs(), first][(random.unit() * 3.0) as usize % 3];
+            let harmonic = (1.0 + 4.0 * random.unit()).floor();
+            if target / harmonic < 0.2 {
+                return None;
+            }
+            omega = target / harmonic * (1.0 + sign * random.log(1e-15, 1e-3));
+        }
+        Place::Grazing => {
+            let response = ImpulseResponse::new(&Spectrum::new(chain), omega).ok()?;
+            let (chi2, chi1) = (-2.0 * response.value(0, 0.0), -2.0 * response.value(0, 0.5 * response.period()));
+            // p₁ = 1/(χ₂−χ₁) − a/(χ₁+χ₂) vanishes here.
+            a = ((chi1 + chi2) / (chi2 - chi1)).abs() * (1.0 + sign * random.log(1e-10, 0.1));
+        }
+    }
+    if forced {
+        let e = if random.unit() < 0.2 { 1.0 } else { random.between(0.2, 0.99) };
+        Model::forced(chain, omega, a, random.log(0.05, 2.0), e).ok()
+    } else {
+        Model::conservative(chain, omega, a).ok()
+    }
+}
+
+/// Verdicts of sweeps and of single orbits against the dense path, whose thorough verdict knows its own error. Returns how
+/// many were compared, fell back, and were unstable.
+fn against_dense(seed: u64, draws: usize, place: Place, forced: bool) -> [usize; 3] {
+    let mut random = Random(seed);
+    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut analyser, mut dense) = (Analyser::default(), Analyser::dense());
+    let (mut compared, mut fallen, mut unstable) = (0, 0, 0);
+    for _ in 0..draws {
+        let Some(model) = model_at(&mut random, place, forced) else { continue };
+        for family in [Family::DoubleSided, Family::SingleSided] {
+            if finder.find_symmetric(&model, family, &mut found).is_err() {
+                continue;
+            }
+            // Hundreds of forced solutions at one point are alike.
+            for orbit in found.orbits.iter().take(4) {
+                let Ok(reference) = dense.stability(orbit, &mut finder, Tolerance::Rounding) else { continue };
+                let reference = reference.verdict;
+                let sweep = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                let thorough = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                assert_eq!(thorough.multipliers.len(), 2 * model.chain().sites());
+                compared += 1;
+                fallen += usize::from(matches!(sweep.method, Method::Dense(Some(_))));
+                for own in [sweep, thorough.verdict] {
+                    if own.method != Method::Secular {
+                        continue;
+                    }
+                    let name = || format!("{model:?} {family:?}: {own:?}, dense {reference:?}");
+                    let certain = !own.marginal && !reference.marginal;
+                    // A dense verdict next to the circle is right up to its resolution; below it the growth is the form's own.
+                    let hidden = own.growth() <= reference.resolution.max(1e-7 * reference.spectral_radius);
+                    if certain && own.stable != reference.stable {
+                        assert!(own.mechanism.is_some() && reference.stable && hidden, "{}", name());
+                        continue;
+                    }
+                    let difference = (own.spectral_radius - reference.spectral_radius).abs();
+                    let allowed = 1e-9 * reference.spectral_radius + 10.0 * (own.resolution + reference.resolution);
+                    assert!(difference <= allowed, "{}: {difference:e}", name());
+                    if certain && own.growth() > 1e-5 {
+                        unstable += 1;
+                        assert_eq!(own.mechanism, reference.mechanism, "{}", name());
+                    }
+                }
+            }
+        }
+    }
+    [compared, fallen, unstable]
+}
+
+fn against_dense_everywhere(draws: usize) {
+    for (forced, places) in
+        [(false, &[Place::Anywhere, Place::Resonant, Place::Grazing][..]), (true, &[Place::Anywhere, Place::Resonant])]
+    {
+        for (seed, &place) in places.iter().enumerate() {
+            let draws = if forced { draws / 4 } else { draws };
+            let [compared, fallen, unstable] = against_dense(seed as u64, draws, place, forced);
+            println!("{place:?}, forced {forced}: {compared} compared, {fallen} fell back, {unstable} unstable");
+            assert!(compared > draws / 4 && unstable > compared / 20, "{place:?} {compared} {unstable}");
+            if place == Place::Anywhere {
+                assert!(fallen < compared / 10, "{fallen} of {compared}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_verdict_differs_from_the_dense_one_beyond_its_error() {
+    against_dense_everywhere(2000);
+}
+
+/// The same for 10⁵ orbits and more: `cargo test --release --test secular -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes"]
+fn no_verdict_of_a_hundred_thousand_differs_from_the_dense_one() {
+    against_dense_everywhere(40_000);
+}
