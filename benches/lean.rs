@@ -17,7 +17,7 @@ fn cells(criterion: &mut Criterion) {
     for kind in KINDS {
         let scene = kind.scene();
         let mut worker = Worker::new(scene.base.sites);
-        group.throughput(Throughput::Elements(scene.cells() as u64));
+        group.throughput(Throughput::Elements(scene.cells()));
         group.bench_function(kind.name(), |bencher| bencher.iter(|| Kind::compute(&scene, &mut worker)));
         // A benchmark whose output is cut off (`| head`) has nothing left to say.
         let _ = writeln!(std::io::stdout(), "{}: {:.3} allocations a cell", kind.name(), kind.allocations());

@@ -42,14 +42,14 @@ fn maps(criterion: &mut Criterion) {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let model = if forced { "forced" } else { "conservative" };
                 let work = if stability { "stability" } else { "existence" };
-                group.throughput(Throughput::Elements(scene.cells() as u64));
+                group.throughput(Throughput::Elements(scene.cells()));
                 group.bench_function(format!("{model}/N={}/{work}/threads={threads}", sites - 1), |bencher| {
                     bencher.iter(|| {
                         let ended = sweep(
                             &scene,
                             &pool,
                             &AtomicBool::new(false),
-                            || {},
+                            |_| {},
                             |_, cells| {
                                 black_box(cells);
                                 Ok::<(), ()>(())

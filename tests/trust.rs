@@ -124,11 +124,11 @@ fn a_marginal_cell_has_no_class_and_is_counted() {
     "#;
     let scene = Scene::parse(Path::new("marginal.toml"), text).unwrap();
     let mut worker = Worker::new(21);
-    let cell = worker.cell(&scene.point(0, 0).model().unwrap(), &scene.task);
+    let cell = worker.cell(&scene.point(0).model().unwrap(), &scene.task);
     assert_eq!((cell.class, cell.status, cell.mechanism), (None, Status::Marginal, None));
     assert!((cell.spectral_radius.unwrap() - 1.0).abs() < 1e-12 && cell.margin.is_some() && cell.solutions == 2);
     // With a threshold there is nothing marginal about it.
     let task = vibrochain_cli::cell::Task { tolerance: Tolerance::Growth(1e-3), ..scene.task.clone() };
-    let cell = worker.cell(&scene.point(0, 0).model().unwrap(), &task);
+    let cell = worker.cell(&scene.point(0).model().unwrap(), &task);
     assert_eq!((cell.class, cell.status), (Some(Class::StableDouble), Status::Ok));
 }

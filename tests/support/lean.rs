@@ -51,10 +51,8 @@ impl Kind {
 
     /// Computes every cell of the scene.
     pub(crate) fn compute(scene: &Scene, worker: &mut Worker) {
-        for j in 0..scene.y.points {
-            for i in 0..scene.x.points {
-                black_box(worker.cell(&scene.point(i, j).model().unwrap(), &scene.task));
-            }
+        for cell in 0..scene.cells() {
+            black_box(worker.cell(&scene.point(cell).model().unwrap(), &scene.task));
         }
     }
 

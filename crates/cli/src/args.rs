@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use vibrochain_lattice::Force;
 
 use crate::parameter::Parameter;
+use crate::sweep::ShardFlag;
 
 /// Existence and stability of breathers in vibro-impact chains.
 #[derive(Debug, Parser)]
@@ -13,7 +14,7 @@ use crate::parameter::Parameter;
     name = "mapgen",
     version,
     about,
-    after_help = "Everything is dimensionless: unit masses, barriers at asymmetry ± 1.\nExit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 130 interrupted."
+    after_help = "Everything is dimensionless: unit masses, barriers at asymmetry ± 1.\nExit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 130 interrupted by Ctrl-C or SIGTERM."
 )]
 pub struct Cli {
     /// What to do.
@@ -24,8 +25,10 @@ pub struct Cli {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Compute a map over two parameters from a scene file.
+    /// Compute a map over one or more parameters from a scene file.
     Sweep(SweepArgs),
+    /// Make one table of the chunks that `sweep --shard` has left in a folder.
+    Merge(MergeArgs),
     /// All breathers of a family at one point, with their stability.
     Orbit(OrbitArgs),
     /// Where a breather bifurcates or grazes as one parameter varies, to twelve digits.
@@ -54,12 +57,26 @@ pub enum PaletteName {
 
 /// Arguments of `mapgen sweep`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "A sweep keeps the chunks it has finished in FILE.parts until the table is whole. Interrupted by Ctrl-C or SIGTERM it
+says how to go on and ends with exit code 130; killed, it goes on from there as well, with --resume."
+)]
 pub struct SweepArgs {
     /// Scene file (TOML), see scenes/.
     pub scene: PathBuf,
-    /// Table to write (CSV); a manifest is written beside it.
-    #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    /// Table to write (CSV); a manifest is written beside it. With --shard: folder of chunks.
+    #[arg(long, value_name = "FILE", required_unless_present = "dry_run")]
+    pub out: Option<PathBuf>,
+    /// Go on with the chunks that an interrupted run has left, or start afresh where there are none.
+    #[arg(long)]
+    pub resume: bool,
+    /// Compute one share of the chunks: shard i of n, from 0, or `slurm` for the share of a job array's task. Then `mapgen
+    /// merge` makes the table.
+    #[arg(long, value_name = "i/n", conflicts_with_all = ["png", "svg"], allow_hyphen_values = true)]
+    pub shard: Option<ShardFlag>,
+    /// Compute a few cells only, and tell how many there are, how long they will take and how much they will fill.
+    #[arg(long)]
+    pub dry_run: bool,
     /// Picture of the map as PNG.
     #[arg(long, value_name = "FILE")]
     pub png: Option<PathBuf>,
@@ -72,10 +89,32 @@ pub struct SweepArgs {
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
-    /// Threads to use [default: all cores].
+    /// Threads to use [default: all cores; with --shard slurm, SLURM_CPUS_PER_TASK].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// No progress bar and no summary.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `mapgen merge`.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Folder of chunks, the --out of `mapgen sweep --shard`.
+    pub folder: PathBuf,
+    /// Table to write (CSV), the same to the byte as that of an undivided sweep; a manifest is written beside it.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Picture of the map as PNG.
+    #[arg(long, value_name = "FILE")]
+    pub png: Option<PathBuf>,
+    /// Picture of the map as SVG.
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Colours of the pictures.
+    #[arg(long, value_enum, default_value_t)]
+    pub palette: PaletteName,
+    /// No summary.
     #[arg(long, short)]
     pub quiet: bool,
 }

@@ -61,6 +61,16 @@ pub fn ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
     flag.clone().map_err(CliError::Computation)
 }
 
+/// Makes a write beyond the limit on the size of files (`ulimit -f`) an error like that of a full disk; unasked, the system
+/// would end the process.
+pub fn survive_file_limit() {
+    #[cfg(unix)]
+    {
+        // Where it cannot be done, such a write ends the process, and what it has finished is still there.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -23,6 +23,9 @@ pub enum CliError {
     /// The same, with what was done until then on disk.
     #[error("interrupted: the files hold the run up to here")]
     Stopped,
+    /// The same, with what is finished, and how to go on.
+    #[error("interrupted: {0}")]
+    Paused(String),
 }
 
 impl CliError {
@@ -32,7 +35,7 @@ impl CliError {
             Self::Usage(error) => u8::try_from(error.exit_code()).unwrap_or(2),
             Self::Request(_) => 2,
             Self::Computation(_) => 1,
-            Self::Interrupted | Self::Stopped => 130,
+            Self::Interrupted | Self::Stopped | Self::Paused(_) => 130,
         }
     }
 

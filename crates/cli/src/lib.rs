@@ -6,13 +6,14 @@
 //! | `accuracy` | error against run time, `mapgen accuracy` (feature `accuracy`) |
 //! | `args` | the command line |
 //! | `parameter`, `force`, `scene` | points of the parameter space, forces of several harmonics, scene files |
-//! | `cell`, `sweep` | one cell, all cells |
-//! | `table`, `manifest`, `output` | the files a sweep writes |
+//! | `cell`, `sweep` | one cell; all cells, in chunks that outlive the process |
+//! | `table`, `manifest`, `pictures`, `output` | the files a sweep writes |
+//! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `plot` | pictures (feature `plot`) |
 //! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
 //! | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
 //! | `start`, `recording` | where a simulation starts, what it leaves behind |
-//! | `sweep_command`, `orbit_command`, `locate_command`, `simulate_command`, `validate_command` | the subcommands |
+//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `simulate_command`, `validate_command` | the subcommands |
 
 #[cfg(feature = "accuracy")]
 pub mod accuracy;
@@ -21,21 +22,25 @@ pub mod cell;
 pub mod console;
 pub mod errata;
 pub mod error;
+mod estimate;
 #[cfg(feature = "plot")]
 pub mod figures;
 pub mod force;
 mod forms;
 pub mod locate_command;
 pub mod manifest;
+pub mod merge_command;
 pub mod orbit_command;
 #[cfg(feature = "plot")]
 mod orbit_plots;
 pub mod output;
 pub mod parameter;
+mod pictures;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod program;
 mod recording;
+mod report;
 pub mod scene;
 pub mod simulate_command;
 pub mod start;

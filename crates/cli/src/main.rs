@@ -3,7 +3,7 @@
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
 
-use vibrochain_cli::console::{Console, ctrl_c};
+use vibrochain_cli::console::{Console, ctrl_c, survive_file_limit};
 use vibrochain_cli::error::CliError;
 use vibrochain_cli::program;
 
@@ -23,6 +23,7 @@ fn main() -> ExitCode {
         let _ = writeln!(stderr(), "{advice}");
         return ExitCode::from(1);
     }
+    survive_file_limit();
     let (mut out, mut err, progress) = (stdout(), stderr(), stderr().is_terminal());
     let mut console = Console { out: &mut out, err: &mut err, progress, interrupt: &ctrl_c };
     let result = program::run(std::env::args_os(), &mut console);

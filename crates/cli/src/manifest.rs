@@ -6,7 +6,7 @@ use vibrochain_floquet::Tolerance;
 use crate::cell::{Class, Status};
 use crate::force;
 use crate::parameter::Parameter;
-use crate::scene::{Axis, Scene};
+use crate::scene::{Axis, Scene, Values};
 use crate::sweep::Summary;
 
 /// The program's version.
@@ -15,6 +15,11 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The git revision it was built from, if known.
 pub const REVISION: Option<&str> = option_env!("VIBROCHAIN_REVISION");
 
+/// The instructions it was built for: without fused multiply-add the last digits may differ.
+pub fn target() -> String {
+    format!("{}{}", std::env::consts::ARCH, if cfg!(target_feature = "fma") { "+fma" } else { "" })
+}
+
 /// What a manifest tells of a run.
 #[derive(Debug)]
 pub struct Run<'a> {
@@ -22,18 +27,42 @@ pub struct Run<'a> {
     pub scene_file: &'a str,
     /// The scene.
     pub scene: &'a Scene,
-    /// Its result.
+    /// The version of the program that computed the cells.
+    pub version: &'a str,
+    /// The git revision it was built from, if known.
+    pub revision: Option<&'a str>,
+    /// The result.
     pub summary: &'a Summary,
+    /// How the cells were computed; unknown of a table merged from the chunks of many runs.
+    pub effort: Option<Effort>,
+}
+
+/// What one run took.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
     /// Threads used.
     pub threads: usize,
-    /// Wall time of the sweep, in seconds.
+    /// Cells computed, less than all where a run was resumed.
+    pub computed_cells: u64,
+    /// Wall time, in seconds.
     pub wall_seconds: f64,
 }
 
-/// The manifest as a JSON value.
-pub fn manifest(run: &Run<'_>) -> Value {
-    let scene = run.scene;
-    let axis = |axis: &Axis| json!({ "parameter": axis.parameter.name(), "from": axis.from, "to": axis.to, "points": axis.points });
+fn axis(axis: &Axis) -> Value {
+    let parameter = axis.parameter.name();
+    match &axis.values {
+        Values::Linear { from, to, points } => {
+            json!({ "parameter": parameter, "from": from, "to": to, "points": points })
+        }
+        Values::Logarithmic { from, to, points } => {
+            json!({ "parameter": parameter, "from": from, "to": to, "points": points, "spacing": "log" })
+        }
+        Values::List(values) => json!({ "parameter": parameter, "values": values }),
+    }
+}
+
+/// Everything of a scene that decides what its table holds: `model`, `sweep`, `compute`.
+pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     let mut model = Map::new();
     model.insert("sites".into(), scene.base.sites.into());
     for parameter in Parameter::ALL {
@@ -41,16 +70,33 @@ pub fn manifest(run: &Run<'_>) -> Value {
             Some(force) if parameter == Parameter::Amplitude => {
                 model.insert("force".into(), force::value(force));
             }
-            _ if parameter != scene.x.parameter && parameter != scene.y.parameter => {
+            _ if !scene.sweeps(parameter) => {
                 model.insert(parameter.name().into(), scene.base.get(parameter).into());
             }
             _ => {}
         }
     }
+    let mut sweep = Map::new();
+    for (name, each) in ["x", "y"].iter().zip(&scene.axes) {
+        sweep.insert((*name).to_owned(), axis(each));
+    }
+    if scene.axes.len() > 2 {
+        sweep.insert("axes".to_owned(), scene.axes.iter().skip(2).map(axis).collect());
+    }
     let threshold = match scene.task.tolerance {
         Tolerance::Rounding => Value::Null,
         Tolerance::Growth(growth) => growth.into(),
     };
+    let families: Vec<&str> = scene.task.families.iter().map(|family| family.name()).collect();
+    let compute = json!({ "families": families, "stability": scene.task.stability, "threshold": threshold });
+    [("model", model.into()), ("sweep", sweep.into()), ("compute", compute)]
+        .map(|(name, value): (_, Value)| (name.to_owned(), value))
+        .into_iter()
+        .collect()
+}
+
+/// The manifest as a JSON value.
+pub fn manifest(run: &Run<'_>) -> Value {
     let counts = |names: &mut dyn Iterator<Item = (&'static str, u64)>| -> Value {
         names
             .filter(|(_, count)| *count > 0)
@@ -58,21 +104,24 @@ pub fn manifest(run: &Run<'_>) -> Value {
             .collect::<Map<_, _>>()
             .into()
     };
-    let families: Vec<&str> = scene.task.families.iter().map(|family| family.name()).collect();
-    json!({
-        "program": "mapgen",
-        "version": VERSION,
-        "revision": REVISION,
-        "scene": run.scene_file,
-        "title": scene.title,
-        "model": model,
-        "sweep": { "x": axis(&scene.x), "y": axis(&scene.y) },
-        "compute": { "families": families, "stability": scene.task.stability, "threshold": threshold },
-        "cells": scene.cells(),
-        "classes": counts(&mut Class::ALL.iter().map(|c| c.name()).zip(run.summary.classes)),
-        "statuses": counts(&mut Status::ALL.iter().map(|s| s.name()).zip(run.summary.statuses)),
-        "worst_residual": run.summary.worst_residual,
-        "threads": run.threads,
-        "wall_seconds": run.wall_seconds,
-    })
+    let mut all = Map::new();
+    let mut add = |name: &str, value: Value| drop(all.insert(name.to_owned(), value));
+    add("program", "mapgen".into());
+    add("version", run.version.into());
+    add("revision", run.revision.into());
+    add("scene", run.scene_file.into());
+    add("title", run.scene.title.clone().into());
+    for (name, part) in scene_parts(run.scene) {
+        add(&name, part);
+    }
+    add("cells", run.scene.cells().into());
+    add("classes", counts(&mut Class::ALL.iter().map(|c| c.name()).zip(run.summary.classes)));
+    add("statuses", counts(&mut Status::ALL.iter().map(|s| s.name()).zip(run.summary.statuses)));
+    add("worst_residual", run.summary.worst_residual.into());
+    if let Some(effort) = run.effort {
+        add("threads", effort.threads.into());
+        add("computed_cells", effort.computed_cells.into());
+        add("wall_seconds", effort.wall_seconds.into());
+    }
+    all.into()
 }

@@ -10,6 +10,20 @@ use tempfile::NamedTempFile;
 
 use crate::error::CliError;
 
+/// How names of temporary files end.
+pub(crate) const TEMPORARY: &str = ".part";
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Sees to it that the disk knows the names in the folder of `path`, where the system can do so.
+pub fn settle_names(path: &Path) {
+    if let Ok(folder) = fs::File::open(folder_of(path)) {
+        let _ = folder.sync_all();
+    }
+}
+
 /// A file under way. Dropped before [`Output::commit`], it leaves nothing behind.
 #[derive(Debug)]
 pub struct Output {
@@ -24,26 +38,35 @@ impl Output {
     /// # Errors
     /// [`CliError::Request`] if the destination cannot be written.
     pub fn create(path: &Path) -> Result<Self, CliError> {
-        let cannot = |error: &io::Error| CliError::file("cannot write", path, error);
-        let Some(name) = path.file_name() else {
+        if path.file_name().is_none() {
             return Err(CliError::Request(format!("cannot write {}: it names no file", path.display())));
-        };
+        }
         if path.is_dir() {
             return Err(CliError::Request(format!("cannot write {}: it is a folder; name a file", path.display())));
         }
-        let folder = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        fs::create_dir_all(folder).map_err(|error| cannot(&error))?;
+        fs::create_dir_all(folder_of(path)).map_err(|error| CliError::file("cannot write", path, &error))?;
+        Self::beside(path)
+    }
+
+    /// As [`Output::create`], in a folder that must be there.
+    ///
+    /// # Errors
+    /// As [`Output::create`].
+    pub fn beside(path: &Path) -> Result<Self, CliError> {
         let mut builder = tempfile::Builder::new();
-        let prefix = format!(".{}.", name.to_string_lossy());
-        builder.prefix(&prefix).suffix(".part");
+        let prefix = format!(".{}.", path.file_name().unwrap_or_default().to_string_lossy());
+        builder.prefix(&prefix).suffix(TEMPORARY);
         // Temporary files are private by default; results are shared like any file, within the umask.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder).map_err(|error| cannot(&error))?;
+        let file = builder.tempfile_in(folder_of(path));
+        let file = file.map_err(|error| CliError::file("cannot write", path, &error))?;
         Ok(Self { writer: BufWriter::new(file), path: path.to_owned() })
+    }
+
+    /// The error of a write that failed.
+    pub fn unwritten(&self, error: &io::Error) -> CliError {
+        CliError::Computation(format!("could not write {}: {error}", self.path.display()))
     }
 
     /// The destination.
@@ -56,13 +79,29 @@ impl Output {
     /// # Errors
     /// [`CliError::Computation`] if the disk refuses; the destination is then as it was before.
     pub fn commit(self) -> Result<(), CliError> {
+        self.settle(false).map(|_| ())
+    }
+
+    /// As [`Output::commit`], but leaves a file that is already there as it is, and tells so by `false`.
+    ///
+    /// # Errors
+    /// As [`Output::commit`].
+    pub fn commit_new(self) -> Result<bool, CliError> {
+        self.settle(true)
+    }
+
+    fn settle(self, new: bool) -> Result<bool, CliError> {
         let failed = |error: &dyn std::fmt::Display| {
             CliError::Computation(format!("could not finish {}: {error}", self.path.display()))
         };
         let file = self.writer.into_inner().map_err(|error| failed(error.error()))?;
         file.as_file().sync_all().map_err(|error| failed(&error))?;
-        file.persist(&self.path).map_err(|error| failed(&error.error))?;
-        Ok(())
+        let settled = if new { file.persist_noclobber(&self.path) } else { file.persist(&self.path) };
+        match settled {
+            Ok(_) => Ok(true),
+            Err(error) if new && error.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+            Err(error) => Err(failed(&error.error)),
+        }
     }
 
     /// Writes all of it and commits.
@@ -70,8 +109,7 @@ impl Output {
     /// # Errors
     /// As [`Output::commit`].
     pub fn finish_with(mut self, content: &[u8]) -> Result<(), CliError> {
-        let written = self.write_all(content);
-        written.map_err(|error| CliError::Computation(format!("could not write {}: {error}", self.path.display())))?;
+        self.write_all(content).map_err(|error| self.unwritten(&error))?;
         self.commit()
     }
 }

@@ -7,7 +7,7 @@ use clap::Parser;
 use crate::args::{Cli, Command};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::{errata, locate_command, orbit_command, simulate_command, sweep_command, validate_command};
+use crate::{errata, locate_command, merge_command, orbit_command, simulate_command, sweep_command, validate_command};
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
 ///
@@ -28,6 +28,7 @@ use crate::{errata, locate_command, orbit_command, simulate_command, sweep_comma
 pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<'_>) -> Result<(), CliError> {
     match &Cli::try_parse_from(arguments)?.command {
         Command::Sweep(args) => sweep_command::run(args, console),
+        Command::Merge(args) => merge_command::run(args, console),
         Command::Orbit(args) => orbit_command::run(args, console),
         Command::Locate(args) => locate_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),

@@ -1,26 +1,27 @@
-//! `mapgen sweep`: scene → plan → run → files → summary.
+//! `mapgen sweep`: scene → plan → chunks → files → summary.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use vibrochain_floquet::Tolerance;
+use rayon::ThreadPool;
 
 use crate::args::SweepArgs;
-use crate::cell::{Class, Status};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::manifest::{Run, manifest};
-use crate::output::{Output, distinct};
-use crate::scene::{Scene, tolerance_from};
-use crate::sweep::{Ended, Summary, sweep};
-use crate::table::Table;
+use crate::estimate::estimate;
+use crate::manifest::{Effort, Run, manifest};
+use crate::output::{Output, distinct, settle_names};
+use crate::pictures::{Pictures, Wanted};
+use crate::report::{report, speed};
+use crate::sweep::{Claim, Ended, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, assemble, work};
 
 /// The most threads that may be asked for.
 const MAX_THREADS: usize = 1024;
 
 /// Where the manifest of a table goes: map.csv → map.manifest.json, map → map.manifest.json, map.5 → map.5.manifest.json.
-fn manifest_path(table: &Path) -> PathBuf {
+pub(crate) fn manifest_path(table: &Path) -> PathBuf {
     let mut name = table.file_name().unwrap_or_default().to_string_lossy().into_owned();
     if let Some(stem) = name.strip_suffix(".csv") {
         name = stem.to_owned();
@@ -28,85 +29,216 @@ fn manifest_path(table: &Path) -> PathBuf {
     table.with_file_name(name + ".manifest.json")
 }
 
+/// Where the chunks of a table are kept until it is whole.
+fn parts_path(table: &Path) -> PathBuf {
+    let mut name = table.file_name().unwrap_or_default().to_owned();
+    name.push(".parts");
+    table.with_file_name(name)
+}
+
 /// Runs the subcommand.
 ///
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let mut scene = Scene::read(&args.scene)?;
-    if let Some(threshold) = args.threshold {
-        if scene.task.tolerance != Tolerance::Rounding {
-            let message = format!(
-                "threshold is given twice, as --threshold {threshold} and in {}: remove one",
-                args.scene.display()
-            );
-            return Err(CliError::Request(message));
-        }
-        if !scene.task.stability {
-            let message = format!(
-                "--threshold needs `stability = true` in {}: it decides what counts as stable",
-                args.scene.display()
-            );
-            return Err(CliError::Request(message));
-        }
-        scene.task.tolerance = tolerance_from(threshold).map_err(CliError::Request)?;
-    }
-    let pool = threads(args.threads)?;
-    let threads = pool.current_num_threads();
-
-    let manifest_file = manifest_path(&args.out);
-    distinct(&[
-        ("the scene", Some(&args.scene)),
-        ("--out", Some(&args.out)),
-        ("the manifest of --out", Some(&manifest_file)),
-        ("--png", args.png.as_deref()),
-        ("--svg", args.svg.as_deref()),
-    ])?;
-    // Destinations first: an impossible one should not cost a computation.
-    let table_file = Output::create(&args.out)?;
-    let manifest_file = Output::create(&manifest_file)?;
-    let mut pictures = Pictures::open(args)?;
-
-    let stop = (console.interrupt)()?;
-    let bar = progress(&scene, console.progress && !args.quiet);
-    let started = Instant::now();
-    let unwritable = |error: &dyn std::fmt::Display| {
-        CliError::Computation(format!("could not write {}: {error}", args.out.display()))
+    let plan = Plan::read(&args.scene, args.threshold)?;
+    let environment = |name: &str| std::env::var(name).ok();
+    let (shard, given) = match args.shard {
+        None => (None, None),
+        Some(ShardFlag::Of(shard)) => (Some(shard), None),
+        Some(ShardFlag::Slurm) => (Some(Shard::of_slurm(environment)?), Shard::threads_of_slurm(environment)?),
     };
-    let mut table = Table::new(&scene, table_file).map_err(|error| unwritable(&error))?;
-    let cells_per_row = scene.x.points as u64;
-    let ended = sweep(
-        &scene,
-        &pool,
-        &stop,
-        || bar.inc(cells_per_row),
-        |j, cells| {
-            pictures.keep(cells);
-            cells.iter().enumerate().try_for_each(|(i, cell)| table.write(&scene.point(i, j), cell))
-        },
-    );
-    bar.finish_and_clear();
-    let summary = match ended {
-        Ended::Complete(summary) => summary,
-        Ended::Stopped => return Err(CliError::Interrupted),
-        Ended::Failed(error) => return Err(unwritable(&error)),
-    };
-    let wall = started.elapsed();
-    table.finish().map_err(|error| unwritable(&error))?.commit()?;
-    let scene_file = args.scene.display().to_string();
-    let about =
-        Run { scene_file: &scene_file, scene: &scene, summary: &summary, threads, wall_seconds: wall.as_secs_f64() };
-    let mut text = serde_json::to_vec_pretty(&manifest(&about)).map_err(|error| unwritable(&error))?;
-    text.push(b'\n');
-    manifest_file.finish_with(&text)?;
-    pictures.finish(&scene)?;
-    if !args.quiet {
-        console.remark(&report(&scene, &summary, wall, threads));
+    let pool = threads(args.threads.or(given))?;
+    if args.dry_run {
+        let stop = (console.interrupt)()?;
+        let estimate = estimate(&plan, shard.unwrap_or(Shard::WHOLE), pool.current_num_threads(), &stop)?;
+        return console.print(&estimate);
     }
-    Ok(())
+    let Some(out) = &args.out else {
+        return Err(CliError::Request("--out is missing: name the table to write".to_owned()));
+    };
+    let run = SweepRun { args, plan: &plan, pool: &pool };
+    match shard {
+        Some(shard) => run.shard(out, shard, console),
+        None => run.whole(out, console),
+    }
 }
 
-fn threads(asked: Option<usize>) -> Result<rayon::ThreadPool, CliError> {
+/// A sweep under way.
+struct SweepRun<'a> {
+    args: &'a SweepArgs,
+    plan: &'a Plan,
+    pool: &'a ThreadPool,
+}
+
+impl SweepRun<'_> {
+    fn whole(&self, out: &Path, console: &mut Console<'_>) -> Result<(), CliError> {
+        let (manifest_file, parts) = (manifest_path(out), parts_path(out));
+        let wanted =
+            Wanted { png: self.args.png.as_deref(), svg: self.args.svg.as_deref(), palette: self.args.palette };
+        distinct(&[
+            ("the scene", Some(&self.args.scene)),
+            ("--out", Some(out)),
+            ("the manifest of --out", Some(&manifest_file)),
+            ("the folder of chunks", Some(&parts)),
+            ("--png", wanted.png),
+            ("--svg", wanted.svg),
+        ])?;
+        // Destinations first: an impossible one should not cost a computation.
+        Output::create(out)?;
+        Output::create(&manifest_file)?;
+        let mut pictures = Pictures::plan(&wanted, &self.plan.scene)?;
+        let stop = (console.interrupt)()?;
+        let claim = if self.args.resume { Claim::Resume } else { Claim::Fresh };
+        let store = Store::open(&parts, self.plan, claim)?;
+        let effort = self.compute(&store, Shard::WHOLE, &stop, console)?;
+
+        let mut table = Output::create(out)?;
+        let mut keeper = pictures.keeper();
+        let row = keeper.as_mut().map(|keeper| keeper as &mut dyn FnMut(&[u8]));
+        let summary = match assemble(self.plan, store.folder(), &stop, &mut table, row) {
+            Ok(summary) => summary,
+            Err(Unassembled::Stopped) => return Err(CliError::Paused(self.kept(&store, Shard::WHOLE))),
+            Err(Unassembled::Table(error)) => return Err(self.failed(&error, &store, Shard::WHOLE)),
+            Err(Unassembled::Chunk(chunk, fault)) => {
+                let place = Store::path(store.folder(), chunk);
+                let error = format!("could not read {}: {fault}", place.display());
+                return Err(self.failed(&error, &store, Shard::WHOLE));
+            }
+        };
+        drop(keeper);
+        let finish = || {
+            table.commit()?;
+            write_manifest(&manifest_file, self.plan, &summary, Some(effort))?;
+            pictures.finish()
+        };
+        finish().map_err(|error| self.failed(&error, &store, Shard::WHOLE))?;
+        // The table's name must be on the disk before the chunks are not.
+        settle_names(out);
+        let folder = store.folder().to_owned();
+        if !store.remove() {
+            console.remark(&format!("{} holds other files and was left, without its chunks", folder.display()));
+        }
+        if !self.args.quiet {
+            console.remark(&report(&self.plan.scene, &summary, Some(&effort)));
+        }
+        Ok(())
+    }
+
+    fn shard(&self, folder: &Path, shard: Shard, console: &mut Console<'_>) -> Result<(), CliError> {
+        distinct(&[("the scene", Some(&self.args.scene)), ("--out", Some(folder))])?;
+        let stop = (console.interrupt)()?;
+        let store = Store::open(folder, self.plan, Claim::Share)?;
+        if !self.args.resume && shard.chunks(self.plan).any(|chunk| store.has(chunk)) {
+            let message = format!(
+                "{} holds chunks of shard {}/{} already: go on with them by --resume, or remove them to compute them again",
+                folder.display(),
+                shard.index,
+                shard.count
+            );
+            return Err(CliError::Request(message));
+        }
+        let effort = self.compute(&store, shard, &stop, console)?;
+        if !self.args.quiet {
+            let Shard { index, count } = shard;
+            let (chunks, all) = (shard.chunks(self.plan).count(), self.plan.chunks());
+            let (place, took) = (quoted(folder), speed(&effort));
+            let then = format!("with all shards done: mapgen merge {place} --out map.csv");
+            console.remark(&format!("shard {index}/{count}: {chunks} of {all} chunks in {place}; {took}\n{then}"));
+        }
+        Ok(())
+    }
+
+    /// Computes the chunks of a shard that are missing.
+    fn compute(
+        &self,
+        store: &Store,
+        shard: Shard,
+        stop: &AtomicBool,
+        console: &mut Console<'_>,
+    ) -> Result<Effort, CliError> {
+        let job = Job { scene: &self.plan.scene, pool: self.pool, stop };
+        let todo = Todo::of(&job, self.plan, store, shard)?;
+        todo.damaged.iter().for_each(|remark| console.remark(remark));
+        let cells = |chunk: &u64| self.plan.range(*chunk).count() as u64;
+        let left: u64 = todo.chunks.iter().map(cells).sum();
+        let bar = progress(left + todo.finished_cells, todo.finished_cells, console.progress && !self.args.quiet);
+        let started = Instant::now();
+        let ended = work(&job, self.plan, store, &todo.chunks, |cells| bar.inc(cells));
+        bar.finish_and_clear();
+        match ended {
+            Ended::Complete(summary) => Ok(Effort {
+                threads: self.pool.current_num_threads(),
+                computed_cells: summary.cells(),
+                wall_seconds: started.elapsed().as_secs_f64(),
+            }),
+            Ended::Stopped => Err(CliError::Paused(self.kept(store, shard))),
+            Ended::Failed(error) => Err(self.failed(&error, store, shard)),
+        }
+    }
+
+    fn failed(&self, error: &dyn std::fmt::Display, store: &Store, shard: Shard) -> CliError {
+        if !store.folder().is_dir() {
+            let (place, again) = (store.folder().display(), self.command());
+            return CliError::Computation(format!(
+                "{error}: the folder {place} has vanished; start again with: {again}"
+            ));
+        }
+        CliError::Computation(format!("{error}\n{}", self.kept(store, shard)))
+    }
+
+    /// What an early end leaves, and how to go on.
+    fn kept(&self, store: &Store, shard: Shard) -> String {
+        let finished = shard.chunks(self.plan).filter(|&chunk| store.has(chunk)).count();
+        let (all, place) = (shard.chunks(self.plan).count(), store.folder().display());
+        format!("{finished} of {all} chunks are finished, in {place}; go on with: {}", self.command())
+    }
+
+    /// The command that goes on with this sweep.
+    fn command(&self) -> String {
+        let mut words = vec!["mapgen sweep".to_owned(), quoted(&self.args.scene)];
+        for (flag, path) in [("--out", &self.args.out), ("--png", &self.args.png), ("--svg", &self.args.svg)] {
+            words.extend(path.iter().map(|path| format!("{flag} {}", quoted(path))));
+        }
+        if self.args.palette != Default::default() {
+            words.push("--palette paper".to_owned());
+        }
+        words.extend(self.args.threshold.map(|threshold| format!("--threshold {threshold}")));
+        words.extend(self.args.threads.map(|threads| format!("--threads {threads}")));
+        words.extend(self.args.shard.map(|shard| format!("--shard {shard}")));
+        words.push("--resume".to_owned());
+        words.join(" ")
+    }
+}
+
+/// A path as a shell reads it.
+pub(crate) fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+=:,@".contains(c);
+    if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
+/// Writes the manifest of a table.
+pub(crate) fn write_manifest(
+    path: &Path,
+    plan: &Plan,
+    summary: &Summary,
+    effort: Option<Effort>,
+) -> Result<(), CliError> {
+    let scene_file = plan.scene_file.display().to_string();
+    let about = Run {
+        scene_file: &scene_file,
+        scene: &plan.scene,
+        version: &plan.maker.version,
+        revision: plan.maker.revision.as_deref(),
+        summary,
+        effort,
+    };
+    let text = format!("{:#}\n", manifest(&about));
+    Output::create(path)?.finish_with(text.as_bytes())
+}
+
+fn threads(asked: Option<usize>) -> Result<ThreadPool, CliError> {
     if let Some(threads) = asked
         && !(1..=MAX_THREADS).contains(&threads)
     {
@@ -119,11 +251,13 @@ fn threads(asked: Option<usize>) -> Result<rayon::ThreadPool, CliError> {
         .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))
 }
 
-fn progress(scene: &Scene, wanted: bool) -> ProgressBar {
+fn progress(cells: u64, finished: u64, wanted: bool) -> ProgressBar {
     if !wanted {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::with_draw_target(Some(scene.cells() as u64), ProgressDrawTarget::stderr());
+    let bar = ProgressBar::with_draw_target(Some(cells), ProgressDrawTarget::stderr()).with_position(finished);
+    // What earlier runs have done tells nothing of this one's speed.
+    bar.reset_eta();
     let template = "{bar:32} {percent:>3}%  {human_pos}/{human_len} cells  {rate} cells/s  {eta} left";
     if let Ok(style) = ProgressStyle::with_template(template) {
         // A broken line of progress is no reason to stop: the result of writing it is left alone.
@@ -133,96 +267,4 @@ fn progress(scene: &Scene, wanted: bool) -> ProgressBar {
     }
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
-}
-
-/// The summary.
-fn report(scene: &Scene, summary: &Summary, wall: Duration, threads: usize) -> String {
-    let cells = scene.cells();
-    let mut lines = vec![format!("{cells} cells ({} × {})", scene.x.points, scene.y.points)];
-    let share = |count: u64| 100.0 * count as f64 / cells as f64;
-    for (class, &count) in Class::ALL.iter().zip(&summary.classes).filter(|(_, count)| **count > 0) {
-        lines.push(format!("  {:<16} {count:>9}  {:5.1} %", class.name(), share(count)));
-    }
-    for (status, &count) in Status::ALL.iter().zip(&summary.statuses).skip(1).filter(|(_, count)| **count > 0) {
-        lines.push(format!("  status {:<16} {count:>9}", status.name()));
-    }
-    let per_cell = wall.as_secs_f64() * 1e6 * threads as f64 / cells as f64;
-    lines.push(format!("{:.3} s on {threads} threads, {per_cell:.2} µs per cell and core", wall.as_secs_f64()));
-    lines.push(format!("worst residual of an orbit {:.1e}", summary.worst_residual));
-    lines.join("\n")
-}
-
-#[cfg(feature = "plot")]
-use with_pictures::Pictures;
-#[cfg(not(feature = "plot"))]
-use without_pictures::Pictures;
-
-#[cfg(feature = "plot")]
-mod with_pictures {
-    use super::{CliError, Output, Scene, SweepArgs};
-    use crate::args::PaletteName;
-    use crate::cell::Cell;
-    use crate::plot::{Format, MapPicture, Palette, Tile, map_picture};
-
-    /// Pictures to draw once the cells are known; a sweep without them keeps no cell.
-    pub(super) struct Pictures {
-        files: Vec<(Format, Output)>,
-        palette: Palette,
-        tiles: Vec<Tile>,
-    }
-
-    impl Pictures {
-        pub(super) fn open(args: &SweepArgs) -> Result<Self, CliError> {
-            let mut files = Vec::new();
-            for (path, format) in [(&args.png, Format::Png), (&args.svg, Format::Svg)] {
-                if let Some(path) = path {
-                    files.push((format, Output::create(path)?));
-                }
-            }
-            let palette = match args.palette {
-                PaletteName::Colour => Palette::Colour,
-                PaletteName::Paper => Palette::Paper,
-            };
-            Ok(Self { files, palette, tiles: Vec::new() })
-        }
-
-        pub(super) fn keep(&mut self, cells: &[Cell]) {
-            if !self.files.is_empty() {
-                self.tiles.extend(cells.iter().map(Tile::from));
-            }
-        }
-
-        pub(super) fn finish(self, scene: &Scene) -> Result<(), CliError> {
-            let picture = MapPicture { scene, tiles: &self.tiles, palette: self.palette };
-            for (format, file) in self.files {
-                let bytes = map_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
-                file.finish_with(&bytes)?;
-            }
-            Ok(())
-        }
-    }
-}
-
-#[cfg(not(feature = "plot"))]
-mod without_pictures {
-    use super::{CliError, Scene, SweepArgs};
-    use crate::cell::Cell;
-
-    /// This build draws nothing.
-    pub(super) struct Pictures;
-
-    impl Pictures {
-        pub(super) fn open(args: &SweepArgs) -> Result<Self, CliError> {
-            if args.png.is_some() || args.svg.is_some() {
-                return Err(CliError::Request("--png and --svg need a build with the feature `plot`".to_owned()));
-            }
-            Ok(Self)
-        }
-
-        pub(super) fn keep(&mut self, _: &[Cell]) {}
-
-        pub(super) fn finish(self, _: &Scene) -> Result<(), CliError> {
-            Ok(())
-        }
-    }
 }

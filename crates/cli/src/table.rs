@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
+use std::ops::Range;
 
 use csv::{ByteRecord, Writer};
 
@@ -13,15 +14,31 @@ use crate::scene::Scene;
 /// Columns after the parameters.
 const COLUMNS: [&str; 6] = ["class", "mechanism", "spectral_radius", "margin", "solutions", "status"];
 
-/// The parameters with a column of their own: always gamma2 and omega, and whatever else is swept.
+/// The parameters with a column of their own: always gamma2 and omega, and whatever else is swept, slowest first.
 fn parameters(scene: &Scene) -> Vec<Parameter> {
     let mut shown = vec![Parameter::Gamma2, Parameter::Omega];
-    for axis in [&scene.y, &scene.x] {
+    for axis in scene.axes.iter().rev() {
         if !shown.contains(&axis.parameter) {
             shown.push(axis.parameter);
         }
     }
     shown
+}
+
+/// The columns of a scene's table, by name.
+pub fn columns(scene: &Scene) -> Vec<&'static str> {
+    parameters(scene).iter().map(|parameter| parameter.name()).chain(COLUMNS).collect()
+}
+
+/// The header of a scene's table, as it stands in the file.
+pub fn header(scene: &Scene) -> String {
+    // Names of plain letters need no quotes.
+    columns(scene).join(",") + "\n"
+}
+
+/// Where the class of a cell stands in its row, by number of the column; its mechanism is the next one.
+pub fn class_column(scene: &Scene) -> usize {
+    parameters(scene).len()
 }
 
 /// Writes rows of cells; no value is ever written as 0 or NaN for want of one, its field is empty.
@@ -33,15 +50,18 @@ pub struct Table<W: Write> {
 }
 
 impl<W: Write> Table<W> {
-    /// Writes the header.
+    /// For rows alone, without the header.
+    pub fn new(scene: &Scene, writer: W) -> Self {
+        let writer = Writer::from_writer(writer);
+        Self { writer, parameters: parameters(scene), record: ByteRecord::new(), text: String::new() }
+    }
+
+    /// Writes the cells numbered `range` of a scene.
     ///
     /// # Errors
     /// Those of the writer.
-    pub fn new(scene: &Scene, writer: W) -> csv::Result<Self> {
-        let mut writer = Writer::from_writer(writer);
-        let parameters = parameters(scene);
-        writer.write_record(parameters.iter().map(|parameter| parameter.name()).chain(COLUMNS))?;
-        Ok(Self { writer, parameters, record: ByteRecord::new(), text: String::new() })
+    pub fn write_all(&mut self, scene: &Scene, range: Range<u64>, cells: &[Cell]) -> csv::Result<()> {
+        range.zip(cells).try_for_each(|(number, cell)| self.write(&scene.point(number), cell))
     }
 
     /// Writes one cell.

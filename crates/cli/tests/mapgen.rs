@@ -710,23 +710,3 @@ fn an_interrupted_simulation_keeps_what_it_has_however_long_a_period_is() {
     assert_eq!(desk.files(), ["impacts.csv", "state.json"]);
     assert!(rows(&impacts).len() > 100);
 }
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_sweep_leaves_nothing_behind() {
-    let desk = Desk::new();
-    let scene = desk.scene(&SCENE.replace("points = 40", "points = 20000").replace("sites = 11", "sites = 101"));
-    let program = assert_cmd::cargo::cargo_bin("mapgen");
-    let mut command = std::process::Command::new(program);
-    let silent = std::process::Stdio::null();
-    let mut child =
-        command.arg("sweep").arg(scene).arg("--out").arg(desk.path("map.csv")).stderr(silent).spawn().unwrap();
-    // The temporary files appear before the first cell is computed.
-    while desk.files().len() < 2 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    std::thread::sleep(std::time::Duration::from_millis(200));
-    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert_eq!(desk.files(), ["scene.toml"]);
-}

@@ -19,7 +19,7 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use clap::Parser;
 use tempfile::TempDir;
@@ -40,7 +40,7 @@ const SEED: u64 = 20_240_229;
 /// Masses × windows of flight that a run may ask for; beyond it, it is told to stop as soon as it listens, or not computed.
 const WORK: f64 = 8_000.0;
 
-const SCENES: [&str; 4] = [
+const SCENES: [&str; 6] = [
     r#"title = "two families"
 [model]
 sites = 5
@@ -100,11 +100,37 @@ y = { parameter = "gamma2", from = 0.0, to = 0.0001, points = 2 }
 families = ["double-sided"]
 stability = true
 "#,
+    r#"[model]
+sites = 2
+gamma1 = 0.2
+[sweep]
+axes = [
+    { parameter = "omega", values = [0.7, 1.1, 1.7] },
+    { parameter = "gamma2", from = 0.001, to = 0.1, points = 2, spacing = "log" },
+    { parameter = "asymmetry", values = [0.4, 0] },
+]
+[compute]
+families = ["single-sided"]
+"#,
+    r#"[model]
+sites = 3
+gamma1 = 0.2
+gamma2 = 0.1
+asymmetry = 0.4
+[sweep]
+x = { parameter = "omega", from = 0.7, to = 1.7, points = 3, spacing = "linear" }
+y = { parameter = "amplitude", from = 1e-3, to = 1, points = 2, spacing = "log" }
+axes = [{ parameter = "restitution", values = [0.5] }]
+[compute]
+families = ["single-sided"]
+"#,
 ];
 
 const STATE: &str = r#"{"displacement": [0.1, -0.2, 0.3], "velocity": [0.5, 0.0, -1.5e0]}"#;
 
 const SWEEP: &str = "mapgen sweep scene.toml --out map.csv --quiet --threads 1";
+
+const MERGE: &str = "mapgen merge parts --out map.csv --quiet";
 
 const LINES: [&str; 14] = [
     "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4",
@@ -123,11 +149,39 @@ const LINES: [&str; 14] = [
     "mapgen validate --out validation.md",
 ];
 
+/// What sweeps may be asked besides.
+const SWEEPS: [&str; 6] = [
+    " --threshold 0.01",
+    " --resume",
+    " --dry-run",
+    " --resume --threshold 0.01",
+    " --shard 0/1",
+    " --shard 1/3 --resume",
+];
+
+/// A plan and its one chunk, as the program leaves them.
+fn sound() -> &'static [Vec<u8>; 2] {
+    static SOUND: OnceLock<[Vec<u8>; 2]> = OnceLock::new();
+    SOUND.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let (scene, parts) = (folder.path().join("scene.toml"), folder.path().join("parts"));
+        fs::write(&scene, SCENES[0]).unwrap();
+        let line: Vec<OsString> = ["mapgen".into(), "sweep".into(), scene.into(), "--out".into(), parts.clone().into()]
+            .into_iter()
+            .chain(["--quiet", "--threads", "1", "--shard", "0/1"].map(Into::into))
+            .collect();
+        assert_eq!(mapgen(&line, false).code, 0);
+        ["plan.json", "000000.chunk"].map(|name| fs::read(parts.join(name)).unwrap())
+    })
+}
+
 /// One damaged input: the files it reads and its command line.
 #[derive(Debug)]
 struct Input {
     scene: Vec<u8>,
     state: Vec<u8>,
+    /// The plan and the chunk of a folder to merge.
+    parts: [Vec<u8>; 2],
     line: Vec<OsString>,
 }
 
@@ -135,6 +189,7 @@ impl Input {
     fn new(seed: u64, number: u64) -> Self {
         let mut mutator = Mutator::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ number);
         let (mut scene, mut state) = (SCENES[0].as_bytes().to_vec(), STATE.as_bytes().to_vec());
+        let mut parts = sound().clone();
         let words = |line: &'static str| -> Vec<&str> { line.split(' ').collect() };
         let whole = |line: &'static str| line.split(' ').map(OsString::from).collect();
         let line = match mutator.rng.u8(..20) {
@@ -149,9 +204,20 @@ impl Input {
             }
             10 => {
                 scene = mutator.pick(&SCENES).as_bytes().to_vec();
+                let more = *mutator.pick(&SWEEPS);
                 let mut words = words(SWEEP);
-                words.extend(["--threshold", "0.01"]);
+                words.extend(more.split(' ').skip(1));
                 mutator.line(&words)
+            }
+            11 if mutator.rng.bool() => {
+                // Either of the two, or both.
+                let which = mutator.rng.u8(1..4);
+                for (bit, part) in parts.iter_mut().enumerate() {
+                    if which >> bit & 1 == 1 {
+                        *part = mutator.bytes(part);
+                    }
+                }
+                whole(MERGE)
             }
             11..13 => {
                 state = mutator.file(STATE);
@@ -166,16 +232,18 @@ impl Input {
                 mutator.line(&words(base))
             }
         };
-        Self { scene, state, line }
+        Self { scene, state, parts, line }
     }
 
     fn tell(&self) -> String {
         let words: Vec<_> = self.line.iter().map(|word| format!("{word:?}")).collect();
         format!(
-            "{}\n--- scene.toml\n{}\n--- state.json\n{}",
+            "{}\n--- scene.toml\n{}\n--- state.json\n{}\n--- parts\n{}\n{}",
             words.join(" "),
             String::from_utf8_lossy(&self.scene),
-            String::from_utf8_lossy(&self.state)
+            String::from_utf8_lossy(&self.state),
+            String::from_utf8_lossy(&self.parts[0]),
+            String::from_utf8_lossy(&self.parts[1])
         )
     }
 }
@@ -207,13 +275,14 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         Ok(Command::Sweep(args)) => {
             let Ok(scene) = Scene::read(&args.scene) else { return Plan::Whole };
             let mut windows_most = 0.0_f64;
-            for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                let corner = scene.point(i * (scene.x.points - 1), j * (scene.y.points - 1));
+            for corner in 0..1_usize << scene.axes.len() {
+                let limits = scene.axes.iter().enumerate().map(|(i, axis)| (axis, axis.limits()[corner >> i & 1]));
+                let corner = limits.fold(scene.base, |point, (axis, value)| point.with(axis.parameter, value));
                 windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model, false)));
             }
             // A picture takes longer than its cells, threads longer than they are worth.
             let pictures = args.png.is_some() || args.svg.is_some() || args.threads.is_none_or(|threads| threads > 4);
-            let cost = (scene.cells() * scene.base.sites) as f64 * windows_most;
+            let cost = scene.cells() as f64 * scene.base.sites as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
         Ok(Command::Orbit(args)) => match model(&args.model) {
@@ -240,6 +309,14 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let fastest = args.state.as_deref().map_or(0.0, fastest).max(model.amplitude() / model.omega());
             let impacts = fastest * model.period();
             of(sites * periods * (windows(&model, true) + sampled + sites * impacts), Plan::Stopped)
+        }
+        // What is there is read, nothing is computed; pictures take longer.
+        Ok(Command::Merge(args)) => {
+            if args.png.is_some() || args.svg.is_some() {
+                Plan::Stopped
+            } else {
+                Plan::Whole
+            }
         }
         // Minutes of work, tested elsewhere.
         Ok(Command::Validate(_) | Command::Accuracy(_) | Command::Figures(_) | Command::Errata(_)) => Plan::Parameters,
@@ -293,6 +370,20 @@ impl Desk {
                 fs::write(self.folder.path().join(name), content).unwrap();
             }
         }
+        for entry in fs::read_dir(self.folder.path()).unwrap() {
+            let entry = entry.unwrap();
+            // Chunks of the run before.
+            if entry.file_type().unwrap().is_dir() {
+                fs::remove_dir_all(entry.path()).unwrap();
+            }
+        }
+        if input.line.iter().any(|word| word == "merge") {
+            let parts = self.folder.path().join("parts");
+            fs::create_dir(&parts).unwrap();
+            for (name, content) in ["plan.json", "000000.chunk"].iter().zip(&input.parts) {
+                fs::write(parts.join(name), content).unwrap();
+            }
+        }
     }
 }
 
@@ -314,7 +405,7 @@ fn a_hundred_thousand_damaged_requests() {
     let desk = Desk::new();
     let outputs = ["map.csv", "map.manifest.json", "impacts.csv", "trajectory.csv"];
     // Runs by subcommand and exit code.
-    let mut ran = [[0_u64; 3]; 4];
+    let mut ran = [[0_u64; 3]; 5];
     let (mut planned, mut wrong, mut slowest) = ([0_u64; 3], Vec::new(), (0.0, 0));
     // One input alone, to look at it closely.
     let only = std::env::var("MUTATIONS_ONLY").ok().map(|number| number.parse::<u64>().unwrap());
@@ -333,7 +424,7 @@ fn a_hundred_thousand_damaged_requests() {
         let stopped = plan == Plan::Stopped;
         let mut complaint = match catch_unwind(AssertUnwindSafe(|| mapgen(&input.line, stopped))) {
             Ok(outcome) => {
-                let commands = ["sweep", "orbit", "simulate", "validate"];
+                let commands = ["sweep", "orbit", "simulate", "validate", "merge"];
                 let command = input.line.get(1).and_then(|word| commands.iter().position(|name| word == name));
                 if let (Some(command), 0..3) = (command, outcome.code) {
                     ran[command][usize::from(outcome.code)] += 1;
@@ -360,12 +451,12 @@ fn a_hundred_thousand_damaged_requests() {
         }
     }
     println!("{count} inputs of seed {seed}: run, stopped, parameters only {planned:?}");
-    println!("exit codes 0, 1, 2 of sweep, orbit, simulate, validate: {ran:?}; slowest {slowest:?}");
+    println!("exit codes 0, 1, 2 of sweep, orbit, simulate, validate, merge: {ran:?}; slowest {slowest:?}");
     let shown: Vec<_> = wrong.iter().take(12).cloned().collect();
     assert!(wrong.is_empty(), "{} inputs went wrong:\n{}", wrong.len(), shown.join("\n=====\n"));
     // The damage is not so heavy that nothing would be computed, nor so light that nothing would be refused.
     if (count, work) == (COUNT, WORK) {
-        let least = [[1000, 0, 1000], [1000, 1, 1000], [1000, 100, 1000], [0, 0, 100]];
+        let least = [[1000, 0, 1000], [1000, 1, 1000], [1000, 100, 1000], [0, 0, 100], [10, 100, 100]];
         for (ran, least) in ran.iter().flatten().zip(least.iter().flatten()) {
             assert!(ran >= least, "{ran} of {least}");
         }
@@ -384,6 +475,7 @@ fn the_real_program_says_the_same() {
             continue;
         }
         let real = std::process::Command::new(&program).args(&input.line[1..]).output().unwrap();
+        desk.lay_out(&input);
         let outcome = mapgen(&input.line, false);
         assert_eq!(real.status.code(), Some(i32::from(outcome.code)), "{}", input.tell());
         // Help is an answer, and clap prints it as one. What a sweep took is not the same twice.

@@ -68,16 +68,15 @@ fn parameters(scene: &FigureScene) -> String {
     match scene {
         FigureScene::Map(scene) => {
             let mut parts = vec![format!("N = {}", scene.base.sites - 1)];
-            let axes = [&scene.x, &scene.y];
             for parameter in Parameter::ALL {
                 let force = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-                if axes.iter().all(|axis| axis.parameter != parameter) && !(force && scene.is_conservative()) {
+                if !scene.sweeps(parameter) && !(force && scene.is_conservative()) {
                     parts.push(format!("{} = {}", parameter.symbol(), scene.base.get(parameter)));
                 }
             }
-            for axis in axes {
-                let symbol = axis.parameter.symbol();
-                parts.push(format!("{symbol} from {} to {} in {} steps", axis.from, axis.to, axis.points - 1));
+            for axis in &scene.axes {
+                let (symbol, steps) = (axis.parameter.symbol(), axis.points() - 1);
+                parts.push(format!("{symbol} from {} to {} in {steps} steps", axis.first(), axis.last()));
             }
             parts.join(", ")
         }

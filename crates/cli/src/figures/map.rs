@@ -10,23 +10,23 @@ use crate::figures::drawn::{Drawn, Picture};
 use crate::figures::solve::computation;
 use crate::scene::Scene;
 use crate::sweep::{Ended, Summary, sweep};
-use crate::table::Table;
+use crate::table::{Table, header};
 
 /// Computes the figure.
 ///
 /// # Errors
 /// [`CliError`].
 pub(super) fn draw(scene: &Scene, pool: &rayon::ThreadPool, stop: &AtomicBool) -> Result<Drawn, CliError> {
-    let mut table = Table::new(scene, Vec::new()).map_err(computation)?;
-    let mut all: Vec<Cell> = Vec::with_capacity(scene.cells());
+    let mut table = Table::new(scene, header(scene).into_bytes());
+    let mut all: Vec<Cell> = Vec::new();
     let ended = sweep(
         scene,
         pool,
         stop,
-        || {},
-        |j, cells| {
+        |_| {},
+        |range, cells| {
             all.extend_from_slice(cells);
-            cells.iter().enumerate().try_for_each(|(i, cell)| table.write(&scene.point(i, j), cell))
+            table.write_all(scene, range, cells)
         },
     );
     let summary = match ended {
@@ -92,14 +92,11 @@ fn findings(scene: &Scene, cells: &[Cell], summary: &Summary) -> Vec<String> {
         }
     }
     let exists = |cell: &Cell| cell.class.is_some_and(|class| class != Class::None);
-    let columns = scene.x.points;
+    let x = &scene.axes[0];
+    let columns = x.points();
     let last = cells.iter().enumerate().filter(|(_, cell)| exists(cell)).map(|(k, _)| k % columns).max();
     if let Some(last) = last {
-        let ends = format!(
-            "The largest {} with a physical breather is {:.4}",
-            scene.x.parameter.symbol(),
-            scene.x.value(last)
-        );
+        let ends = format!("The largest {} with a physical breather is {:.4}", x.parameter.symbol(), x.value(last));
         found.push(format!("{ends}; worst residual of an orbit {:.1e}.", summary.worst_residual));
     }
     found

@@ -11,7 +11,7 @@ use crate::force::listed;
 use crate::parameter::Parameter;
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
 use crate::plot::palette::{Palette, Tile};
-use crate::scene::{Axis, Scene};
+use crate::scene::{Axis, Scene, Values};
 
 /// About this many pixels wide and high the map itself becomes.
 const TARGET: usize = 900;
@@ -42,10 +42,12 @@ pub struct MapPicture<'a> {
 /// # Errors
 /// [`PlotError`].
 pub fn map_picture(picture: &MapPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
-    let (x, y) = (picture.scene.x.points, picture.scene.y.points);
-    let layout = Layout { columns: Grid::new(x), rows: Grid::new(y) };
+    let Some([x, y]) = picture.scene.plane() else {
+        return Err(PlotError("a map has two axes".to_owned()));
+    };
+    let layout = Layout { columns: Grid::new(x.points()), rows: Grid::new(y.points()) };
     let size = (layout.columns.pixels() + LEFT + RIGHT, layout.rows.pixels().max(360) + TOP + BOTTOM);
-    render(&Sheet { picture, layout }, format, size)
+    render(&Sheet { picture, x, y, layout }, format, size)
 }
 
 /// Cells along one axis.
@@ -76,6 +78,8 @@ struct Layout {
 
 struct Sheet<'a> {
     picture: &'a MapPicture<'a>,
+    x: &'a Axis,
+    y: &'a Axis,
     layout: Layout,
 }
 
@@ -87,7 +91,7 @@ fn label(axis: &Axis) -> String {
 fn fixed(scene: &Scene) -> String {
     let mut text = format!("N = {} ({} masses)", scene.base.sites - 1, scene.base.sites);
     for parameter in Parameter::ALL {
-        let swept = scene.x.parameter == parameter || scene.y.parameter == parameter;
+        let swept = scene.sweeps(parameter);
         let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
         if let (Parameter::Amplitude, Some(force)) = (parameter, &scene.base.force) {
             text += &format!(", force {}", listed(force));
@@ -102,7 +106,7 @@ impl Sheet<'_> {
     fn raster(&self) -> (u32, u32, Vec<u8>) {
         let (columns, rows) = (self.layout.columns, self.layout.rows);
         let (width, height) = (columns.pixels(), rows.pixels());
-        let points = self.picture.scene.x.points;
+        let points = self.x.points();
         let mut pixels = Vec::with_capacity(3 * (width * height) as usize);
         for py in 0..height {
             let row = (rows.shown as u32 - 1 - py / rows.cell) as usize * rows.stride;
@@ -172,9 +176,8 @@ impl Drawing for Sheet<'_> {
 
         // Axes: a cell covers half a step on either side of its value.
         let span = |axis: &Axis, grid: Grid| {
-            let half = 0.5 * axis.step();
-            let end = axis.from - half + axis.step() * (grid.shown * grid.stride) as f64;
-            axis.from - half..end
+            let (from, step) = places(axis);
+            from - 0.5 * step..from - 0.5 * step + step * (grid.shown * grid.stride) as f64
         };
         let (total_width, total_height) = area.dim_in_pixel();
         let mut chart = ChartBuilder::on(area)
@@ -184,19 +187,19 @@ impl Drawing for Sheet<'_> {
             .x_label_area_size(BOTTOM)
             .margin_left(EDGE)
             .y_label_area_size(LEFT - EDGE)
-            .build_cartesian_2d(span(&scene.x, self.layout.columns), span(&scene.y, self.layout.rows))
+            .build_cartesian_2d(span(self.x, self.layout.columns), span(self.y, self.layout.rows))
             .map_err(PlotError::from)?;
         chart
             .configure_mesh()
             .disable_mesh()
-            .x_desc(label(&scene.x))
-            .y_desc(label(&scene.y))
+            .x_desc(label(self.x))
+            .y_desc(label(self.y))
             .axis_desc_style(("sans-serif", 20))
             .label_style(("sans-serif", 16))
             .x_labels(8)
             .y_labels(8)
-            .x_label_formatter(&|value| tick(*value))
-            .y_label_formatter(&|value| tick(*value))
+            .x_label_formatter(&|place| tick_at(self.x, *place))
+            .y_label_formatter(&|place| tick_at(self.y, *place))
             .draw()
             .map_err(PlotError::from)?;
         let raster = BitMapElement::with_owned_buffer((left, top), (width, height), pixels)
@@ -243,6 +246,33 @@ impl Sheet<'_> {
         let (right, bottom) = (x + width as i32, y + height as i32);
         let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y)];
         area.draw(&PathElement::new(outline, BLACK.stroke_width(1))).map_err(PlotError::from)
+    }
+}
+
+/// Where the first value of an axis lies on the picture, and the distance of neighbours: their logarithms where the ratio is
+/// constant, their numbers in a list.
+fn places(axis: &Axis) -> (f64, f64) {
+    let part = |from: f64, to: f64, points: usize| (from, (to - from) / (points - 1) as f64);
+    match &axis.values {
+        Values::Linear { from, to, points } => part(*from, *to, *points),
+        Values::Logarithmic { from, to, points } => part(from.log10(), to.log10(), *points),
+        Values::List(_) => (0.0, 1.0),
+    }
+}
+
+/// The tick at a place on the picture.
+fn tick_at(axis: &Axis, place: f64) -> String {
+    match &axis.values {
+        Values::Linear { .. } => tick(place),
+        Values::Logarithmic { .. } => {
+            // Three digits: between decades no more is of use.
+            let value = 10f64.powf(place);
+            tick(format!("{value:.2e}").parse().unwrap_or(value))
+        }
+        Values::List(values) => {
+            let whole = place.fract().abs() < 1e-9 && place >= 0.0;
+            values.get(place as usize).filter(|_| whole).map_or_else(String::new, |value| tick(*value))
+        }
     }
 }
 

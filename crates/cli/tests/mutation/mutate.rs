@@ -180,7 +180,12 @@ impl Mutator {
 
     /// One to three damages to a file.
     pub(crate) fn file(&mut self, text: &str) -> Vec<u8> {
-        let mut bytes = text.as_bytes().to_vec();
+        self.bytes(text.as_bytes())
+    }
+
+    /// The same, to a file that need not be text.
+    pub(crate) fn bytes(&mut self, content: &[u8]) -> Vec<u8> {
+        let mut bytes = content.to_vec();
         for _ in 0..self.rng.usize(1..=3) {
             self.damage(&mut bytes);
         }
@@ -258,8 +263,21 @@ impl Mutator {
                 4 => self.damage(&mut line[at]),
                 5 => line.insert(at, self.number().into_bytes()),
                 6 => {
-                    let flags =
-                        ["--json", "--help", "--quiet", "-q", "-V", "--", "--seed", "--plot", "--sites=3", "--e", "-x"];
+                    let flags = [
+                        "--json",
+                        "--help",
+                        "--quiet",
+                        "-q",
+                        "-V",
+                        "--",
+                        "--seed",
+                        "--plot",
+                        "--sites=3",
+                        "--e",
+                        "-x",
+                        "--resume",
+                        "--shard=0/2",
+                    ];
                     line.insert(at, self.pick(&flags).as_bytes().to_vec());
                 }
                 7 if at + 1 < line.len() => {

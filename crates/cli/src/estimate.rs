@@ -1,0 +1,117 @@
+//! `mapgen sweep --dry-run`: what a sweep will cost, from a few of its cells.
+
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::cell::Worker;
+use crate::error::CliError;
+use crate::report::grid;
+use crate::sweep::{Plan, Shard};
+use crate::table::{Table, columns};
+
+/// The most cells computed.
+const SAMPLE: u64 = 400;
+
+/// The longest the sample may take, if a single cell does not.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Fractional part of the golden ratio: its multiples spread evenly, and in step with no axis.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Time and size of a few cells.
+struct Sample {
+    cells: u64,
+    seconds: f64,
+    bytes: usize,
+}
+
+fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
+    let scene = &plan.scene;
+    let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not estimate: {error}"));
+    let mut worker = Worker::new(scene.base.sites);
+    let mut table = Table::new(scene, Vec::new());
+    let wanted = SAMPLE.min(plan.cells());
+    // The first cell fills the work space: it is computed once more.
+    let mut compute = |number: u64| {
+        let model = scene.point(number).model().map_err(|error| failed(&error))?;
+        Ok::<_, CliError>(worker.cell(&model, &scene.task))
+    };
+    let begun = Instant::now();
+    let (mut seconds, mut cells) = (0.0, 0);
+    while cells < wanted && (cells == 0 || begun.elapsed() < PATIENCE) {
+        if stop.load(Ordering::Relaxed) {
+            return Err(CliError::Interrupted);
+        }
+        let number = (((cells as f64 + 0.5) * GOLDEN).fract() * plan.cells() as f64) as u64;
+        let number = number.min(plan.cells() - 1);
+        if cells == 0 {
+            compute(number)?;
+        }
+        let started = Instant::now();
+        let cell = compute(number)?;
+        seconds += started.elapsed().as_secs_f64();
+        table.write_all(scene, number..number + 1, &[cell]).map_err(|error| failed(&error))?;
+        cells += 1;
+    }
+    let bytes = table.finish().map_err(|error| failed(&error))?.len();
+    Ok(Sample { cells, seconds, bytes })
+}
+
+/// The answer.
+///
+/// # Errors
+/// [`CliError::Interrupted`].
+pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicBool) -> Result<String, CliError> {
+    let sample = sample(plan, stop)?;
+    let (cells, chunks) = (plan.cells(), plan.chunks());
+    let (per_cell, per_row) = (sample.seconds / sample.cells as f64, sample.bytes as f64 / sample.cells as f64);
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{name:<8} {value}");
+    };
+    line("cells", format!("{cells} ({})", grid(&plan.scene)));
+    line("chunks", format!("{chunks} of {} cells", plan.chunk_cells.min(cells)));
+    line("columns", columns(&plan.scene).join(", "));
+    let of_shard: u64 = shard.chunks(plan).map(|chunk| plan.range(chunk).count() as u64).sum();
+    if shard != Shard::WHOLE {
+        let Shard { index, count } = shard;
+        line("shard", format!("{index}/{count}: {} chunks, {of_shard} cells", shard.chunks(plan).count()));
+    }
+    let wall = per_cell * of_shard as f64 / threads as f64;
+    line("time", format!("about {} on {threads} threads, {:.3e} s per cell and core", duration(wall), per_cell));
+    let bytes = per_row * cells as f64;
+    line("disk", format!("about {} for the table, as much again for the chunks until it is whole", size(bytes)));
+    line("sample", format!("{} cells in {:.3} s", sample.cells, sample.seconds));
+    Ok(text)
+}
+
+/// A time in a unit that people can grasp.
+fn duration(seconds: f64) -> String {
+    let units = [(86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")];
+    match units.iter().find(|(unit, _)| seconds >= 2.0 * unit) {
+        Some((unit, name)) => format!("{:.1} {name}", seconds / unit),
+        None => format!("{seconds:.1} s"),
+    }
+}
+
+/// A number of bytes, in decimal units.
+fn size(bytes: f64) -> String {
+    let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+    match units.iter().find(|(unit, _)| bytes >= *unit) {
+        Some((unit, name)) => format!("{:.1} {name}", bytes / unit),
+        None => format!("{bytes:.0} bytes"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units() {
+        assert_eq!([30.0, 150.0, 7300.0, 1e6].map(duration), ["30.0 s", "2.5 minutes", "2.0 hours", "11.6 days"]);
+        assert_eq!([12.0, 1500.0, 7.04e10].map(size), ["12 bytes", "1.5 kB", "70.4 GB"]);
+    }
+}

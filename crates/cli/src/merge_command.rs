@@ -1,0 +1,115 @@
+//! `mapgen merge`: a folder of chunks → table, manifest, pictures.
+
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+use crate::args::MergeArgs;
+use crate::console::Console;
+use crate::error::CliError;
+use crate::output::{Output, distinct};
+use crate::pictures::{Pictures, Wanted};
+use crate::report::report;
+use crate::sweep::{Fault, Plan, Store, Unassembled, assemble};
+use crate::sweep_command::{manifest_path, quoted, write_manifest};
+
+/// The most runs of missing chunks that are named.
+const MOST_NAMED: usize = 12;
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`].
+pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let plan = Store::plan(&args.folder)?;
+    let manifest_file = manifest_path(&args.out);
+    let wanted = Wanted { png: args.png.as_deref(), svg: args.svg.as_deref(), palette: args.palette };
+    distinct(&[
+        ("the folder of chunks", Some(&args.folder)),
+        ("--out", Some(&args.out)),
+        ("the manifest of --out", Some(&manifest_file)),
+        ("--png", wanted.png),
+        ("--svg", wanted.svg),
+    ])?;
+    // Both fail early where they cannot be written.
+    Output::create(&manifest_file)?;
+    let mut pictures = Pictures::plan(&wanted, &plan.scene)?;
+    let mut table = Output::create(&args.out)?;
+    let stop = (console.interrupt)()?;
+
+    let faults: Vec<(u64, Fault)> = (0..plan.chunks())
+        .into_par_iter()
+        .filter_map(|chunk| Store::check(&args.folder, &plan, chunk).err().map(|fault| (chunk, fault)))
+        .collect();
+    if !faults.is_empty() {
+        return Err(incomplete(args, &plan, &faults));
+    }
+    let mut keeper = pictures.keeper();
+    let row = keeper.as_mut().map(|keeper| keeper as &mut dyn FnMut(&[u8]));
+    let summary = match assemble(&plan, &args.folder, &stop, &mut table, row) {
+        Ok(summary) => summary,
+        Err(Unassembled::Stopped) => return Err(CliError::Interrupted),
+        Err(Unassembled::Table(error)) => return Err(error),
+        Err(Unassembled::Chunk(chunk, fault)) => return Err(incomplete(args, &plan, &[(chunk, fault)])),
+    };
+    drop(keeper);
+    table.commit()?;
+    write_manifest(&manifest_file, &plan, &summary, None)?;
+    pictures.finish()?;
+    if !args.quiet {
+        console.remark(&report(&plan.scene, &summary, None));
+    }
+    Ok(())
+}
+
+/// Names the chunks that are not there or not sound, and the command that makes them.
+fn incomplete(args: &MergeArgs, plan: &Plan, faults: &[(u64, Fault)]) -> CliError {
+    let missing: Vec<u64> =
+        faults.iter().filter(|(_, fault)| matches!(fault, Fault::Missing)).map(|(chunk, _)| *chunk).collect();
+    let mut lines = Vec::new();
+    let (all, place) = (plan.chunks(), args.folder.display());
+    if !missing.is_empty() {
+        lines.push(format!("{} of {all} chunks are missing in {place}: {}", missing.len(), runs(&missing)));
+    }
+    let bad: Vec<_> = faults.iter().filter(|(_, fault)| !matches!(fault, Fault::Missing)).collect();
+    if !bad.is_empty() {
+        lines.push(format!("{} of {all} chunks in {place} are not sound:", bad.len()));
+        let line =
+            |(chunk, fault): &&(u64, Fault)| format!("  {}: {fault}", Store::path(&args.folder, *chunk).display());
+        lines.extend(bad.iter().take(MOST_NAMED).map(line));
+        if bad.len() > MOST_NAMED {
+            lines.push(format!("  and {} more", bad.len() - MOST_NAMED));
+        }
+    }
+    let threshold = plan.threshold.map_or_else(String::new, |threshold| format!(" --threshold {threshold}"));
+    let (scene, folder) = (quoted(&plan.scene_file), quoted(&args.folder));
+    lines.push(format!("make them with: mapgen sweep {scene} --out {folder}{threshold} --shard 0/1 --resume"));
+    lines.push("(or with the shards of before, each with --resume: what is finished is not computed again)".to_owned());
+    CliError::Computation(lines.join("\n"))
+}
+
+/// "0, 3–5, 9": neighbours together.
+fn runs(numbers: &[u64]) -> String {
+    let mut runs: Vec<(u64, u64)> = Vec::new();
+    for &number in numbers {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == number => *last = number,
+            _ => runs.push((number, number)),
+        }
+    }
+    let run = |&(first, last): &(u64, u64)| if first == last { first.to_string() } else { format!("{first}–{last}") };
+    let mut text = runs.iter().take(MOST_NAMED).map(run).collect::<Vec<_>>().join(", ");
+    if runs.len() > MOST_NAMED {
+        text += ", …";
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::runs;
+
+    #[test]
+    fn neighbours_are_named_together() {
+        assert_eq!(runs(&[0, 2, 3, 4, 9]), "0, 2–4, 9");
+        assert!(runs(&(0..100).map(|i| 2 * i).collect::<Vec<_>>()).ends_with("20, 22, …"));
+    }
+}

@@ -1,0 +1,123 @@
+//! Axes of a sweep.
+
+use crate::parameter::Parameter;
+
+/// The most points of one axis.
+pub const MAX_POINTS: usize = 1_000_000;
+
+/// One axis of a sweep: a parameter and the values it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What is varied.
+    pub parameter: Parameter,
+    /// Its values.
+    pub values: Values,
+}
+
+/// The values along an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Equally spaced.
+    Linear {
+        /// First value.
+        from: f64,
+        /// Last value, above the first.
+        to: f64,
+        /// Number of values, at least 2.
+        points: usize,
+    },
+    /// Equal ratios of neighbours.
+    Logarithmic {
+        /// First value, above 0.
+        from: f64,
+        /// Last value, above the first.
+        to: f64,
+        /// Number of values, at least 2.
+        points: usize,
+    },
+    /// One by one, in this order; no two alike and at least one.
+    List(Vec<f64>),
+}
+
+impl Axis {
+    /// Number of values.
+    pub fn points(&self) -> usize {
+        match &self.values {
+            Values::Linear { points, .. } | Values::Logarithmic { points, .. } => *points,
+            Values::List(values) => values.len(),
+        }
+    }
+
+    /// Value number `i` < [`points`](Self::points), by index: steps never add up.
+    pub fn value(&self, i: usize) -> f64 {
+        match &self.values {
+            Values::Linear { to, points, .. } | Values::Logarithmic { to, points, .. } if i + 1 == *points => *to,
+            Values::Logarithmic { from, .. } if i == 0 => *from,
+            Values::Linear { from, to, points } => from + i as f64 * (to - from) / (points - 1) as f64,
+            Values::Logarithmic { from, to, points } => {
+                let part = i as f64 / (points - 1) as f64;
+                let ratio = to / from;
+                // Over hundreds of decades the ratio overflows, its logarithm does not.
+                let value = if ratio.is_finite() {
+                    from * ratio.powf(part)
+                } else {
+                    (from.ln() + part * (to.ln() - from.ln())).exp()
+                };
+                value.clamp(*from, *to)
+            }
+            Values::List(values) => values[i],
+        }
+    }
+
+    /// The first value.
+    pub fn first(&self) -> f64 {
+        self.value(0)
+    }
+
+    /// The last value.
+    pub fn last(&self) -> f64 {
+        self.value(self.points() - 1)
+    }
+
+    /// Least and largest value.
+    pub fn limits(&self) -> [f64; 2] {
+        match &self.values {
+            Values::Linear { from, to, .. } | Values::Logarithmic { from, to, .. } => [*from, *to],
+            Values::List(values) => values
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], &value| [least.min(value), most.max(value)]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(values: Values) -> Axis {
+        Axis { parameter: Parameter::Omega, values }
+    }
+
+    #[test]
+    fn both_ends_are_met_exactly_and_the_middle_is_the_mean_of_its_kind() {
+        let linear = axis(Values::Linear { from: 0.1, to: 0.7, points: 3 });
+        assert_eq!((linear.value(0), linear.value(2)), (0.1, 0.7));
+        assert!((linear.value(1) - 0.4).abs() < 1e-15);
+        for (from, to, middle) in [(0.01, 100.0, 1.0), (2.0, 8.0, 4.0), (1e-300, 1e300, 1.0)] {
+            let log = axis(Values::Logarithmic { from, to, points: 3 });
+            assert_eq!((log.first(), log.last(), log.limits()), (from, to, [from, to]));
+            assert!((log.value(1) / middle - 1.0).abs() < 1e-12, "{}", log.value(1));
+        }
+        let list = axis(Values::List(vec![3.0, -1.0, 2.0]));
+        assert_eq!((list.points(), list.value(1), list.first(), list.last()), (3, -1.0, 3.0, 2.0));
+        assert_eq!(list.limits(), [-1.0, 3.0]);
+    }
+
+    #[test]
+    fn logarithmic_values_rise_by_one_ratio() {
+        let log = axis(Values::Logarithmic { from: 1e-3, to: 1.0, points: 31 });
+        for i in 0..30 {
+            assert!((log.value(i + 1) / log.value(i) - 10f64.powf(0.1)).abs() < 1e-13);
+        }
+    }
+}

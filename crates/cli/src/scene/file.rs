@@ -1,0 +1,246 @@
+//! The form of a scene file, and errors that point into it.
+
+use std::ops::Range;
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::Spanned;
+use vibrochain_breather::Family;
+use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC};
+
+use super::tolerance_from;
+use crate::cell::Task;
+use crate::error::CliError;
+use crate::parameter::Parameter;
+use crate::scene::axis::{Axis, MAX_POINTS, Values};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct File {
+    pub(super) title: Option<String>,
+    pub(super) model: ModelTable,
+    pub(super) sweep: Spanned<SweepTable>,
+    pub(super) compute: ComputeTable,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ModelTable {
+    pub(super) sites: Spanned<i64>,
+    pub(super) gamma1: Option<Spanned<f64>>,
+    pub(super) gamma2: Option<Spanned<f64>>,
+    pub(super) omega: Option<Spanned<f64>>,
+    pub(super) asymmetry: Option<Spanned<f64>>,
+    pub(super) forcing: Option<ForcingTable>,
+    pub(super) force: Option<Spanned<Vec<HarmonicTable>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct HarmonicTable {
+    pub(super) harmonic: Spanned<i64>,
+    pub(super) amplitude: f64,
+    #[serde(default)]
+    pub(super) phase: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ForcingTable {
+    pub(super) amplitude: Option<Spanned<f64>>,
+    pub(super) restitution: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SweepTable {
+    /// The fastest axis, along a row.
+    pub(super) x: Option<Spanned<AxisTable>>,
+    /// The next one, from row to row.
+    pub(super) y: Option<Spanned<AxisTable>>,
+    /// Further ones, each slower than the one before it.
+    #[serde(default)]
+    pub(super) axes: Vec<Spanned<AxisTable>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AxisTable {
+    pub(super) parameter: Spanned<String>,
+    pub(super) from: Option<Spanned<f64>>,
+    pub(super) to: Option<Spanned<f64>>,
+    pub(super) points: Option<Spanned<i64>>,
+    pub(super) spacing: Option<Spanned<String>>,
+    pub(super) values: Option<Spanned<Vec<Spanned<f64>>>>,
+}
+
+impl SweepTable {
+    /// All axes, the fastest first.
+    pub(super) fn axes(&self, source: &Source<'_>) -> Result<Vec<&Spanned<AxisTable>>, CliError> {
+        if let (None, Some(y)) = (&self.x, &self.y) {
+            return Err(source.error(y.span(), "y is given without x: x is the fastest axis, name it first"));
+        }
+        let axes: Vec<_> = self.x.iter().chain(&self.y).chain(&self.axes).collect();
+        Ok(axes)
+    }
+}
+
+impl AxisTable {
+    /// Where the file gives this value.
+    pub(super) fn place(&self, value: f64) -> Option<Range<usize>> {
+        let mut values = self.values.iter().flat_map(|list| list.get_ref()).chain(&self.from).chain(&self.to);
+        values.find(|given| *given.get_ref() == value).map(Spanned::span)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ComputeTable {
+    pub(super) families: Spanned<Vec<Spanned<String>>>,
+    #[serde(default)]
+    pub(super) stability: bool,
+    pub(super) threshold: Option<Spanned<f64>>,
+}
+
+/// A scene's text, for errors that point into it.
+pub(crate) struct Source<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) text: &'a str,
+}
+
+impl Source<'_> {
+    pub(crate) fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> CliError {
+        let start = span.start.min(self.text.len());
+        let before = self.text.get(..start).unwrap_or_default();
+        let line = before.matches('\n').count() + 1;
+        let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+        let shown = self.text.lines().nth(line - 1).unwrap_or_default();
+        let width = line.to_string().len();
+        CliError::Request(format!(
+            "{}:{line}:{column}: {message}\n{line} | {shown}\n{:width$} | {:indent$}^",
+            self.path.display(),
+            "",
+            "",
+            indent = column - 1
+        ))
+    }
+
+    pub(super) fn force(&self, list: &Spanned<Vec<HarmonicTable>>) -> Result<Force, CliError> {
+        let harmonic = |table: &HarmonicTable| {
+            let number = *table.harmonic.get_ref();
+            let number = u32::try_from(number).map_err(|_| {
+                let message =
+                    format!("harmonic = {number} is out of range: give an odd number from 1 to {MAX_HARMONIC}");
+                self.error(table.harmonic.span(), message)
+            })?;
+            Ok(Harmonic { number, amplitude: table.amplitude, phase: table.phase })
+        };
+        let harmonics = list.get_ref().iter().map(harmonic).collect::<Result<Vec<_>, CliError>>()?;
+        Force::new(&harmonics).map_err(|error| self.error(list.span(), error))
+    }
+
+    pub(super) fn axis(&self, table: &Spanned<AxisTable>) -> Result<Axis, CliError> {
+        let (span, table) = (table.span(), table.get_ref());
+        let name = table.parameter.get_ref();
+        let parameter = Parameter::from_name(name).ok_or_else(|| {
+            let known = Parameter::ALL.map(Parameter::name).join(", ");
+            self.error(table.parameter.span(), format!("`{name}` cannot be swept: give one of {known}"))
+        })?;
+        if let Some(list) = &table.values {
+            let ends = [table.from.as_ref().map(Spanned::span), table.to.as_ref().map(Spanned::span)];
+            let rest = [table.points.as_ref().map(Spanned::span), table.spacing.as_ref().map(Spanned::span)];
+            if let Some(span) = ends.into_iter().chain(rest).flatten().next() {
+                return Err(self.error(span, "values is given as well: give either values, or from, to and points"));
+            }
+            return Ok(Axis { parameter, values: self.list(list)? });
+        }
+        let (Some(from_value), Some(to_value), Some(points_value)) = (&table.from, &table.to, &table.points) else {
+            let message = format!("{name} has no values yet: give from, to and points, or values");
+            return Err(self.error(span, message));
+        };
+        let points = *points_value.get_ref();
+        let count = usize::try_from(points).ok().filter(|count| (2..=MAX_POINTS).contains(count));
+        let points = count.ok_or_else(|| {
+            let range = format!("points = {points} is out of range: give a whole number from 2 to {MAX_POINTS}");
+            self.error(points_value.span(), range)
+        })?;
+        let (from, to) = (*from_value.get_ref(), *to_value.get_ref());
+        if !from.is_finite() || !to.is_finite() || from >= to {
+            let message = format!("from = {from}, to = {to} is not a range: give finite values with from < to");
+            return Err(self.error(from_value.span(), message));
+        }
+        let spacing = table.spacing.as_ref();
+        let values = match spacing.map_or("linear", |spacing| spacing.get_ref()) {
+            "linear" => Values::Linear { from, to, points },
+            "log" if from > 0.0 => Values::Logarithmic { from, to, points },
+            "log" => {
+                let message = format!("from = {from} has no logarithm: give a positive one with spacing = \"log\"");
+                return Err(self.error(from_value.span(), message));
+            }
+            other => {
+                let message = format!("`{other}` is not a spacing: give \"linear\" or \"log\"");
+                return Err(self.error(spacing.map_or(span, Spanned::span), message));
+            }
+        };
+        Ok(Axis { parameter, values })
+    }
+
+    fn list(&self, list: &Spanned<Vec<Spanned<f64>>>) -> Result<Values, CliError> {
+        let count = list.get_ref().len();
+        if !(1..=MAX_POINTS).contains(&count) {
+            return Err(self.error(list.span(), format!("values has {count} numbers: give 1 to {MAX_POINTS}")));
+        }
+        if let Some(value) = list.get_ref().iter().find(|value| !value.get_ref().is_finite()) {
+            return Err(self.error(value.span(), format!("{} is out of range: give finite values", value.get_ref())));
+        }
+        let mut sorted: Vec<_> = list.get_ref().iter().collect();
+        // Equal ones in the order of the file, so that the second is the one pointed at.
+        sorted.sort_by(|a, b| (a.get_ref() + 0.0).total_cmp(&(b.get_ref() + 0.0)));
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0].get_ref() == pair[1].get_ref()) {
+            let message = format!("{} is listed twice: remove one", pair[1].get_ref());
+            return Err(self.error(pair[1].span(), message));
+        }
+        Ok(Values::List(list.get_ref().iter().map(|value| *value.get_ref()).collect()))
+    }
+
+    pub(super) fn task(&self, table: &ComputeTable) -> Result<Task, CliError> {
+        let mut families = Vec::new();
+        for name in table.families.get_ref() {
+            let family = match name.get_ref().as_str() {
+                "double-sided" => Family::DoubleSided,
+                "single-sided" => Family::SingleSided,
+                "period-doubled" => {
+                    let message = "period-doubled orbits have no class on a map: leave them out here and look at single points with `mapgen orbit --family period-doubled`";
+                    return Err(self.error(name.span(), message));
+                }
+                other => {
+                    let message = format!("`{other}` is not a family: give \"double-sided\", \"single-sided\" or both");
+                    return Err(self.error(name.span(), message));
+                }
+            };
+            if families.contains(&family) {
+                return Err(self.error(name.span(), format!("{} is given twice: remove one", name.get_ref())));
+            }
+            families.push(family);
+        }
+        if families.is_empty() {
+            return Err(
+                self.error(table.families.span(), "families is empty: give \"double-sided\", \"single-sided\" or both")
+            );
+        }
+        // A fixed order, so that equal scenes give equal tables.
+        families.sort_by_key(|family| *family == Family::SingleSided);
+        let tolerance = match &table.threshold {
+            None => Tolerance::Rounding,
+            Some(threshold) => {
+                let span = threshold.span();
+                if !table.stability {
+                    return Err(self.error(span, "threshold needs stability = true: it decides what counts as stable"));
+                }
+                tolerance_from(*threshold.get_ref()).map_err(|message| self.error(span, message))?
+            }
+        };
+        Ok(Task { families, stability: table.stability, tolerance })
+    }
+}

@@ -1,0 +1,212 @@
+//! Scene files: what to sweep and what to compute, checked before anything is computed.
+
+mod axis;
+mod file;
+
+use std::path::Path;
+
+use toml::Spanned;
+use vibrochain_floquet::Tolerance;
+
+pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
+pub(crate) use crate::scene::file::Source;
+
+use crate::cell::Task;
+use crate::error::CliError;
+use crate::parameter::{Parameter, Point};
+use crate::scene::file::File;
+
+/// The most cells of one sweep.
+pub const MAX_CELLS: u64 = 1_000_000_000_000;
+
+/// A checked scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Title of pictures, if the scene gives one.
+    pub title: Option<String>,
+    /// The fixed parameters (swept ones hold their first value).
+    pub base: Point,
+    /// The axes, the fastest first; each parameter once.
+    pub axes: Vec<Axis>,
+    /// What to compute.
+    pub task: Task,
+}
+
+impl Scene {
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    /// [`CliError::Request`], pointing at the line: a file that cannot be read, unknown or missing keys, a parameter
+    /// given twice or not at all, a value out of range.
+    pub fn read(path: &Path) -> Result<Self, CliError> {
+        let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read scene", path, &error))?;
+        Self::parse(path, &text)
+    }
+
+    /// Checks a scene's text; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`Scene::read`].
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use vibrochain_cli::scene::Scene;
+    /// let text = r#"
+    ///     [model]
+    ///     sites = 21
+    ///     gamma1 = 0.2
+    ///     asymmetry = 0.4
+    ///     [sweep]
+    ///     x = { parameter = "omega", from = 0.4, to = 3.0, points = 40 }
+    ///     y = { parameter = "gamma2", from = 0.0, to = 0.3, points = 30 }
+    ///     [compute]
+    ///     families = ["double-sided", "single-sided"]
+    /// "#;
+    /// assert_eq!(Scene::parse(Path::new("map.toml"), text).unwrap().cells(), 1200);
+    /// assert!(Scene::parse(Path::new("map.toml"), &text.replace("0.4,", "-0.4,")).is_err());
+    /// ```
+    pub fn parse(path: &Path, text: &str) -> Result<Self, CliError> {
+        let source = Source { path, text };
+        let file: File =
+            toml::from_str(text).map_err(|error| source.error(error.span().unwrap_or(0..0), error.message().trim()))?;
+        let tables = file.sweep.get_ref().axes(&source)?;
+        if tables.is_empty() {
+            let message = "[sweep] has no axis: give x and y, and any others in the list axes";
+            return Err(source.error(file.sweep.span(), message));
+        }
+        let axes = tables.iter().map(|table| source.axis(table)).collect::<Result<Vec<_>, CliError>>()?;
+        for (i, axis) in axes.iter().enumerate() {
+            if axes[..i].iter().any(|earlier| earlier.parameter == axis.parameter) {
+                let message = format!("{} is swept twice: give different parameters", axis.parameter.name());
+                return Err(source.error(tables[i].get_ref().parameter.span(), message));
+            }
+        }
+        let cells = axes.iter().try_fold(1_u64, |cells, axis| cells.checked_mul(axis.points() as u64));
+        if cells.is_none_or(|cells| cells > MAX_CELLS) {
+            let message = format!("the axes have more than {MAX_CELLS} cells together: give fewer points");
+            return Err(source.error(file.sweep.span(), message));
+        }
+        let sites = *file.model.sites.get_ref();
+        let sites = usize::try_from(sites)
+            .ok()
+            .filter(|&sites| (1..=vibrochain_lattice::MAX_SITES).contains(&sites))
+            .ok_or_else(|| {
+            let limit = vibrochain_lattice::MAX_SITES;
+            let message = format!("sites = {sites} is out of range: give a whole number from 1 to {limit}");
+            source.error(file.model.sites.span(), message)
+        })?;
+        let mut base = Point { sites, values: [0.0; 6], force: None };
+        let forcing = file.model.forcing.as_ref();
+        let force = file.model.force.as_ref().map(|list| source.force(list)).transpose()?;
+        let given = [
+            (Parameter::Gamma1, &file.model.gamma1),
+            (Parameter::Gamma2, &file.model.gamma2),
+            (Parameter::Omega, &file.model.omega),
+            (Parameter::Asymmetry, &file.model.asymmetry),
+            (Parameter::Amplitude, forcing.map_or(&None, |forcing| &forcing.amplitude)),
+            (Parameter::Restitution, forcing.map_or(&None, |forcing| &forcing.restitution)),
+        ];
+        let axis_of = |parameter| axes.iter().find(|axis| axis.parameter == parameter);
+        let is_swept = |parameter| axis_of(parameter).is_some();
+        // Without any word of force or restitution the model is conservative.
+        let conservative = forcing.is_none()
+            && force.is_none()
+            && !is_swept(Parameter::Amplitude)
+            && !is_swept(Parameter::Restitution);
+        let mut spans = [const { None }; 6];
+        for (parameter, value) in given {
+            let name = parameter.name();
+            let forcing = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
+            let place = if forcing { "[model] forcing" } else { "[model]" };
+            if parameter == Parameter::Amplitude
+                && let Some(force) = &force
+            {
+                let message = "amplitude and force are both given, but the harmonics of force have their own amplitudes: remove one of the two";
+                let axis = tables.iter().map(|table| &table.get_ref().parameter).find(|axis| axis.get_ref() == name);
+                if let Some(span) = value.as_ref().map(Spanned::span).or(axis.map(Spanned::span)) {
+                    return Err(source.error(span, message));
+                }
+                base = base.under(force);
+                continue;
+            }
+            let value = match (value, axis_of(parameter)) {
+                (Some(value), Some(_)) => {
+                    let message = format!("{name} is given twice, here and as an axis of [sweep]: remove one of them");
+                    return Err(source.error(value.span(), message));
+                }
+                (Some(value), None) => {
+                    spans[parameter as usize] = Some(value.span());
+                    *value.get_ref()
+                }
+                (None, Some(axis)) => axis.first(),
+                (None, None) if conservative && parameter == Parameter::Amplitude => 0.0,
+                (None, None) if conservative && parameter == Parameter::Restitution => 1.0,
+                (None, None) => {
+                    let message = format!("{name} is missing: set it in {place}, or sweep it");
+                    return Err(source.error(file.model.sites.span(), message));
+                }
+            };
+            base = base.with(parameter, value);
+        }
+        // Ranges are intervals, so that the corners stand for all cells.
+        for corner in 0..1_usize << axes.len() {
+            let limit = |(bit, axis): (usize, &Axis)| (axis.parameter, axis.limits()[corner >> bit & 1]);
+            let ends: Vec<_> = axes.iter().enumerate().map(limit).collect();
+            let point = ends.iter().fold(base, |point, &(parameter, value)| point.with(parameter, value));
+            if let Err(error) = point.model() {
+                // The end of the axis that is out of range, or the fixed value.
+                let end = ends.iter().zip(&tables).find(|((parameter, _), _)| parameter.name() == error.name);
+                let span = end.and_then(|((_, value), table)| table.get_ref().place(*value));
+                let span = span.or(Parameter::from_name(error.name).and_then(|p| spans[p as usize].clone()));
+                return Err(source.error(span.unwrap_or_else(|| file.model.sites.span()), error));
+            }
+        }
+        let task = source.task(&file.compute)?;
+        Ok(Self { title: file.title, base, axes, task })
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> u64 {
+        self.axes.iter().map(|axis| axis.points() as u64).product()
+    }
+
+    /// The point of cell number `cell`, counted along the first axis first.
+    pub fn point(&self, cell: u64) -> Point {
+        let mut rest = cell;
+        let mut point = self.base;
+        for axis in &self.axes {
+            let points = axis.points() as u64;
+            point = point.with(axis.parameter, axis.value((rest % points) as usize));
+            rest /= points;
+        }
+        point
+    }
+
+    /// The axes x and y of a sweep over just two.
+    pub fn plane(&self) -> Option<[&Axis; 2]> {
+        match self.axes.as_slice() {
+            [x, y] => Some([x, y]),
+            _ => None,
+        }
+    }
+
+    /// Whether `parameter` is an axis.
+    pub fn sweeps(&self, parameter: Parameter) -> bool {
+        self.axes.iter().any(|axis| axis.parameter == parameter)
+    }
+
+    /// No force and elastic impacts in every cell.
+    pub fn is_conservative(&self) -> bool {
+        let forced = self.sweeps(Parameter::Amplitude) || self.base.get(Parameter::Amplitude) > 0.0;
+        !forced && !self.sweeps(Parameter::Restitution) && self.base.get(Parameter::Restitution) == 1.0
+    }
+}
+
+/// The tolerance of a threshold given by the user, or what is wrong with it.
+pub fn tolerance_from(threshold: f64) -> Result<Tolerance, String> {
+    if threshold.is_finite() && threshold >= 0.0 {
+        Ok(Tolerance::Growth(threshold))
+    } else {
+        Err(format!("threshold = {threshold} is out of range: give a finite growth per period of 0 or more"))
+    }
+}

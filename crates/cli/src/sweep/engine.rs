@@ -1,0 +1,300 @@
+//! Cells on many threads. Each thread takes the next few cells, computes them and makes of them what is wanted; the thread
+//! that asked puts the results in order. Nobody waits for a slow row, and a sink that waits for its disk stops nobody until
+//! it is hundreds of blocks behind.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+
+use rayon::ThreadPool;
+
+use crate::cell::{Cell, Worker};
+use crate::scene::Scene;
+use crate::sweep::Summary;
+
+/// The most cells taken at a time: enough that taking them costs nothing.
+const BLOCK: u64 = 64;
+
+/// Blocks a thread at least takes where there are few cells, so that all threads end together.
+const BLOCKS_PER_THREAD: u64 = 16;
+
+/// Blocks that may be taken before the sink has seen them, per thread: a fraction of a second of cells, some megabytes.
+const AHEAD: u64 = 256;
+
+/// What is to be computed, and on what.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The threads.
+    pub pool: &'a ThreadPool,
+    /// Raised to stop early.
+    pub stop: &'a AtomicBool,
+}
+
+/// Some neighbouring cells of one part.
+#[derive(Debug)]
+pub struct Block<T> {
+    /// Which of the parts.
+    pub part: usize,
+    /// The numbers of its cells.
+    pub cells: Range<u64>,
+    /// Whether it ends its part.
+    pub last: bool,
+    /// The counts of its cells.
+    pub summary: Summary,
+    /// What was made of them.
+    pub made: T,
+}
+
+/// How a sweep ended.
+#[derive(Debug)]
+pub enum Ended<E> {
+    /// All cells are done.
+    Complete(Summary),
+    /// The stop flag was raised.
+    Stopped,
+    /// The sink refused.
+    Failed(E),
+}
+
+/// What the threads share: the next cells to take.
+struct Queue<'a> {
+    parts: &'a [Range<u64>],
+    block: u64,
+    ahead: u64,
+    state: Mutex<State>,
+    moved: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    part: usize,
+    /// Cells taken of this part.
+    offset: u64,
+    taken: u64,
+    collected: u64,
+    closed: bool,
+}
+
+/// A block yet to be computed, and its place in the order.
+struct Order {
+    number: u64,
+    part: usize,
+    cells: Range<u64>,
+    last: bool,
+}
+
+impl Queue<'_> {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next block; waits while the sink is too far behind.
+    fn take(&self) -> Option<Order> {
+        let mut state = self.lock();
+        while !state.closed && state.taken - state.collected >= self.ahead {
+            state = self.moved.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        while self.parts.get(state.part).is_some_and(|part| part.is_empty()) {
+            state.part += 1;
+        }
+        let part = self.parts.get(state.part).filter(|_| !state.closed)?;
+        let start = part.start + state.offset;
+        let end = (start + self.block).min(part.end);
+        let order = Order { number: state.taken, part: state.part, cells: start..end, last: end == part.end };
+        state.taken += 1;
+        state.offset += end - start;
+        if order.last {
+            (state.part, state.offset) = (state.part + 1, 0);
+        }
+        Some(order)
+    }
+
+    fn collected(&self) {
+        self.lock().collected += 1;
+        self.moved.notify_one();
+    }
+
+    fn close(&self) {
+        self.lock().closed = true;
+        self.moved.notify_all();
+    }
+}
+
+/// Closes the queue of a thread that panics, or the others would wait for its block for ever.
+struct Watch<'a, 'b>(&'a Queue<'b>);
+
+impl Drop for Watch<'_, '_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.close();
+        }
+    }
+}
+
+/// Computes the cells of all parts, makes `digest` of a few at a time, on any thread, and hands these to `sink` in order,
+/// on this one.
+pub fn blocks<T: Send, E>(
+    job: &Job<'_>,
+    parts: &[Range<u64>],
+    digest: impl Fn(Range<u64>, &[Cell]) -> T + Sync,
+    mut sink: impl FnMut(Block<T>) -> Result<(), E>,
+) -> Ended<E> {
+    let threads = job.pool.current_num_threads().max(1) as u64;
+    let cells: u64 = parts.iter().map(|part| part.end - part.start).sum();
+    let block = (cells / (threads * BLOCKS_PER_THREAD)).clamp(1, BLOCK);
+    let queue =
+        Queue { parts, block, ahead: AHEAD * threads, state: Mutex::new(State::default()), moved: Condvar::new() };
+    let stopped = AtomicBool::new(job.stop.load(Ordering::Relaxed));
+    // Before a worker takes its memory.
+    if stopped.load(Ordering::Relaxed) {
+        return Ended::Stopped;
+    }
+    let mut total = Summary::default();
+    let mut failure = None;
+    job.pool.in_place_scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..threads {
+            let (sender, queue, digest, stopped) = (sender.clone(), &queue, &digest, &stopped);
+            scope.spawn(move |_| {
+                let _watch = Watch(queue);
+                let mut worker = Worker::new(job.scene.base.sites);
+                let mut cells = Vec::with_capacity(queue.block as usize);
+                while let Some(order) = queue.take() {
+                    if compute(job, &mut worker, order.cells.clone(), &mut cells).is_none() {
+                        stopped.store(true, Ordering::Relaxed);
+                        queue.close();
+                        return;
+                    }
+                    let Order { number, part, cells: range, last } = order;
+                    let made = digest(range.clone(), &cells);
+                    let block = Block { part, cells: range, last, summary: Summary::of(&cells), made };
+                    // A collector that has gone wants nothing more.
+                    let _ = sender.send((number, block));
+                }
+            });
+        }
+        drop(sender);
+        let mut waiting = BTreeMap::new();
+        let mut next = 0;
+        for (number, block) in receiver {
+            waiting.insert(number, block);
+            while let Some(block) = waiting.remove(&next) {
+                next += 1;
+                queue.collected();
+                total.add(&block.summary);
+                if failure.is_none()
+                    && let Err(error) = sink(block)
+                {
+                    failure = Some(error);
+                    queue.close();
+                }
+            }
+        }
+    });
+    match failure {
+        Some(error) => Ended::Failed(error),
+        None if stopped.load(Ordering::Relaxed) => Ended::Stopped,
+        None => Ended::Complete(total),
+    }
+}
+
+/// The cells of one block; `None` if stopped midway.
+fn compute(job: &Job<'_>, worker: &mut Worker, range: Range<u64>, cells: &mut Vec<Cell>) -> Option<()> {
+    cells.clear();
+    for number in range {
+        if job.stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        // The scene's corners were checked, so that every point between is a valid model.
+        let model = job.scene.point(number).model().ok()?;
+        cells.push(worker.cell(&model, &job.scene.task));
+    }
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn scene() -> Scene {
+        let text = r#"
+            [model]
+            sites = 3
+            gamma1 = 0.2
+            asymmetry = 0.4
+            [sweep]
+            x = { parameter = "omega", from = 0.4, to = 3.0, points = 40 }
+            y = { parameter = "gamma2", from = 0.0, to = 0.3, points = 60 }
+            [compute]
+            families = ["double-sided"]
+        "#;
+        Scene::parse(Path::new("scene.toml"), text).unwrap()
+    }
+
+    fn pool(threads: usize) -> ThreadPool {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+    }
+
+    #[test]
+    fn every_cell_of_every_part_comes_once_and_in_order() {
+        let scene = scene();
+        let stop = AtomicBool::new(false);
+        for threads in [1, 3] {
+            let pool = pool(threads);
+            let job = Job { scene: &scene, pool: &pool, stop: &stop };
+            let parts = [5..5, 7..1000, 1000..1001, 30..40, 2399..2400, 9..9];
+            let (mut seen, mut ends) = (Vec::new(), Vec::new());
+            let ended = blocks(
+                &job,
+                &parts,
+                |range, cells| (range.count(), cells.len()),
+                |block| {
+                    assert_eq!(block.made.0, block.made.1);
+                    assert_eq!(block.summary.cells(), block.made.1 as u64);
+                    if block.last {
+                        ends.push(block.part);
+                    }
+                    seen.extend(block.cells);
+                    Ok::<_, ()>(())
+                },
+            );
+            assert!(matches!(ended, Ended::Complete(summary) if summary.cells() == 1005));
+            assert_eq!(seen, parts.iter().cloned().flatten().collect::<Vec<_>>());
+            assert_eq!(ends, [1, 2, 3, 4]);
+        }
+    }
+
+    #[test]
+    fn a_sink_that_refuses_and_a_flag_that_is_raised_end_it() {
+        let (scene, pool) = (scene(), pool(2));
+        let stop = AtomicBool::new(false);
+        let mut left = 3;
+        let ended = crate::sweep::sweep(
+            &scene,
+            &pool,
+            &stop,
+            |_| {},
+            |_, _| {
+                left -= 1;
+                if left == 0 { Err("full") } else { Ok(()) }
+            },
+        );
+        assert!(matches!(ended, Ended::Failed("full")) && left == 0);
+        let ended = crate::sweep::sweep(
+            &scene,
+            &pool,
+            &stop,
+            |_| {},
+            |range, _| {
+                stop.store(range.start > 100, Ordering::Relaxed);
+                Ok::<_, ()>(())
+            },
+        );
+        assert!(matches!(ended, Ended::Stopped));
+    }
+}

@@ -1,0 +1,311 @@
+//! How a sweep is cut into chunks, by its scene alone, and what tells two sweeps apart.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use vibrochain_floquet::Tolerance;
+use xxhash_rust::xxh3::xxh3_128;
+
+use crate::error::CliError;
+use crate::manifest::{REVISION, VERSION, scene_parts, target};
+use crate::scene::{Scene, tolerance_from};
+
+/// The form of chunks and of the plan beside them.
+pub(crate) const FORMAT: u32 = 1;
+
+/// Cells of a chunk of the paper's maps: a fraction of a second of work, which an interruption may cost, against a few
+/// milliseconds for a file that must reach the disk.
+const CHUNK_CELLS: u64 = 8192;
+
+/// The least cells of a chunk.
+const LEAST_CELLS: u64 = 16;
+
+/// The most chunks: no folder should have to hold more files. Beyond it chunks grow.
+const MOST_CHUNKS: u64 = 1 << 17;
+
+/// Masses up to which a cell costs a few microseconds.
+const FEW_SITES: usize = 48;
+
+/// The program that computes chunks. Other programs may compute other last digits.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Maker {
+    pub(crate) version: String,
+    pub(crate) revision: Option<String>,
+    pub(crate) target: String,
+}
+
+impl Maker {
+    /// This program.
+    pub(crate) fn this() -> Self {
+        Self { version: VERSION.to_owned(), revision: REVISION.map(str::to_owned), target: target() }
+    }
+
+    fn name(&self) -> String {
+        format!("{} ({}, {})", self.version, self.revision.as_deref().unwrap_or("no revision"), self.target)
+    }
+}
+
+/// A sweep, ready to be computed by any number of processes.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The scene, with the threshold of the command line.
+    pub(crate) scene: Scene,
+    /// Its file, as named on the command line.
+    pub(crate) scene_file: PathBuf,
+    /// Its text.
+    pub(crate) text: String,
+    /// The threshold of the command line.
+    pub(crate) threshold: Option<f64>,
+    pub(crate) maker: Maker,
+    /// Cells of each chunk but the last.
+    pub(crate) chunk_cells: u64,
+    /// Hash of all that decides what the chunks hold.
+    pub(crate) identity: u128,
+}
+
+/// A plan as a file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    program: String,
+    format: u32,
+    #[serde(flatten)]
+    maker: Maker,
+    scene_file: String,
+    /// As text, which reads back exactly.
+    threshold: Option<String>,
+    cells: u64,
+    chunk_cells: u64,
+    chunks: u64,
+    identity: String,
+    scene: String,
+}
+
+/// Cells of a chunk: fewer where cells are slow, more where there would be too many chunks.
+fn chunk_cells(scene: &Scene) -> u64 {
+    // Existence costs as the masses, stability as their square.
+    let slower = (scene.base.sites / FEW_SITES) as u64;
+    let slower = if scene.task.stability { slower.saturating_mul(slower) } else { slower };
+    let cells = (CHUNK_CELLS / slower.max(1).next_power_of_two()).max(LEAST_CELLS);
+    cells.max(scene.cells().div_ceil(MOST_CHUNKS).next_power_of_two())
+}
+
+impl Plan {
+    /// Reads a scene; `threshold` is that of the command line.
+    ///
+    /// # Errors
+    /// [`CliError::Request`]: those of [`Scene::read`]; a threshold that is given twice, or that nothing needs.
+    pub fn read(scene_file: &Path, threshold: Option<f64>) -> Result<Self, CliError> {
+        let text = std::fs::read_to_string(scene_file);
+        let text = text.map_err(|error| CliError::file("cannot read scene", scene_file, &error))?;
+        Self::new(scene_file, text, threshold, Maker::this())
+    }
+
+    fn new(scene_file: &Path, text: String, threshold: Option<f64>, maker: Maker) -> Result<Self, CliError> {
+        let mut scene = Scene::parse(scene_file, &text)?;
+        if let Some(threshold) = threshold {
+            let place = scene_file.display();
+            if scene.task.tolerance != Tolerance::Rounding {
+                let message =
+                    format!("threshold is given twice, as --threshold {threshold} and in {place}: remove one");
+                return Err(CliError::Request(message));
+            }
+            if !scene.task.stability {
+                let message =
+                    format!("--threshold needs `stability = true` in {place}: it decides what counts as stable");
+                return Err(CliError::Request(message));
+            }
+            scene.task.tolerance = tolerance_from(threshold).map_err(CliError::Request)?;
+        }
+        let chunk_cells = chunk_cells(&scene);
+        let mut decisive = scene_parts(&scene);
+        decisive.insert("format".to_owned(), FORMAT.into());
+        decisive.insert("maker".to_owned(), maker.name().into());
+        decisive.insert("chunk_cells".to_owned(), chunk_cells.into());
+        let identity = xxh3_128(Value::from(decisive).to_string().as_bytes());
+        Ok(Self { scene, scene_file: scene_file.to_owned(), text, threshold, maker, chunk_cells, identity })
+    }
+
+    /// As another version of the program would have made it.
+    #[cfg(test)]
+    pub(crate) fn by_version(scene_file: &Path, text: &str, version: &str) -> Self {
+        let maker = Maker { version: version.to_owned(), ..Maker::this() };
+        Self::new(scene_file, text.to_owned(), None, maker).unwrap()
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> u64 {
+        self.scene.cells()
+    }
+
+    /// Number of chunks.
+    pub fn chunks(&self) -> u64 {
+        self.cells().div_ceil(self.chunk_cells)
+    }
+
+    /// The cells of chunk `chunk`.
+    pub fn range(&self, chunk: u64) -> Range<u64> {
+        let first = chunk * self.chunk_cells;
+        first..(first + self.chunk_cells).min(self.cells())
+    }
+
+    /// The plan as text for a file.
+    pub(crate) fn to_json(&self) -> String {
+        let file = File {
+            program: "mapgen".to_owned(),
+            format: FORMAT,
+            maker: self.maker.clone(),
+            scene_file: self.scene_file.display().to_string(),
+            threshold: self.threshold.map(|threshold| threshold.to_string()),
+            cells: self.cells(),
+            chunk_cells: self.chunk_cells,
+            chunks: self.chunks(),
+            identity: format!("{:032x}", self.identity),
+            scene: self.text.clone(),
+        };
+        // Names, numbers and text: nothing that JSON could not hold.
+        serde_json::to_string_pretty(&file).map_or_else(|_| String::new(), |text| text + "\n")
+    }
+
+    /// The plan in such a file, or what is wrong with it.
+    pub(crate) fn from_json(text: &str) -> Result<Self, String> {
+        let file: File = serde_json::from_str(text).map_err(|error| format!("it is damaged ({error})"))?;
+        if file.format != FORMAT {
+            return Err(format!("its chunks have format {}, this program reads format {FORMAT}", file.format));
+        }
+        let threshold = file.threshold.as_deref().map(str::parse).transpose();
+        let threshold = threshold.map_err(|error| format!("it is damaged (threshold: {error})"))?;
+        let maker = file.maker.clone();
+        let plan = Self::new(Path::new(&file.scene_file), file.scene, threshold, maker)
+            .map_err(|error| format!("its scene cannot be read by this version: {error}"))?;
+        if (plan.cells(), plan.chunk_cells) != (file.cells, file.chunk_cells) {
+            return Err(format!("mapgen {} cut it otherwise than this version does", file.maker.name()));
+        }
+        if format!("{:032x}", plan.identity) != file.identity {
+            return Err("it is damaged (its scene is not the one it was made for)".to_owned());
+        }
+        Ok(plan)
+    }
+
+    /// What this plan and `other`, found in a folder, disagree on; nothing if they are one.
+    pub(crate) fn differences(&self, other: &Self) -> Option<String> {
+        if self.identity == other.identity {
+            return None;
+        }
+        let mut told = String::new();
+        if self.maker != other.maker {
+            let (here, there) = (self.maker.name(), other.maker.name());
+            let _ = write!(told, "another version of mapgen: {there} there, {here} here");
+        }
+        let (here, there) = (scene_parts(&self.scene).into(), scene_parts(&other.scene).into());
+        let mut list = Vec::new();
+        compare("", &here, &there, &mut list);
+        if !list.is_empty() {
+            let and = if told.is_empty() { "" } else { "; and " };
+            let _ = write!(told, "{and}another scene: {}", list.join(", "));
+        }
+        Some(told)
+    }
+}
+
+/// Lists the values that differ, by the path of their keys.
+fn compare(path: &str, here: &Value, there: &Value, list: &mut Vec<String>) {
+    let none = Map::new();
+    match (here, there) {
+        (Value::Object(ours), theirs) => {
+            let theirs = theirs.as_object().unwrap_or(&none);
+            let more = theirs.keys().filter(|key| !ours.contains_key(*key));
+            for key in ours.keys().chain(more) {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                let (here, there) = (ours.get(key), theirs.get(key));
+                compare(&path, here.unwrap_or(&Value::Null), there.unwrap_or(&Value::Null), list);
+            }
+        }
+        _ if here == there => {}
+        _ => {
+            let value = |value: &Value| if value.is_null() { "absent".to_owned() } else { value.to_string() };
+            list.push(format!("{path} is {} there, {} here", value(there), value(here)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r#"
+        [model]
+        sites = 6
+        gamma1 = 0.2
+        asymmetry = 0.4
+        [sweep]
+        x = { parameter = "omega", from = 0.4, to = 3.0, points = 400 }
+        y = { parameter = "gamma2", from = 0.0, to = 0.3, points = 300 }
+        [compute]
+        families = ["double-sided"]
+        stability = true
+    "#;
+
+    fn plan(text: &str, threshold: Option<f64>) -> Plan {
+        Plan::new(Path::new("map.toml"), text.to_owned(), threshold, Maker::this()).unwrap()
+    }
+
+    #[test]
+    fn chunks_cover_all_cells_once_whatever_the_scene() {
+        for (points, sites, most) in [
+            ("400", "6", 8192),
+            ("3", "6", 8192),
+            ("1000000", "6", 8192),
+            ("400", "5001", 16),
+            ("1000000", "5001", 4096),
+        ] {
+            let text = TEXT.replace("points = 400", &format!("points = {points}"));
+            let plan = plan(&text.replace("sites = 6", &format!("sites = {sites}")), None);
+            assert_eq!(plan.chunk_cells, most);
+            assert_eq!((plan.range(0).start, plan.range(plan.chunks() - 1).end), (0, plan.cells()));
+            for chunk in 1..plan.chunks().min(100) {
+                assert_eq!(plan.range(chunk - 1).end, plan.range(chunk).start);
+            }
+            assert!(plan.chunks() <= MOST_CHUNKS && !plan.range(plan.chunks() - 1).is_empty());
+        }
+    }
+
+    #[test]
+    fn a_thousand_million_cells_are_planned_without_being_there() {
+        let plan =
+            plan(&TEXT.replace("points = 400", "points = 1000000").replace("points = 300", "points = 1000"), None);
+        assert_eq!((plan.cells(), plan.chunks()), (1_000_000_000, 122_071));
+        let plan = self::plan(
+            &TEXT.replace("points = 400", "points = 1000000").replace("points = 300", "points = 1000000"),
+            None,
+        );
+        assert_eq!((plan.cells(), plan.chunk_cells), (1_000_000_000_000, 1 << 23));
+    }
+
+    #[test]
+    fn a_plan_reads_back_and_damage_to_it_is_seen() {
+        let plan = plan(TEXT, Some(0.1 + 0.2));
+        let text = plan.to_json();
+        let back = Plan::from_json(&text).unwrap();
+        assert!(back.identity == plan.identity && back.differences(&plan).is_none());
+        assert!(Plan::from_json(&text.replace("0.30000000000000004", "0.3")).is_err());
+        assert!(Plan::from_json(&text.replace("gamma1 = 0.2", "gamma1 = 0.3")).unwrap_err().contains("damaged"));
+        assert!(Plan::from_json(&text.replace("\"format\": 1", "\"format\": 2")).unwrap_err().contains("format 2"));
+        assert!(Plan::from_json(&text[..text.len() / 2]).unwrap_err().contains("damaged"));
+    }
+
+    #[test]
+    fn what_differs_is_named_and_what_does_not_matter_is_not() {
+        let here = plan(TEXT, None);
+        assert!(here.differences(&plan(&format!("# a remark\ntitle = \"a title\"\n{TEXT}"), None)).is_none());
+        let told = here.differences(&plan(&TEXT.replace("gamma1 = 0.2", "gamma1 = 0.3"), Some(0.5))).unwrap();
+        let expected =
+            "another scene: model.gamma1 is 0.3 there, 0.2 here, compute.threshold is 0.5 there, absent here";
+        assert_eq!(told, expected);
+        let other = Plan::by_version(Path::new("map.toml"), TEXT, "0.0.9");
+        assert!(here.differences(&other).unwrap().starts_with("another version of mapgen: 0.0.9 ("));
+    }
+}

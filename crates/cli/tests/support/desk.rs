@@ -1,0 +1,164 @@
+//! A folder to work in, and the program as its users start it.
+#![allow(dead_code, reason = "each test takes what it needs")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// 120 000 cells of a small ring without stability: fifteen chunks, half a second.
+pub(crate) const SCENE: &str = r#"
+[model]
+sites = 6
+gamma1 = 0.2
+asymmetry = 0.4
+[sweep]
+x = { parameter = "omega", from = 0.4, to = 3.0, points = 400 }
+y = { parameter = "gamma2", from = 0.0, to = 0.3, points = 300 }
+[compute]
+families = ["double-sided", "single-sided"]
+"#;
+
+/// Its chunks, and the cells of each but the last.
+pub(crate) const CHUNKS: u64 = 15;
+pub(crate) const CHUNK_CELLS: u64 = 8192;
+
+/// The least of three chunks' worth of work for a slow machine's patience.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+pub(crate) struct Desk {
+    folder: TempDir,
+}
+
+/// How a run ended, and what it said.
+#[derive(Debug)]
+pub(crate) struct Ran {
+    pub(crate) code: Option<i32>,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+impl From<Output> for Ran {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+impl Ran {
+    /// Demands an exit code and words on standard error.
+    #[track_caller]
+    pub(crate) fn with(self, code: i32, words: &[&str]) -> Self {
+        assert_eq!(self.code, Some(code), "{self:?}");
+        for word in words {
+            assert!(self.err.contains(word), "no `{word}` in {self:?}");
+        }
+        assert!(code == 0 || !self.err.contains("panicked"), "{self:?}");
+        self
+    }
+}
+
+impl Desk {
+    pub(crate) fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub(crate) fn with_scene(text: &str) -> Self {
+        let desk = Self::new();
+        fs::write(desk.path("scene.toml"), text).unwrap();
+        desk
+    }
+
+    /// The program, in this folder and outside of any job.
+    pub(crate) fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin("mapgen"));
+        command.current_dir(self.folder.path()).args(line.split(' ')).stdin(Stdio::null());
+        for variable in ["ID", "MIN", "MAX", "COUNT", "STEP"] {
+            command.env_remove(format!("SLURM_ARRAY_TASK_{variable}"));
+        }
+        command.env_remove("SLURM_CPUS_PER_TASK");
+        command
+    }
+
+    pub(crate) fn run(&self, line: &str) -> Ran {
+        self.command(line).output().unwrap().into()
+    }
+
+    /// A line for the shell in this folder, with `mapgen` on its path.
+    pub(crate) fn shell(&self, line: &str) -> Ran {
+        let program = assert_cmd::cargo::cargo_bin("mapgen");
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let mut folders = vec![program.parent().unwrap().to_owned()];
+        folders.extend(std::env::split_paths(&path));
+        let mut command = Command::new("sh");
+        command.current_dir(self.folder.path()).arg("-c").arg(line).env("PATH", std::env::join_paths(folders).unwrap());
+        command.output().unwrap().into()
+    }
+
+    pub(crate) fn start(&self, line: &str) -> Child {
+        self.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    pub(crate) fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&self.read(name)).unwrap()
+    }
+
+    /// Names in a folder, hidden ones too.
+    pub(crate) fn names(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path(folder)).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// Finished chunks in a folder that may not be there yet.
+    pub(crate) fn chunks(&self, folder: &str) -> usize {
+        let Ok(entries) = fs::read_dir(self.path(folder)) else { return 0 };
+        entries.flatten().filter(|entry| is_chunk(&entry.path())).count()
+    }
+
+    /// Waits until so many chunks are finished, or the process has ended.
+    pub(crate) fn await_chunks(&self, child: &mut Child, folder: &str, count: usize) {
+        let begun = Instant::now();
+        while self.chunks(folder) < count && child.try_wait().unwrap().is_none() {
+            assert!(begun.elapsed() < PATIENCE, "no {count} chunks in {folder}");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// A chunk's file, and not one under way.
+fn is_chunk(path: &Path) -> bool {
+    let hidden = path.file_name().unwrap().to_string_lossy().starts_with('.');
+    !hidden && path.extension().is_some_and(|end| end == "chunk")
+}
+
+/// Sends a signal and waits for the end.
+#[cfg(unix)]
+pub(crate) fn signal(child: Child, name: &str) -> Ran {
+    let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    child.wait_with_output().unwrap().into()
+}
+
+/// The table of a scene as an undisturbed run makes it, on one thread.
+pub(crate) fn undisturbed(scene: &str) -> Vec<u8> {
+    let desk = Desk::with_scene(scene);
+    desk.run("sweep scene.toml --out map.csv --threads 1 --quiet").with(0, &[]);
+    assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+    desk.read("map.csv")
+}
