@@ -11,12 +11,12 @@
 //! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
 //! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
 //! | `stripes` | [`DressedModes`], [`Collision`]: which modes collide |
-//! | `reversible` | half the dimension for conservative orbits |
-//! | `analyser` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `analyser`, `by_secular` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `dense`, `reversible` | the smallest matrix that has the multipliers |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
 //! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
 //! | `locate` | [`locate()`]: bifurcations and grazing in one parameter |
-//! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`] |
+//! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] |
 //!
 //! Multipliers are per period of the orbit (two periods of the force for a doubled one). Dimensionless throughout.
 //!
@@ -36,7 +36,9 @@
 //! ```
 
 mod analyser;
+mod by_secular;
 mod certainty;
+mod dense;
 mod eigen;
 mod eigenvectors;
 mod error;
@@ -66,4 +68,4 @@ pub use secular::{
 };
 pub use square::Square;
 pub use stripes::{Collision, DressedModes, Signature, signature};
-pub use verdict::{Mechanism, Tolerance, Verdict};
+pub use verdict::{Mechanism, Method, Tolerance, Verdict};

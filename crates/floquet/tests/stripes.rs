@@ -337,11 +337,12 @@ fn an_even_harmonic_makes_stripes_with_half_period_symmetry_too() {
         let Some(orbit) = bench.orbit(Family::DoubleSided, 6, 0.15, omega, 0.0) else { continue };
         let values = dense(&orbit);
         let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
-        if growth(&values) > 1e-3 && leading.im.abs() > 1e-6 {
-            if let Some(collision) = bench.modes.collision(leading) {
-                assert_eq!(collision.harmonic % 2, 0);
-                stripes += 1;
-            }
+        if growth(&values) > 1e-3
+            && leading.im.abs() > 1e-6
+            && let Some(collision) = bench.modes.collision(leading)
+        {
+            assert_eq!(collision.harmonic % 2, 0);
+            stripes += 1;
         }
     }
     assert!(stripes > 0);
