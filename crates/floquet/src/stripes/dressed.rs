@@ -229,13 +229,16 @@ impl DressedModes {
 
     /// Half the phase of the coefficient of reflection, from 0 to π.
     fn delay(&self, w: f64) -> f64 {
+        (0.5 * self.reflection(w).arg()).rem_euclid(PI)
+    }
+
+    /// The coefficient of reflection. Its modulus is not 1 where waves are turned into others, at w_j in the band.
+    fn reflection(&self, w: f64) -> C {
         // Linear in G₀.
         let (without, with) = (self.form(w, 0.0), self.form(w, 1.0));
         let green = -without / (with - without);
         let c = -green * self.density(w * w).max(0.0).sqrt();
-        // (c+i)/(c−i), multiplied by |c−i|²: only the phase is wanted.
-        let i = C::i();
-        (0.5 * ((c + i) * (c - i).conj()).arg()).rem_euclid(PI)
+        (c + C::i()) / (c - C::i())
     }
 
     /// D²: positive in the band.
@@ -310,5 +313,59 @@ impl DressedModes {
         let around = sign * decay.powf(sites);
         let size = (1.0 + around) / ((1.0 - around) * root);
         C::new(if below { size } else { -size }, 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_breather::{Family, Finder, Found};
+    use vibrochain_lattice::{Chain, Model};
+
+    use super::*;
+
+    fn modes(family: Family, sites: usize, gamma2: f64, omega: f64) -> DressedModes {
+        let model = Model::conservative(Chain::new(sites, 0.2, gamma2).unwrap(), omega, 0.4).unwrap();
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        finder.find_symmetric(&model, family, &mut found).unwrap();
+        let mut modes = DressedModes::default();
+        modes.set(&found.orbits[0], finder.response()).unwrap();
+        modes
+    }
+
+    #[test]
+    fn waves_come_back_whole_where_nothing_else_is_in_the_band() {
+        for (family, sites) in [(Family::DoubleSided, 41), (Family::SingleSided, 40), (Family::DoubleSided, 7)] {
+            // The band ends at 1.
+            for omega in [2.1, 2.5, 4.0] {
+                let modes = modes(family, sites, 0.2, omega);
+                for w in [0.46, 0.6, 0.777, 0.9, 0.99] {
+                    let size = modes.reflection(w).norm();
+                    assert!((size - 1.0).abs() < 1e-9, "{family:?} {omega} {w}: {size}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn less_of_a_wave_is_turned_into_others_the_faster_the_impacts_follow() {
+        for part in [0.98, 0.93] {
+            let turned = [1.2, 1.4, 1.6, 1.8, 1.95].map(|omega| {
+                let size = modes(Family::DoubleSided, 401, 0.2, omega).reflection(0.5 * part * omega).norm();
+                size.ln().abs()
+            });
+            assert!(turned[0] > 0.04 && turned.windows(2).all(|pair| pair[1] < pair[0]), "{turned:?}");
+        }
+    }
+
+    #[test]
+    fn a_long_ring_has_the_frequencies_of_the_same_reflection() {
+        // x(Ω) − arg/2 is a multiple of π in every ring, and the reflection is one and the same.
+        let (short, long) = (modes(Family::DoubleSided, 31, 0.1, 1.3), modes(Family::DoubleSided, 301, 0.1, 1.3));
+        for k in 0..short.count() {
+            let w = short.frequency(k).unwrap();
+            assert!((short.reflection(w) - long.reflection(w)).norm() < 1e-6);
+            let turns = (short.phase(w) - long.delay(w)) / PI;
+            assert!((turns - turns.round()).abs() < 1e-6);
+        }
     }
 }
