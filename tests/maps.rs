@@ -96,6 +96,7 @@ fn the_map_at_n_20_has_stripes_of_instability() {
         families: vec![Family::DoubleSided, Family::SingleSided],
         stability: true,
         tolerance: Tolerance::Rounding,
+        collisions: false,
     };
     // Along one row, the double-sided breather loses and regains stability many times.
     let classes: Vec<_> = (0..1200)
@@ -115,6 +116,7 @@ fn the_2000_term_series_differs_only_where_the_series_is_wrong() {
         families: vec![Family::DoubleSided, Family::SingleSided],
         stability: true,
         tolerance: Tolerance::Growth(BLUR),
+        collisions: false,
     };
     let (mut compared, mut wrong, mut worst) = (0, 0, 0.0_f64);
     for (gamma2, omega) in grid(40, 24).filter(|(gamma2, _)| *gamma2 > 0.0) {

@@ -37,6 +37,8 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Print the table of closed forms against simulation (docs/validation.md).
     Validate(ValidateArgs),
+    /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
+    Stripes(StripesArgs),
     /// Draw every figure of the paper, with the numbers behind it (docs/figures.md).
     Figures(FiguresArgs),
     /// Print the corrections to the paper, each with its evidence (docs/errata.md).
@@ -119,6 +121,30 @@ pub struct MergeArgs {
     /// No summary.
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Arguments of `mapgen stripes`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A line is where two modes of the ring, as the breather shifts them, have frequencies that sum to a harmonic of ω. It is
+labelled k,l,j: mode k lies between Ω_k and Ω_{k+1} of the bare ring. Printed is the share of unstable cells within one cell of
+a line, beside that of stable cells, of differences of two modes, and of sums and differences of the bare ring's frequencies."
+)]
+pub struct StripesArgs {
+    /// Scene file (TOML) of a conservative map with x = omega and y = gamma2.
+    pub scene: PathBuf,
+    /// Picture of the map and the lines, .png or .svg.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Table of the lines (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Table of the map, as `mapgen sweep` has written it for the same scene [default: the map is computed].
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
+    /// Also draw, faintly, where a difference of two modes is a harmonic: equal signatures, no collision.
+    #[arg(long)]
+    pub all: bool,
 }
 
 /// Families as named on the command line.

@@ -1,7 +1,7 @@
 //! One cell of a map: a parameter point and what lives there.
 
-use vibrochain_breather::{BreatherError, Family, Finder, Found};
-use vibrochain_floquet::{Analyser, FloquetError, Mechanism, Tolerance, Verdict};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, Orbit};
+use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::Model;
 
 /// What a map is asked to compute.
@@ -13,6 +13,8 @@ pub struct Task {
     pub stability: bool,
     /// From which growth an orbit counts as unstable.
     pub tolerance: Tolerance,
+    /// Whether the modes that have collided are wanted, of conservative orbits.
+    pub collisions: bool,
 }
 
 /// Existence and stability in one word, the `class` column.
@@ -157,6 +159,8 @@ pub struct Cell {
     pub status: Status,
     /// Largest residual of the physical orbits.
     pub residual: f64,
+    /// Which modes have collided, where that was asked for.
+    pub collision: Option<Collision>,
 }
 
 /// A candidate for the orbit that gives a cell its class.
@@ -165,6 +169,7 @@ struct Candidate {
     family: Family,
     verdict: Option<Verdict>,
     margin: Option<f64>,
+    collision: Option<Collision>,
 }
 
 impl Candidate {
@@ -182,12 +187,18 @@ pub struct Worker {
     finder: Finder,
     analyser: Analyser,
     found: Found,
+    modes: DressedModes,
 }
 
 impl Worker {
     /// For rings of `sites` masses.
     pub fn new(sites: usize) -> Self {
-        Self { finder: Finder::new(sites), analyser: Analyser::default(), found: Found::default() }
+        Self {
+            finder: Finder::new(sites),
+            analyser: Analyser::default(),
+            found: Found::default(),
+            modes: DressedModes::default(),
+        }
     }
 
     /// Computes one cell.
@@ -200,6 +211,7 @@ impl Worker {
             solutions: 0,
             status: Status::Ok,
             residual: 0.0,
+            collision: None,
         };
         let mut best: Option<Candidate> = None;
         for &family in &task.families {
@@ -239,7 +251,11 @@ impl Worker {
                 } else {
                     None
                 };
-                let candidate = Candidate { family, verdict, margin: admissibility.margin };
+                let collision = match verdict.filter(|verdict| task.collisions && verdict.mechanism.is_some()) {
+                    Some(verdict) => collision(&mut self.modes, &mut self.finder, orbit, &verdict),
+                    None => None,
+                };
+                let candidate = Candidate { family, verdict, margin: admissibility.margin, collision };
                 if best.as_ref().is_none_or(|best| candidate.rank() < best.rank()) {
                     best = Some(candidate);
                 }
@@ -258,10 +274,17 @@ impl Worker {
                 cell.mechanism = best.verdict.and_then(|verdict| verdict.mechanism);
                 cell.spectral_radius = best.verdict.map(|verdict| verdict.spectral_radius);
                 cell.margin = best.margin;
+                cell.collision = best.collision;
             }
             _ if unknown => cell.class = None,
             _ => {}
         }
         cell
     }
+}
+
+/// The modes whose collision has made an orbit unstable. That none can be named is no failure of the cell.
+fn collision(modes: &mut DressedModes, finder: &mut Finder, orbit: &Orbit, verdict: &Verdict) -> Option<Collision> {
+    modes.set(orbit, finder.response_to(orbit).ok()?).ok()?;
+    modes.collision(verdict.leading)
 }

@@ -12,6 +12,8 @@
 //! | `plot` | pictures (feature `plot`) |
 //! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
 //! | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
+//! | `stripes` | where two modes collide, over a map (feature `plot`) |
+//! | `orbit_modes` | signatures of the modes of a conservative orbit, and which have collided |
 //! | `start`, `recording` | where a simulation starts, what it leaves behind |
 //! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `simulate_command`, `validate_command` | the subcommands |
 
@@ -34,6 +36,7 @@ pub mod locate_command;
 pub mod manifest;
 pub mod merge_command;
 pub mod orbit_command;
+mod orbit_modes;
 #[cfg(feature = "plot")]
 mod orbit_plots;
 pub mod output;
@@ -47,6 +50,8 @@ mod report;
 pub mod scene;
 pub mod simulate_command;
 pub mod start;
+#[cfg(feature = "plot")]
+pub mod stripes;
 pub mod sweep;
 pub mod sweep_command;
 pub mod table;

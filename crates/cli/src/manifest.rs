@@ -88,7 +88,10 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
         Tolerance::Growth(growth) => growth.into(),
     };
     let families: Vec<&str> = scene.task.families.iter().map(|family| family.name()).collect();
-    let compute = json!({ "families": families, "stability": scene.task.stability, "threshold": threshold });
+    let mut compute = json!({ "families": families, "stability": scene.task.stability, "threshold": threshold });
+    if scene.task.collisions {
+        compute["collisions"] = true.into();
+    }
     [("model", model.into()), ("sweep", sweep.into()), ("compute", compute)]
         .map(|(name, value): (_, Value)| (name.to_owned(), value))
         .into_iter()

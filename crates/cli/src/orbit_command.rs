@@ -11,6 +11,7 @@ use crate::args::{FamilyName, ModelArgs, OrbitArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::force;
+use crate::orbit_modes::OrbitModes;
 use crate::output::Number;
 use crate::parameter::{Parameter, Point};
 use crate::scene::tolerance_from;
@@ -44,6 +45,7 @@ struct Solution {
     admissibility: Admissibility,
     condition: Condition,
     stability: Result<Stability, FloquetError>,
+    modes: Option<OrbitModes>,
 }
 
 /// Runs the subcommand.
@@ -68,7 +70,9 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         let admissibility = finder.admissibility(&orbit).map_err(|error| computation(&error))?;
         let condition = finder.condition(&orbit).map_err(|error| computation(&error))?;
         let stability = analyser.stability(&orbit, &mut finder, tolerance);
-        solutions.push(Solution { orbit, admissibility, condition, stability });
+        let leading = stability.as_ref().ok().map(|stability| stability.verdict).filter(|v| v.mechanism.is_some());
+        let modes = OrbitModes::of(&orbit, &mut finder, leading.map(|verdict| verdict.leading));
+        solutions.push(Solution { orbit, admissibility, condition, stability, modes });
     }
     let text = if args.json {
         let value = json(&model, &solutions, &found);
@@ -185,6 +189,8 @@ impl Solution {
             }
             Err(error) => value["stability_error"] = error.to_string().into(),
         }
+        value["modes"] = self.modes.as_ref().map(OrbitModes::json).into();
+        value["collision"] = self.modes.as_ref().and_then(OrbitModes::collision_json).into();
         value
     }
 }
@@ -314,6 +320,9 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         };
         if let Some(doubt) = solution.stability.as_ref().ok().and_then(|stability| stability.verdict.method.doubt()) {
             let _ = writeln!(out, "  by a dense matrix: {doubt}");
+        }
+        if let Some(modes) = &solution.modes {
+            let _ = writeln!(out, "  {modes}");
         }
         let condition = &solution.condition;
         let fold = condition.fold.map_or(String::new(), |fold| format!(", to a fold {fold:.1e}"));

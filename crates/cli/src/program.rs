@@ -35,9 +35,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Validate(args) => validate_command::run(args, console),
         Command::Errata(args) => errata::run(args, console),
         #[cfg(feature = "plot")]
+        Command::Stripes(args) => crate::stripes::run(args, console),
+        #[cfg(feature = "plot")]
         Command::Figures(args) => crate::figures::run(args, console),
         #[cfg(not(feature = "plot"))]
-        Command::Figures(_) => {
+        Command::Figures(_) | Command::Stripes(_) => {
             Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
         }
         #[cfg(feature = "accuracy")]

@@ -14,6 +14,9 @@ use crate::scene::Scene;
 /// Columns after the parameters.
 const COLUMNS: [&str; 6] = ["class", "mechanism", "spectral_radius", "margin", "solutions", "status"];
 
+/// Columns after these where the modes that have collided are asked for.
+const COLLISION: [&str; 3] = ["mode1", "mode2", "harmonic"];
+
 /// The parameters with a column of their own: always gamma2 and omega, and whatever else is swept, slowest first.
 fn parameters(scene: &Scene) -> Vec<Parameter> {
     let mut shown = vec![Parameter::Gamma2, Parameter::Omega];
@@ -27,7 +30,8 @@ fn parameters(scene: &Scene) -> Vec<Parameter> {
 
 /// The columns of a scene's table, by name.
 pub fn columns(scene: &Scene) -> Vec<&'static str> {
-    parameters(scene).iter().map(|parameter| parameter.name()).chain(COLUMNS).collect()
+    let collision = COLLISION.into_iter().filter(|_| scene.task.collisions);
+    parameters(scene).iter().map(|parameter| parameter.name()).chain(COLUMNS).chain(collision).collect()
 }
 
 /// The header of a scene's table, as it stands in the file.
@@ -45,6 +49,7 @@ pub fn class_column(scene: &Scene) -> usize {
 pub struct Table<W: Write> {
     writer: Writer<W>,
     parameters: Vec<Parameter>,
+    collisions: bool,
     record: ByteRecord,
     text: String,
 }
@@ -53,7 +58,13 @@ impl<W: Write> Table<W> {
     /// For rows alone, without the header.
     pub fn new(scene: &Scene, writer: W) -> Self {
         let writer = Writer::from_writer(writer);
-        Self { writer, parameters: parameters(scene), record: ByteRecord::new(), text: String::new() }
+        Self {
+            writer,
+            parameters: parameters(scene),
+            collisions: scene.task.collisions,
+            record: ByteRecord::new(),
+            text: String::new(),
+        }
     }
 
     /// Writes the cells numbered `range` of a scene.
@@ -77,12 +88,24 @@ impl<W: Write> Table<W> {
         self.record.push_field(cell.mechanism.map_or("", |mechanism| mechanism.name()).as_bytes());
         self.number(cell.spectral_radius);
         self.number(cell.margin);
-        self.text.clear();
-        // Writing to a String cannot fail.
-        let _ = write!(self.text, "{}", cell.solutions);
-        self.record.push_field(self.text.as_bytes());
+        self.count(Some(cell.solutions as usize));
         self.record.push_field(cell.status.name().as_bytes());
+        if self.collisions {
+            let collision = cell.collision;
+            self.count(collision.map(|collision| collision.modes.0));
+            self.count(collision.map(|collision| collision.modes.1));
+            self.count(collision.map(|collision| collision.harmonic));
+        }
         self.writer.write_byte_record(&self.record)
+    }
+
+    fn count(&mut self, value: Option<usize>) {
+        self.text.clear();
+        if let Some(value) = value {
+            // Writing to a String cannot fail.
+            let _ = write!(self.text, "{value}");
+        }
+        self.record.push_field(self.text.as_bytes());
     }
 
     fn number(&mut self, value: Option<f64>) {

@@ -10,6 +10,7 @@
 //! | `saltation` | [`Saltation`]: a perturbation through an impact |
 //! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
 //! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
+//! | `stripes` | [`DressedModes`], [`Collision`]: which modes collide |
 //! | `analyser`, `by_secular` | [`stability`], [`Analyser`]: the path that fits an orbit |
 //! | `dense`, `reversible` | the smallest matrix that has the multipliers |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
@@ -49,6 +50,7 @@ mod reversible;
 mod saltation;
 mod secular;
 mod square;
+mod stripes;
 mod verdict;
 
 pub use analyser::{Analyser, Stability, stability};
@@ -65,4 +67,5 @@ pub use secular::{
     SecularMultipliers, SecularVerdict,
 };
 pub use square::Square;
+pub use stripes::{Collision, DressedModes, Signature, signature};
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};

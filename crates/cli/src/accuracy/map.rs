@@ -48,6 +48,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
         families: vec![Family::DoubleSided, Family::SingleSided],
         stability,
         tolerance: Tolerance::Rounding,
+        collisions: false,
     };
     let (with_stability, existence) = (task(true), task(false));
     // Cells whose class the closed form does not give are left out.

@@ -10,6 +10,8 @@ use crate::cell::Class;
 use crate::force::listed;
 use crate::parameter::Parameter;
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
+pub use crate::plot::lines::MapLine;
+use crate::plot::lines::{Frame, draw_key, draw_lines};
 use crate::plot::palette::{Palette, Tile};
 use crate::scene::{Axis, Scene, Values};
 
@@ -55,12 +57,20 @@ fn stride(points: usize) -> usize {
 /// # Errors
 /// [`PlotError`].
 pub fn map_picture(picture: &MapPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
+    map_with_lines(picture, &[], format)
+}
+
+/// The same with lines over the cells.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn map_with_lines(picture: &MapPicture<'_>, lines: &[MapLine], format: Format) -> Result<Vec<u8>, PlotError> {
     let Some([x, y]) = picture.scene.plane() else {
         return Err(PlotError("a map has two axes".to_owned()));
     };
     let layout = Layout { columns: Grid::new(x.points()), rows: Grid::new(y.points()) };
     let size = (layout.columns.pixels() + LEFT + RIGHT, layout.rows.pixels().max(360) + TOP + BOTTOM);
-    render(&Sheet { picture, x, y, layout }, format, size)
+    render(&Sheet { picture, lines, x, y, layout }, format, size)
 }
 
 /// Cells along one axis.
@@ -91,6 +101,7 @@ struct Layout {
 
 struct Sheet<'a> {
     picture: &'a MapPicture<'a>,
+    lines: &'a [MapLine],
     x: &'a Axis,
     y: &'a Axis,
     layout: Layout,
@@ -214,7 +225,7 @@ impl Drawing for Sheet<'_> {
             .y_label_formatter(&|place| tick_at(self.y, *place))
             .draw()
             .map_err(PlotError::from)?;
-        let raster = BitMapElement::with_owned_buffer((left, top), (width, height), pixels)
+        let raster = BitMapElement::with_ref((left, top), (width, height), pixels.as_slice())
             .ok_or_else(|| PlotError("the raster does not fit its frame".to_owned()))?;
         area.draw(&raster).map_err(PlotError::from)?;
         let frame = [(left - 1, top - 1), (left + width as i32, top + height as i32)];
@@ -238,6 +249,12 @@ impl Drawing for Sheet<'_> {
             self.swatch(area, tile, (x, y))?;
             area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
             y += 34;
+        }
+        if !self.lines.is_empty() {
+            let across = (span(self.x, self.layout.columns), span(self.y, self.layout.rows));
+            let frame = Frame { left, top, width, height, x: across.0, y: across.1, raster: &pixels };
+            draw_lines(area, &frame, self.lines)?;
+            draw_key(area, self.lines, (x, y + 16))?;
         }
         Ok(())
     }

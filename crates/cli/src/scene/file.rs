@@ -101,6 +101,7 @@ pub(super) struct ComputeTable {
     #[serde(default)]
     pub(super) stability: bool,
     pub(super) threshold: Option<Spanned<f64>>,
+    pub(super) collisions: Option<Spanned<bool>>,
 }
 
 /// A scene's text, for errors that point into it.
@@ -241,6 +242,10 @@ impl Source<'_> {
                 tolerance_from(*threshold.get_ref()).map_err(|message| self.error(span, message))?
             }
         };
-        Ok(Task { families, stability: table.stability, tolerance })
+        let asked = table.collisions.as_ref().filter(|collisions| *collisions.get_ref());
+        if let Some(span) = asked.filter(|_| !table.stability).map(Spanned::span) {
+            return Err(self.error(span, "collisions need stability = true: unstable orbits come from them"));
+        }
+        Ok(Task { families, stability: table.stability, tolerance, collisions: asked.is_some() })
     }
 }

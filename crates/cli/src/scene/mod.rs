@@ -162,7 +162,15 @@ impl Scene {
             }
         }
         let task = source.task(&file.compute)?;
-        Ok(Self { title: file.title, base, axes, task })
+        let scene = Self { title: file.title, base, axes, task };
+        if let Some(span) = file.compute.collisions.as_ref().map(Spanned::span)
+            && scene.task.collisions
+            && !scene.is_conservative()
+        {
+            let message = "collisions are told of conservative orbits only: remove the force, or collisions";
+            return Err(source.error(span, message));
+        }
+        Ok(scene)
     }
 
     /// Number of cells.

@@ -4,7 +4,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `single_sided`, `double_sided` | derivation and residues of F for reversible orbits |
-//! | `residues` | [`Residues`]: poles, residues = Krein signatures, certificates |
+//! | `residues` | [`Residues`]: poles, residues, certificates |
 //! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |

@@ -56,8 +56,9 @@ impl Pole {
 }
 
 /// The secular function F(ν) = Σ R_k/(ν−d_k) of a reversible orbit, ν = ½(μ + 1/μ), d_k = cos Ω_kT: its m−1 zeros are the
-/// non-trivial multiplier pairs of the m modes even about the site that is hit. The sign of R_k is the Krein signature
-/// of mode k; only neighbours of opposite signature can collide and leave the unit circle.
+/// non-trivial multiplier pairs of the m modes even about the site that is hit. Neighbours with R of one sign enclose a real
+/// root; with all signs equal that are all of them, and none is off the unit circle. (The signs are not Krein signatures:
+/// a root that passes the pole of a mode turns the sign of its R and keeps its signature, see [`crate::signature()`].)
 ///
 /// Also the work space for it: nothing is allocated from the second orbit of a chain on, up to 256 modes. Above, Cauchy
 /// sums take O(m) time and memory.
@@ -71,7 +72,7 @@ impl Pole {
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let mut residues = Residues::default();
 /// residues.set(&found.orbits[0], finder.response())?;
-/// // All signatures alike: nothing can collide, the orbit is stable.
+/// // All signs alike: nothing can collide, the orbit is stable.
 /// assert!(residues.residues().len() == 11 && residues.residues().iter().all(|r| *r > 0.0));
 /// assert!((residues.residues().iter().sum::<f64>() - 1.0).abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -234,7 +235,7 @@ impl Residues {
         self.flat(&self.poles)
     }
 
-    /// Residues R_k in the order of the poles; their signs are the Krein signatures.
+    /// Residues R_k in the order of the poles.
     pub fn residues(&self) -> &[f64] {
         self.flat(&self.residues)
     }

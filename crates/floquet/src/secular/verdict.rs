@@ -1,6 +1,7 @@
 //! Stable or not, from the signs of F; roots are sought only where the signs leave a question.
 //!
 //! - Σ R = 1 makes F positive far right, negative far left: the signs of F(±1) tell whether a real root lies beyond ±1.
+//! - Call the sign of R_k the signature of its pole (it is not Krein's, see [`Residues`]).
 //! - Neighbouring poles of equal signature enclose a root, and so do ±1 and the outermost poles if the signs say so.
 //! - If that makes m−1 roots, all are real and accounted for; if all signatures are equal it always does, and the orbit
 //!   is stable however close its poles are.
@@ -35,7 +36,7 @@ pub enum Outcome {
 /// Why.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Reason {
-    /// All modes have the same Krein signature: nothing can collide.
+    /// All residues have one sign: nothing can collide.
     EqualSignatures,
     /// As many real ν were counted in [−1, 1] as there are.
     AllRootsCounted,

@@ -1,0 +1,106 @@
+//! The modes of the ring about a conservative orbit: signatures, residues, the frequencies to which the breather shifts them,
+//! and which of them have collided.
+
+use std::fmt;
+
+use serde_json::{Value, json};
+use vibrochain_breather::{Finder, Orbit};
+use vibrochain_floquet::{Collision, Complex, DressedModes, Residues, Signature, signature};
+
+/// One mode even about the site that is hit.
+#[derive(Debug, Clone, Copy)]
+struct ModeReport {
+    frequency: f64,
+    signature: Option<Signature>,
+    /// R_k; not known where the residues fail their certificates.
+    residue: Option<f64>,
+    /// Ω̃_k, above this mode and below the next one.
+    dressed: Option<f64>,
+}
+
+/// All of them.
+#[derive(Debug, Clone)]
+pub(crate) struct OrbitModes {
+    modes: Vec<ModeReport>,
+    collision: Option<Collision>,
+    omega: f64,
+}
+
+impl OrbitModes {
+    /// For a conservative orbit that is its own mirror image in time; `leading` is its multiplier off the circle, if it has
+    /// one.
+    pub(crate) fn of(orbit: &Orbit, finder: &mut Finder, leading: Option<Complex<f64>>) -> Option<Self> {
+        if !orbit.is_reversible() {
+            return None;
+        }
+        let response = finder.response_to(orbit).ok()?;
+        let mut dressed = DressedModes::default();
+        dressed.set(orbit, response).ok()?;
+        let mut secular = Residues::default();
+        let certain = secular.set(orbit, response).is_ok();
+        let mut residues = vec![None; response.modes()];
+        for (place, residue) in secular.residues().iter().enumerate().filter(|_| certain) {
+            if let Some(entry) = secular.mode(place).and_then(|mode| residues.get_mut(mode)) {
+                *entry = Some(*residue);
+            }
+        }
+        let frequencies = response.frequencies().iter().zip(residues).enumerate();
+        let modes = frequencies
+            .map(|(k, (frequency, residue))| ModeReport {
+                frequency: *frequency,
+                signature: signature(response, k),
+                residue,
+                dressed: dressed.frequency(k),
+            })
+            .collect();
+        let collision = leading.and_then(|leading| dressed.collision(leading));
+        Some(Self { modes, collision, omega: response.omega() })
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        let mode = |(k, mode): (usize, &ModeReport)| {
+            json!({
+                "mode": k,
+                "frequency": mode.frequency,
+                "signature": mode.signature.map(Signature::value),
+                "residue": mode.residue,
+                "dressed": mode.dressed,
+            })
+        };
+        self.modes.iter().enumerate().map(mode).collect()
+    }
+
+    pub(crate) fn collision_json(&self) -> Option<Value> {
+        let collision = self.collision?;
+        let (k, l) = collision.modes;
+        Some(json!({ "modes": [k, l], "harmonic": collision.harmonic, "detuning": collision.detuning }))
+    }
+}
+
+/// "signatures of modes 0–6 +, 7–10 −", and the collision.
+impl fmt::Display for OrbitModes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = |mode: &ModeReport| match mode.signature {
+            Some(Signature::Positive) => "+",
+            Some(Signature::Negative) => "−",
+            None => "in doubt",
+        };
+        let (mut runs, mut first) = (Vec::new(), 0);
+        for run in self.modes.chunk_by(|a, b| a.signature == b.signature) {
+            let last = first + run.len() - 1;
+            let range = if first == last { first.to_string() } else { format!("{first}–{last}") };
+            runs.push(format!("{range} {}", run.first().map_or("", sign)));
+            first = last + 1;
+        }
+        write!(f, "signatures of modes: {}", runs.join(", "))?;
+        let Some(collision) = self.collision else { return Ok(()) };
+        let ((k, l), harmonic) = (collision.modes, collision.harmonic);
+        let which = if k == l { format!("mode {k} with itself") } else { format!("modes {k} and {l}") };
+        let times = if harmonic == 1 { "ω".to_owned() } else { format!("{harmonic}ω") };
+        write!(f, "; collided: {which}, their frequencies sum to {times} = {}", harmonic as f64 * self.omega)?;
+        match collision.detuning {
+            Some(detuning) => write!(f, " {} {:.1e}", if detuning < 0.0 { '−' } else { '+' }, detuning.abs()),
+            None => Ok(()),
+        }
+    }
+}

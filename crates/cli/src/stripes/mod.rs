@@ -1,0 +1,80 @@
+//! `mapgen stripes`: where two modes of a conservative ring collide, over the map of a scene, and how much of the
+//! instability that explains.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `request` | scene and flags, checked |
+//! | `cells` | classes of the map's cells, computed or read from a table |
+//! | `lines` | the lines Ω̃_k ± Ω̃_l = jω |
+//! | `evidence` | shares of unstable and stable cells next to a line |
+
+mod cells;
+mod evidence;
+mod lines;
+mod request;
+
+use crate::args::StripesArgs;
+use crate::console::Console;
+use crate::error::CliError;
+use crate::output::{Output, distinct};
+use crate::plot::{MapLine, MapPicture, Palette, Tile, map_with_lines};
+use crate::stripes::cells::cells;
+use crate::stripes::evidence::evidence;
+use crate::stripes::lines::{Line, crossings, joined, table};
+use crate::stripes::request::Request;
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`].
+pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let request = Request::read(args)?;
+    distinct(&[
+        ("the scene", Some(&args.scene)),
+        ("--map", args.map.as_deref()),
+        ("--out", Some(&args.out)),
+        ("--csv", args.csv.as_deref()),
+    ])?;
+    // Destinations first: an impossible one should not cost a computation.
+    let picture = Output::create(&args.out)?;
+    let csv = args.csv.as_deref().map(Output::create).transpose()?;
+    let stop = (console.interrupt)()?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .build()
+        .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))?;
+    let tiles = cells(&request, args.map.as_deref(), &pool, &stop)?;
+    let crossings = crossings(&request, &tiles, &pool, &stop)?;
+    let text = evidence(&request, &tiles, &crossings);
+    let lines = joined(&request, &crossings);
+    if let Some(csv) = csv {
+        csv.finish_with(&table(&lines)?)?;
+    }
+    let bytes = map_with_lines(
+        &MapPicture { scene: &request.scene, tiles: &tiles, palette: Palette::default() },
+        &lines.iter().filter(|line| line.sum || args.all).map(drawn).collect::<Vec<_>>(),
+        request.format,
+    )
+    .map_err(|error| CliError::Computation(error.to_string()))?;
+    picture.finish_with(&bytes)?;
+    console.print(&text)
+}
+
+/// What is known of a tile's orbit: its family.
+fn family(tile: &Tile) -> Option<vibrochain_breather::Family> {
+    use crate::cell::Class;
+    use vibrochain_breather::Family;
+    match tile.class? {
+        Class::StableDouble | Class::UnstableDouble | Class::Double => Some(Family::DoubleSided),
+        Class::StableSingle | Class::UnstableSingle | Class::Single => Some(Family::SingleSided),
+        Class::None => None,
+    }
+}
+
+fn drawn(line: &Line) -> MapLine {
+    let (k, l) = line.modes;
+    MapLine {
+        points: line.points.iter().map(|point| (point.omega, point.gamma2)).collect(),
+        label: format!("{k},{l},{}", line.harmonic),
+        faint: !line.sum,
+    }
+}

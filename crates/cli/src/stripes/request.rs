@@ -1,0 +1,82 @@
+//! What `mapgen stripes` is asked for, checked.
+
+use crate::args::StripesArgs;
+use crate::error::CliError;
+use crate::parameter::Parameter;
+use crate::plot::Format;
+use crate::scene::{Axis, Scene, Values};
+
+/// Equally spaced values.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steps {
+    pub(super) first: f64,
+    pub(super) step: f64,
+    pub(super) points: usize,
+}
+
+impl Steps {
+    /// The value at a place between the points, in steps.
+    pub(super) fn value(&self, place: f64) -> f64 {
+        self.first + place * self.step
+    }
+
+    /// The place of a value, in steps.
+    pub(super) fn place(&self, value: f64) -> f64 {
+        (value - self.first) / self.step
+    }
+}
+
+/// A checked request.
+#[derive(Debug)]
+pub(super) struct Request {
+    pub(super) scene: Scene,
+    pub(super) omega: Steps,
+    pub(super) gamma2: Steps,
+    pub(super) format: Format,
+}
+
+impl Request {
+    /// # Errors
+    /// [`CliError::Request`].
+    pub(super) fn read(args: &StripesArgs) -> Result<Self, CliError> {
+        let format = Format::of(&args.out).ok_or_else(|| {
+            let name = args.out.display();
+            CliError::Request(format!("--out {name}: the kind of picture is not known; end the name in .png or .svg"))
+        })?;
+        let scene = Scene::read(&args.scene)?;
+        let name = args.scene.display();
+        let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));
+        if !scene.is_conservative() {
+            return Err(wrong(
+                "stripes are collisions of modes without loss: give a scene without force and with elastic impacts",
+            ));
+        }
+        let axes = scene.plane().filter(|[x, y]| x.parameter == Parameter::Omega && y.parameter == Parameter::Gamma2);
+        let Some([x, y]) = axes else {
+            return Err(wrong(
+                "lines are drawn over frequency and coupling: give a scene with x = omega and y = gamma2",
+            ));
+        };
+        let (Some(omega), Some(gamma2)) = (steps(x), steps(y)) else {
+            return Err(wrong("lines are drawn over equally spaced cells: give both axes by from, to and points"));
+        };
+        if !scene.task.stability {
+            return Err(wrong("the map must tell stable from unstable cells: set stability = true in [compute]"));
+        }
+        Ok(Self { scene, omega, gamma2, format })
+    }
+
+    /// Number of a cell.
+    pub(super) fn cell(&self, row: usize, column: usize) -> usize {
+        row * self.omega.points + column
+    }
+}
+
+fn steps(axis: &Axis) -> Option<Steps> {
+    match axis.values {
+        Values::Linear { from, to, points } => {
+            Some(Steps { first: from, step: (to - from) / (points - 1) as f64, points })
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,303 @@
+//! `mapgen stripes`, the modes that `mapgen orbit` tells of, and the columns of collisions on a map.
+#![cfg(feature = "plot")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use predicates::prelude::PredicateBooleanExt;
+use predicates::str::contains;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const SCENE: &str = r#"
+[model]
+sites = 6
+gamma1 = 0.2
+asymmetry = 0.4
+[sweep]
+x = { parameter = "omega", from = 1.1, to = 2.3, points = 150 }
+y = { parameter = "gamma2", from = 0.1, to = 0.3, points = 40 }
+[compute]
+families = ["double-sided", "single-sided"]
+stability = true
+"#;
+
+fn mapgen(arguments: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("mapgen").unwrap();
+    command.args(arguments);
+    command
+}
+
+struct Desk(TempDir);
+
+impl Desk {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn scene(&self, text: &str) -> PathBuf {
+        let path = self.path("scene.toml");
+        fs::write(&path, text).unwrap();
+        path
+    }
+
+    fn stripes(&self, scene: &Path, out: &str, flags: &[&str]) -> assert_cmd::assert::Assert {
+        mapgen(&["stripes"]).arg(scene).arg("--out").arg(self.path(out)).args(flags).assert()
+    }
+
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// Rows of a table, by column.
+fn table(path: &Path) -> Vec<BTreeMap<String, String>> {
+    csv::Reader::from_path(path).unwrap().deserialize().map(Result::unwrap).collect()
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+}
+
+/// The numbers of a printed row: cells, four shares, cuts, share of cuts.
+fn printed(text: &str, family: &str, row: &str) -> Vec<f64> {
+    let lines = text.lines().skip_while(|line| !line.starts_with(family)).skip(1);
+    let line = lines.take_while(|line| !line.is_empty()).find(|line| line.trim_start().starts_with(row));
+    let words = line.unwrap_or_else(|| panic!("no {row} in\n{text}")).split_whitespace();
+    words.filter_map(|word| word.parse().ok()).collect()
+}
+
+fn output(assert: assert_cmd::assert::Assert) -> String {
+    String::from_utf8(assert.success().get_output().stdout.clone()).unwrap()
+}
+
+#[test]
+fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
+    let desk = Desk::new();
+    let scene = desk.scene(SCENE);
+    let csv = desk.path("lines.csv");
+    let text = output(desk.stripes(&scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
+    assert_eq!(desk.files(), ["lines.csv", "scene.toml", "stripes.svg"]);
+    assert!(text.starts_with("N = 5: share of cells within one cell of a line"));
+    for mechanism in ["neimark-sacker", "period-doubling"] {
+        let row = printed(&text, "double-sided", mechanism);
+        assert_eq!(row.len(), 7);
+        assert!(row[0] > 50.0 && row[1] > 90.0 && row[2] == 0.0 && row[3] < 60.0 && row[6] > 95.0, "{text}");
+    }
+    assert!(printed(&text, "double-sided", "stable")[1] < 20.0, "{text}");
+
+    let lines = table(&csv);
+    assert!(lines.len() > 150);
+    for row in &lines {
+        assert_eq!((row["sum"].as_str(), row["signature_product"].as_str()), ("true", "-1"));
+        let (k, l, j) = (number(row, "mode1"), number(row, "mode2"), number(row, "harmonic"));
+        assert!(k <= l && l <= 2.0 && j >= 1.0 && (k < l || j % 2.0 == 1.0));
+        // Between the sums of the bare modes below and above: γ₁ = 0.2 and 4γ₂ sin²(πk/6).
+        let bare = |k: f64| (0.2 + 4.0 * number(row, "gamma2") * (std::f64::consts::PI * k / 6.0).sin().powi(2)).sqrt();
+        let sum = j * number(row, "omega");
+        assert!(bare(k) + bare(l) < sum && sum < bare(k + 1.0) + bare(l + 1.0), "{row:?}");
+    }
+    let pairs: std::collections::BTreeSet<_> =
+        lines.iter().map(|row| (row["mode1"].as_str(), row["mode2"].as_str())).collect();
+    assert!([("0", "1"), ("0", "2"), ("1", "1"), ("1", "2"), ("2", "2")].iter().all(|pair| pairs.contains(pair)));
+    let svg = fs::read_to_string(desk.path("stripes.svg")).unwrap();
+    assert!(svg.contains("1,2,1") && svg.contains("two modes meet"));
+}
+
+#[test]
+fn a_finished_table_gives_the_same_as_computing_the_map() {
+    let desk = Desk::new();
+    let scene = desk.scene(&SCENE.replace("points = 150", "points = 50"));
+    let map = desk.path("map.csv");
+    mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
+    let computed = output(desk.stripes(&scene, "a.png", &[]));
+    let read = output(desk.stripes(&scene, "b.png", &["--map", map.to_str().unwrap()]));
+    assert_eq!(computed, read);
+    assert_eq!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
+}
+
+#[test]
+fn a_symmetric_gap_has_no_stripes_of_double_sided_breathers_at_odd_harmonics() {
+    let desk = Desk::new();
+    let scene = desk.scene(&SCENE.replace("asymmetry = 0.4", "asymmetry = 0.0"));
+    let csv = desk.path("lines.csv");
+    let text = output(desk.stripes(&scene, "stripes.png", &["--csv", csv.to_str().unwrap()]));
+    // ω is above the band: only j = 1 could be met.
+    assert!(table(&csv).is_empty(), "{text}");
+    assert!(!text.contains("neimark-sacker") && !text.contains("period-doubling"), "{text}");
+}
+
+#[test]
+fn wrong_requests() {
+    let desk = Desk::new();
+    let swap = SCENE.replace("\"omega\"", "\"ω\"").replace("\"gamma2\"", "\"omega\"").replace("\"ω\"", "\"gamma2\"");
+    let list = r#"values = [0.1, 0.2]"#;
+    for (scene, message) in [
+        (
+            SCENE.replace("sites = 6", "sites = 6\nforcing = { amplitude = 0.1, restitution = 0.9 }"),
+            "give a scene without force and with elastic impacts",
+        ),
+        (swap, "give a scene with x = omega and y = gamma2"),
+        (
+            SCENE.replace(r#""gamma2", from = 0.1"#, r#""gamma1", from = 0.1"#).replace("gamma1 = 0.2", "gamma2 = 0.2"),
+            "give a scene with x = omega and y = gamma2",
+        ),
+        (SCENE.replace("from = 0.1, to = 0.3, points = 40", list), "give both axes by from, to and points"),
+        (SCENE.replace("stability = true", ""), "set stability = true in [compute]"),
+        (SCENE.replace("sites = 6", "sites = 0"), "sites = 0 is out of range"),
+    ] {
+        let scene = desk.scene(&scene);
+        desk.stripes(&scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
+        assert_eq!(desk.files(), ["scene.toml"], "{message}");
+    }
+    let scene = desk.scene(SCENE);
+    desk.stripes(&scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png or .svg"));
+    desk.stripes(&desk.path("missing.toml"), "x.png", &[]).code(2).stderr(contains("cannot read scene"));
+    mapgen(&["stripes"]).arg(&scene).assert().code(2).stderr(contains("--out"));
+    desk.stripes(&scene, "scene.toml.png", &["--csv", desk.path("scene.toml.png").to_str().unwrap()])
+        .code(2)
+        .stderr(contains("are the same file"));
+    assert_eq!(desk.files(), ["scene.toml"]);
+}
+
+#[test]
+fn tables_of_another_scene_are_refused() {
+    let desk = Desk::new();
+    let small = SCENE.replace("points = 150", "points = 5").replace("points = 40", "points = 4");
+    let scene = desk.scene(&small);
+    let map = desk.path("map.csv");
+    mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
+    let good = fs::read_to_string(&map).unwrap();
+    let flags = ["--map", map.to_str().unwrap()];
+    let cut: String = good.lines().take(10).map(|line| format!("{line}\n")).collect();
+    let more = format!("{good}{}\n", good.lines().last().unwrap());
+    for (text, message) in [
+        (good.replace("mechanism", "cause"), "its columns are not those of this scene, gamma2,omega,class,"),
+        (good.replacen("0.1,1.1,", "0.1,1.2,", 1), "line 2 has omega = 1.2 where this scene has 1.1"),
+        (good.replacen("stable-double", "steady-double", 1), "has class `steady-double`"),
+        (cut, "it has 9 of the 20 cells of this scene"),
+        (more, "it has more than the 20 cells of this scene"),
+        (String::new(), "its columns are not those"),
+        (good.replacen(",,", ",", 1), "it cannot be read as a table"),
+    ] {
+        assert_ne!(text, good);
+        fs::write(&map, text).unwrap();
+        desk.stripes(&scene, "x.png", &flags).code(2).stdout("").stderr(contains("--map").and(contains(message)));
+        assert_eq!(desk.files(), ["map.csv", "map.manifest.json", "scene.toml"], "{message}");
+    }
+    desk.stripes(&scene, "x.png", &["--map", "no.csv"]).code(2).stderr(contains("cannot be read as a table"));
+}
+
+const POINT: &str = "--sites 6 --gamma1 .2 --gamma2 .15 --asymmetry .4 --omega";
+
+fn orbit(family: &str, omega: &str, flags: &str) -> assert_cmd::assert::Assert {
+    let line = format!("orbit --family {family} {POINT} {omega} {flags}");
+    mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success()
+}
+
+fn solution(family: &str, omega: &str) -> Value {
+    let assert = orbit(family, omega, "--json");
+    let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    value["solutions"][0].clone()
+}
+
+#[test]
+fn an_orbit_tells_its_modes_and_which_have_collided() {
+    let value = solution("double-sided", "1.6");
+    let modes = value["modes"].as_array().unwrap();
+    assert_eq!(modes.len(), 4);
+    let mut sum = 0.0;
+    for (k, mode) in modes.iter().enumerate() {
+        let bare = |k: usize| (0.2 + 0.6 * (std::f64::consts::PI * k as f64 / 6.0).sin().powi(2)).sqrt();
+        assert_eq!(mode["mode"], k);
+        assert!((mode["frequency"].as_f64().unwrap() - bare(k)).abs() < 1e-14);
+        // Below ω/2 = 0.8 the form is positive, above it negative.
+        assert_eq!(mode["signature"], if bare(k) < 0.8 { 1 } else { -1 });
+        match mode["dressed"].as_f64() {
+            Some(dressed) => assert!(bare(k) < dressed && dressed < bare(k + 1)),
+            None => assert_eq!(k, 3),
+        }
+        sum += mode["residue"].as_f64().unwrap();
+    }
+    assert!((sum - 1.0).abs() < 1e-12);
+    assert_eq!(value["stability"]["mechanism"], "neimark-sacker");
+    let collision = &value["collision"];
+    assert_eq!((&collision["modes"], &collision["harmonic"]), (&serde_json::json!([1, 2]), &1.into()));
+    let dressed = |k: usize| modes[k]["dressed"].as_f64().unwrap();
+    assert!((collision["detuning"].as_f64().unwrap() - (dressed(1) + dressed(2) - 1.6)).abs() < 1e-12);
+    let told = "signatures of modes: 0–1 +, 2–3 −; collided: modes 1 and 2, their frequencies sum to ω = 1.6 ";
+    orbit("double-sided", "1.6", "").stdout(contains(told));
+
+    let value = solution("double-sided", "1.46");
+    assert_eq!(value["stability"]["mechanism"], "period-doubling");
+    assert_eq!(value["collision"]["modes"], serde_json::json!([1, 1]));
+    orbit("double-sided", "1.46", "").stdout(contains("collided: mode 1 with itself"));
+}
+
+#[test]
+fn modes_in_doubt_and_orbits_without_modes() {
+    // 2Ω₀ = ω to the last digit: Ω₀ = 0.5.
+    let line = "orbit --json --family double-sided --sites 6 --gamma1 .25 --gamma2 .15 --asymmetry .4 --omega 1";
+    let assert = mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success();
+    let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert_eq!(value["solutions"][0]["modes"][0]["signature"], Value::Null);
+    // Stable: nothing has collided.
+    let value = solution("double-sided", "2.5");
+    assert!(value["modes"].is_array() && value["collision"].is_null() && value["stability"]["stable"] == true);
+    // Above twice the band all signatures are alike.
+    assert!(value["modes"].as_array().unwrap().iter().all(|mode| mode["signature"] == 1));
+    // Losses: none of this is defined.
+    let forced = orbit("double-sided", "1.6", "--json --amplitude .1 --restitution .9");
+    let value: Value = serde_json::from_slice(&forced.get_output().stdout).unwrap();
+    let solutions = value["solutions"].as_array().unwrap();
+    assert!(!solutions.is_empty() && solutions.iter().all(|s| s["modes"].is_null() && s["collision"].is_null()));
+}
+
+#[test]
+fn a_map_names_the_modes_that_have_collided() {
+    let desk = Desk::new();
+    let scene = desk.scene(&SCENE.replace("stability = true", "stability = true\ncollisions = true"));
+    let map = desk.path("map.csv");
+    mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
+    let header = fs::read_to_string(&map).unwrap().lines().next().unwrap().to_owned();
+    assert!(header.ends_with(",solutions,status,mode1,mode2,harmonic"), "{header}");
+    let mut named = 0;
+    for row in table(&map) {
+        match row["mechanism"].as_str() {
+            "" | "pitchfork" => {
+                assert!(row["mode1"].is_empty() && row["mode2"].is_empty() && row["harmonic"].is_empty())
+            }
+            mechanism if !row["mode1"].is_empty() => {
+                assert_eq!(row["mode1"] == row["mode2"], mechanism == "period-doubling", "{row:?}");
+                named += 1;
+            }
+            _ => {}
+        }
+    }
+    assert!(named > 300, "{named}");
+    let manifest: Value = serde_json::from_slice(&fs::read(desk.path("map.manifest.json")).unwrap()).unwrap();
+    assert_eq!(manifest["compute"]["collisions"], true);
+
+    let wrong = |from: &str, to: &str, message: &str| {
+        let scene = desk.scene(&SCENE.replacen(from, to, 1));
+        let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(desk.path("no.csv")).assert();
+        assert.code(2).stderr(contains(message).and(contains("scene.toml:")));
+    };
+    wrong("stability = true", "collisions = true", "collisions need stability = true");
+    wrong("stability = true", "stability = true\ncollisions = 1", "expected a boolean");
+    let forced = "[compute]\ncollisions = true";
+    let text = SCENE.replace("sites = 6", "sites = 6\nforcing = { amplitude = 0.1, restitution = 0.9 }");
+    let scene = desk.scene(&text.replace("[compute]", forced));
+    let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(desk.path("no.csv")).assert();
+    assert.code(2).stderr(contains("collisions are told of conservative orbits only"));
+}

@@ -1,0 +1,29 @@
+//! Stripes of instability in conservative maps: which two modes of the ring collide, and on which harmonic.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `signature` | [`signature()`]: on which multiplier of a mode the energy is positive |
+//! | `dressed` | [`DressedModes`]: the frequencies of the modes with the breather on the ring |
+//! | `collision` | [`Collision`]: the pair behind an unstable multiplier |
+//!
+//! A mode that swings freely over a period turns by e^{iΩT} and, its mirror image, by e^{−iΩT}. Krein's form
+//!
+//! ```text
+//! ½ i (ẋ̄·x − x̄·ẋ) ,    which the flow and elastic impacts keep,
+//! ```
+//!
+//! is positive on the first and negative on the second. A multiplier leaves the unit circle only by meeting one of the
+//! other sign: e^{iΩ_kT} = e^{−iΩ_lT}, Ω_k + Ω_l = jω. Where Ω_k − Ω_l = jω, multipliers of equal sign meet, and pass.
+//! k = l is a mode against itself, at −1 for odd j (period doubling); for even j it is a resonance of the orbit itself.
+//!
+//! Of the m modes even about the site that is hit m−1 are left to collide, the breather takes the place of one: each of
+//! them swings between two neighbouring frequencies of the bare ring, Ω_k < Ω̃_k < Ω_{k+1}, and the stripes are where
+//! Ω̃_k + Ω̃_l = jω. On long rings that is hardly apart from Ω_k + Ω_l = jω; on short ones it is the whole picture.
+
+mod collision;
+mod dressed;
+mod signature;
+
+pub use collision::Collision;
+pub use dressed::DressedModes;
+pub use signature::{Signature, signature};

@@ -1,0 +1,382 @@
+//! Which modes collide: Krein's form on the eigenvectors of the dense monodromy matrix, which knows nothing of secular
+//! functions, against what the frequencies of the modes say.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::f64::consts::{PI, TAU};
+
+use faer::MatRef;
+use vibrochain_breather::{Family, Finder, Found, Orbit};
+use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, even_monodromy, signature};
+use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
+
+const BOTH: [Family; 2] = [Family::SingleSided, Family::DoubleSided];
+
+/// splitmix64
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / u64::MAX as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+}
+
+/// An eigenvalue of the even monodromy matrix and Krein's form ½i(ẋ̄·x − x̄·ẋ) on its eigenvector.
+type Krein = (Complex<f64>, f64);
+
+/// All of them.
+fn dense(orbit: &Orbit) -> Vec<Krein> {
+    let matrix = even_monodromy(orbit).unwrap();
+    let size = matrix.size();
+    let half = size / 2;
+    let spectrum = Spectrum::new(*orbit.model().chain());
+    let eigen = MatRef::from_row_major_slice(matrix.entries(), size, size).eigen().unwrap();
+    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+    (0..size)
+        .map(|i| {
+            let entry = |row: usize| Complex::new(vectors[(row, i)].re, vectors[(row, i)].im);
+            let form = |k: usize| {
+                // The first half are displacements times max(Ω, ω).
+                let x = entry(k) / spectrum.frequencies()[k].max(orbit.frequency());
+                (x.conj() * entry(k + half)).im
+            };
+            (Complex::new(values[i].re, values[i].im), (0..half).map(form).sum())
+        })
+        .collect()
+}
+
+/// |μ| − 1 of the largest, the trivial pair's rounding aside.
+fn growth(values: &[Krein]) -> f64 {
+    values.iter().map(|(z, _)| z.norm() - 1.0).fold(0.0, f64::max)
+}
+
+struct Bench {
+    finder: Finder,
+    found: Found,
+    modes: DressedModes,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self { finder: Finder::new(21), found: Found::default(), modes: DressedModes::default() }
+    }
+
+    /// The symmetric orbit of that family, and its modes.
+    fn orbit(&mut self, family: Family, sites: usize, g2: f64, omega: f64, a: f64) -> Option<Orbit> {
+        let model = Model::conservative(Chain::new(sites, 0.2, g2).unwrap(), omega, a).unwrap();
+        self.finder.find_symmetric(&model, family, &mut self.found).ok()?;
+        let orbit = self.found.orbits.pop()?;
+        self.modes.set(&orbit, self.finder.response()).unwrap();
+        Some(orbit)
+    }
+
+    fn response(&self) -> &ImpulseResponse {
+        self.finder.response()
+    }
+
+    fn physical(&mut self, orbit: &Orbit) -> bool {
+        self.finder.admissibility(orbit).unwrap().is_physical()
+    }
+}
+
+/// Distance of two phases on the circle.
+fn apart(a: f64, b: f64) -> f64 {
+    let d = (a - b).rem_euclid(TAU);
+    d.min(TAU - d)
+}
+
+#[test]
+fn free_modes_turn_forward_with_positive_form() {
+    // Flight without impacts: the matrix is block diagonal, its eigenvectors are (1, ±iΩ).
+    let mut random = Random(1);
+    for _ in 0..200 {
+        let (g2, omega) = (random.between(0.01, 0.5), random.between(0.2, 3.0));
+        let spectrum = Spectrum::new(Chain::new(12, 0.2, g2).unwrap());
+        let Ok(response) = ImpulseResponse::new(&spectrum, omega) else { continue };
+        for (k, frequency) in spectrum.frequencies().iter().enumerate() {
+            let multiplier = Complex::from_polar(1.0, frequency * TAU / omega);
+            let (x, velocity) = (Complex::new(1.0, 0.0), Complex::new(0.0, *frequency));
+            let form = (x.conj() * velocity).im;
+            let upper = if multiplier.im > 0.0 { form } else { -form };
+            let expected = if upper > 0.0 { Signature::Positive } else { Signature::Negative };
+            if multiplier.im.abs() > 1e-9 {
+                assert_eq!(signature(&response, k), Some(expected));
+            }
+        }
+    }
+    let spectrum = Spectrum::new(Chain::new(4, 0.25, 0.0).unwrap());
+    // 2Ω = ω: −1 is its own mirror image.
+    assert_eq!(signature(&ImpulseResponse::new(&spectrum, 1.0).unwrap(), 0), None);
+}
+
+#[test]
+fn above_twice_the_band_the_dressed_modes_are_the_multipliers() {
+    let (mut random, mut bench, mut checked) = (Random(2), Bench::new(), 0);
+    for i in 0..400 {
+        let sites = 2 + (random.unit() * 20.0) as usize;
+        let g2 = random.between(0.01, 0.5);
+        let top = (0.2 + 4.0 * g2).sqrt();
+        let (omega, a) = (top * random.between(2.05, 6.0), random.between(0.0, 0.9));
+        let orbit = bench.orbit(BOTH[i % 2], sites, g2, omega, a).unwrap();
+        let values = dense(&orbit);
+        for dressed in bench.modes.frequencies().collect::<Vec<_>>() {
+            // (Single-sided breathers are no breathers up there, and may have the mode that leaves elsewhere.)
+            let Some(dressed) = dressed else {
+                assert_eq!(BOTH[i % 2], Family::SingleSided);
+                continue;
+            };
+            let (nearest, form) = values
+                .iter()
+                .min_by(|a, b| {
+                    let to = |z: Complex<f64>| (z - Complex::from_polar(1.0, dressed * TAU / omega)).norm();
+                    to(a.0).total_cmp(&to(b.0))
+                })
+                .unwrap();
+            let error = (nearest - Complex::from_polar(1.0, dressed * TAU / omega)).norm();
+            // The dense solver splits the trivial pair, and what comes near it, by 1e-7.
+            let allowed = if nearest.re > 0.999 { 1e-6 } else { 1e-10 };
+            assert!(error < allowed, "{error:e} {orbit:?}");
+            assert!(*form > 0.0, "{form} {dressed} {orbit:?}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 1800, "{checked}");
+}
+
+/// In a stable orbit the multipliers with positive form are e^{iΩ̃T}, one for each pair of neighbours Ω_k < Ω̃ < Ω_{k+1}; those
+/// with negative form are their mirror images.
+#[test]
+fn every_dressed_mode_of_a_stable_orbit_has_its_multiplier_with_its_signature() {
+    let (mut random, mut bench) = (Random(3), Bench::new());
+    let (mut folded, mut close, mut wrong) = (0, 0, 0);
+    for i in 0..3000 {
+        let sites = 3 + (random.unit() * 20.0) as usize;
+        let (g2, omega, a) = (random.between(0.02, 0.3), random.between(0.7, 2.0), random.between(0.0, 0.8));
+        let Some(orbit) = bench.orbit(BOTH[i % 2], sites, g2, omega, a) else { continue };
+        let top = (0.2 + 4.0 * g2).sqrt();
+        if omega < top || omega > 2.0 * top || !bench.physical(&orbit) {
+            continue;
+        }
+        let values = dense(&orbit);
+        if growth(&values) > 1e-5 {
+            continue;
+        }
+        for dressed in bench.modes.frequencies().flatten().collect::<Vec<_>>() {
+            let phase = dressed * TAU / omega;
+            // The nearest one with positive form, the trivial pair aside.
+            let distance = values
+                .iter()
+                .filter(|(z, form)| *form > 0.0 && (z - 1.0).norm() > 1e-5)
+                .map(|(z, _)| apart(z.arg(), phase))
+                .fold(PI, f64::min);
+            folded += 1;
+            close += usize::from(distance < 0.005 * TAU);
+            // With negative form the mirror images are as near, and it is no more than chance that one is at the phase itself.
+            let other = values
+                .iter()
+                .filter(|(z, form)| *form < 0.0 && (z - 1.0).norm() > 1e-5)
+                .map(|(z, _)| apart(z.arg(), phase))
+                .fold(PI, f64::min);
+            wrong += usize::from(other < distance);
+        }
+    }
+    assert!(folded > 3000, "{folded}");
+    assert!(close as f64 > 0.97 * folded as f64, "{close} of {folded}");
+    assert!((wrong as f64) < 0.05 * folded as f64, "{wrong} of {folded}");
+}
+
+/// The signs of the residues are not the signatures: counted on the orbits of a map.
+#[test]
+fn residues_change_sign_where_signatures_do_not() {
+    let (mut random, mut bench, mut secular) = (Random(4), Bench::new(), Secular::default());
+    let (mut equal, mut all) = (0_u32, 0_u32);
+    for i in 0..2000 {
+        let sites = 5 + (random.unit() * 35.0) as usize;
+        let (g2, omega, a) = (random.between(0.01, 1.0), random.between(0.3, 3.0), random.between(0.0, 0.9));
+        let Some(orbit) = bench.orbit(BOTH[i % 2], sites, g2, omega, a) else { continue };
+        if secular.set(&orbit, bench.response()).is_err() {
+            continue;
+        }
+        let form = secular.residues();
+        for (place, residue) in form.residues().iter().enumerate() {
+            let Some(signature) = signature(bench.response(), form.mode(place).unwrap()) else { continue };
+            all += 1;
+            equal += u32::from((*residue > 0.0) == (signature == Signature::Positive));
+        }
+    }
+    let share = f64::from(equal) / f64::from(all);
+    assert!(all > 10_000 && (0.6..0.9).contains(&share), "{share} of {all}");
+}
+
+/// The two multipliers in the upper half plane that are closest to each other, the trivial pair aside.
+fn closest(values: &[Krein]) -> (Krein, Krein) {
+    let upper: Vec<Krein> = values.iter().copied().filter(|(z, _)| z.im > 1e-9 && (z - 1.0).norm() > 1e-4).collect();
+    let mut best = (f64::INFINITY, (upper[0], upper[0]));
+    for (i, a) in upper.iter().enumerate() {
+        for b in &upper[..i] {
+            let distance = (a.0 - b.0).norm();
+            if distance < best.0 {
+                best = (distance, (*a, *b));
+            }
+        }
+    }
+    best.1
+}
+
+/// Edges of stripes along ω: on the stable side the pair about to collide has opposite forms, and sums to a harmonic.
+#[test]
+fn at_the_edge_of_a_stripe_a_sum_of_two_dressed_modes_of_opposite_signature_is_a_harmonic() {
+    let mut bench = Bench::new();
+    for (family, sites, from, to) in [
+        (Family::DoubleSided, 6, 1.2, 1.9),
+        (Family::DoubleSided, 11, 1.0, 1.9),
+        (Family::DoubleSided, 16, 1.2, 1.9),
+        (Family::SingleSided, 11, 0.9, 1.5),
+        (Family::SingleSided, 15, 0.9, 1.5),
+    ] {
+        let (mut edges, mut sums) = (0, 0);
+        let mut at = |omega: f64| {
+            let orbit = bench.orbit(family, sites, 0.12, omega, 0.4)?;
+            let values = dense(&orbit);
+            let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
+            Some((growth(&values) > 1e-4, leading, values))
+        };
+        let mut named = Vec::new();
+        let steps = 700;
+        for i in 0..steps {
+            let value = |i: usize| from + (to - from) * i as f64 / steps as f64;
+            let (mut stable, mut unstable) = (value(i), value(i + 1));
+            let (Some(a), Some(b)) = (at(stable), at(unstable)) else { continue };
+            if a.0 == b.0 {
+                continue;
+            }
+            if a.0 {
+                (stable, unstable) = (unstable, stable);
+            }
+            for _ in 0..20 {
+                let middle = 0.5 * (stable + unstable);
+                let Some((is, _, _)) = at(middle) else { break };
+                *(if is { &mut unstable } else { &mut stable }) = middle;
+            }
+            let (_, leading, _) = at(unstable).unwrap();
+            if leading.im.abs() < 1e-3 {
+                continue;
+            }
+            // A little farther back the forms are beyond rounding.
+            let (_, _, values) = at(stable + (stable - unstable).signum() * 1e-5).unwrap();
+            let ((p, form_p), (q, form_q)) = closest(&values);
+            if (p - leading).norm() > 0.05 && (p.conj() - leading).norm() > 0.05 {
+                continue;
+            }
+            assert!(form_p * form_q < 0.0, "{family:?} {sites} {stable}: {p} {form_p}, {q} {form_q}");
+            edges += 1;
+            named.push((stable, leading));
+        }
+        for (omega, leading) in named {
+            bench.orbit(family, sites, 0.12, omega, 0.4).unwrap();
+            let Some(collision) = bench.modes.collision(leading) else { continue };
+            let (k, l) = collision.modes;
+            assert!(k < l && collision.harmonic >= 1);
+            sums += usize::from(collision.detuning.is_some_and(|d| d.abs() < 0.03 * omega));
+            // Differences are within the band, which is narrower than ω: no harmonic is near.
+            let frequencies = bench.response().frequencies();
+            assert!(frequencies[frequencies.len() - 1] - frequencies[0] < 0.8 * omega);
+        }
+        assert!(edges >= 4 && sums == edges, "{family:?} {sites}: {sums} of {edges}");
+    }
+}
+
+/// Growth of the most unstable multiplier with that phase, dense.
+fn most_unstable(bench: &mut Bench, sites: usize, g2: f64, omega: f64, a: f64) -> f64 {
+    bench.orbit(Family::DoubleSided, sites, g2, omega, a).map_or(0.0, |orbit| growth(&dense(&orbit)))
+}
+
+/// ω at which a sum of two dressed modes of the double-sided orbit is jω.
+fn meeting(bench: &mut Bench, sites: usize, g2: f64, a: f64, (k, l, j): (usize, usize, f64), range: (f64, f64)) -> f64 {
+    let (mut low, mut high) = range;
+    for _ in 0..60 {
+        let omega = 0.5 * (low + high);
+        bench.orbit(Family::DoubleSided, sites, g2, omega, a).unwrap();
+        // Next to the band a mode may be missing.
+        let sum = bench.modes.frequency(k).zip(bench.modes.frequency(l)).map_or(f64::INFINITY, |(a, b)| a + b);
+        *(if sum > j * omega { &mut low } else { &mut high }) = omega;
+    }
+    0.5 * (low + high)
+}
+
+#[test]
+fn half_period_symmetry_spares_odd_harmonics() {
+    let mut bench = Bench::new();
+    let (sites, g2) = (6, 0.15);
+    for (k, l) in [(0, 1), (0, 2), (1, 2), (1, 1), (2, 2)] {
+        let centre = |bench: &mut Bench, a: f64| meeting(bench, sites, g2, a, (k, l, 1.0), (1.15, 2.2));
+        for (a, stripe) in [(0.0, false), (0.4, true)] {
+            let omega = centre(&mut bench, a);
+            let largest = (-200..=200)
+                .map(|i| most_unstable(&mut bench, sites, g2, omega + 1e-4 * f64::from(i), a))
+                .fold(0.0, f64::max);
+            assert_eq!(largest > 1e-4, stripe, "{k} {l} a = {a}: {largest:e} about {omega}");
+        }
+    }
+}
+
+#[test]
+fn an_even_harmonic_makes_stripes_with_half_period_symmetry_too() {
+    let mut bench = Bench::new();
+    let mut stripes = 0;
+    // Ω̃_k + Ω̃_l = 2ω, within the band.
+    for i in 0..800 {
+        let omega = 0.6 + 0.0004 * f64::from(i);
+        let Some(orbit) = bench.orbit(Family::DoubleSided, 6, 0.15, omega, 0.0) else { continue };
+        let values = dense(&orbit);
+        let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
+        if growth(&values) > 1e-3
+            && leading.im.abs() > 1e-6
+            && let Some(collision) = bench.modes.collision(leading)
+        {
+            assert_eq!(collision.harmonic % 2, 0);
+            stripes += 1;
+        }
+    }
+    assert!(stripes > 0);
+}
+
+#[test]
+fn a_mode_against_itself_doubles_the_period_at_odd_harmonics() {
+    let mut bench = Bench::new();
+    for k in [1, 2] {
+        let omega = meeting(&mut bench, 6, 0.15, 0.4, (k, k, 1.0), (1.3, 2.2));
+        let mut doubled = 0;
+        for i in -300..=300 {
+            let orbit = bench.orbit(Family::DoubleSided, 6, 0.15, omega + 5e-5 * f64::from(i), 0.4).unwrap();
+            let values = dense(&orbit);
+            let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
+            if growth(&values) > 1e-4 {
+                assert!(leading.im == 0.0 && leading.re < -1.0, "{leading}");
+                let collision = bench.modes.collision(leading).unwrap();
+                assert_eq!((collision.modes, collision.harmonic), ((k, k), 1));
+                doubled += 1;
+            }
+        }
+        assert!(doubled > 0, "{k} at {omega}");
+    }
+    // Through +1 no mode need have been met.
+    assert_eq!(bench.modes.collision(Complex::new(1.5, 0.0)), None);
+}
+
+#[test]
+fn orbits_without_mirror_symmetry_have_no_dressed_modes() {
+    let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let mut bench = Bench::new();
+    bench.finder.find(&model, Family::DoubleSided, &mut bench.found).unwrap();
+    let orbit = bench.found.orbits.pop().unwrap();
+    bench.modes.set(&orbit, bench.finder.response()).unwrap();
+    assert!(bench.modes.count() == 0 && bench.modes.collision(Complex::new(0.3, 1.1)).is_none());
+}
