@@ -6,16 +6,17 @@ use std::ops::Range;
 use super::cauchy::{Nodal, Tree, derivative};
 use super::evaluate::{Far, Local};
 use super::lanes::{Lane, fill};
-use super::residues::Residues;
+use super::residues::{FAR_ROOT, Residues};
 
 /// The gaps of one leaf of the tree over the poles, each gap named by the place of its left pole.
 #[derive(Debug, Clone)]
 pub(crate) struct Leaf {
     gaps: Range<usize>,
-    places: Vec<usize>,
     residues: Vec<Lane>,
     errors: Vec<Lane>,
     shifts: Vec<Lane>,
+    cos: Vec<Lane>,
+    sin: Vec<Lane>,
     middle: f64,
     /// The field of far poles and its derivatives in u = (ν − middle)·scale, and the error of the field.
     pub(crate) scale: f64,
@@ -49,14 +50,17 @@ impl Residues {
                 residues: Vec::new(),
                 errors: Vec::new(),
                 shifts: Vec::new(),
-                places,
+                cos: Vec::new(),
+                sin: Vec::new(),
             };
-            for (own, all) in [
-                (&mut leaf.residues, &self.residues),
-                (&mut leaf.errors, &self.errors),
-                (&mut leaf.shifts, &self.shifts),
+            for (own, all, pad) in [
+                (&mut leaf.residues, &self.residues, 0.0),
+                (&mut leaf.errors, &self.errors, 0.0),
+                (&mut leaf.shifts, &self.shifts, 0.0),
+                (&mut leaf.cos, &self.cos, FAR_ROOT),
+                (&mut leaf.sin, &self.sin, FAR_ROOT),
             ] {
-                fill(own, leaf.places.iter().map(|&place| all.as_flattened()[place]), 0.0);
+                fill(own, places.iter().map(|&place| all.as_flattened()[place]), pad);
             }
             self.leaves.push(leaf);
         }
@@ -69,7 +73,7 @@ impl Residues {
             self.distances(place, distances);
             return self.about(distances);
         };
-        fill(distances, leaf.places.iter().map(|&other| self.distance(place, other)), 1e100);
+        self.table[place].distances(&leaf.cos, &leaf.sin, distances);
         let origin = (self.poles()[place] - leaf.middle) * leaf.scale;
         let far = Some(Far { leaf, origin });
         Local { residues: &leaf.residues, errors: &leaf.errors, shifts: &leaf.shifts, distances, far }
