@@ -11,7 +11,7 @@
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these two |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
-//! | `large`, `cauchy`, `window` | the same for large rings in O(M) |
+//! | `large`, `cauchy`, `window`, `missing` | the same for large rings in O(M) |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
@@ -27,6 +27,7 @@ mod gap;
 mod growth;
 mod lanes;
 mod large;
+mod missing;
 mod modes;
 mod pair;
 mod residues;

@@ -188,6 +188,10 @@ impl Secular {
         }
         suspects.clear();
         let wanted = count - 1;
+        if counted < wanted && !form.leaves.is_empty() {
+            // In a large ring a search costs little once the known roots nearby are divided out, and much without them.
+            return self.last_resort();
+        }
         if counted < wanted {
             for gap in 0..wanted {
                 let (left, right) = (signs[gap], signs[gap + 1]);

@@ -24,6 +24,8 @@ pub(crate) struct Leaf {
     pub(crate) slope: Nodal,
     pub(crate) bend: Nodal,
     pub(crate) noise: f64,
+    /// The part of it that is not due to errors of the residues.
+    pub(crate) rounding: f64,
 }
 
 impl Residues {
@@ -38,6 +40,8 @@ impl Residues {
         let total_error: f64 = self.errors().iter().sum();
         for field in Tree::new(&poles, false).fields(&poles, &charges, &Tree::new(&poles, true)) {
             let places: Vec<usize> = field.near.iter().flat_map(Clone::clone).collect();
+            // Interpolation errs by 2e-14 of the kernels, which the sum of moduli overestimates rather than under.
+            let rounding = 1e-14 * field.far[0].iter().map(|c| c.abs()).sum::<f64>();
             let mut leaf = Leaf {
                 gaps: field.targets.clone(),
                 middle: field.middle,
@@ -45,8 +49,8 @@ impl Residues {
                 value: field.far[0],
                 slope: derivative(&field.far[0]),
                 bend: derivative(&derivative(&field.far[0])),
-                // Interpolation errs by 2e-14 of the kernels, which the sum of moduli overestimates rather than under.
-                noise: 1e-14 * field.far[0].iter().map(|c| c.abs()).sum::<f64>() + field.far[1][0].abs() + total_error,
+                noise: rounding + field.far[1][0].abs() + total_error,
+                rounding,
                 residues: Vec::new(),
                 errors: Vec::new(),
                 shifts: Vec::new(),
@@ -64,6 +68,13 @@ impl Residues {
             }
             self.leaves.push(leaf);
         }
+    }
+
+    /// A gap in the middle of a leaf, the offset of the leaf's middle from its left pole, and half the leaf's width.
+    pub(crate) fn above(&self, leaf: usize) -> (usize, f64, f64) {
+        let Leaf { gaps, middle, scale, .. } = &self.leaves[leaf];
+        let gap = (gaps.start + gaps.len() / 2).min(self.count().saturating_sub(2));
+        (gap, middle - self.poles()[gap], if *scale > 0.0 { 1.0 / scale } else { 0.0 })
     }
 
     /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `distances` is scratch space.
