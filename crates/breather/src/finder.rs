@@ -236,6 +236,15 @@ impl Finder {
         Ok(is_delicate(orbit, &self.response))
     }
 
+    /// The impulse response of an orbit's chain and frequency.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn response_to(&mut self, orbit: &Orbit) -> Result<&ImpulseResponse, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        Ok(&self.response)
+    }
+
     /// The impulse response last used.
     pub fn response(&self) -> &ImpulseResponse {
         &self.response

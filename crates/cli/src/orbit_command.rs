@@ -158,8 +158,12 @@ impl Solution {
                     "spectral_radius": verdict.spectral_radius,
                     "growth": verdict.growth(),
                     "resolution": finite(verdict.resolution),
+                    "method": verdict.method.name(),
                     "multipliers": multipliers,
                 });
+                if let Some(doubt) = verdict.method.doubt() {
+                    value["stability"]["doubt"] = doubt.to_string().into();
+                }
             }
             Err(error) => value["stability_error"] = error.to_string().into(),
         }
@@ -289,6 +293,9 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
             }
             Err(error) => writeln!(out, "  stability unknown: {error}"),
         };
+        if let Some(doubt) = solution.stability.as_ref().ok().and_then(|stability| stability.verdict.method.doubt()) {
+            let _ = writeln!(out, "  by a dense matrix: {doubt}");
+        }
         let condition = &solution.condition;
         let fold = condition.fold.map_or(String::new(), |fold| format!(", to a fold {fold:.1e}"));
         let _ = writeln!(

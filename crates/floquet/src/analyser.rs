@@ -1,29 +1,27 @@
 //! From an orbit to its multipliers and verdict, along the path that fits its structure:
 //!
-//! | orbit | matrix | dimension |
-//! |---|---|---|
-//! | conservative, mirror image of itself in time | `reversible` block | ⌊M/2⌋ |
-//! | impacts at one site | even subspace | 2(⌊M/2⌋+1), less the trivial pair |
-//! | impacts at several sites | whole ring | 2M, less the trivial pair |
+//! | orbit | path |
+//! |---|---|
+//! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
+//! | other impacts at one site | [`crate::SecularMultipliers`] |
+//! | impacts at several sites, masses without coupling, and whatever the secular form doubts | dense matrix |
 //!
-//! The trivial pair μ = 1 of a conservative orbit (the perturbation along the orbit and its canonical partner) is
-//! taken out before the eigenvalues are computed, by reflecting the known right and left eigenvectors to the axes.
+//! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
-use crate::eigen::eigenvalues;
+use crate::dense::{Dense, uncoupled};
 use crate::error::FloquetError;
-use crate::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy};
-use crate::multipliers::{odd_multipliers, pair, sort_multipliers};
-use crate::reversible::Reversible;
-use crate::square::{Reflector, Square};
-use crate::verdict::{Tolerance, Verdict};
+use crate::monodromy::check_dimension;
+use crate::multipliers::{odd_multipliers, sort_multipliers};
+use crate::secular::{Doubt, ForcedSecular, Secular};
+use crate::verdict::{Method, Tolerance, Verdict};
 
 /// Multipliers and verdict of one orbit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stability {
-    /// The verdict.
+    /// The verdict; its [`Verdict::method`] is that of the multipliers, too.
     pub verdict: Verdict,
     /// The multipliers of the whole ring, by falling modulus, then by argument; the trivial pair of a conservative
     /// orbit and the modes that feel no impact included.
@@ -34,27 +32,50 @@ pub struct Stability {
 ///
 /// ```
 /// use vibrochain_breather::{Family, Finder, breathers};
-/// use vibrochain_floquet::{Analyser, Tolerance};
+/// use vibrochain_floquet::{Analyser, Method, Tolerance};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
 /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
 /// let verdict = Analyser::default().verdict(orbit, &mut Finder::new(21), Tolerance::Rounding)?;
-/// assert!(!verdict.stable && (verdict.spectral_radius - 2.797574412183362).abs() < 1e-9);
+/// assert!(!verdict.stable && (verdict.spectral_radius - 2.797574412183362).abs() < 1e-12);
+/// assert_eq!(verdict.method, Method::Secular);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Analyser {
-    reversible: Reversible,
-    coordinates: EvenCoordinates,
-    matrix: Square,
-    flow: Vec<f64>,
-    left: Vec<f64>,
-    rows: (Vec<f64>, Vec<f64>),
-    reflector: Reflector,
-    pub(crate) values: Vec<Complex<f64>>,
+    dense_only: bool,
+    pub(crate) dense: Dense,
+    pub(crate) secular: Secular,
+    pub(crate) forced: ForcedSecular,
+}
+
+/// Why the secular form has no answer.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// A dense solver may have one.
+    Doubt(Doubt),
+    /// Nor has a dense solver.
+    Floquet(FloquetError),
+}
+
+impl From<Doubt> for Failure {
+    fn from(doubt: Doubt) -> Self {
+        Self::Doubt(doubt)
+    }
+}
+
+impl<E: Into<FloquetError>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Floquet(error.into())
+    }
 }
 
 impl Analyser {
+    /// An analyser that takes the dense path whatever the orbit: the reference that the secular form is held against.
+    pub fn dense() -> Self {
+        Self { dense_only: true, ..Self::default() }
+    }
+
     /// The verdict alone: no multiplier that does not decide it is worked out, nothing is sorted.
     ///
     /// # Errors
@@ -65,7 +86,7 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Verdict, FloquetError> {
-        self.judge(orbit, finder, tolerance, false)
+        self.decide(orbit, finder, tolerance, false).map(|(verdict, _)| verdict)
     }
 
     /// The verdict, with its error, and all multipliers.
@@ -78,12 +99,7 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Stability, FloquetError> {
-        let verdict = self.judge(orbit, finder, tolerance, true)?;
-        let mut multipliers: Vec<Complex<f64>> = if orbit.is_reversible() {
-            self.values.iter().flat_map(|&nu| pair(nu)).collect()
-        } else {
-            self.values.clone()
-        };
+        let (verdict, mut multipliers) = self.decide(orbit, finder, tolerance, true)?;
         if orbit.model().is_conservative() {
             multipliers.extend([Complex::new(1.0, 0.0); 2]);
         }
@@ -98,93 +114,53 @@ impl Analyser {
         Ok(Stability { verdict, multipliers })
     }
 
-    /// The matrix whose eigenvalues `values` are.
-    pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
-        if orbit.is_reversible() { &self.reversible.block } else { &self.matrix }
+    /// Verdict and, if `thorough`, the non-trivial multipliers of the space that feels impacts.
+    fn decide(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+        thorough: bool,
+    ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+        let secular = !self.dense_only && orbit.impact_site().is_some() && !uncoupled(orbit);
+        let mut doubt = None;
+        if secular {
+            match self.by_secular_function(orbit, finder, tolerance, thorough) {
+                Ok(answer) => return Ok(answer),
+                Err(Failure::Floquet(error)) => return Err(error),
+                Err(Failure::Doubt(why)) => doubt = Some(why),
+            }
+        }
+        let verdict = self.dense.judge(orbit, finder, tolerance, thorough)?;
+        let multipliers = if thorough { self.dense.multipliers(orbit) } else { Vec::new() };
+        Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
     }
 
-    /// Fills `values` with the non-trivial multipliers of the space that feels impacts (for a reversible orbit with
-    /// their ν) and returns the norm of the matrix.
-    pub(crate) fn solve(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<f64, FloquetError> {
-        self.values.clear();
-        let chain = orbit.model().chain();
-        let alone = uncoupled(orbit);
-        if alone && orbit.model().is_conservative() {
-            // One mass, whose only pair is the trivial one.
-            return Ok(0.0);
-        }
+    fn by_secular_function(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+        thorough: bool,
+    ) -> Result<(Verdict, Vec<Complex<f64>>), Failure> {
         if orbit.is_reversible() {
-            check_dimension(chain.even_modes())?;
-            self.reversible.build(orbit, finder)?;
-            eigenvalues(&self.reversible.block, &mut self.values)?;
-            return Ok(self.reversible.block.norm());
-        }
-        if orbit.impact_site().is_some() {
-            check_dimension(2 * chain.even_modes())?;
-            finder.motion(orbit)?;
-            let response = finder.response();
-            let (frequencies, weights) = (response.frequencies(), response.weights());
-            match frequencies.first() {
-                Some(&frequency) if alone => self.coordinates.set(&[frequency], &[1.0], orbit.frequency()),
-                _ => self.coordinates.set(frequencies, weights, orbit.frequency()),
+            let verdict = self.reversible(orbit, finder, tolerance, thorough)?;
+            if !thorough {
+                return Ok((verdict, Vec::new()));
             }
-            self.coordinates.monodromy(orbit, &mut self.matrix, (&mut self.rows.0, &mut self.rows.1))?;
-        } else {
-            self.matrix = full_monodromy(orbit)?;
-        }
-        let norm = self.matrix.norm();
-        if !norm.is_finite() {
-            return Err(FloquetError::NotConverged { dimension: self.matrix.size() });
+            let multipliers = self.secular.multipliers()?;
+            // Where none leads, one that is there.
+            let leading = multipliers.first().filter(|_| verdict.growth() == 0.0).copied();
+            return Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers));
         }
         if orbit.model().is_conservative() {
-            self.deflate(orbit, finder)?;
+            return Err(Doubt::NotReversible.into());
         }
-        eigenvalues(&self.matrix, &mut self.values)?;
-        Ok(norm)
+        // Its sums are pairs of modes.
+        check_dimension(2 * orbit.model().chain().even_modes())?;
+        let verdict = self.not_reversible(orbit, finder, tolerance, thorough)?;
+        Ok((verdict, if thorough { self.forced.symmetric_multipliers() } else { Vec::new() }))
     }
-
-    /// Removes the trivial pair: M f = f with the flow f, and ωᵀ(f, ·)M = ωᵀ(f, ·) because M keeps the canonical form ω.
-    fn deflate(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<(), FloquetError> {
-        let half = self.matrix.size() / 2;
-        self.left.clear();
-        if orbit.impact_site().is_some() {
-            flow_before_first_impact(orbit, finder, &self.coordinates, &mut self.flow)?;
-            // ω(f, z) = Σ (f_X z_Y − f_Y z_X)/Ω̃
-            let scales = &self.coordinates.scales;
-            self.left.extend((0..half).map(|k| -self.flow[k + half] / scales[k]));
-            self.left.extend((0..half).map(|k| self.flow[k] / scales[k]));
-        } else {
-            let motion = finder.motion(orbit)?;
-            motion.seek(0, 0.0);
-            self.flow.clear();
-            self.flow.extend((0..half).map(|n| motion.site(n).velocity));
-            self.flow.extend((0..half).map(|n| motion.site(n).acceleration));
-            // Several impacts may share the first instant; before it each site is slower by its impulse.
-            let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
-            for impact in orbit.impacts().iter().filter(|impact| impact.time == first) {
-                self.flow[impact.site] -= impact.impulse;
-            }
-            self.left.extend((0..half).map(|n| -self.flow[n + half]));
-            self.left.extend_from_slice(&self.flow[..half]);
-        }
-        self.reflector.set(self.flow.iter().copied());
-        self.matrix.reflect(&self.reflector);
-        self.matrix.drop_first();
-        self.reflector.apply(&mut self.left);
-        self.reflector.set(self.left.iter().skip(1).copied());
-        self.matrix.reflect(&self.reflector);
-        self.matrix.drop_first();
-        Ok(())
-    }
-}
-
-/// Coupling, relative to γ₁, that does no more than rounding does: modes are one frequency to a few units in the last place.
-const NO_COUPLING: f64 = 32.0 * f64::EPSILON;
-
-/// No coupling that a number could hold: the masses that are not hit swing alone.
-fn uncoupled(orbit: &Orbit) -> bool {
-    let chain = orbit.model().chain();
-    orbit.impact_site().is_some() && 4.0 * chain.gamma2() <= NO_COUPLING * chain.gamma1()
 }
 
 /// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].

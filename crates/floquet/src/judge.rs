@@ -7,8 +7,8 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
-use crate::analyser::Analyser;
 use crate::certainty::{eigenvalue_condition, relative_uncertainty};
+use crate::dense::Dense;
 use crate::error::FloquetError;
 use crate::multipliers::pair;
 use crate::verdict::{Tolerance, Verdict};
@@ -83,7 +83,7 @@ impl Structure {
 
 /// The spectrum of one orbit and how well it is known.
 struct Judge<'a> {
-    analyser: &'a Analyser,
+    dense: &'a Dense,
     orbit: &'a Orbit,
     structure: Structure,
     /// Norm of the matrix.
@@ -92,7 +92,7 @@ struct Judge<'a> {
     error: f64,
 }
 
-impl Analyser {
+impl Dense {
     /// The verdict; `thorough` asks for the error of the leading multiplier even where the verdict does not hang on it.
     pub(crate) fn judge(
         &mut self,
@@ -112,14 +112,14 @@ impl Analyser {
             let orbital = norm * relative_uncertainty(orbit, &condition, dimension, top);
             error = if orbital.is_nan() { f64::INFINITY } else { error.max(orbital) };
         }
-        let judge = Judge { analyser: self, orbit, structure: Structure::of(orbit), norm, error };
+        let judge = Judge { dense: self, orbit, structure: Structure::of(orbit), norm, error };
         Ok(judge.verdict(tolerance, careful))
     }
 }
 
 impl Judge<'_> {
     fn values(&self) -> &[Complex<f64>] {
-        &self.analyser.values
+        &self.dense.values
     }
 
     fn verdict(&self, tolerance: Tolerance, careful: bool) -> Verdict {
@@ -163,11 +163,8 @@ impl Judge<'_> {
     /// for.
     fn reach(&self, value: Complex<f64>, number: usize) -> f64 {
         let cost = (self.values().len() as f64).powi(3) * (number + 1) as f64;
-        let condition = if cost <= BUDGET {
-            eigenvalue_condition(self.analyser.matrix_of(self.orbit), value)
-        } else {
-            f64::INFINITY
-        };
+        let condition =
+            if cost <= BUDGET { eigenvalue_condition(self.dense.matrix_of(self.orbit), value) } else { f64::INFINITY };
         let linear = self.error * condition;
         if linear < self.split() { linear } else { self.split() }
     }
@@ -212,9 +209,7 @@ impl Judge<'_> {
         match (unstable, unsettled) {
             (Some((leading, resolution)), _) => Verdict::of(leading, resolution, tolerance),
             (None, Some((leading, resolution))) => {
-                let spectral_radius = leading.norm();
-                let stable = spectral_radius - 1.0 + resolution < tolerance.allowed();
-                Verdict { stable, marginal: !stable, mechanism: None, spectral_radius, leading, resolution }
+                Verdict::unsettled(leading, leading.norm() - 1.0, resolution, tolerance)
             }
             (None, None) => Verdict::on_circle(Some(leading)),
         }

@@ -10,12 +10,12 @@
 //! | `saltation` | [`Saltation`]: a perturbation through an impact |
 //! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
 //! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
-//! | `reversible` | half the dimension for conservative orbits |
-//! | `analyser` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `analyser`, `by_secular` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `dense`, `reversible` | the smallest matrix that has the multipliers |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
 //! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
 //! | `locate` | [`locate()`]: bifurcations and grazing in one parameter |
-//! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`] |
+//! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] |
 //!
 //! Multipliers are per period of the orbit (two periods of the force for a doubled one). Dimensionless throughout.
 //!
@@ -35,7 +35,9 @@
 //! ```
 
 mod analyser;
+mod by_secular;
 mod certainty;
+mod dense;
 mod eigen;
 mod eigenvectors;
 mod error;
@@ -63,4 +65,4 @@ pub use secular::{
     SecularMultipliers, SecularVerdict,
 };
 pub use square::Square;
-pub use verdict::{Mechanism, Tolerance, Verdict};
+pub use verdict::{Mechanism, Method, Tolerance, Verdict};

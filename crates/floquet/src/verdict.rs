@@ -2,6 +2,8 @@
 
 use nalgebra::Complex;
 
+use crate::secular::Doubt;
+
 /// How the leading multiplier leaves the unit circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Mechanism {
@@ -56,6 +58,35 @@ impl Tolerance {
     }
 }
 
+/// Where an answer comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Method {
+    /// From the secular function: zeros of a scalar function, counted or found.
+    #[default]
+    Secular,
+    /// From a dense matrix: for impacts at several sites, for masses without coupling (one mass alone is left), where it
+    /// was asked for ([`crate::Analyser::dense`]); with the doubt where the secular function had no answer.
+    Dense(Option<Doubt>),
+}
+
+impl Method {
+    /// The name used in files: `secular`, `dense`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Secular => "secular",
+            Self::Dense(_) => "dense",
+        }
+    }
+
+    /// Why it is not the secular function, if that was tried.
+    pub fn doubt(&self) -> Option<Doubt> {
+        match self {
+            Self::Secular => None,
+            Self::Dense(doubt) => *doubt,
+        }
+    }
+}
+
 /// The verdict on an orbit: stable, unstable, or too close to the border to be told (`marginal`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
@@ -69,34 +100,61 @@ pub struct Verdict {
     /// site that is hit do not, nor do masses without coupling: their multipliers lie on the circle exactly.) 1 for a
     /// chain that has none, and where structure alone keeps all of them on the circle.
     pub spectral_radius: f64,
-    /// The multiplier of that modulus.
+    /// The multiplier of that modulus. Where all are on the circle and none leads, any of them; [`crate::Analyser::verdict`]
+    /// then names the trivial 1 and works none out.
     pub leading: Complex<f64>,
-    /// Estimated error of the spectral radius. [`crate::Analyser::stability`] works it out for every orbit from the
-    /// condition of the leading multiplier and the errors of the orbit; [`crate::Analyser::verdict`] only where the
-    /// answer may hang on it, else it is the error of a well-conditioned eigenvalue. 0 where structure decides.
+    /// Estimated error of the spectral radius, and of the growth. [`crate::Analyser::stability`] works out for every orbit
+    /// what the errors of its own data add to it, [`crate::Analyser::verdict`] only where the answer may hang on it; there a
+    /// dense matrix's is that of a well-conditioned eigenvalue. 0 where structure decides.
     pub resolution: f64,
+    /// Where the verdict comes from.
+    pub method: Method,
+    pub(crate) growth: f64,
 }
 
 impl Verdict {
-    /// Growth of the leading perturbation per period, |μ| − 1.
+    /// Growth of the leading perturbation per period, |μ| − 1: from the secular function with its own relative accuracy, so
+    /// that it may be far below the rounding of the spectral radius.
     pub fn growth(&self) -> f64 {
-        self.spectral_radius - 1.0
+        self.growth
     }
 
     /// Every multiplier lies on the circle, by structure.
     pub(crate) fn on_circle(leading: Option<Complex<f64>>) -> Self {
         let leading = leading.unwrap_or(Complex::new(1.0, 0.0));
-        Self { stable: true, marginal: false, mechanism: None, spectral_radius: 1.0, leading, resolution: 0.0 }
+        let (mechanism, method) = (None, Method::Secular);
+        Self {
+            stable: true,
+            marginal: false,
+            mechanism,
+            spectral_radius: 1.0,
+            leading,
+            resolution: 0.0,
+            method,
+            growth: 0.0,
+        }
+    }
+
+    /// A growth that may as well be none.
+    pub(crate) fn unsettled(leading: Complex<f64>, growth: f64, resolution: f64, tolerance: Tolerance) -> Self {
+        let stable = growth + resolution < tolerance.allowed();
+        Self { stable, marginal: !stable, mechanism: None, ..Self::of_growth(leading, growth, resolution, tolerance) }
     }
 
     /// Compares the growth of the leading multiplier, known up to `resolution`, with the tolerance.
     pub(crate) fn of(leading: Complex<f64>, resolution: f64, tolerance: Tolerance) -> Self {
         let spectral_radius = leading.re.hypot(leading.im);
-        let excess = spectral_radius - 1.0 - tolerance.allowed();
+        Self { spectral_radius, ..Self::of_growth(leading, spectral_radius - 1.0, resolution, tolerance) }
+    }
+
+    /// As [`Verdict::of`], for a growth known better than the modulus.
+    pub(crate) fn of_growth(leading: Complex<f64>, growth: f64, resolution: f64, tolerance: Tolerance) -> Self {
+        let above = growth - tolerance.allowed();
         // Where the error is not a number nothing is known.
-        let marginal = resolution.is_nan() || excess.abs() <= resolution;
-        let stable = !marginal && excess < 0.0;
+        let marginal = resolution.is_nan() || above.abs() <= resolution;
+        let stable = !marginal && above < 0.0;
         let mechanism = (!marginal && !stable).then(|| Mechanism::of(leading));
-        Self { stable, marginal, mechanism, spectral_radius, leading, resolution }
+        let (spectral_radius, method) = (1.0 + growth, Method::Secular);
+        Self { stable, marginal, mechanism, spectral_radius, leading, resolution, method, growth }
     }
 }

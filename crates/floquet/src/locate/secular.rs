@@ -168,10 +168,10 @@ mod tests {
             let model = Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap();
             let orbit = &breathers(&model, family).unwrap().orbits[which];
             let mut finder = Finder::new(21);
-            let mut analyser = Analyser::default();
+            let mut analyser = Analyser::dense();
             analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
             let mut moved = 0;
-            for &value in analyser.values.iter().filter(|value| value.norm() > 1e-3) {
+            for &value in analyser.dense.values.iter().filter(|value| value.norm() > 1e-3) {
                 let polished = polished(orbit, &mut finder, value).unwrap();
                 assert!((polished - value).norm() < 1e-10, "{family:?} {value} {polished}");
                 moved += usize::from(polished != value);

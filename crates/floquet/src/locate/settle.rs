@@ -74,7 +74,7 @@ impl Follower {
 
     /// Norm of the matrix whose eigenvalues were last worked out.
     pub(super) fn analyser_norm(&self, point: &BranchPoint) -> Result<f64, LocateError> {
-        Ok(self.analyser.matrix_of(point.orbit()).norm().max(1.0))
+        Ok(self.analyser.dense.matrix_of(point.orbit()).norm().max(1.0))
     }
 
     /// The multiplier nearest to `goal`.

@@ -64,7 +64,7 @@ impl Follower {
             (Event::NeimarkSacker, _) => seen.values = self.spectrum(orbit)?,
             (_, Some(shift)) => {
                 self.spectrum(orbit)?;
-                seen.determinant = log_determinant(self.analyser.matrix_of(orbit), shift);
+                seen.determinant = log_determinant(self.analyser.dense.matrix_of(orbit), shift);
             }
             (_, None) => {}
         }
@@ -74,8 +74,12 @@ impl Follower {
     /// Eigenvalues: μ, or ν of a reversible orbit.
     pub(super) fn spectrum(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, LocateError> {
         self.spectra += 1;
-        self.analyser.solve(orbit, &mut self.finder)?;
-        if self.analyser.values.is_empty() { Err(LocateError::NoMultiplier) } else { Ok(self.analyser.values.clone()) }
+        self.analyser.dense.solve(orbit, &mut self.finder)?;
+        if self.analyser.dense.values.is_empty() {
+            Err(LocateError::NoMultiplier)
+        } else {
+            Ok(self.analyser.dense.values.clone())
+        }
     }
 
     /// All events between two neighbouring points.
@@ -175,7 +179,7 @@ impl Follower {
             Test::Equations => point.determinant(),
             Test::Shifted { shift, log } => {
                 self.spectrum(orbit)?;
-                let (logarithm, sign) = log_determinant(self.analyser.matrix_of(orbit), shift);
+                let (logarithm, sign) = log_determinant(self.analyser.dense.matrix_of(orbit), shift);
                 sign * (logarithm - log).exp()
             }
             Test::Modulus { ends: [(a, from), (b, to)] } => {

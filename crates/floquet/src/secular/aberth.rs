@@ -22,14 +22,14 @@ pub(crate) struct Aberth {
 }
 
 /// f, f′, Σ 1/(z−p), and a bound of the rounding error of f.
-struct Value {
-    f: C,
-    slope: C,
+pub(super) struct Value {
+    pub(super) f: C,
+    pub(super) slope: C,
     poles: C,
     noise: f64,
 }
 
-fn evaluate(form: &SecularMultipliers, z: C) -> Value {
+pub(super) fn evaluate(form: &SecularMultipliers, z: C) -> Value {
     let (mut f_re, mut f_im, mut s_re, mut s_im) = (ZERO, ZERO, ZERO, ZERO);
     let (mut p_re, mut p_im, mut noise) = (ZERO, ZERO, ZERO);
     let lanes = form.pole_re.iter().zip(&form.pole_im).zip(form.residue_re.iter().zip(&form.residue_im));
@@ -56,6 +56,20 @@ fn evaluate(form: &SecularMultipliers, z: C) -> Value {
         poles: C::new(total(p_re), total(p_im)),
         noise: 1.0 + total(noise),
     }
+}
+
+/// Error of f from those of residues and poles.
+fn doubt(form: &SecularMultipliers, z: C) -> f64 {
+    let mut doubt = ZERO;
+    let lanes = form.pole_re.iter().zip(&form.pole_im).zip(form.residue_error.iter().zip(&form.pole_error));
+    for ((pole_re, pole_im), (residue, pole)) in lanes {
+        let (u, pole_im) = (all(z.re) - four(*pole_re), four(*pole_im));
+        for v in [all(z.im) - pole_im, all(z.im) + pole_im] {
+            let inverse = ONE / (u * u + v * v);
+            doubt += four(*residue) * inverse.sqrt() + four(*pole) * inverse;
+        }
+    }
+    f64::EPSILON + total(doubt)
 }
 
 const SWEEPS: usize = 100;
@@ -126,7 +140,8 @@ impl Aberth {
                 *z -= step;
                 value = evaluate(form, *z);
             }
-            errors.push(form.blur * value.noise / value.slope.norm());
+            // And it is rounded itself.
+            errors.push(doubt(form, *z) / value.slope.norm() + 2.0 * f64::EPSILON * z.norm());
         }
         if open == 0 { Ok(()) } else { Err(Doubt::Incomplete { found: wanted - open, wanted }) }
     }

@@ -38,8 +38,9 @@ pub(crate) struct Saltations {
 }
 
 impl Saltations {
-    /// From the ratio X = P₁/P₀.
-    pub(crate) fn new(modes: &Modes, ratio: f64) -> Self {
+    /// From the ratio X = P₁/P₀ and its relative error.
+    pub(crate) fn new(modes: &Modes, ratio: f64, ratio_error: f64) -> Self {
+        let off = ratio_error / f64::EPSILON;
         let chi = 0.5 * (ratio + 1.0 / ratio);
         let (mut half_kappa, mut kappa0, mut kappa1) = (0.0, 0.0, 0.0);
         let (mut half_kappa_error, mut kappa0_error, mut kappa1_error) = (0.0, 0.0, 0.0);
@@ -49,10 +50,10 @@ impl Saltations {
             half_kappa += stiffness * (c + chi);
             kappa0 += stiffness * (c + ratio);
             kappa1 += stiffness * (c + 1.0 / ratio);
-            let error = stiffness.abs() * (relative + 4.0);
-            half_kappa_error += error * (c.abs() + chi.abs());
-            kappa0_error += error * (c.abs() + ratio.abs());
-            kappa1_error += error * (c.abs() + 1.0 / ratio.abs());
+            let (size, own) = (stiffness.abs(), relative + 4.0);
+            half_kappa_error += size * (own * c.abs() + (own + off) * chi.abs());
+            kappa0_error += size * (own * c.abs() + (own + off) * ratio.abs());
+            kappa1_error += size * (own * c.abs() + (own + off) / ratio.abs());
         }
         let lambda = kappa0 * kappa1;
         let lambda_error = kappa0.abs() * kappa1_error + kappa1.abs() * kappa0_error;

@@ -21,12 +21,13 @@
 //! the trace.
 
 use nalgebra::Complex;
+use smallvec::SmallVec;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
 
 use super::aberth::Aberth;
 use super::doubt::Doubt;
-use super::lanes::{Lane, fill};
+use super::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
 
@@ -53,17 +54,33 @@ pub struct SecularMultipliers {
     pub(crate) pole_im: Vec<Lane>,
     pub(crate) residue_re: Vec<Lane>,
     pub(crate) residue_im: Vec<Lane>,
+    /// Errors of ρ, and |ρ| times those of p.
+    pub(crate) residue_error: Vec<Lane>,
+    pub(crate) pole_error: Vec<Lane>,
     count: usize,
-    /// Relative error of the residues.
-    pub(crate) blur: f64,
     residues: Vec<C>,
     angles: Vec<f64>,
-    times: Vec<f64>,
-    kappas: Vec<f64>,
-    /// cos, sin of Ω_l(t_i−t_j) for i > j: [pair][mode]
-    turns: Vec<(f64, f64)>,
+    /// t_i, κ'_i
+    pub(super) times: Vec<f64>,
+    pub(super) kappas: Vec<f64>,
+    modes: Modes,
     matrix: Vec<C>,
-    aberth: Aberth,
+    sizes: Vec<f64>,
+    pub(super) aberth: Aberth,
+}
+
+/// What the sums K̂(p_k) need of every mode.
+#[derive(Debug, Clone, Default)]
+struct Modes {
+    half_weight: Vec<Lane>,
+    cos: Vec<Lane>,
+    sin: Vec<Lane>,
+    /// Ω/ω and its inverse.
+    ratio: Vec<Lane>,
+    inverse: Vec<Lane>,
+    /// cos, sin of Ω(t_i−t_j) for i > j: [pair][group of modes]
+    turn_cos: Vec<Lane>,
+    turn_sin: Vec<Lane>,
 }
 
 /// The most impacts a period.
@@ -81,126 +98,72 @@ impl SecularMultipliers {
         if orbit.impact_site().is_none() || n == 0 || n > MOST_IMPACTS {
             return Err(Doubt::NotReversible);
         }
-        let (e, q) = (orbit.model().restitution(), orbit.model().loss());
+        let e = orbit.model().restitution();
         self.times.clear();
         self.times.extend(impacts.iter().map(|impact| impact.time));
         self.kappas.clear();
         self.kappas.extend(impacts.iter().map(|i| i.acceleration / ((1.0 + e) * i.velocity_before)));
+        self.assemble(e, orbit.model().loss(), response)
+    }
+
+    /// Residues for the times and saltations taken over.
+    pub(super) fn assemble(&mut self, e: f64, q: f64, response: &ImpulseResponse) -> Result<(), Doubt> {
+        let n = self.times.len();
         let (frequencies, weights) = (response.frequencies(), response.weights());
         let (cos, sin) = (response.cos_half(), response.sin_half());
         let omega = response.omega();
         self.count = frequencies.len();
-        self.turns.clear();
-        for i in 1..n {
-            for j in 0..i {
-                let elapsed = self.times[i] - self.times[j];
-                self.turns.extend(frequencies.iter().map(|f| {
-                    let (sin, cos) = (f * elapsed).sin_cos();
-                    (cos, sin)
-                }));
-            }
-        }
-        // What all K̂ share: propagators over the times between impacts, losses, saltations. Velocities in units of ω.
+        self.modes.set(response, &self.times);
         let size = 2 * n;
         let border = size + 1;
-        let mut shared = [C::default(); 4 * MOST_IMPACTS * MOST_IMPACTS];
-        for i in 0..n {
-            for (a, entry) in [(0, 0.5 * q), (1, 0.5 * q)] {
-                shared[(2 * i + a) * size + 2 * i + a] = C::new(entry, 0.0);
-            }
-            shared[(2 * i + 1) * size + 2 * i] = C::new(self.kappas[i] / omega, 0.0);
-        }
-        let mut pair = 0;
-        for i in 1..n {
-            for j in 0..i {
-                let mut free = [0.0; 3];
-                for (l, &(c, s)) in self.turns[pair * self.count..(pair + 1) * self.count].iter().enumerate() {
-                    let (w, f) = (weights[l], frequencies[l]);
-                    free[0] += w * c;
-                    free[1] += w * s / f * omega;
-                    free[2] -= w * s * f / omega;
-                }
-                let mut put = |i: usize, j: usize, m: [f64; 4]| {
-                    for (entry, value) in [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().zip(m) {
-                        shared[(2 * i + entry.0) * size + 2 * j + entry.1] += C::new(value, 0.0);
-                    }
-                };
-                let [c, up, down] = free.map(|x| 0.5 * x);
-                put(i, j, [c, up, down, c]);
-                // R₀(−τ), with the opposite sign.
-                put(j, i, [-c, up, down, -c]);
-                pair += 1;
-            }
-        }
+        let shared = self.shared(q, omega, frequencies, weights);
         let scale = (1.0 + e).powi(size as i32);
         self.residues.clear();
         self.angles.clear();
+        for lanes in [&mut self.residue_error, &mut self.pole_error] {
+            fill(lanes, (0..self.count).map(|_| 0.0), 0.0);
+        }
         let mut size_of_residues = 0.0;
+        let mut total_error = 0.0;
         for k in 0..self.count {
             let (ck, sk, fk) = (cos[k], sin[k], frequencies[k]);
+            // The phase carries a relative error of 2ε; differences of poles make it count.
+            let phase = fk * response.period();
             self.matrix.clear();
             self.matrix.resize(border * border, C::default());
             for (row, values) in shared[..size * size].chunks_exact(size).enumerate() {
-                self.matrix[row * border..row * border + size].copy_from_slice(values);
-            }
-            // Sums over the other modes of b²(U, V), U, V = ½(cot(a_k−a_l) ± cot(a_k+a_l)): one for each pair of impacts, the
-            // diagonal first.
-            for l in 0..self.count {
-                let (cl, sl, fl, w) = (cos[l], sin[l], frequencies[l], weights[l]);
-                let (minus, plus) = (sk * cl - ck * sl, sk * cl + ck * sl);
-                let cot_plus = (ck * cl - sk * sl) / plus;
-                let cot_minus = if l == k { 0.0 } else { (ck * cl + sk * sl) / minus };
-                if plus == 0.0 || (l != k && minus == 0.0) {
-                    return Err(Doubt::Coincident { mode: k });
-                }
-                let (u, v) = (0.5 * w * (cot_minus + cot_plus), 0.5 * w * (cot_minus - cot_plus));
-                let (ratio, inverse) = (fl / omega, omega / fl);
-                for i in 0..n {
-                    for j in 0..n {
-                        let (c, s) = if i == j {
-                            (1.0, 0.0)
-                        } else {
-                            let (high, low) = (i.max(j), i.min(j));
-                            let (c, s) = self.turns[(high * (high - 1) / 2 + low) * self.count + l];
-                            (c, if i > j { s } else { -s })
-                        };
-                        // −(i/2)(U cos + iV sin) and −½(V cos + iU sin) × (1/Ω, −Ω)
-                        let even = C::new(v * s, -u * c);
-                        let odd = C::new(-v * c, -u * s);
-                        let at = |a: usize, b: usize| (2 * i + a) * border + 2 * j + b;
-                        self.matrix[at(0, 0)] += even * 0.5;
-                        self.matrix[at(1, 1)] += even * 0.5;
-                        self.matrix[at(0, 1)] += odd * (0.5 * inverse);
-                        self.matrix[at(1, 0)] -= odd * (0.5 * ratio);
-                    }
+                for (entry, value) in self.matrix[row * border..].iter_mut().zip(values) {
+                    *entry = C::new(*value, 0.0);
                 }
             }
+            let nearest = self.add_others(k, (ck, sk), n)?;
             for i in 0..n {
-                let phase = C::from_polar(1.0, fk * (self.times[i] - self.times[0]));
-                self.matrix[2 * i * border + size] = phase;
-                self.matrix[(2 * i + 1) * border + size] = phase * C::new(0.0, fk / omega);
-                self.matrix[size * border + 2 * i] = phase.conj() * 0.5;
-                self.matrix[size * border + 2 * i + 1] = phase.conj() * C::new(0.0, -0.5 * omega / fk);
+                let turn = C::from_polar(1.0, fk * (self.times[i] - self.times[0]));
+                self.matrix[2 * i * border + size] = turn;
+                self.matrix[(2 * i + 1) * border + size] = turn * C::new(0.0, fk / omega);
+                self.matrix[size * border + 2 * i] = turn.conj() * 0.5;
+                self.matrix[size * border + 2 * i + 1] = turn.conj() * C::new(0.0, -0.5 * omega / fk);
             }
+            // Far from ±1 and from other poles nothing much cancels in the determinant; else its own condition tells.
+            let others = f64::EPSILON * (16.0 + 2.0 * phase / nearest);
+            let (bordered, relative) = if (sk * ck).abs() > SOFT && nearest > CLOSE {
+                (determinant(&mut self.matrix, border), others)
+            } else {
+                let (bordered, condition) = determinant_and_condition(&mut self.matrix, &mut self.sizes, border);
+                (bordered, others * condition.max(1.0))
+            };
             // Ṽᵀ adj K̂ W = −det [[K̂, W], [Ṽᵀ, 0]]
-            let bordered = determinant(&mut self.matrix, border);
             let pole = C::new((ck - sk) * (ck + sk), 2.0 * sk * ck);
             let residue = -bordered * pole * (scale * weights[k]);
-            size_of_residues += residue.norm();
+            let modulus = residue.norm_sqr().sqrt();
+            size_of_residues += modulus;
+            let error = modulus * relative;
+            total_error += error;
+            self.residue_error.as_flattened_mut()[k] = error;
+            self.pole_error.as_flattened_mut()[k] = modulus * f64::EPSILON * (2.0 + 2.0 * phase);
             self.residues.push(residue);
             self.angles.push(pole.im.atan2(pole.re).abs());
         }
-        // Phases carry a relative error of 2ε; differences of poles make it count.
-        let mut nearest = f64::INFINITY;
-        for k in 0..self.count {
-            nearest = nearest.min(2.0 * (sin[k] * cos[k]).abs());
-            for l in 0..k {
-                nearest = nearest.min((sin[k] * cos[l] - cos[k] * sin[l]).abs());
-                nearest = nearest.min((sin[k] * cos[l] + cos[k] * sin[l]).abs());
-            }
-        }
-        let turns = frequencies.iter().copied().fold(0.0, f64::max) / omega;
-        self.blur = f64::EPSILON * (16.0 + 8.0 * turns / nearest);
         let residues = &self.residues;
         let poles = |k: usize| C::new((cos[k] - sin[k]) * (cos[k] + sin[k]), 2.0 * sin[k] * cos[k]);
         fill(&mut self.pole_re, (0..self.count).map(|k| poles(k).re), 1e100);
@@ -210,12 +173,108 @@ impl SecularMultipliers {
         // f(0) = e^{2n}
         let product: f64 = (0..self.count).map(|k| 2.0 * (residues[k] * poles(k).conj()).re).sum();
         let defect = (1.0 - product - e.powi(size as i32)).abs();
-        let allowed = 256.0 * self.blur * (1.0 + size_of_residues);
+        let allowed = 16.0 * (total_error + 16.0 * f64::EPSILON * (1.0 + size_of_residues));
         if defect <= allowed && allowed < 1.0 + size_of_residues {
             Ok(())
         } else {
             Err(Doubt::Certificate { defect, allowed })
         }
+    }
+
+    /// What all K̂ share: propagators over the times between impacts, losses, saltations. Velocities in units of ω.
+    fn shared(
+        &self,
+        q: f64,
+        omega: f64,
+        frequencies: &[f64],
+        weights: &[f64],
+    ) -> [f64; 4 * MOST_IMPACTS * MOST_IMPACTS] {
+        let n = self.times.len();
+        let size = 2 * n;
+        let mut shared = [0.0; 4 * MOST_IMPACTS * MOST_IMPACTS];
+        for i in 0..n {
+            shared[2 * i * size + 2 * i] = 0.5 * q;
+            shared[(2 * i + 1) * size + 2 * i + 1] = 0.5 * q;
+            shared[(2 * i + 1) * size + 2 * i] = self.kappas[i] / omega;
+        }
+        for (i, j, pair) in pairs(n) {
+            let (cos, sin) = self.modes.turns(pair);
+            let (mut c, mut up, mut down) = (0.0, 0.0, 0.0);
+            for l in 0..self.count {
+                let (w, f, turn) = (0.5 * weights[l], frequencies[l], sin.as_flattened()[l]);
+                c += w * cos.as_flattened()[l];
+                up += w * turn / f * omega;
+                down -= w * turn * f / omega;
+            }
+            // R₀(−τ) comes with the opposite sign.
+            for (row, column, sign) in [(i, j, 1.0), (j, i, -1.0)] {
+                let at = 2 * row * size + 2 * column;
+                (shared[at], shared[at + size + 1]) = (sign * c, sign * c);
+                (shared[at + 1], shared[at + size]) = (up, down);
+            }
+        }
+        shared
+    }
+
+    /// Adds the other modes' part of K̂(p_k): sums of b²(U, V), U, V = ½(cot(a_k−a_l) ± cot(a_k+a_l)), with
+    /// −(i/2)(U cos + iV sin) and −½(V cos + iU sin) × (1/Ω, −Ω). Returns the smallest |sin(a_k±a_l)|.
+    fn add_others(&mut self, k: usize, (ck, sk): (f64, f64), n: usize) -> Result<f64, Doubt> {
+        let Modes { half_weight, cos, sin, ratio, inverse, .. } = &self.modes;
+        let groups = cos.len();
+        let (ck, sk) = (all(ck), all(sk));
+        let border = 2 * n + 1;
+        let mut own = [ZERO; 3];
+        let mut shared = [[ZERO; 6]; MOST_IMPACTS * (MOST_IMPACTS - 1) / 2];
+        let (mut coincident, mut nearest) = (ZERO, ONE);
+        for g in 0..groups {
+            let (c, s) = (four(cos[g]), four(sin[g]));
+            let (a, b) = (sk * c, ck * s);
+            let (minus, plus) = (a - b, a + b);
+            let same = minus.simd_eq(ZERO);
+            coincident += same.select(ONE, ZERO);
+            nearest = nearest.min(same.select(ONE, minus.abs())).min(plus.abs());
+            let (cc, ss) = (ck * c, sk * s);
+            let cot_minus = same.select(ZERO, (cc + ss) / same.select(ONE, minus));
+            let cot_plus = (cc - ss) / plus;
+            let w = four(half_weight[g]);
+            let (u, v) = (w * (cot_minus + cot_plus), w * (cot_minus - cot_plus));
+            let (up, down) = (four(inverse[g]), four(ratio[g]));
+            own[0] += u;
+            own[1] += v * up;
+            own[2] += v * down;
+            for (pair, sums) in shared[..n * (n - 1) / 2].iter_mut().enumerate() {
+                let (c, s) =
+                    (four(self.modes.turn_cos[pair * groups + g]), four(self.modes.turn_sin[pair * groups + g]));
+                let (uc, us, vc, vs) = (u * c, u * s, v * c, v * s);
+                for (sum, term) in sums.iter_mut().zip([uc, vs, vc * up, us * up, vc * down, us * down]) {
+                    *sum += term;
+                }
+            }
+        }
+        let nearest = nearest.to_array().into_iter().fold(f64::INFINITY, f64::min);
+        // It meets itself once.
+        if total(coincident) != 1.0 || nearest == 0.0 {
+            return Err(Doubt::Coincident { mode: k });
+        }
+        let own = own.map(|sum| 0.5 * total(sum));
+        let mut add = |i: usize, j: usize, [a, b, c]: [C; 3]| {
+            let at = 2 * i * border + 2 * j;
+            self.matrix[at] += a;
+            self.matrix[at + border + 1] += a;
+            self.matrix[at + 1] += b;
+            self.matrix[at + border] += c;
+        };
+        for i in 0..n {
+            add(i, i, [C::new(0.0, -own[0]), C::new(-own[1], 0.0), C::new(own[2], 0.0)]);
+        }
+        for (i, j, pair) in pairs(n) {
+            let [uc, vs, vc_up, us_up, vc_down, us_down] = shared[pair].map(|sum| 0.5 * total(sum));
+            for (i, j, sign) in [(i, j, 1.0), (j, i, -1.0)] {
+                let even = C::new(sign * vs, -uc);
+                add(i, j, [even, C::new(-vc_up, -sign * us_up), C::new(vc_down, sign * us_down)]);
+            }
+        }
+        Ok(nearest)
     }
 
     /// Poles e^{iΩ_kT} of f in the order of the modes; each has its conjugate.
@@ -249,12 +308,57 @@ impl SecularMultipliers {
         let size: f64 = self.aberth.roots.iter().map(|z| z.norm()).sum();
         let slack: f64 = self.aberth.errors.iter().sum();
         let defect = (sum - trace).abs();
-        let allowed = 16.0 * (slack + self.blur * size);
+        let own: f64 = self.residue_error.iter().flatten().sum();
+        let allowed = 16.0 * (slack + own + f64::EPSILON * size);
         if defect <= allowed.max(1e-9 * size) {
             Ok((&self.aberth.roots, &self.aberth.errors))
         } else {
             Err(Doubt::Certificate { defect, allowed })
         }
+    }
+}
+
+/// Below this |sin Ω_kT|/2, p and p̄ are so close that sums over modes may cancel to second order.
+const SOFT: f64 = 0.05;
+
+/// Poles this close make a residue worth its condition number.
+const CLOSE: f64 = 1e-3;
+
+/// Pairs i > j of impacts and their numbers.
+fn pairs(n: usize) -> impl Iterator<Item = (usize, usize, usize)> {
+    (1..n).flat_map(|i| (0..i).map(move |j| (i, j, i * (i - 1) / 2 + j)))
+}
+
+impl Modes {
+    fn set(&mut self, response: &ImpulseResponse, times: &[f64]) {
+        let frequencies = response.frequencies();
+        let omega = response.omega();
+        fill(&mut self.half_weight, response.weights().iter().map(|w| 0.5 * w), 0.0);
+        // A mode that is none: no pole meets it.
+        fill(&mut self.cos, response.cos_half().iter().copied(), 2.0);
+        fill(&mut self.sin, response.sin_half().iter().copied(), 0.0);
+        fill(&mut self.ratio, frequencies.iter().map(|f| f / omega), 0.0);
+        fill(&mut self.inverse, frequencies.iter().map(|f| omega / f), 0.0);
+        let groups = self.cos.len();
+        let impacts = times.len();
+        self.turn_cos.clear();
+        self.turn_sin.clear();
+        for (i, j, pair) in pairs(impacts) {
+            self.turn_cos.resize((pair + 1) * groups, [0.0; 4]);
+            self.turn_sin.resize((pair + 1) * groups, [0.0; 4]);
+            let elapsed = times[i] - times[j];
+            for (l, f) in frequencies.iter().enumerate() {
+                let (sin, cos) = (f * elapsed).sin_cos();
+                self.turn_cos.as_flattened_mut()[4 * pair * groups + l] = cos;
+                self.turn_sin.as_flattened_mut()[4 * pair * groups + l] = sin;
+            }
+        }
+    }
+
+    fn turns(&self, pair: usize) -> (&[Lane], &[Lane]) {
+        let groups = self.cos.len();
+        let range = pair * groups..(pair + 1) * groups;
+        (&self.turn_cos[range.clone()], &self.turn_sin[range])
     }
 }
 
@@ -290,4 +394,61 @@ fn determinant(matrix: &mut [C], size: usize) -> C {
         }
     }
     product
+}
+
+/// As [`determinant`], with Σ|B⁻¹_ji||B_ij|, by which relative errors of the entries are multiplied. `sizes` is scratch space.
+fn determinant_and_condition(matrix: &mut [C], sizes: &mut Vec<f64>, size: usize) -> (C, f64) {
+    sizes.clear();
+    sizes.extend(matrix.iter().map(|entry| entry.norm()));
+    // Gauss–Jordan in place with exchange of rows: the matrix becomes B⁻¹ with its columns exchanged likewise.
+    let mut order: SmallVec<[usize; 2 * MOST_IMPACTS + 1]> = (0..size).collect();
+    let mut product = C::new(1.0, 0.0);
+    for column in 0..size {
+        let modulus = |row: &usize| matrix[row * size + column].norm_sqr();
+        let pivot = (column..size).max_by(|a, b| modulus(a).total_cmp(&modulus(b))).unwrap_or(column);
+        if pivot != column {
+            for j in 0..size {
+                matrix.swap(pivot * size + j, column * size + j);
+            }
+            order.swap(pivot, column);
+            product = -product;
+        }
+        let diagonal = matrix[column * size + column];
+        product *= diagonal;
+        let inverse = diagonal.inv();
+        matrix[column * size + column] = C::new(1.0, 0.0);
+        for j in 0..size {
+            matrix[column * size + j] *= inverse;
+        }
+        for row in (0..size).filter(|row| *row != column) {
+            let factor = matrix[row * size + column];
+            matrix[row * size + column] = C::default();
+            for j in 0..size {
+                let above = matrix[column * size + j];
+                matrix[row * size + j] -= factor * above;
+            }
+        }
+    }
+    let mut condition = 0.0;
+    for (column, row) in order.iter().enumerate() {
+        condition += (0..size).map(|i| matrix[i * size + column].norm() * sizes[row * size + i]).sum::<f64>();
+    }
+    (product, condition)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_determinants_agree_and_the_condition_is_that_of_the_entries() {
+        // (1 + i)·3i − 2·(4 − i) and its inverse by hand.
+        let entries = [C::new(1.0, 1.0), C::new(2.0, 0.0), C::new(4.0, -1.0), C::new(0.0, 3.0)];
+        let expected = entries[0] * entries[3] - entries[1] * entries[2];
+        assert!((determinant(&mut entries.clone(), 2) - expected).norm() < 1e-15);
+        let (found, condition) = determinant_and_condition(&mut entries.clone(), &mut Vec::new(), 2);
+        assert!((found - expected).norm() < 1e-15);
+        let by_hand = 2.0 * ((entries[0] * entries[3]).norm() + (entries[1] * entries[2]).norm()) / expected.norm();
+        assert!((condition - by_hand).abs() < 1e-14, "{condition} {by_hand}");
+    }
 }

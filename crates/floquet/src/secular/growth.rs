@@ -61,6 +61,12 @@ pub(crate) fn multiplier(nu: &Nu) -> Complex<f64> {
     if plus.norm_sqr() >= minus.norm_sqr() { plus } else { minus }
 }
 
+/// |z| − 1 without the cancellation of the modulus itself.
+pub(crate) fn excess(z: Complex<f64>) -> f64 {
+    let square = (z.re - 1.0).mul_add(z.re + 1.0, z.im * z.im);
+    square / (1.0 + z.norm())
+}
+
 /// |μ| − 1 for a real |ν| = 1 + δ; 0 for δ ≤ 0.
 pub(crate) fn outside(delta: f64) -> f64 {
     if delta > 0.0 { delta + (delta * (2.0 + delta)).sqrt() } else { 0.0 }

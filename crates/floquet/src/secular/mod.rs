@@ -41,6 +41,7 @@ pub use doubt::Doubt;
 pub use forced::SecularMultipliers;
 pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;
+pub(crate) use growth::excess;
 pub use residues::Residues;
 pub use shapes::ModalShape;
 pub use verdict::{Outcome, Reason, Secular, SecularVerdict};

@@ -127,6 +127,16 @@ impl Residues {
     /// [`Doubt::NotReversible`]; [`Doubt::Certificate`] if ΣR = 1 or the trace is violated by more than the errors of the
     /// residues explain: then they are worth nothing.
     pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+        self.set_within(orbit, response, 0.0)
+    }
+
+    /// As [`Residues::set`], for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
+    pub(crate) fn set_within(
+        &mut self,
+        orbit: &Orbit,
+        response: &ImpulseResponse,
+        ratio_error: f64,
+    ) -> Result<(), Doubt> {
         let impacts = orbit.impacts();
         if !orbit.is_reversible() {
             return Err(Doubt::NotReversible);
@@ -143,7 +153,8 @@ impl Residues {
                 self.expected_trace = single_sided::trace(&self.modes);
             }
             [first, second] if first.impulse != 0.0 && second.impulse != 0.0 => {
-                let saltations = double_sided::Saltations::new(&self.modes, second.impulse / first.impulse);
+                let saltations =
+                    double_sided::Saltations::new(&self.modes, second.impulse / first.impulse, ratio_error);
                 if large {
                     large::double_sided(&self.modes, &saltations, &mut self.table);
                 } else {

@@ -57,10 +57,10 @@ pub struct SecularVerdict {
     /// Why.
     pub reason: Reason,
     /// The leading multiplier: the one of largest modulus for an unstable orbit, the one next to leaving for a marginal
-    /// one; `None` for a stable one: all are on the circle.
+    /// one; `None` for a stable one without losses: all are on the circle.
     pub leading: Option<Complex<f64>>,
-    /// |μ| − 1 of it, with its own relative accuracy (it may be far below 1e-16); 0 for a stable orbit. For a marginal one
-    /// the most that rounding leaves room for.
+    /// |μ| − 1 of it, with its own relative accuracy (it may be far below 1e-16); 0 for a stable orbit, with losses
+    /// whatever it is. For a marginal one the most that rounding leaves room for.
     pub growth: f64,
     /// Estimated error of the growth.
     pub growth_error: f64,
@@ -76,7 +76,7 @@ impl SecularVerdict {
         self.outcome != Outcome::Marginal
     }
 
-    /// |μ| of the leading multiplier, 1 for a stable orbit.
+    /// |μ| of the leading multiplier, 1 for a stable orbit without losses.
     pub fn spectral_radius(&self) -> f64 {
         1.0 + self.growth
     }
@@ -127,6 +127,32 @@ impl Secular {
     /// As [`Residues::set`].
     pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
         self.residues.set(orbit, response)
+    }
+
+    /// As [`Secular::set`], see [`Residues::set_within`].
+    pub(crate) fn set_within(
+        &mut self,
+        orbit: &Orbit,
+        response: &ImpulseResponse,
+        ratio_error: f64,
+    ) -> Result<(), Doubt> {
+        self.residues.set_within(orbit, response, ratio_error)
+    }
+
+    /// Both multipliers of every root ν, in pairs.
+    pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, Doubt> {
+        self.solve()?;
+        let form = &self.residues;
+        let both = |(nu, error): (&Complex<f64>, &f64)| {
+            let nu = near_end(form, *nu, *error);
+            if nu.im == 0.0 && nu.below <= 0.0 && nu.above >= 0.0 {
+                let on_circle = Complex::new(nu.complex().re, (-nu.below * nu.above).sqrt());
+                return [on_circle, on_circle.conj()];
+            }
+            let large = multiplier(&nu);
+            [large, large.inv()]
+        };
+        Ok(self.roots.values.iter().zip(&self.roots.errors).flat_map(both).collect())
     }
 
     /// Poles, residues, signatures.
@@ -294,6 +320,32 @@ fn assemble(leading: Option<Leading>, marginal: Option<Leading>, clearance: f64)
         (None, None) => Ok(stable(Reason::AllRootsCounted, clearance)),
     }
 }
+
+/// A root next to ±1 by its distance from there: μ goes with the root of it, which ν itself no longer holds.
+fn near_end(form: &Residues, nu: Complex<f64>, error: f64) -> Nu {
+    let (end, distances) = if nu.re > 0.0 { (1.0, &form.below_one) } else { (-1.0, &form.above_minus_one) };
+    let from = Complex::new(end * nu.re - 1.0, end * nu.im);
+    if from.norm() > NEAR_END {
+        return Nu::of(nu);
+    }
+    let local = form.about(distances);
+    let mut offset = from;
+    for _ in 0..4 {
+        let (value, slope) = local.complex(offset);
+        offset -= value / slope;
+    }
+    // Newton from a root rounded to ε stays there, or it has gone to another one.
+    let settled = (offset - from).norm() <= 4.0 * f64::EPSILON + error;
+    let offset = if settled { offset } else { from };
+    let im = if nu.im == 0.0 { 0.0 } else { end * offset.im };
+    match end > 0.0 {
+        true => Nu { below: offset.re, above: 2.0 + offset.re, im },
+        false => Nu { below: -2.0 - offset.re, above: -offset.re, im },
+    }
+}
+
+/// Distance from ±1 within which a root is worked out once more: beyond it 1 ∓ ν has lost no more than three digits.
+const NEAR_END: f64 = 1e-3;
 
 /// The largest error of a growth, in units of the multiplier, that is worth an answer: a dense solver's.
 const WORST: f64 = 1e-5;

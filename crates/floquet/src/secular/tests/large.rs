@@ -23,7 +23,7 @@ fn residues_of_large_rings_are_those_of_the_pair_formulas() {
                 large::single_sided(&modes, &mut sums);
             } else {
                 let ratio = orbit.impacts()[1].impulse / orbit.impacts()[0].impulse;
-                let saltations = double_sided::Saltations::new(&modes, ratio);
+                let saltations = double_sided::Saltations::new(&modes, ratio, 0.0);
                 double_sided::residues(&modes, &saltations, &mut Vec::new(), &mut pairs);
                 large::double_sided(&modes, &saltations, &mut sums);
             }

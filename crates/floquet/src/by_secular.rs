@@ -1,0 +1,129 @@
+//! Verdicts from the secular form: what it says of an orbit, its own error and those that the orbit's data bring along,
+//! held against the tolerance.
+
+use nalgebra::Complex;
+use vibrochain_breather::{Finder, Orbit};
+
+use crate::analyser::{Analyser, Failure};
+use crate::saltation::saltations;
+use crate::secular::{Doubt, Outcome, excess};
+use crate::verdict::{Tolerance, Verdict};
+
+/// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
+/// ones. (Estimates are cautious there, by two to three digits.)
+const WORST: f64 = 1e-10;
+
+/// As [`WORST`], for a sweep, whose cells are not worth as much.
+const WORST_OF_SWEEP: f64 = 1e-9;
+
+/// Room for what estimated errors leave out where an answer hangs on them.
+const ROOM: f64 = 4.0;
+
+impl Analyser {
+    pub(crate) fn reversible(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+        thorough: bool,
+    ) -> Result<Verdict, Failure> {
+        let _ = saltations(orbit)?;
+        // All that the form takes from the orbit is the ratio of its impulses.
+        let ratio_error = if orbit.impacts().len() < 2 {
+            0.0
+        } else if thorough || finder.is_delicate(orbit)? {
+            let condition = finder.condition(orbit)?;
+            let relative = orbit.impacts().iter().zip(&condition.impacts).map(|(i, error)| error.impulse / i.impulse);
+            relative.map(f64::abs).sum()
+        } else {
+            let sizes = orbit.impacts().iter().map(|impact| impact.impulse.abs());
+            let (least, most) =
+                sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)));
+            4.0 * f64::EPSILON * most / least
+        };
+        let response = finder.response_to(orbit)?;
+        self.secular.set_within(orbit, response, ratio_error)?;
+        let found = self.secular.verdict()?;
+        Ok(match (found.outcome, found.leading) {
+            (Outcome::Unstable, Some(leading)) => {
+                check(found.growth, found.growth_error, thorough)?;
+                Verdict::of_growth(leading, found.growth, found.growth_error, tolerance)
+            }
+            (Outcome::Marginal, Some(leading)) => {
+                Verdict::unsettled(leading, found.growth, found.growth_error, tolerance)
+            }
+            _ => Verdict::on_circle(None),
+        })
+    }
+
+    pub(crate) fn not_reversible(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+        thorough: bool,
+    ) -> Result<Verdict, Failure> {
+        let _ = saltations(orbit)?;
+        let careful = thorough || finder.is_delicate(orbit)?;
+        self.forced.solve(orbit, finder.response_to(orbit)?)?;
+        if careful {
+            let condition = finder.condition(orbit)?;
+            self.forced.add_errors_of(orbit, &condition, finder.response())?;
+        }
+        let (values, errors) = self.forced.multipliers();
+        if orbit.model().loss() == 0.0 {
+            return elastic(values, errors, tolerance, thorough);
+        }
+        let all = || values.iter().map(|z| excess(*z)).zip(errors);
+        let leading = all().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        let Some((place, (growth, &error))) = leading else { return Err(Doubt::NotReversible.into()) };
+        // Another one that may lead is as good.
+        let error = all().map(|(other, error)| other + error - growth).fold(error, f64::max);
+        check(growth, error, thorough)?;
+        Ok(settle(values, place, growth, error, tolerance))
+    }
+}
+
+/// An error that a dense solver would beat is a doubt.
+fn check(growth: f64, error: f64, thorough: bool) -> Result<(), Failure> {
+    // Not a number is a doubt, too.
+    let precise = error <= if thorough { WORST } else { WORST_OF_SWEEP } * (2.0 + growth);
+    if precise { Ok(()) } else { Err(Doubt::Imprecise { growth, growth_error: error }.into()) }
+}
+
+/// The verdict on a leading multiplier.
+fn settle(values: &[Complex<f64>], place: usize, growth: f64, error: f64, tolerance: Tolerance) -> Verdict {
+    let leading = values.get(place).copied().unwrap_or(Complex::new(1.0, 0.0));
+    let leading = if leading.im.abs() <= error { Complex::new(leading.re, 0.0) } else { leading };
+    Verdict::of_growth(leading, growth, error, tolerance)
+}
+
+/// Elastic impacts: a multiplier comes with 1/μ̄, so that one next to the circle that has no other near lies on it exactly.
+fn elastic(values: &[Complex<f64>], errors: &[f64], tolerance: Tolerance, thorough: bool) -> Result<Verdict, Failure> {
+    let mut leading: Option<(usize, f64, f64)> = None;
+    for (i, (z, error)) in values.iter().zip(errors).enumerate() {
+        let (growth, reach) = (excess(*z), ROOM * error);
+        if growth > reach {
+            if leading.is_none_or(|(_, largest, _)| growth > largest) {
+                leading = Some((i, growth, *error));
+            }
+            continue;
+        }
+        if growth < -reach {
+            continue;
+        }
+        let others = values.iter().zip(errors).enumerate().filter(|(j, _)| *j != i);
+        let alone = others.fold(true, |alone, (_, (w, other))| alone && (w - z).norm() > 2.0 * (reach + ROOM * other));
+        // A pair that may have met is a question of matrices and their eigenvectors.
+        if !alone {
+            return Err(Doubt::Tangency.into());
+        }
+    }
+    match leading {
+        Some((place, growth, error)) => {
+            check(growth, error, thorough)?;
+            Ok(settle(values, place, growth, error, tolerance))
+        }
+        None => Ok(Verdict::on_circle(values.first().copied())),
+    }
+}

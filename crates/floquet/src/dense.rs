@@ -1,0 +1,130 @@
+//! Multipliers as eigenvalues of the smallest dense matrix that an orbit's structure leaves: the reference, and what answers
+//! where the secular form does not.
+//!
+//! | orbit | matrix | dimension |
+//! |---|---|---|
+//! | conservative, mirror image of itself in time | `reversible` block | ⌊M/2⌋ |
+//! | impacts at one site | even subspace | 2(⌊M/2⌋+1), less the trivial pair |
+//! | impacts at several sites | whole ring | 2M, less the trivial pair |
+//!
+//! The trivial pair μ = 1 of a conservative orbit (the perturbation along the orbit and its canonical partner) is
+//! taken out before the eigenvalues are computed, by reflecting the known right and left eigenvectors to the axes.
+
+use nalgebra::Complex;
+use vibrochain_breather::{Finder, Orbit};
+
+use crate::eigen::eigenvalues;
+use crate::error::FloquetError;
+use crate::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy};
+use crate::multipliers::pair;
+use crate::reversible::Reversible;
+use crate::square::{Reflector, Square};
+
+/// Reusable work space for dense matrices.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Dense {
+    reversible: Reversible,
+    coordinates: EvenCoordinates,
+    matrix: Square,
+    flow: Vec<f64>,
+    left: Vec<f64>,
+    rows: (Vec<f64>, Vec<f64>),
+    reflector: Reflector,
+    pub(crate) values: Vec<Complex<f64>>,
+}
+
+impl Dense {
+    /// The multipliers of the space that feels impacts as the last verdict or [`Dense::solve`] found them, without the trivial
+    /// pair.
+    pub(crate) fn multipliers(&self, orbit: &Orbit) -> Vec<Complex<f64>> {
+        if orbit.is_reversible() { self.values.iter().flat_map(|&nu| pair(nu)).collect() } else { self.values.clone() }
+    }
+
+    /// The matrix whose eigenvalues `values` are.
+    pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
+        if orbit.is_reversible() { &self.reversible.block } else { &self.matrix }
+    }
+
+    /// Fills `values` with the non-trivial multipliers of the space that feels impacts (for a reversible orbit with
+    /// their ν) and returns the norm of the matrix.
+    pub(crate) fn solve(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<f64, FloquetError> {
+        self.values.clear();
+        let chain = orbit.model().chain();
+        let alone = uncoupled(orbit);
+        if alone && orbit.model().is_conservative() {
+            // One mass, whose only pair is the trivial one.
+            return Ok(0.0);
+        }
+        if orbit.is_reversible() {
+            check_dimension(chain.even_modes())?;
+            self.reversible.build(orbit, finder)?;
+            eigenvalues(&self.reversible.block, &mut self.values)?;
+            return Ok(self.reversible.block.norm());
+        }
+        if orbit.impact_site().is_some() {
+            check_dimension(2 * chain.even_modes())?;
+            finder.motion(orbit)?;
+            let response = finder.response();
+            let (frequencies, weights) = (response.frequencies(), response.weights());
+            match frequencies.first() {
+                Some(&frequency) if alone => self.coordinates.set(&[frequency], &[1.0], orbit.frequency()),
+                _ => self.coordinates.set(frequencies, weights, orbit.frequency()),
+            }
+            self.coordinates.monodromy(orbit, &mut self.matrix, (&mut self.rows.0, &mut self.rows.1))?;
+        } else {
+            self.matrix = full_monodromy(orbit)?;
+        }
+        let norm = self.matrix.norm();
+        if !norm.is_finite() {
+            return Err(FloquetError::NotConverged { dimension: self.matrix.size() });
+        }
+        if orbit.model().is_conservative() {
+            self.deflate(orbit, finder)?;
+        }
+        eigenvalues(&self.matrix, &mut self.values)?;
+        Ok(norm)
+    }
+
+    /// Removes the trivial pair: M f = f with the flow f, and ωᵀ(f, ·)M = ωᵀ(f, ·) because M keeps the canonical form ω.
+    fn deflate(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<(), FloquetError> {
+        let half = self.matrix.size() / 2;
+        self.left.clear();
+        if orbit.impact_site().is_some() {
+            flow_before_first_impact(orbit, finder, &self.coordinates, &mut self.flow)?;
+            // ω(f, z) = Σ (f_X z_Y − f_Y z_X)/Ω̃
+            let scales = &self.coordinates.scales;
+            self.left.extend((0..half).map(|k| -self.flow[k + half] / scales[k]));
+            self.left.extend((0..half).map(|k| self.flow[k] / scales[k]));
+        } else {
+            let motion = finder.motion(orbit)?;
+            motion.seek(0, 0.0);
+            self.flow.clear();
+            self.flow.extend((0..half).map(|n| motion.site(n).velocity));
+            self.flow.extend((0..half).map(|n| motion.site(n).acceleration));
+            // Several impacts may share the first instant; before it each site is slower by its impulse.
+            let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
+            for impact in orbit.impacts().iter().filter(|impact| impact.time == first) {
+                self.flow[impact.site] -= impact.impulse;
+            }
+            self.left.extend((0..half).map(|n| -self.flow[n + half]));
+            self.left.extend_from_slice(&self.flow[..half]);
+        }
+        self.reflector.set(self.flow.iter().copied());
+        self.matrix.reflect(&self.reflector);
+        self.matrix.drop_first();
+        self.reflector.apply(&mut self.left);
+        self.reflector.set(self.left.iter().skip(1).copied());
+        self.matrix.reflect(&self.reflector);
+        self.matrix.drop_first();
+        Ok(())
+    }
+}
+
+/// Coupling, relative to γ₁, that does no more than rounding does: modes are one frequency to a few units in the last place.
+const NO_COUPLING: f64 = 32.0 * f64::EPSILON;
+
+/// No coupling that a number could hold: the masses that are not hit swing alone.
+pub(crate) fn uncoupled(orbit: &Orbit) -> bool {
+    let chain = orbit.model().chain();
+    orbit.impact_site().is_some() && 4.0 * chain.gamma2() <= NO_COUPLING * chain.gamma1()
+}
