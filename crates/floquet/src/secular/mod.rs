@@ -22,6 +22,8 @@ mod doubt;
 mod evaluate;
 mod forced;
 mod forced_count;
+mod forced_large;
+mod forced_roots;
 mod forced_verdict;
 mod gap;
 mod growth;
