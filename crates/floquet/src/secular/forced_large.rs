@@ -90,9 +90,7 @@ impl ForcedLarge {
                 Sorted { mode: k, d: (c - s) * (c + s), cos: c.abs(), sin: s.abs() }
             })
             .collect();
-        sorted.sort_unstable_by(|a, b| {
-            a.d.total_cmp(&b.d).then(b.sin.total_cmp(&a.sin)).then(a.cos.total_cmp(&b.cos))
-        });
+        sorted.sort_unstable_by(|a, b| a.d.total_cmp(&b.d).then(b.sin.total_cmp(&a.sin)).then(a.cos.total_cmp(&b.cos)));
         let points: Vec<f64> = sorted.iter().map(|mode| mode.d).collect();
         let tree = Tree::new(&points, false);
         let n = times.len();
@@ -173,6 +171,11 @@ impl ForcedLarge {
         }
         self.form.divide();
         Ok(errors)
+    }
+
+    /// How far each multiplier is from a zero of another function with the same poles, to first order.
+    pub(crate) fn moved(&self, other: &Self) -> Vec<f64> {
+        self.roots.moved(&self.form, &other.form)
     }
 
     /// All multipliers.

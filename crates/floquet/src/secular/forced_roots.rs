@@ -285,6 +285,34 @@ impl CircleRoots {
         if found == wanted { Ok(()) } else { Err(Doubt::Incomplete { found, wanted }) }
     }
 
+    /// |f₂/f′| of another function with the same poles at all zeros, in the order of `values`; both functions are evaluated alike,
+    /// so that their difference is good.
+    pub(crate) fn moved(&self, form: &CircleForm, other: &CircleForm) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.values.len());
+        let mut scratch = Vec::new();
+        for root in &self.list {
+            let local = form.leaf(root.place).zip(other.leaf(root.place)).map(|(leaf, moved)| {
+                form.distances(root.place, leaf, &mut scratch);
+                let local = Local { pole: &form.poles[root.place], leaf, distances: &scratch };
+                let at = local.place(root.tau);
+                let there = Local { pole: &other.poles[root.place], leaf: moved, distances: &scratch };
+                local.holds(at.0).then(|| {
+                    let here = local.value(at);
+                    (there.value(at).f - here.f).norm() / here.slope.norm() * root.z.norm()
+                })
+            });
+            let by = local.flatten().unwrap_or_else(|| {
+                let [here, slope, _] = whole(form, root.z);
+                (whole(other, root.z)[0] - here).norm() / slope.norm()
+            });
+            out.push(by);
+            if !root.real {
+                out.push(by);
+            }
+        }
+        out
+    }
+
     /// Collects offsets of poles and known zeros about the pole at `place`, mirror images included.
     fn surround(&mut self, form: &CircleForm, place: usize) {
         self.near_poles.clear();
@@ -328,7 +356,8 @@ impl CircleRoots {
         let mut outcome = Outcome::Lost;
         for _ in 0..3 {
             self.surround(form, place);
-            let width = (form.poles[place].angle - form.poles[(place + 1).min(form.poles.len() - 1)].angle).abs();
+            let left = place.min(form.poles.len().saturating_sub(2));
+            let width = form.poles[left].angle - form.poles.get(left + 1).map_or(0.0, |next| next.angle);
             if self.near_known.iter().any(|known| (tau - known).norm_sqr() <= 1e-12 * width * width) {
                 outcome = Outcome::Known;
                 break;
@@ -347,7 +376,7 @@ impl CircleRoots {
             let now = gap.saturating_sub(1);
             let here = C::new(if mirrored { theta - form.poles[place].angle } else { root.re }, root.im);
             if now.abs_diff(place) <= REACH / 2 {
-                outcome = self.settle(&local, place, gap, here);
+                outcome = self.settle(&local, place, (gap, width), here);
                 break;
             }
             tau = here + (form.poles[place].angle - form.poles[now].angle);
@@ -384,7 +413,7 @@ impl CircleRoots {
     }
 
     /// Last steps without others in the way, and the zero is noted: on the real axis if f changes its sign there.
-    fn settle(&mut self, local: &Local<'_>, place: usize, gap: usize, start: C) -> Outcome {
+    fn settle(&mut self, local: &Local<'_>, place: usize, (gap, width): (usize, f64), start: C) -> Outcome {
         let mut tau = start;
         for _ in 0..4 {
             let Value { f, slope } = local.value(local.place(tau));
@@ -396,6 +425,10 @@ impl CircleRoots {
             if step.norm() < 1e-6 * tau.norm() {
                 tau -= step;
             }
+        }
+        // Next to a known zero nothing is left of what it is divided out of.
+        if self.near_known.iter().any(|known| (tau - known).norm_sqr() <= 1e-18 * width * width) {
+            return Outcome::Known;
         }
         let at = local.place(tau);
         let Value { f, slope } = local.value(at);

@@ -130,7 +130,13 @@ impl Missing {
             let Some(root) = self.newton(local, t) else { return Outcome::Lost };
             let now = self.gap_of(form, gap, root.re);
             if now.abs_diff(gap) <= REACH / 2 {
-                return self.add(form, roots, gap, settle(local, root));
+                let found = settle(local, root);
+                // Next to a known root nothing is left of what it is divided out of.
+                let again = |known: &C| found.is_some_and(|(t, _)| (t - known).norm_sqr() <= 1e-6 * close);
+                if self.known.iter().any(again) {
+                    return Outcome::Known;
+                }
+                return self.add(form, roots, gap, found);
             }
             t = root + form.distance(gap, now);
             gap = now;

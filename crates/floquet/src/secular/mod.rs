@@ -11,7 +11,8 @@
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these two |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
-//! | `large`, `cauchy`, `window`, `missing` | the same for large rings in O(M) |
+//! | `large`, `cauchy`, `window`, `missing`, `large_verdict` | the same for large rings in O(M) |
+//! | `forced_large`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
@@ -29,6 +30,7 @@ mod gap;
 mod growth;
 mod lanes;
 mod large;
+mod large_verdict;
 mod missing;
 mod modes;
 mod pair;

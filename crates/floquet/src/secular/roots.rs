@@ -6,6 +6,7 @@ use nalgebra::Complex;
 use super::doubt::Doubt;
 use super::gap::{beyond, lowest, lowest_within, root};
 use super::lanes::Lane;
+use super::large_verdict::Touching;
 use super::missing::Missing;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
@@ -26,6 +27,8 @@ pub(crate) struct Roots {
     /// The first root in each gap and behind the last one.
     pub(crate) gaps: Vec<u32>,
     missing: Missing,
+    /// Where errors of residues decide between two real roots and a pair.
+    pub(crate) touching: Vec<Touching>,
     pub(crate) values: Vec<Complex<f64>>,
     pub(crate) errors: Vec<f64>,
     unknown: Vec<Complex<f64>>,
@@ -90,6 +93,7 @@ impl Secular {
         roots.errors.clear();
         roots.list.clear();
         roots.gaps.clear();
+        roots.touching.clear();
         suspects.clear();
         let signs = form.residues();
         let large = !form.leaves.is_empty();
@@ -123,6 +127,13 @@ impl Secular {
                 roots.real(gap, low.t, error);
                 roots.real(gap, low.t, error);
             } else if low.value < 0.0 {
+                if large && half < 0.03 * width {
+                    // Certain of F as it has been worked out; of F as it is?
+                    let low = lowest(local, left.signum(), width, ends);
+                    if !low.is_certain() {
+                        roots.touching.push(Touching::new(gap, &low));
+                    }
+                }
                 for (bracket, rising) in [((0.0, low.t), left < 0.0), ((low.t, width), left > 0.0)] {
                     roots.list.push(bracketed(form, scratch, gap, bracket, rising));
                 }
