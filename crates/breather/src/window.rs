@@ -11,7 +11,7 @@
 //! polynomials are each mass's own: far from the breather their coefficients are as small as the motion itself, and
 //! bounds taken from them are as tight, which no bound common to the ring could be.
 
-use vibrochain_lattice::{Model, Wave};
+use vibrochain_lattice::{LARGE_RING, Model, Wave};
 
 use crate::motion::Motion;
 
@@ -53,6 +53,8 @@ pub(crate) struct Window {
     masses: usize,
     since_refresh: usize,
     unit: f64,
+    /// Displacement and velocity of all masses of a large ring.
+    all: Vec<(f64, f64)>,
 }
 
 impl Window {
@@ -73,6 +75,14 @@ impl Window {
         self.since_refresh = 0;
         motion.seek(interval, elapsed);
         let (values, slopes) = self.coefficients.split_at_mut(self.masses);
+        if motion.sites() >= LARGE_RING {
+            motion.all_sites(&mut self.all);
+            for ((value, slope), &site) in values.iter_mut().zip(slopes).zip(&watched.sites) {
+                let (displacement, velocity) = self.all[site];
+                (*value, *slope) = (displacement, velocity * self.unit);
+            }
+            return;
+        }
         for ((value, slope), &site) in values.iter_mut().zip(slopes).zip(&watched.sites) {
             let now = motion.site(site);
             (*value, *slope) = (now.displacement, now.velocity * self.unit);
@@ -206,7 +216,8 @@ mod tests {
             assert_eq!(sine.evaluate(s), (value, slope));
         }
         assert!(sine.third_bound(1.0) >= 1.0 && sine.third_bound(1.0) <= 1.6);
-        let window = Window { coefficients: coefficients.to_vec(), masses: 1, since_refresh: 0, unit: 1.0 };
+        let window =
+            Window { coefficients: coefficients.to_vec(), masses: 1, since_refresh: 0, unit: 1.0, all: Vec::new() };
         let (low, high) = window.range(0, 1.0);
         assert!(low <= 0.0 && high >= 1f64.sin() && high <= 1.01);
     }

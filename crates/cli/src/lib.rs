@@ -27,6 +27,7 @@ pub mod force;
 mod forms;
 pub mod locate_command;
 pub mod manifest;
+mod multiplier_file;
 pub mod orbit_command;
 #[cfg(feature = "plot")]
 mod orbit_plots;

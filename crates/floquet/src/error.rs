@@ -1,9 +1,9 @@
 //! Why a stability analysis could not be completed.
 
 use thiserror::Error;
+use vibrochain_breather::BreatherError;
 
 use crate::secular::Doubt;
-use vibrochain_breather::BreatherError;
 
 /// Failures of this layer; an unstable orbit is an answer, not a failure.
 #[derive(Debug, Clone, PartialEq, Error)]

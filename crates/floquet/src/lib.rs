@@ -61,8 +61,8 @@ pub use multipliers::{odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;
 pub use saltation::{Saltation, saltations};
 pub use secular::{
-    Doubt, ForcedSecular, ModalShape, Outcome, OutsideCount, OutsideCounter, Reason, Residues, Secular,
-    SecularMultipliers, SecularVerdict,
+    Doubt, ForcedSecular, ModalShape, MultiplierLabel, Outcome, OutsideCount, OutsideCounter, Reason, Residues,
+    Secular, SecularMultipliers, SecularVerdict, multiplier_labels,
 };
 pub use square::Square;
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};

@@ -11,6 +11,7 @@
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these two |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
+//! | `labels` | [`MultiplierLabel`]: mode and signature of a multiplier |
 //! | `large`, `cauchy`, `window`, `missing`, `large_verdict` | the same for large rings in O(M) |
 //! | `forced_large`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
@@ -28,6 +29,7 @@ mod forced_roots;
 mod forced_verdict;
 mod gap;
 mod growth;
+mod labels;
 mod lanes;
 mod large;
 mod large_verdict;
@@ -46,6 +48,7 @@ pub use forced::SecularMultipliers;
 pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;
 pub(crate) use growth::excess;
+pub use labels::{MultiplierLabel, multiplier_labels};
 pub use residues::Residues;
 pub use shapes::ModalShape;
 pub use verdict::{Outcome, Reason, Secular, SecularVerdict};

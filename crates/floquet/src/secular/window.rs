@@ -77,6 +77,14 @@ impl Residues {
         (gap, middle - self.poles()[gap], if *scale > 0.0 { 1.0 / scale } else { 0.0 })
     }
 
+    /// The Krein signature of a real root ν, −sign F′.
+    pub(crate) fn signature(&self, nu: f64, scratch: &mut Vec<Lane>) -> Option<i8> {
+        let last = self.count().checked_sub(2)?;
+        let gap = self.poles().partition_point(|pole| *pole <= nu).saturating_sub(1).min(last);
+        let slope = self.window(gap, gap, scratch).jet(nu - self.poles()[gap]).slope;
+        (slope.is_finite() && slope != 0.0).then_some(if slope < 0.0 { 1 } else { -1 })
+    }
+
     /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `distances` is scratch space.
     pub(crate) fn window<'a>(&'a self, gap: usize, place: usize, distances: &'a mut Vec<Lane>) -> Local<'a> {
         let leaf = self.leaves.partition_point(|leaf| leaf.gaps.end <= gap);
