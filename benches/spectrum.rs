@@ -115,17 +115,37 @@ fn forced(criterion: &mut Criterion) {
 fn large_rings(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("large");
     group.sample_size(10);
-    for sites in [1001, 10_001, 100_001] {
-        let model = Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), 0.8, 0.4).unwrap();
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
-        finder.find(&model, Family::SingleSided, &mut found).unwrap();
-        let mut secular = Secular::default();
-        group.bench_function(format!("all roots/{sites} sites"), |bencher| {
-            bencher.iter(|| {
-                secular.set(black_box(&found.orbits[0]), finder.response()).unwrap();
-                secular.roots().unwrap().0.len()
+    for sites in [21, 101, 1001, 10_001, 100_001] {
+        // Without and with bands of opposite signature on top of each other.
+        for (name, family, omega) in [
+            ("single", Family::SingleSided, 0.8),
+            ("double", Family::DoubleSided, 0.8),
+            ("single, overlapping", Family::SingleSided, 0.6),
+            ("double, overlapping", Family::DoubleSided, 0.6),
+        ] {
+            let model = Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4).unwrap();
+            let (mut finder, mut found) = (Finder::new(sites), Found::default());
+            finder.find_symmetric(&model, family, &mut found).unwrap();
+            let mut secular = Secular::default();
+            group.bench_function(format!("all roots/{name}/{sites} sites"), |bencher| {
+                bencher.iter(|| {
+                    secular.set(black_box(&found.orbits[0]), finder.response()).unwrap();
+                    secular.roots().unwrap().0.len()
+                });
             });
-        });
+        }
+        for (name, family, omega) in [("n=1", Family::SingleSided, 0.92), ("n=2", Family::DoubleSided, 1.5)] {
+            let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, 0.1, 0.9).unwrap();
+            let (mut finder, mut found) = (Finder::new(sites), Found::default());
+            finder.find(&model, family, &mut found).unwrap();
+            let mut secular = SecularMultipliers::default();
+            group.bench_function(format!("all multipliers/{name}/{sites} sites"), |bencher| {
+                bencher.iter(|| {
+                    secular.set(black_box(&found.orbits[0]), finder.response()).unwrap();
+                    secular.multipliers().unwrap().0.len()
+                });
+            });
+        }
     }
     group.finish();
 }

@@ -5,7 +5,7 @@
 //! from one interval to the next) and swings them forward.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Chain, ImpulseResponse, RingCosines, Spectrum, Wave};
+use vibrochain_lattice::{Chain, Complex, ImpulseResponse, LARGE_RING, RingCosines, RingTransform, Spectrum, Wave};
 
 use crate::error::BreatherError;
 use crate::orbit::Orbit;
@@ -71,6 +71,8 @@ pub struct Motion {
     /// The modes at the time last asked for: [source][mode] displacement, velocity, acceleration.
     now: Vec<[f64; 3]>,
     now_force: Kinematics,
+    /// For large rings, once all sites have been asked for.
+    transform: Option<RingTransform>,
 }
 
 impl Motion {
@@ -91,6 +93,7 @@ impl Motion {
             states: Vec::new(),
             now: Vec::new(),
             now_force: Kinematics::default(),
+            transform: None,
         }
     }
 
@@ -252,6 +255,33 @@ impl Motion {
         }
     }
 
+    /// Displacement and velocity of all masses at the time last sought, in O(M log M) for a large ring.
+    pub(crate) fn all_sites(&mut self, out: &mut Vec<(f64, f64)>) {
+        let ring = self.sites();
+        out.clear();
+        if ring < LARGE_RING {
+            out.extend((0..ring).map(|n| {
+                let Kinematics { displacement, velocity, .. } = self.site(n);
+                (displacement, velocity)
+            }));
+            return;
+        }
+        out.resize(ring, (self.now_force.displacement, self.now_force.velocity));
+        if self.transform.as_ref().is_none_or(|transform| transform.size() != ring) {
+            self.transform = Some(RingTransform::new(ring));
+        }
+        let Some(transform) = &mut self.transform else { return };
+        for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
+            // Displacement and velocity as one complex number.
+            let values = transform.sites(modes.iter().map(|now| Complex::new(now[0], now[1])));
+            for (n, value) in values.iter().enumerate() {
+                let (displacement, velocity) = &mut out[(n + source) % ring];
+                *displacement += value.re;
+                *velocity += value.im;
+            }
+        }
+    }
+
     /// The mass at `site` at time `t` (any `t`; at an impact, just after it).
     pub fn at(&mut self, site: usize, t: f64) -> Kinematics {
         let t = if (0.0..self.period).contains(&t) { t } else { t.rem_euclid(self.period) };
@@ -268,7 +298,9 @@ impl Motion {
     /// Displacements of all masses at time `t`.
     pub fn displacements(&mut self, t: f64) -> Vec<f64> {
         self.at(0, t);
-        (0..self.sites()).map(|n| self.site(n).displacement).collect()
+        let mut all = Vec::new();
+        self.all_sites(&mut all);
+        all.into_iter().map(|(displacement, _)| displacement).collect()
     }
 
     /// Moves just after impact `i`, where interval `i` starts; the state of `site` there.

@@ -11,7 +11,7 @@
 //! polynomials are each mass's own: far from the breather their coefficients are as small as the motion itself, and
 //! bounds taken from them are as tight, which no bound common to the ring could be.
 
-use vibrochain_lattice::{Model, Wave};
+use vibrochain_lattice::{LARGE_RING, Model, Wave};
 
 use crate::motion::Motion;
 
@@ -55,6 +55,8 @@ pub(crate) struct Window {
     unit: f64,
     lows: Vec<f64>,
     highs: Vec<f64>,
+    /// Displacement and velocity of all masses of a large ring.
+    all: Vec<(f64, f64)>,
 }
 
 impl Window {
@@ -75,6 +77,14 @@ impl Window {
         self.since_refresh = 0;
         motion.seek(interval, elapsed);
         let (values, slopes) = self.coefficients.split_at_mut(self.masses);
+        if motion.sites() >= LARGE_RING {
+            motion.all_sites(&mut self.all);
+            for ((value, slope), &site) in values.iter_mut().zip(slopes).zip(&watched.sites) {
+                let (displacement, velocity) = self.all[site];
+                (*value, *slope) = (displacement, velocity * self.unit);
+            }
+            return;
+        }
         let slopes = &mut slopes[..self.masses];
         motion.masses(&watched.sites, values, slopes);
         slopes.iter_mut().for_each(|slope| *slope *= self.unit);

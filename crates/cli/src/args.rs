@@ -200,6 +200,10 @@ pub struct OrbitArgs {
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,
+    /// All multipliers of all solutions as CSV: real and imaginary part, modulus, argument, nearest mode.
+    /// JSON lists up to 4096 of a solution.
+    #[arg(long, value_name = "FILE")]
+    pub multipliers: Option<PathBuf>,
     /// Picture of the orbits, .png or .svg: profile at the impacts, impacting mass over a period.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,

@@ -136,7 +136,7 @@ impl Status {
         match error {
             FloquetError::Grazing { .. } => Self::IllConditioned,
             FloquetError::NotConverged { .. } => Self::NotConverged,
-            FloquetError::TooLarge { .. } => Self::TooLarge,
+            FloquetError::TooLarge { .. } | FloquetError::InDoubt { .. } => Self::TooLarge,
             FloquetError::Breather(error) => Self::of_orbit(error),
         }
     }

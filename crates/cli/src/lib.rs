@@ -35,6 +35,7 @@ mod lines;
 pub mod locate_command;
 pub mod manifest;
 pub mod merge_command;
+mod multiplier_file;
 pub mod orbit_command;
 mod orbit_modes;
 #[cfg(feature = "plot")]

@@ -11,6 +11,7 @@ use crate::args::{FamilyName, ModelArgs, OrbitArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::force;
+use crate::multiplier_file::MultiplierFile;
 use crate::orbit_modes::OrbitModes;
 use crate::output::Number;
 use crate::parameter::{Parameter, Point};
@@ -39,12 +40,15 @@ pub fn family(name: FamilyName) -> Family {
     }
 }
 
+/// The most multipliers of a solution that JSON lists.
+const MOST_LISTED: usize = 4096;
+
 /// One orbit with all that is said about it.
-struct Solution {
-    orbit: Orbit,
+pub(crate) struct Solution {
+    pub(crate) orbit: Orbit,
     admissibility: Admissibility,
     condition: Condition,
-    stability: Result<Stability, FloquetError>,
+    pub(crate) stability: Result<Stability, FloquetError>,
     modes: Option<OrbitModes>,
 }
 
@@ -59,6 +63,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         None => Tolerance::Rounding,
         Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
     };
+    let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let plot = Plot::open(args)?;
     let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
     let mut finder = Finder::new(model.chain().sites());
@@ -81,6 +86,9 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         text(&model, family, &solutions, &found)
     };
     console.print(&text)?;
+    if let Some(file) = file {
+        file.finish(&solutions, &mut finder)?;
+    }
     plot.finish(&solutions, console)?;
     match solutions.iter().find_map(|solution| solution.stability.as_ref().err()) {
         Some(error) => Err(CliError::Computation(format!("stability could not be computed: {error}"))),
@@ -172,7 +180,9 @@ impl Solution {
         match &self.stability {
             Ok(stability) => {
                 let verdict = stability.verdict;
-                let multipliers: Vec<[f64; 2]> = stability.multipliers.iter().map(|m| [m.re, m.im]).collect();
+                let listed = stability.multipliers.len() <= MOST_LISTED;
+                let pairs = || stability.multipliers.iter().map(|m| [m.re, m.im]).collect::<Vec<_>>();
+                let multipliers = listed.then(pairs);
                 value["stability"] = json!({
                     "stable": verdict.stable,
                     "marginal": verdict.marginal,
@@ -183,6 +193,11 @@ impl Solution {
                     "method": verdict.method.name(),
                     "multipliers": multipliers,
                 });
+                if multipliers.is_none() {
+                    let note =
+                        format!("{} of them: --multipliers FILE writes them as CSV", stability.multipliers.len());
+                    value["stability"]["multipliers_note"] = note.into();
+                }
                 if let Some(doubt) = verdict.method.doubt() {
                     value["stability"]["doubt"] = doubt.to_string().into();
                 }

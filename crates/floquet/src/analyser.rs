@@ -13,7 +13,7 @@ use vibrochain_breather::{Finder, Orbit};
 
 use crate::dense::{Dense, uncoupled};
 use crate::error::FloquetError;
-use crate::monodromy::check_dimension;
+use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
 use crate::secular::{Doubt, ForcedSecular, Secular};
 use crate::verdict::{Method, Tolerance, Verdict};
@@ -131,6 +131,13 @@ impl Analyser {
                 Err(Failure::Doubt(why)) => doubt = Some(why),
             }
         }
+        if let Some(doubt) = doubt {
+            let modes = orbit.model().chain().even_modes();
+            let dimension = if orbit.is_reversible() { modes } else { 2 * modes };
+            if dimension > MAX_DIMENSION {
+                return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
+            }
+        }
         let verdict = self.dense.judge(orbit, finder, tolerance, thorough)?;
         let multipliers = if thorough { self.dense.multipliers(orbit) } else { Vec::new() };
         Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
@@ -156,8 +163,6 @@ impl Analyser {
         if orbit.model().is_conservative() {
             return Err(Doubt::NotReversible.into());
         }
-        // Its sums are pairs of modes.
-        check_dimension(2 * orbit.model().chain().even_modes())?;
         let verdict = self.not_reversible(orbit, finder, tolerance, thorough)?;
         Ok((verdict, if thorough { self.forced.symmetric_multipliers() } else { Vec::new() }))
     }

@@ -16,6 +16,9 @@ const WORST: f64 = 1e-10;
 /// As [`WORST`], for a sweep, whose cells are not worth as much.
 const WORST_OF_SWEEP: f64 = 1e-9;
 
+/// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
+const WORTH_A_MATRIX: usize = 1000;
+
 /// Room for what estimated errors leave out where an answer hangs on them.
 const ROOM: f64 = 4.0;
 
@@ -46,7 +49,7 @@ impl Analyser {
         let found = self.secular.verdict()?;
         Ok(match (found.outcome, found.leading) {
             (Outcome::Unstable, Some(leading)) => {
-                check(found.growth, found.growth_error, thorough)?;
+                check(found.growth, found.growth_error, thorough, orbit)?;
                 Verdict::of_growth(leading, found.growth, found.growth_error, tolerance)
             }
             (Outcome::Marginal, Some(leading)) => {
@@ -72,20 +75,23 @@ impl Analyser {
         }
         let (values, errors) = self.forced.multipliers();
         if orbit.model().loss() == 0.0 {
-            return elastic(values, errors, tolerance, thorough);
+            return elastic(values, errors, tolerance, thorough, orbit);
         }
         let all = || values.iter().map(|z| excess(*z)).zip(errors);
         let leading = all().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
         let Some((place, (growth, &error))) = leading else { return Err(Doubt::NotReversible.into()) };
         // Another one that may lead is as good.
         let error = all().map(|(other, error)| other + error - growth).fold(error, f64::max);
-        check(growth, error, thorough)?;
+        check(growth, error, thorough, orbit)?;
         Ok(settle(values, place, growth, error, tolerance))
     }
 }
 
 /// An error that a dense solver would beat is a doubt.
-fn check(growth: f64, error: f64, thorough: bool) -> Result<(), Failure> {
+fn check(growth: f64, error: f64, thorough: bool, orbit: &Orbit) -> Result<(), Failure> {
+    if orbit.model().chain().even_modes() > WORTH_A_MATRIX {
+        return Ok(());
+    }
     // Not a number is a doubt, too.
     let precise = error <= if thorough { WORST } else { WORST_OF_SWEEP } * (2.0 + growth);
     if precise { Ok(()) } else { Err(Doubt::Imprecise { growth, growth_error: error }.into()) }
@@ -99,7 +105,13 @@ fn settle(values: &[Complex<f64>], place: usize, growth: f64, error: f64, tolera
 }
 
 /// Elastic impacts: a multiplier comes with 1/μ̄, so that one next to the circle that has no other near lies on it exactly.
-fn elastic(values: &[Complex<f64>], errors: &[f64], tolerance: Tolerance, thorough: bool) -> Result<Verdict, Failure> {
+fn elastic(
+    values: &[Complex<f64>],
+    errors: &[f64],
+    tolerance: Tolerance,
+    thorough: bool,
+    orbit: &Orbit,
+) -> Result<Verdict, Failure> {
     let mut leading: Option<(usize, f64, f64)> = None;
     for (i, (z, error)) in values.iter().zip(errors).enumerate() {
         let (growth, reach) = (excess(*z), ROOM * error);
@@ -121,7 +133,7 @@ fn elastic(values: &[Complex<f64>], errors: &[f64], tolerance: Tolerance, thorou
     }
     match leading {
         Some((place, growth, error)) => {
-            check(growth, error, thorough)?;
+            check(growth, error, thorough, orbit)?;
             Ok(settle(values, place, growth, error, tolerance))
         }
         None => Ok(Verdict::on_circle(values.first().copied())),

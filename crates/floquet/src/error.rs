@@ -3,6 +3,8 @@
 use thiserror::Error;
 use vibrochain_breather::BreatherError;
 
+use crate::secular::Doubt;
+
 /// Failures of this layer; an unstable orbit is an answer, not a failure.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FloquetError {
@@ -27,6 +29,18 @@ pub enum FloquetError {
         impact: usize,
         /// Velocity before it.
         velocity: f64,
+    },
+    /// The secular function has no answer that it could vouch for, and dense matrices would not fit.
+    #[error(
+        "the multipliers of this ring are in doubt ({doubt}), and a dense analysis of dimension {dimension} exceeds the limit of {limit}"
+    )]
+    InDoubt {
+        /// The doubt.
+        doubt: Doubt,
+        /// Size of the matrix.
+        dimension: usize,
+        /// The most that is done, [`crate::MAX_DIMENSION`].
+        limit: usize,
     },
     /// The dense matrices would not fit.
     #[error("a dense analysis of dimension {dimension} exceeds the limit of {limit}; use a smaller ring")]

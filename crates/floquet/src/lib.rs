@@ -64,7 +64,7 @@ pub use nalgebra::Complex;
 pub use saltation::{Saltation, saltations};
 pub use secular::{
     Doubt, ForcedSecular, ModalShape, Outcome, OutsideCount, OutsideCounter, Reason, Residues, Secular,
-    SecularMultipliers, SecularVerdict,
+    SecularMultipliers, SecularVerdict, multiplier_modes,
 };
 pub use square::Square;
 pub use stripes::{Collision, DressedModes, Signature, signature};

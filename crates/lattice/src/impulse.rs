@@ -17,10 +17,13 @@
 //! like 1/y² while breathers hang on the dynamic part, which stays finite even for a rigid mode (Ω = 0); added
 //! together they would lose 2·log₁₀(1/y) digits. Callers that know the net impulse use the parts; `value` adds them.
 
+use rustfft::num_complex::Complex;
+
 use crate::error::Resonance;
 use crate::ring::RingCosines;
 use crate::small::{cubic_defect, long_sum, sinc};
 use crate::spectrum::{RESONANCE_TOLERANCE, Spectrum};
+use crate::transform::{LARGE_RING, RingTransform};
 
 /// The impulse response at one time, and its first three derivatives in t.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -356,9 +359,16 @@ impl ImpulseResponse {
     }
 
     /// K_n(t) at the sites n = 0 … ⌊M/2⌋ (the ring is symmetric about site 0), written to `out`; one sine a mode
-    /// for all of them. Entries of `out` beyond ⌊M/2⌋ are left alone.
+    /// for all of them, O(M log M) for a large ring. Entries of `out` beyond ⌊M/2⌋ are left alone.
     pub fn profile(&self, t: f64, out: &mut [f64]) {
         let t = self.fold(t);
+        if self.sites >= LARGE_RING {
+            let amplitude = |k: usize| self.weights[k] * (self.mode_static(k) + self.mode_dynamic(k, t));
+            let mut transform = RingTransform::new(self.sites);
+            let values = transform.sites((0..self.modes()).map(|k| Complex::new(amplitude(k), 0.0)));
+            out.iter_mut().take(self.modes()).zip(values).for_each(|(o, value)| *o = value.re);
+            return;
+        }
         out.iter_mut().take(self.modes()).for_each(|o| *o = 0.0);
         for k in 0..self.modes() {
             let amplitude = self.weights[k] * (self.mode_static(k) + self.mode_dynamic(k, t));

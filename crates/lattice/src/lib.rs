@@ -24,6 +24,7 @@
 //! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
 //! | `parameter` | [`Parameter`]: the real ones by name, to be varied |
 //! | `ring` | [`RingCosines`]: cos(2πj/M) to the last digit |
+//! | `transform` | [`RingTransform`]: all sites from the modes in O(M log M) |
 //! | `impulse` | [`ImpulseResponse`]: the periodic impulse response K_n(t) in closed form |
 //! | `sensitivity` | condition of the impulse response |
 //! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
@@ -52,6 +53,7 @@ mod ring;
 mod sensitivity;
 mod small;
 mod spectrum;
+mod transform;
 
 pub use decay::{Decay, decay, far_field, harmonic_response};
 pub use error::{LatticeError, ParameterError, Resonance};
@@ -61,5 +63,7 @@ pub use parameter::Parameter;
 pub use params::{Barrier, Chain, MAX_MAGNITUDE, MAX_SITES, Model};
 pub use propagator::Propagator;
 pub use ring::RingCosines;
+pub use rustfft::num_complex::Complex;
 pub use small::{sinc, sine_over};
 pub use spectrum::{RESONANCE_TOLERANCE, Spectrum};
+pub use transform::{LARGE_RING, RingTransform};

@@ -92,6 +92,17 @@ impl Local<'_> {
         total(noise) + self.far.map_or(0.0, |far| far.leaf.noise)
     }
 
+    /// Error of F as the function that its poles and residues define, from the sum alone.
+    pub(crate) fn rounding(&self, t: Complex<f64>) -> f64 {
+        let mut size = ZERO;
+        let (re, square) = (all(t.re), all(t.im * t.im));
+        for (residue, distance) in self.residues.iter().zip(self.distances) {
+            let u = four(*distance) + re;
+            size += four(*residue).abs() / (u * u + square).sqrt();
+        }
+        4.0 * f64::EPSILON * total(size) + self.far.map_or(0.0, |far| far.leaf.rounding)
+    }
+
     /// Error of a real simple root.
     pub(crate) fn root_error(&self, t: f64) -> f64 {
         self.noise(Complex::new(t, 0.0)) / self.jet(t).slope.abs()

@@ -28,6 +28,7 @@ use wide::f64x4;
 
 use super::aberth::Aberth;
 use super::doubt::Doubt;
+use super::forced_large::{ForcedLarge, LARGE};
 use super::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
@@ -70,6 +71,7 @@ pub struct SecularMultipliers {
     shared: Vec<f64>,
     sums: Vec<[f64x4; 6]>,
     pub(super) aberth: Aberth,
+    pub(super) large: ForcedLarge,
 }
 
 /// What the sums K̂(p_k) need of every mode.
@@ -116,6 +118,14 @@ impl SecularMultipliers {
         let (cos, sin) = (response.cos_half(), response.sin_half());
         let omega = response.omega();
         self.count = frequencies.len();
+        if self.is_large() {
+            let data = (self.times.as_slice(), self.kappas.as_slice());
+            let outcome = self.large.set(data, (e, q), response, &mut self.residues);
+            fill(&mut self.pole_re, cos.iter().zip(sin).map(|(c, s)| (c - s) * (c + s)), 1e100);
+            fill(&mut self.pole_im, cos.iter().zip(sin).map(|(c, s)| 2.0 * s * c), 0.0);
+            fill(&mut self.residue_error, outcome?.into_iter(), 0.0);
+            return Ok(());
+        }
         self.modes.set(response, &self.times);
         let size = 2 * n;
         let border = size + 1;
@@ -182,6 +192,11 @@ impl SecularMultipliers {
         } else {
             Err(Doubt::Certificate { defect, allowed })
         }
+    }
+
+    /// Cauchy sums are faster than pairs of modes.
+    pub(super) fn is_large(&self) -> bool {
+        self.count > LARGE
     }
 
     /// What all K̂ share: propagators over the times between impacts, losses, saltations. Velocities in units of ω.
@@ -298,19 +313,25 @@ impl SecularMultipliers {
     /// # Errors
     /// [`Doubt::Incomplete`] if the iteration does not settle; [`Doubt::Certificate`] if their sum is not the trace.
     pub fn multipliers(&mut self) -> Result<(&[Complex<f64>], &[f64]), Doubt> {
-        let mut aberth = std::mem::take(&mut self.aberth);
-        let outcome = aberth.solve(self, &self.angles);
         let trace = self.trace();
-        self.aberth = aberth;
-        outcome?;
-        let sum: f64 = self.aberth.roots.iter().map(|z| z.re).sum();
-        let size: f64 = self.aberth.roots.iter().map(|z| z.norm()).sum();
-        let slack: f64 = self.aberth.errors.iter().sum();
+        let (roots, errors) = if self.is_large() {
+            self.large.solve()?;
+            (&self.large.roots.values, &self.large.roots.errors)
+        } else {
+            let mut aberth = std::mem::take(&mut self.aberth);
+            let outcome = aberth.solve(self, &self.angles);
+            self.aberth = aberth;
+            outcome?;
+            (&self.aberth.roots, &self.aberth.errors)
+        };
+        let sum: f64 = roots.iter().map(|z| z.re).sum();
+        let size: f64 = roots.iter().map(|z| z.norm()).sum();
+        let slack: f64 = errors.iter().sum();
         let defect = (sum - trace).abs();
         let own: f64 = self.residue_error.iter().flatten().sum();
         let allowed = 16.0 * (slack + own + f64::EPSILON * size);
         if defect <= allowed.max(1e-9 * size) {
-            Ok((&self.aberth.roots, &self.aberth.errors))
+            Ok((roots, errors))
         } else {
             Err(Doubt::Certificate { defect, allowed })
         }
@@ -362,7 +383,7 @@ impl Modes {
 }
 
 /// Determinant by elimination with partial pivoting; the matrix is used up.
-fn determinant(matrix: &mut [C], size: usize) -> C {
+pub(super) fn determinant(matrix: &mut [C], size: usize) -> C {
     let mut product = C::new(1.0, 0.0);
     for column in 0..size {
         let (mut pivot, mut largest) = (column, 0.0);

@@ -69,7 +69,10 @@ impl ForcedSecular {
         self.values.extend_from_slice(values);
         self.errors.clear();
         self.errors.extend_from_slice(errors);
-        if let Ok(count) = self.counter.count(orbit, response) {
+        // The count takes a pass over the modes for each of them.
+        if !self.multipliers.is_large()
+            && let Ok(count) = self.counter.count(orbit, response)
+        {
             let beyond = |sign: f64| {
                 let outside = |(z, error): &(&Complex<f64>, &f64)| excess(**z) > sign * **error;
                 self.values.iter().zip(&self.errors).filter(outside).count()
@@ -118,6 +121,11 @@ impl ForcedSecular {
                     Ok(()) | Err(Doubt::Certificate { .. }) => {}
                     Err(doubt) => return Err(doubt),
                 }
+                if form.is_large() {
+                    let moves = form.large.moved(&moved.large);
+                    errors.iter_mut().zip(moves).for_each(|(total, by)| *total += by * (error / step));
+                    continue;
+                }
                 for (z, total) in values.iter().zip(errors.iter_mut()) {
                     let (here, there) = (evaluate(form, *z), evaluate(moved, *z));
                     *total += (there.f - here.f).norm() / here.slope.norm() * (error / step);
@@ -129,6 +137,10 @@ impl ForcedSecular {
 
     /// The multipliers with complex ones in exactly conjugate pairs and real ones without imaginary part.
     pub(crate) fn symmetric_multipliers(&self) -> Vec<Complex<f64>> {
+        if self.multipliers.is_large() {
+            // They are found that way.
+            return self.values.clone();
+        }
         let mut open: Vec<Complex<f64>> = self.values.clone();
         let mut paired = Vec::with_capacity(open.len());
         while let Some(z) = open.pop() {

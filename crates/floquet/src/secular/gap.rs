@@ -33,7 +33,18 @@ impl Lowest {
 const STEPS: usize = 60;
 
 /// Seeks the least s·F; stops at the first value that is negative beyond doubt.
-pub(crate) fn lowest(local: Local<'_>, sign: f64, width: f64, (left, right): (f64, f64)) -> Lowest {
+pub(crate) fn lowest(local: Local<'_>, sign: f64, width: f64, ends: (f64, f64)) -> Lowest {
+    lowest_within(local, sign, width, ends, |t| local.noise(Complex::new(t, 0.0)))
+}
+
+/// The same where `noise` says what is beyond doubt.
+pub(crate) fn lowest_within(
+    local: Local<'_>,
+    sign: f64,
+    width: f64,
+    (left, right): (f64, f64),
+    noise: impl Fn(f64) -> f64,
+) -> Lowest {
     let (left, right) = (left.abs().sqrt(), right.abs().sqrt());
     // The two poles alone have their least value here.
     let mut t = width * left / (left + right);
@@ -47,7 +58,7 @@ pub(crate) fn lowest(local: Local<'_>, sign: f64, width: f64, (left, right): (f6
             best = Lowest { t, value, bend, noise: 0.0 };
         }
         if value <= 0.0 {
-            best.noise = local.noise(Complex::new(t, 0.0));
+            best.noise = noise(t);
             if -value > best.noise {
                 return best;
             }
@@ -67,7 +78,7 @@ pub(crate) fn lowest(local: Local<'_>, sign: f64, width: f64, (left, right): (f6
     }
     // Tangency or not? Worth the error only where the two roots are close.
     if best.noise == 0.0 && best.half_distance() < 1e-3 * width {
-        best.noise = local.noise(Complex::new(best.t, 0.0));
+        best.noise = noise(best.t);
     }
     best
 }

@@ -11,7 +11,9 @@
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these two |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
-//! | `large`, `cauchy`, `window` | the same for large rings in O(M) |
+//! | `labels` | the mode that a multiplier is next to |
+//! | `large`, `cauchy`, `window`, `missing`, `large_verdict` | the same for large rings in O(M) |
+//! | `forced_large`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
@@ -22,11 +24,16 @@ mod doubt;
 mod evaluate;
 mod forced;
 mod forced_count;
+mod forced_large;
+mod forced_roots;
 mod forced_verdict;
 mod gap;
 mod growth;
+mod labels;
 mod lanes;
 mod large;
+mod large_verdict;
+mod missing;
 mod modes;
 mod pair;
 mod residues;
@@ -41,6 +48,7 @@ pub use forced::SecularMultipliers;
 pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;
 pub(crate) use growth::excess;
+pub use labels::multiplier_modes;
 pub use residues::Residues;
 pub use shapes::ModalShape;
 pub use verdict::{Outcome, Reason, Secular, SecularVerdict};

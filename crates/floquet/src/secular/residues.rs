@@ -7,7 +7,7 @@ use vibrochain_lattice::ImpulseResponse;
 use super::doubt::Doubt;
 use super::evaluate::Local;
 use super::growth::Nu;
-use super::lanes::{Lane, fill};
+use super::lanes::{Lane, TWO, all, fill, four};
 use super::modes::Modes;
 use super::window::Leaf;
 use super::{double_sided, large, single_sided};
@@ -17,12 +17,17 @@ const LARGE: usize = 256;
 
 /// Pole that pads the last group of four: so far away that its residue, 0, is never heard of.
 const FAR: f64 = 1e100;
+/// The same as a sine or cosine.
+pub(crate) const FAR_ROOT: f64 = 1e50;
 
 /// One pole of F before sorting.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pole {
     pub(crate) mode: u32,
     pub(crate) pole: f64,
+    /// |c|, |s|
+    pub(crate) cos: f64,
+    pub(crate) sin: f64,
     /// 2s² = 1 − d and 2c² = 1 + d, to full relative accuracy.
     below_one: f64,
     above_minus_one: f64,
@@ -36,7 +41,8 @@ impl Pole {
     pub(crate) fn new(mode: usize, cos: f64, sin: f64, shift: f64, residue: f64, error: f64) -> Self {
         let (below_one, above_minus_one) = (2.0 * sin * sin, 2.0 * cos * cos);
         let (pole, shift) = ((cos - sin) * (cos + sin), f64::EPSILON * shift);
-        Self { mode: mode as u32, pole, below_one, above_minus_one, shift, residue, error }
+        let (cos, sin) = (cos.abs(), sin.abs());
+        Self { mode: mode as u32, pole, cos, sin, below_one, above_minus_one, shift, residue, error }
     }
 
     /// By rising d.
@@ -44,14 +50,31 @@ impl Pole {
         match (self.pole < 0.0, other.pole < 0.0) {
             (true, false) => std::cmp::Ordering::Less,
             (false, true) => std::cmp::Ordering::Greater,
-            (true, true) => self.above_minus_one.total_cmp(&other.above_minus_one),
-            (false, false) => other.below_one.total_cmp(&self.below_one),
+            (true, true) => self.cos.total_cmp(&other.cos),
+            (false, false) => other.sin.total_cmp(&self.sin),
         }
     }
 
-    /// self − other, of what is left to the nearer end of [−1, 1]: poles crowd there, closer than 1 ± their distance tells.
+    /// self − other, as a product of a sum and a difference of the smaller of sine and cosine, like in the residues: of
+    /// opposite residues that grow as their poles come together only the product with the distance matters.
     fn distance(&self, other: &Self) -> f64 {
-        if self.pole < 0.0 { self.above_minus_one - other.above_minus_one } else { other.below_one - self.below_one }
+        if self.pole < 0.0 {
+            2.0 * (self.cos - other.cos) * (self.cos + other.cos)
+        } else {
+            2.0 * (other.sin - self.sin) * (other.sin + self.sin)
+        }
+    }
+
+    /// self − others, given by their |c| and |s|.
+    pub(crate) fn distances(&self, cos: &[Lane], sin: &[Lane], out: &mut Vec<Lane>) {
+        out.clear();
+        if self.pole < 0.0 {
+            let own = all(self.cos);
+            out.extend(cos.iter().map(|other| (TWO * (own - four(*other)) * (own + four(*other))).to_array()));
+        } else {
+            let own = all(self.sin);
+            out.extend(sin.iter().map(|other| (TWO * (four(*other) - own) * (four(*other) + own)).to_array()));
+        }
     }
 }
 
@@ -86,6 +109,8 @@ pub struct Residues {
     pub(crate) residues: Vec<Lane>,
     pub(crate) errors: Vec<Lane>,
     pub(crate) shifts: Vec<Lane>,
+    pub(crate) cos: Vec<Lane>,
+    pub(crate) sin: Vec<Lane>,
     pub(crate) below_one: Vec<Lane>,
     pub(crate) above_minus_one: Vec<Lane>,
     pub(super) leaves: Vec<Leaf>,
@@ -158,6 +183,8 @@ impl Residues {
         fill(&mut self.residues, table.iter().map(|pole| pole.residue), 0.0);
         fill(&mut self.errors, table.iter().map(|pole| pole.error), 0.0);
         fill(&mut self.shifts, table.iter().map(|pole| pole.shift), 0.0);
+        fill(&mut self.cos, table.iter().map(|pole| pole.cos), FAR_ROOT);
+        fill(&mut self.sin, table.iter().map(|pole| pole.sin), FAR_ROOT);
         fill(&mut self.below_one, table.iter().map(|pole| pole.below_one), FAR);
         fill(&mut self.above_minus_one, table.iter().map(|pole| pole.above_minus_one), FAR);
         self.certify()?;
@@ -172,14 +199,9 @@ impl Residues {
 
     /// Distances of all poles from that at `place`.
     pub(crate) fn distances(&self, place: usize, out: &mut Vec<Lane>) {
-        let Some(origin) = self.table.get(place) else { return };
-        let (sign, end, lanes) = if origin.pole < 0.0 {
-            (1.0, origin.above_minus_one, &self.above_minus_one)
-        } else {
-            (-1.0, origin.below_one, &self.below_one)
-        };
-        out.clear();
-        out.extend(lanes.iter().map(|lane| lane.map(|other| sign * (end - other))));
+        if let Some(origin) = self.table.get(place) {
+            origin.distances(&self.cos, &self.sin, out);
+        }
     }
 
     /// The pole at one place less that at another.

@@ -4,15 +4,31 @@
 use nalgebra::Complex;
 
 use super::doubt::Doubt;
-use super::gap::{beyond, lowest, root};
+use super::gap::{beyond, lowest, lowest_within, root};
 use super::lanes::Lane;
-use super::pair::{Suspect, from_suspects};
+use super::large_verdict::Touching;
+use super::missing::Missing;
+use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
 use super::verdict::Secular;
+
+/// A root by its offset from the pole at `place`, and its error.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Root {
+    pub(crate) place: usize,
+    pub(crate) t: Complex<f64>,
+    pub(crate) error: f64,
+}
 
 /// Roots and estimates of their errors.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Roots {
+    pub(crate) list: Vec<Root>,
+    /// The first root in each gap and behind the last one.
+    pub(crate) gaps: Vec<u32>,
+    missing: Missing,
+    /// Where errors of residues decide between two real roots and a pair.
+    pub(crate) touching: Vec<Touching>,
     pub(crate) values: Vec<Complex<f64>>,
     pub(crate) errors: Vec<f64>,
     unknown: Vec<Complex<f64>>,
@@ -23,16 +39,14 @@ impl Roots {
         self.values.push(value);
         self.errors.push(error);
     }
+
+    fn real(&mut self, place: usize, t: f64, error: f64) {
+        self.list.push(Root { place, t: Complex::new(t, 0.0), error });
+    }
 }
 
 /// A real root in a gap, from the nearer pole, and its error.
-fn bracketed(
-    form: &Residues,
-    scratch: &mut Vec<Lane>,
-    gap: usize,
-    (low, high): (f64, f64),
-    rising: bool,
-) -> (Complex<f64>, f64) {
+fn bracketed(form: &Residues, scratch: &mut Vec<Lane>, gap: usize, (low, high): (f64, f64), rising: bool) -> Root {
     let width = form.distance(gap + 1, gap);
     // On which side of the middle?
     let middle = 0.5 * (low + high);
@@ -44,7 +58,7 @@ fn bracketed(
     };
     let local = form.window(gap, place, scratch);
     let t = root(local, (low, high), rising, |t| 1.0 / t - 1.0 / (other - t));
-    (form.nu(place, Complex::new(t, 0.0)).complex(), local.root_error(t).min(width))
+    Root { place, t: Complex::new(t, 0.0), error: local.root_error(t).min(width) }
 }
 
 impl Secular {
@@ -77,62 +91,89 @@ impl Secular {
         let Self { residues: form, distances: scratch, suspects, pairs, roots } = self;
         roots.values.clear();
         roots.errors.clear();
+        roots.list.clear();
+        roots.gaps.clear();
+        roots.touching.clear();
         suspects.clear();
-        let (signs, poles) = (form.residues(), form.poles());
+        let signs = form.residues();
+        let large = !form.leaves.is_empty();
         let wanted = form.count().saturating_sub(1);
         for gap in 0..wanted {
+            roots.gaps.push(roots.list.len() as u32);
             let (left, right) = (signs[gap], signs[gap + 1]);
             let width = form.distance(gap + 1, gap);
             if (left > 0.0) == (right > 0.0) {
                 // Coincident modes keep their multiplier.
-                let (nu, error) = if width > 0.0 {
-                    bracketed(form, scratch, gap, (0.0, width), left < 0.0)
+                if width > 0.0 {
+                    roots.list.push(bracketed(form, scratch, gap, (0.0, width), left < 0.0));
                 } else {
-                    (Complex::new(poles[gap], 0.0), 4.0 * f64::EPSILON)
-                };
-                roots.push(nu, error);
+                    roots.real(gap, 0.0, 4.0 * f64::EPSILON);
+                }
                 continue;
             }
-            let low = lowest(form.window(gap, gap, scratch), left.signum(), width, (left, right));
+            let local = form.window(gap, gap, scratch);
+            let ends = (left, right);
+            // In a large ring some residue is always as good as lost; its roots are those of F as it has been worked out, or
+            // their number would not be right.
+            let low = if large {
+                lowest_within(local, left.signum(), width, ends, |t| local.rounding(Complex::new(t, 0.0)))
+            } else {
+                lowest(local, left.signum(), width, ends)
+            };
             let half = low.half_distance();
             if !low.is_certain() {
-                let error =
-                    if low.bend > 0.0 { (2.0 * (low.value.abs() + low.noise) / low.bend).sqrt() } else { width };
-                roots.push(Complex::new(poles[gap] + low.t, 0.0), error);
-                roots.push(Complex::new(poles[gap] + low.t, 0.0), error);
+                let noise = local.noise(Complex::new(low.t, 0.0));
+                let error = if low.bend > 0.0 { (2.0 * (low.value.abs() + noise) / low.bend).sqrt() } else { width };
+                roots.real(gap, low.t, error);
+                roots.real(gap, low.t, error);
             } else if low.value < 0.0 {
+                if large && half < 0.03 * width {
+                    // Certain of F as it has been worked out; of F as it is?
+                    let low = lowest(local, left.signum(), width, ends);
+                    if !low.is_certain() {
+                        roots.touching.push(Touching::new(gap, &low));
+                    }
+                }
                 for (bracket, rising) in [((0.0, low.t), left < 0.0), ((low.t, width), left > 0.0)] {
-                    let (nu, error) = bracketed(form, scratch, gap, bracket, rising);
-                    roots.push(nu, error);
+                    roots.list.push(bracketed(form, scratch, gap, bracket, rising));
                 }
             } else {
                 suspects.push(Suspect { gap, t: low.t, height: half, closeness: half / width });
             }
         }
+        roots.gaps.push(roots.list.len() as u32);
         let ends = [(1.0, &form.below_one, signs.last()), (-1.0, &form.above_minus_one, signs.first())];
         for (end, below, outermost) in ends {
             let Some(&outermost) = outermost else { continue };
             let local = form.about(below);
             let at_end = local.value(0.0);
+            let (place, room) = if end > 0.0 { (wanted, below) } else { (0, below) };
+            let room = room.as_flattened().get(place).copied().unwrap_or_default();
             if (outermost > 0.0) != (at_end > 0.0) {
                 let nearest = below.iter().flatten().copied().fold(f64::INFINITY, f64::min);
                 let delta = root(local, (-nearest, 0.0), outermost < 0.0, |t| 1.0 / (nearest + t));
-                roots.push(Complex::new(end * (1.0 + delta), 0.0), local.root_error(delta));
+                roots.real(place, end * (delta + room), local.root_error(delta));
             }
             if at_end < 0.0 {
                 let delta = beyond(local);
-                roots.push(Complex::new(end * (1.0 + delta), 0.0), local.root_error(delta));
+                roots.real(place, end * (delta + room), local.root_error(delta));
             }
         }
-        if roots.values.len() < wanted {
-            from_suspects(form, suspects, (wanted - roots.values.len()) / 2, scratch, pairs);
-            for pair in pairs.iter() {
-                let nu = form.nu(pair.place, pair.t).complex();
-                roots.push(nu, pair.error);
-                roots.push(nu.conj(), pair.error);
+        if roots.list.len() < wanted && large {
+            let mut missing = std::mem::take(&mut roots.missing);
+            missing.search(form, roots, suspects, wanted, scratch);
+            roots.missing = missing;
+        } else if roots.list.len() < wanted {
+            from_suspects(form, suspects, (wanted - roots.list.len()) / 2, scratch, pairs);
+            for &Pair { place, t, error } in pairs.iter() {
+                roots.list.extend([t, t.conj()].map(|t| Root { place, t, error }));
             }
         }
-        if roots.values.len() < wanted {
+        for Root { place, t, error } in &roots.list {
+            roots.values.push(form.nu(*place, *t).complex());
+            roots.errors.push(*error);
+        }
+        if roots.values.len() < wanted && !large {
             roots.simultaneous(form, scratch, wanted);
         }
         let found = roots.values.len();
@@ -142,7 +183,7 @@ impl Secular {
         // Σν is known: a root found twice and another missed would show.
         let sum: f64 = roots.values.iter().map(|nu| nu.re).sum();
         let slack: f64 = roots.errors.iter().sum::<f64>() + form.errors().iter().sum::<f64>();
-        let size: f64 = signs.iter().map(|r| r.abs()).sum::<f64>() + wanted as f64;
+        let size: f64 = signs.iter().map(|r| r.abs()).sum::<f64>() + if large { 1.0 } else { wanted as f64 };
         let defect = (sum - form.sum_of_roots()).abs();
         let allowed = 16.0 * (slack + f64::EPSILON * size);
         if defect <= allowed.max(1e-9 * size) { Ok(()) } else { Err(Doubt::Certificate { defect, allowed }) }

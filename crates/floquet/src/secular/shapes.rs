@@ -10,7 +10,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::Orbit;
-use vibrochain_lattice::{ImpulseResponse, RingCosines};
+use vibrochain_lattice::{ImpulseResponse, RingTransform};
 
 use super::doubt::Doubt;
 use super::forced::MOST_IMPACTS;
@@ -134,15 +134,16 @@ impl ModalShape {
         Ok(Self { multiplier, displacement, velocity })
     }
 
-    /// Displacements and velocities of the M masses of a ring whose site `home` is hit.
+    /// Displacements and velocities of the M masses of a ring whose site `home` is hit, in O(M log M).
     pub fn at_sites(&self, sites: usize, home: usize) -> (Vec<Complex<f64>>, Vec<Complex<f64>>) {
-        let cosines = RingCosines::new(sites);
         let m = sites as f64;
         let amplitude = |k: usize| (if k == 0 || 2 * k == sites { 1.0 / m } else { 2.0 / m }).sqrt();
-        let sum = |modes: &[C], n: usize| -> C {
-            modes.iter().enumerate().map(|(k, x)| x * (amplitude(k) * cosines.shape(k, n.abs_diff(home)))).sum()
+        let mut transform = RingTransform::new(sites.max(1));
+        let mut at = |modes: &[C]| {
+            let mut values = transform.sites(modes.iter().enumerate().map(|(k, x)| x * amplitude(k))).to_vec();
+            values.rotate_right(home % sites.max(1));
+            values
         };
-        let at = |modes: &[C]| (0..sites).map(|n| sum(modes, n)).collect();
         (at(&self.displacement), at(&self.velocity))
     }
 }

@@ -21,6 +21,7 @@ use super::growth::{Nu, multiplier, outside};
 use super::lanes::Lane;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
+use super::roots::Root;
 
 /// What the secular function says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -114,11 +115,11 @@ pub struct Secular {
 
 /// The most unstable multiplier so far.
 #[derive(Debug, Clone, Copy)]
-struct Leading {
-    nu: Nu,
-    growth: f64,
-    error: f64,
-    reason: Reason,
+pub(super) struct Leading {
+    pub(super) nu: Nu,
+    pub(super) growth: f64,
+    pub(super) error: f64,
+    pub(super) reason: Reason,
 }
 
 impl Secular {
@@ -144,8 +145,14 @@ impl Secular {
     pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, Doubt> {
         self.solve()?;
         let form = &self.residues;
-        let both = |(nu, error): (&Complex<f64>, &f64)| {
-            let nu = near_end(form, *nu, *error);
+        let large = !form.leaves.is_empty();
+        let offset = |root: &Root| form.nu(root.place, root.t);
+        let both = |(i, (nu, error)): (usize, (&Complex<f64>, &f64))| {
+            // A large ring's roots are kept as offsets from poles that are known from ±1 as well.
+            let nu = match self.roots.list.get(i).filter(|_| large) {
+                Some(root) => offset(root),
+                None => near_end(form, *nu, *error),
+            };
             if nu.im == 0.0 && nu.below <= 0.0 && nu.above >= 0.0 {
                 let on_circle = Complex::new(nu.complex().re, (-nu.below * nu.above).sqrt());
                 return [on_circle, on_circle.conj()];
@@ -153,7 +160,7 @@ impl Secular {
             let large = multiplier(&nu);
             [large, large.inv()]
         };
-        Ok(self.roots.values.iter().zip(&self.roots.errors).flat_map(both).collect())
+        Ok(self.roots.values.iter().zip(&self.roots.errors).enumerate().flat_map(both).collect())
     }
 
     /// Poles, residues, signatures.
@@ -169,14 +176,19 @@ impl Secular {
         let Self { residues: form, distances: scratch, suspects, pairs, .. } = self;
         let count = form.count();
         let (signs, errors) = (form.residues(), form.errors());
-        let mut positive = true;
+        let large = !form.leaves.is_empty();
+        let (mut positive, mut unknown) = (true, None);
         for (place, (residue, error)) in signs.iter().zip(errors).enumerate() {
             // Not a number is a doubt, too.
             let known = residue.abs() > *error;
             if !known && count > 1 {
-                return Err(Doubt::Signature { mode: form.mode(place).unwrap_or_default() });
+                let mode = form.mode(place).unwrap_or_default();
+                if !large {
+                    return Err(Doubt::Signature { mode });
+                }
+                unknown = Some(mode);
             }
-            positive &= *residue > 0.0;
+            positive &= known && *residue > 0.0;
         }
         let (Some(&first), Some(&last)) = (signs.first(), signs.last()) else {
             return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
@@ -215,6 +227,9 @@ impl Secular {
         }
         suspects.clear();
         let wanted = count - 1;
+        if large && (counted < wanted || unknown.is_some()) {
+            return self.from_all_roots(unknown, marginal, clearance);
+        }
         if counted < wanted {
             for gap in 0..wanted {
                 let (left, right) = (signs[gap], signs[gap + 1]);
@@ -256,7 +271,7 @@ impl Secular {
         if counted != wanted {
             return self.last_resort();
         }
-        assemble(leading, marginal, clearance)
+        assemble(leading, marginal, clearance, WORST)
     }
 
     /// The last resort: all roots at once.
@@ -281,7 +296,7 @@ impl Secular {
         }
         let distance = |nu: &Complex<f64>| if nu.im == 0.0 { (nu.re.abs() - 1.0).abs() } else { nu.im.abs() };
         let clearance = self.roots.values.iter().map(distance).fold(f64::INFINITY, f64::min);
-        assemble(leading, marginal, clearance)
+        assemble(leading, marginal, clearance, WORST)
     }
 }
 
@@ -289,20 +304,25 @@ fn stable(reason: Reason, clearance: f64) -> SecularVerdict {
     SecularVerdict { outcome: Outcome::Stable, reason, leading: None, growth: 0.0, growth_error: 0.0, clearance }
 }
 
-fn most(best: Option<Leading>, other: Leading) -> Option<Leading> {
+pub(super) fn most(best: Option<Leading>, other: Leading) -> Option<Leading> {
     match best {
         Some(best) if best.growth >= other.growth => Some(best),
         _ => Some(other),
     }
 }
 
-fn assemble(leading: Option<Leading>, marginal: Option<Leading>, clearance: f64) -> Result<SecularVerdict, Doubt> {
+pub(super) fn assemble(
+    leading: Option<Leading>,
+    marginal: Option<Leading>,
+    clearance: f64,
+    worst: f64,
+) -> Result<SecularVerdict, Doubt> {
     let tell = |this: Leading| {
         let large = multiplier(&this.nu);
         let (growth, growth_error) = (this.growth, this.error);
         let certain = this.reason != Reason::Tangency && growth_error < growth;
         let outcome = if certain { Outcome::Unstable } else { Outcome::Marginal };
-        let precise = growth_error <= WORST * (1.0 + growth);
+        let precise = growth_error <= worst * (1.0 + growth);
         let verdict =
             SecularVerdict { outcome, reason: this.reason, leading: Some(large), growth, growth_error, clearance };
         if precise { Ok(verdict) } else { Err(Doubt::Imprecise { growth, growth_error }) }
@@ -348,7 +368,7 @@ const NEAR_END: f64 = 1e-3;
 const WORST: f64 = 1e-5;
 
 /// How far off the real axis a pair could be whose least |F| is lost in its error.
-fn tangency(low: &Lowest) -> f64 {
+pub(super) fn tangency(low: &Lowest) -> f64 {
     if low.bend > 0.0 { (2.0 * (low.value.abs() + low.noise) / low.bend).sqrt() } else { low.t }
 }
 

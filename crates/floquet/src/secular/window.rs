@@ -6,16 +6,17 @@ use std::ops::Range;
 use super::cauchy::{Nodal, Tree, derivative};
 use super::evaluate::{Far, Local};
 use super::lanes::{Lane, fill};
-use super::residues::Residues;
+use super::residues::{FAR_ROOT, Residues};
 
 /// The gaps of one leaf of the tree over the poles, each gap named by the place of its left pole.
 #[derive(Debug, Clone)]
 pub(crate) struct Leaf {
     gaps: Range<usize>,
-    places: Vec<usize>,
     residues: Vec<Lane>,
     errors: Vec<Lane>,
     shifts: Vec<Lane>,
+    cos: Vec<Lane>,
+    sin: Vec<Lane>,
     middle: f64,
     /// The field of far poles and its derivatives in u = (ν − middle)·scale, and the error of the field.
     pub(crate) scale: f64,
@@ -23,6 +24,8 @@ pub(crate) struct Leaf {
     pub(crate) slope: Nodal,
     pub(crate) bend: Nodal,
     pub(crate) noise: f64,
+    /// The part of it that is not due to errors of the residues.
+    pub(crate) rounding: f64,
 }
 
 impl Residues {
@@ -37,6 +40,8 @@ impl Residues {
         let total_error: f64 = self.errors().iter().sum();
         for field in Tree::new(&poles, false).fields(&poles, &charges, &Tree::new(&poles, true)) {
             let places: Vec<usize> = field.near.iter().flat_map(Clone::clone).collect();
+            // Interpolation errs by 2e-14 of the kernels, which the sum of moduli overestimates rather than under.
+            let rounding = 1e-14 * field.far[0].iter().map(|c| c.abs()).sum::<f64>();
             let mut leaf = Leaf {
                 gaps: field.targets.clone(),
                 middle: field.middle,
@@ -44,22 +49,32 @@ impl Residues {
                 value: field.far[0],
                 slope: derivative(&field.far[0]),
                 bend: derivative(&derivative(&field.far[0])),
-                // Interpolation errs by 2e-14 of the kernels, which the sum of moduli overestimates rather than under.
-                noise: 1e-14 * field.far[0].iter().map(|c| c.abs()).sum::<f64>() + field.far[1][0].abs() + total_error,
+                noise: rounding + field.far[1][0].abs() + total_error,
+                rounding,
                 residues: Vec::new(),
                 errors: Vec::new(),
                 shifts: Vec::new(),
-                places,
+                cos: Vec::new(),
+                sin: Vec::new(),
             };
-            for (own, all) in [
-                (&mut leaf.residues, &self.residues),
-                (&mut leaf.errors, &self.errors),
-                (&mut leaf.shifts, &self.shifts),
+            for (own, all, pad) in [
+                (&mut leaf.residues, &self.residues, 0.0),
+                (&mut leaf.errors, &self.errors, 0.0),
+                (&mut leaf.shifts, &self.shifts, 0.0),
+                (&mut leaf.cos, &self.cos, FAR_ROOT),
+                (&mut leaf.sin, &self.sin, FAR_ROOT),
             ] {
-                fill(own, leaf.places.iter().map(|&place| all.as_flattened()[place]), 0.0);
+                fill(own, places.iter().map(|&place| all.as_flattened()[place]), pad);
             }
             self.leaves.push(leaf);
         }
+    }
+
+    /// A gap in the middle of a leaf, the offset of the leaf's middle from its left pole, and half the leaf's width.
+    pub(crate) fn above(&self, leaf: usize) -> (usize, f64, f64) {
+        let Leaf { gaps, middle, scale, .. } = &self.leaves[leaf];
+        let gap = (gaps.start + gaps.len() / 2).min(self.count().saturating_sub(2));
+        (gap, middle - self.poles()[gap], if *scale > 0.0 { 1.0 / scale } else { 0.0 })
     }
 
     /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `distances` is scratch space.
@@ -69,7 +84,7 @@ impl Residues {
             self.distances(place, distances);
             return self.about(distances);
         };
-        fill(distances, leaf.places.iter().map(|&other| self.distance(place, other)), 1e100);
+        self.table[place].distances(&leaf.cos, &leaf.sin, distances);
         let origin = (self.poles()[place] - leaf.middle) * leaf.scale;
         let far = Some(Far { leaf, origin });
         Local { residues: &leaf.residues, errors: &leaf.errors, shifts: &leaf.shifts, distances, far }

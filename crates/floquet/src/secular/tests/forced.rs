@@ -149,3 +149,32 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
     }
     assert!(checked > 1000, "{checked}");
 }
+
+/// The Cauchy sums of large rings against dense matrices, one and two impacts, weak and strong losses.
+#[test]
+fn multipliers_of_large_rings_are_those_of_the_dense_matrix() {
+    let (mut finder, mut found) = (Finder::new(401), Found::default());
+    let mut compared = 0;
+    for (family, omega, amplitude, e) in [
+        (Family::SingleSided, 0.92, 0.1, 0.9),
+        (Family::SingleSided, 0.45, 0.3, 0.3),
+        (Family::DoubleSided, 1.5, 0.1, 0.9),
+        (Family::PeriodDoubled, 1.5, 0.3, 0.99),
+    ] {
+        let model = Model::forced(Chain::new(401, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, e).unwrap();
+        finder.find(&model, family, &mut found).unwrap();
+        let orbit = &found.orbits[0];
+        let matrix = crate::even_monodromy(orbit).unwrap();
+        let mut dense = Vec::new();
+        eigenvalues(&matrix, &mut dense).unwrap();
+        finder.motion(orbit).unwrap();
+        let mut secular = SecularMultipliers::default();
+        secular.set(orbit, finder.response()).unwrap();
+        let (values, _) = secular.multipliers().unwrap();
+        assert_eq!(values.len(), 402);
+        let distance = farthest(values, &dense).max(farthest(&dense, values));
+        assert!(distance < 1e-9, "{family:?} {omega}: {distance:e}");
+        compared += 1;
+    }
+    assert_eq!(compared, 4);
+}

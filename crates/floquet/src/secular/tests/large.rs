@@ -44,7 +44,7 @@ fn large_rings_have_all_their_roots() {
     let mut finder = Finder::new(21);
     let mut found = Found::default();
     let mut secular = Secular::default();
-    for (sites, omega, g2) in [(601, 0.8, 0.1), (701, 1.5, 0.1), (800, 0.6, 0.2)] {
+    for (sites, omega, g2) in [(601, 0.8, 0.1), (701, 1.5, 0.1), (800, 0.6, 0.2), (1001, 0.6, 0.1), (1001, 0.55, 0.3)] {
         let model = model(sites, 0.2, g2, omega, 0.4).unwrap();
         for family in BOTH {
             finder.find_symmetric(&model, family, &mut found).unwrap();

@@ -1,0 +1,67 @@
+//! The verdict on a large ring, from all of its roots: with the known ones nearby divided out they cost less than a search for
+//! those off the axis alone would.
+//!
+//! Among thousands of poles some always meet so closely that their residues are as good as lost. The roots are those of F as
+//! it has been worked out, complete; what errors of the residues could make of them is told apart: a pair that may have met
+//! makes the orbit marginal, a signature that is not known forbids to call it stable.
+
+use nalgebra::Complex;
+
+use super::doubt::Doubt;
+use super::gap::Lowest;
+use super::roots::Root;
+use super::verdict::{Leading, Outcome, Reason, Secular, SecularVerdict, assemble, most, tangency};
+
+/// A gap whose two roots may as well be a pair, or the other way round.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touching {
+    gap: usize,
+    t: f64,
+    reach: f64,
+}
+
+impl Touching {
+    pub(crate) fn new(gap: usize, low: &Lowest) -> Self {
+        Self { gap, t: low.t, reach: tangency(low) }
+    }
+}
+
+impl Secular {
+    /// The verdict from all roots. `unknown` is a mode whose signature is lost, `marginal` what is next to ±1.
+    pub(super) fn from_all_roots(
+        &mut self,
+        unknown: Option<usize>,
+        mut marginal: Option<Leading>,
+        mut clearance: f64,
+    ) -> Result<SecularVerdict, Doubt> {
+        self.solve()?;
+        let Self { residues: form, roots, .. } = self;
+        let mut leading: Option<Leading> = None;
+        for Root { place, t, error } in &roots.list {
+            let nu = form.nu(*place, *t);
+            let growth = nu.growth();
+            clearance = clearance.min(if t.im == 0.0 { nu.below.abs().min(nu.above.abs()) } else { t.im.abs() });
+            if growth == 0.0 || nu.im < 0.0 {
+                continue;
+            }
+            let error = nu.growth_error(growth, *error);
+            let reason = if nu.im == 0.0 { Reason::RealRoot } else { Reason::ComplexPair };
+            let this = Leading { nu, growth, error, reason };
+            if error < growth {
+                leading = most(leading, this);
+            } else {
+                marginal = most(marginal, Leading { reason: Reason::Tangency, growth: growth + error, ..this });
+            }
+        }
+        for &Touching { gap, t, reach } in &roots.touching {
+            let nu = form.nu(gap, Complex::new(t, reach));
+            let growth = nu.growth();
+            marginal = most(marginal, Leading { nu, growth, error: growth, reason: Reason::Tangency });
+        }
+        let verdict = assemble(leading, marginal, clearance, f64::INFINITY)?;
+        match unknown {
+            Some(mode) if verdict.outcome == Outcome::Stable => Err(Doubt::Signature { mode }),
+            _ => Ok(verdict),
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Large rings: spectra that are complete by certificates which share nothing with the search, in memory that grows like
+//! the ring. (Against dense matrices: `secular::tests` of `vibrochain-floquet`.)
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use vibrochain::breather::{Family, Finder, Found};
+use vibrochain::floquet::{Analyser, Complex, Residues, Secular, SecularMultipliers, Tolerance};
+use vibrochain::lattice::{Chain, Model};
+
+type C = Complex<f64>;
+
+fn conservative(sites: usize, gamma2: f64, omega: f64, family: Family) -> (Finder, Found) {
+    let model = Model::conservative(Chain::new(sites, 0.2, gamma2).unwrap(), omega, 0.4).unwrap();
+    let (mut finder, mut found) = (Finder::new(sites), Found::default());
+    finder.find_symmetric(&model, family, &mut found).unwrap();
+    (finder, found)
+}
+
+/// Σ 1/(z−ν) over the roots must be the logarithmic derivative of Π(z−d)·F, at points next to the real axis: a root that
+/// is missing, or there twice, leaves a term of about 1/|z−ν|. Returns the largest defect.
+fn defect(form: &Residues, roots: &[C]) -> f64 {
+    let at = |z: C| {
+        let (mut f, mut slope, mut log) = (C::default(), C::default(), C::default());
+        for (residue, pole) in form.residues().iter().zip(form.poles()) {
+            let inverse = (z - pole).inv();
+            f += inverse * residue;
+            slope -= inverse * inverse * residue;
+            log += inverse;
+        }
+        let expected = slope / f + log;
+        (expected - roots.iter().map(|nu| (z - nu).inv()).sum::<C>()).norm()
+    };
+    (0..=20).map(|i| at(C::new(0.1 * f64::from(i) - 1.0, 0.04))).fold(0.0, f64::max)
+}
+
+fn check(sites: usize, cases: &[(f64, f64)]) {
+    let mut secular = Secular::default();
+    for &(omega, gamma2) in cases {
+        for family in [Family::SingleSided, Family::DoubleSided] {
+            let (finder, found) = conservative(sites, gamma2, omega, family);
+            secular.set(&found.orbits[0], finder.response()).unwrap();
+            let name = format!("{family:?} {sites} {omega} {gamma2}");
+            // Σ R = 1 and the trace, too.
+            let size: f64 = secular.residues().residues().iter().map(|r| r.abs()).sum();
+            assert!(secular.residues().sum_defect().abs() < 1e-13 * size * size, "{name}");
+            let roots = secular.roots().unwrap().0.to_vec();
+            assert_eq!(roots.len(), sites / 2, "{name}");
+            let defect = defect(secular.residues(), &roots);
+            assert!(defect < 1e-3, "{name}: {defect:e}");
+            // Interlacing: between neighbours of equal sign the number of roots is odd.
+            let mut real: Vec<f64> = roots.iter().filter(|nu| nu.im == 0.0).map(|nu| nu.re).collect();
+            real.sort_by(f64::total_cmp);
+            let form = secular.residues();
+            let mut checked = 0;
+            for (poles, signs) in form.poles().windows(2).zip(form.residues().windows(2)) {
+                // Roots so close to a pole that their sum is rounded to it are left out.
+                let margin = 1e-15;
+                let below = |x: f64| real.partition_point(|nu| *nu < x);
+                let inside = below(poles[1] - margin) - below(poles[0] + margin);
+                let around = below(poles[1] + margin) - below(poles[0] - margin);
+                if inside == around {
+                    assert_eq!(inside % 2 == 1, signs[0] * signs[1] > 0.0, "{name}: {poles:?}");
+                    checked += 1;
+                }
+            }
+            assert!(checked > sites * 2 / 5, "{name}: {checked}");
+        }
+    }
+}
+
+/// ω = 0.8: hardly any overlap; 1.5 and below: bands of opposite sign on top of each other, thousands of complex pairs;
+/// 0.55 and γ₂ = 0.3: three roots between neighbours of equal sign.
+#[test]
+fn conservative_spectra_are_complete() {
+    check(1001, &[(0.8, 0.1), (1.5, 0.1), (0.6, 0.1), (0.2, 0.1), (0.55, 0.3)]);
+    check(6000, &[(0.55, 0.3), (0.27, 0.3)]);
+    check(10_001, &[(0.8, 0.1), (1.5, 0.1), (0.6, 0.1), (0.35, 0.1)]);
+}
+
+#[test]
+fn a_hundred_thousand_sites() {
+    check(100_001, &[(0.8, 0.1), (0.6, 0.1)]);
+}
+
+#[test]
+#[ignore = "a million sites: seconds in release"]
+fn a_million_sites() {
+    check(1_000_001, &[(0.8, 0.1)]);
+}
+
+#[test]
+fn memory_grows_like_the_ring() {
+    for (sites, most) in [(10_001, 8_000_000), (100_001, 64_000_000)] {
+        for family in [Family::SingleSided, Family::DoubleSided] {
+            let (finder, found) = conservative(sites, 0.1, 0.8, family);
+            let mut secular = Secular::default();
+            let info = allocation_counter::measure(|| {
+                secular.set(&found.orbits[0], finder.response()).unwrap();
+                secular.roots().unwrap();
+            });
+            assert!(info.bytes_max < most, "{family:?} {sites}: {} bytes", info.bytes_max);
+        }
+    }
+}
+
+/// Πμ = e^{2n}, the trace, and the logarithmic derivative of Π(z−p)(z−p̄)·f off the circle.
+#[test]
+fn forced_spectra_are_complete() {
+    let cases = [
+        (1401, Family::SingleSided, 0.92, 0.1, 0.9),
+        (1401, Family::DoubleSided, 0.7, 0.3, 0.3),
+        (10_001, Family::SingleSided, 0.92, 0.1, 0.9),
+        (10_001, Family::SingleSided, 0.45, 0.3, 0.5),
+        (10_001, Family::DoubleSided, 1.5, 0.1, 0.9),
+        (10_001, Family::PeriodDoubled, 1.5, 0.3, 0.9),
+    ];
+    for (sites, family, omega, amplitude, e) in cases {
+        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, e).unwrap();
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        finder.find(&model, family, &mut found).unwrap();
+        for orbit in &found.orbits {
+            finder.motion(orbit).unwrap();
+            let mut secular = SecularMultipliers::default();
+            secular.set(orbit, finder.response()).unwrap();
+            let values = secular.multipliers().unwrap().0.to_vec();
+            let name = format!("{family:?} {sites} {omega}");
+            assert_eq!(values.len(), 2 * (sites / 2 + 1), "{name}");
+            let log: f64 = values.iter().map(|z| z.norm().ln()).sum();
+            let expected = 2.0 * orbit.impacts().len() as f64 * e.ln();
+            assert!((log - expected).abs() < 1e-8, "{name}: {log} {expected}");
+            let trace: C = values.iter().sum();
+            assert!((trace - secular.trace()).norm() < 1e-9 * values.len() as f64, "{name}");
+            for i in 0..12 {
+                let z = C::from_polar(if i % 2 == 0 { 0.96 } else { 1.04 }, 0.3 * f64::from(i));
+                let (mut f, mut slope, mut logarithm) = (C::new(1.0, 0.0), C::default(), C::default());
+                for (pole, residue) in secular.poles().zip(secular.residues()) {
+                    for (pole, residue) in [(pole, *residue), (pole.conj(), residue.conj())] {
+                        let inverse = (z - pole).inv();
+                        f += residue * inverse;
+                        slope -= residue * inverse * inverse;
+                        logarithm += inverse;
+                    }
+                }
+                let left = slope / f + logarithm - values.iter().map(|mu| (z - mu).inv()).sum::<C>();
+                assert!(left.norm() < 1e-3, "{name} {z}: {left}");
+            }
+        }
+    }
+}
+
+/// The whole way: an orbit checked and judged without a sum over pairs of modes or of sites.
+#[test]
+fn large_rings_are_judged_without_a_matrix() {
+    let cases = [
+        (Model::conservative(Chain::new(20_001, 0.2, 0.1).unwrap(), 0.8, 0.4).unwrap(), Family::SingleSided),
+        (Model::forced(Chain::new(10_001, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap(), Family::DoubleSided),
+    ];
+    for (model, family) in cases {
+        let sites = model.chain().sites();
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        finder.find(&model, family, &mut found).unwrap();
+        let orbit = &found.orbits[0];
+        let admissibility = finder.admissibility(orbit).unwrap();
+        let answer = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+        assert_eq!((answer.multipliers.len(), answer.verdict.method.name()), (2 * sites, "secular"));
+        assert!(!answer.verdict.stable && answer.verdict.resolution < 1e-2 * answer.verdict.growth());
+        // The breather is local: a ring of 201 masses has the same margin.
+        let small = Chain::new(201, 0.2, 0.1).unwrap();
+        let small = match family {
+            Family::SingleSided => Model::conservative(small, 0.8, 0.4).unwrap(),
+            _ => Model::forced(small, 1.5, 0.4, 0.1, 0.9).unwrap(),
+        };
+        finder.find(&small, family, &mut found).unwrap();
+        let reference = finder.admissibility(&found.orbits[0]).unwrap();
+        assert!((admissibility.margin.unwrap() - reference.margin.unwrap()).abs() < 1e-11);
+    }
+}
