@@ -67,7 +67,7 @@ fn verdicts(criterion: &mut Criterion) {
                     }
                 });
             });
-            let mut analyser = Analyser::default();
+            let mut analyser = Analyser::dense();
             let mut finder = Finder::new(sites);
             group.bench_function(format!("dense verdict/{name}/N={}", sites - 1), |bencher| {
                 bencher.iter(|| {
@@ -102,7 +102,7 @@ fn forced(criterion: &mut Criterion) {
                     secular.multipliers().unwrap().0.len()
                 });
             });
-            let mut analyser = Analyser::default();
+            let mut analyser = Analyser::dense();
             let mut other = Finder::new(sites);
             group.bench_function(format!("dense verdict/{name}/N={}", sites - 1), |bencher| {
                 bencher.iter(|| analyser.verdict(black_box(orbit), &mut other, Tolerance::Rounding).unwrap());

@@ -8,9 +8,10 @@ use serde_json::Value;
 use support::dense;
 use vibrochain::breather::{Family, Finder, Found, Orbit};
 use vibrochain::floquet::{
-    Complex, ForcedSecular, Mechanism, ModalShape, Outcome, Secular, SecularMultipliers, SecularVerdict, even_monodromy,
+    Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Outcome, Secular, SecularMultipliers,
+    SecularVerdict, Tolerance, even_monodromy,
 };
-use vibrochain::lattice::{Chain, Model};
+use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
 
 fn verdict(orbit: &Orbit, finder: &mut Finder) -> Option<SecularVerdict> {
     finder.motion(orbit).unwrap();
@@ -133,4 +134,147 @@ fn the_shape_of_the_unstable_perturbation_is_that_of_the_dense_solver() {
             assert!((velocity[n] - ratio * mode.velocity[n]).norm() < 1e-9 * ratio.norm());
         }
     }
+}
+
+/// A small generator of random numbers (splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / u64::MAX as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+}
+
+/// Where random orbits are looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Anywhere,
+    /// Ω_k ± Ω_l = jω or Ω_k = jω up to 1e-15 … 1e-3: coincident poles, stripes of instability, resonance.
+    Resonant,
+    /// An impact grazes, up to 1e-10 … 0.1.
+    Grazing,
+}
+
+fn model_at(random: &mut Random, place: Place, forced: bool) -> Option<Model> {
+    let sites = 1 + (random.unit() * 30.0) as usize;
+    let chain = Chain::new(sites, random.log(0.02, 1.0), random.log(1e-3, 0.5)).ok()?;
+    let (mut omega, mut a) = (random.between(0.4, 3.0), random.between(0.0, 0.9));
+    let sign = (random.unit() - 0.5).signum();
+    match place {
+        Place::Anywhere => {}
+        Place::Resonant => {
+            let spectrum = Spectrum::new(chain);
+            let mut pick = || {
+                spectrum.frequencies()
+                    [(random.unit() * spectrum.frequencies().len() as f64) as usize % spectrum.frequencies().len()]
+            };
+            let (first, second) = (pick(), pick());
+            let target = [first + second, (first - second).abs(), first][(random.unit() * 3.0) as usize % 3];
+            let harmonic = (1.0 + 4.0 * random.unit()).floor();
+            if target / harmonic < 0.2 {
+                return None;
+            }
+            omega = target / harmonic * (1.0 + sign * random.log(1e-15, 1e-3));
+        }
+        Place::Grazing => {
+            let response = ImpulseResponse::new(&Spectrum::new(chain), omega).ok()?;
+            let (chi2, chi1) = (-2.0 * response.value(0, 0.0), -2.0 * response.value(0, 0.5 * response.period()));
+            // p₁ = 1/(χ₂−χ₁) − a/(χ₁+χ₂) vanishes here.
+            a = ((chi1 + chi2) / (chi2 - chi1)).abs() * (1.0 + sign * random.log(1e-10, 0.1));
+        }
+    }
+    if forced {
+        let e = if random.unit() < 0.2 { 1.0 } else { random.between(0.2, 0.99) };
+        Model::forced(chain, omega, a, random.log(0.05, 2.0), e).ok()
+    } else {
+        Model::conservative(chain, omega, a).ok()
+    }
+}
+
+/// Verdicts of sweeps and of single orbits against the dense path, whose thorough verdict knows its own error. Returns how
+/// many were compared, fell back, and were unstable.
+fn against_dense(seed: u64, draws: usize, place: Place, forced: bool) -> [usize; 3] {
+    let mut random = Random(seed);
+    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut analyser, mut dense) = (Analyser::default(), Analyser::dense());
+    let (mut compared, mut fallen, mut unstable) = (0, 0, 0);
+    for _ in 0..draws {
+        let Some(model) = model_at(&mut random, place, forced) else { continue };
+        for family in [Family::DoubleSided, Family::SingleSided] {
+            if finder.find_symmetric(&model, family, &mut found).is_err() {
+                continue;
+            }
+            // Hundreds of forced solutions at one point are alike.
+            for orbit in found.orbits.iter().take(4) {
+                let Ok(reference) = dense.stability(orbit, &mut finder, Tolerance::Rounding) else { continue };
+                let reference = reference.verdict;
+                let sweep = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                let thorough = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                assert_eq!(thorough.multipliers.len(), 2 * model.chain().sites());
+                compared += 1;
+                fallen += usize::from(matches!(sweep.method, Method::Dense(Some(_))));
+                for own in [sweep, thorough.verdict] {
+                    if own.method != Method::Secular {
+                        continue;
+                    }
+                    let name = || format!("{model:?} {family:?}: {own:?}, dense {reference:?}");
+                    let certain = !own.marginal && !reference.marginal;
+                    // A dense verdict next to the circle is right up to its resolution; below it the growth is the form's own.
+                    let hidden = own.growth() <= reference.resolution.max(1e-7 * reference.spectral_radius);
+                    if certain && own.stable != reference.stable {
+                        assert!(own.mechanism.is_some() && reference.stable && hidden, "{}", name());
+                        continue;
+                    }
+                    let difference = (own.spectral_radius - reference.spectral_radius).abs();
+                    let allowed = 1e-9 * reference.spectral_radius + 10.0 * (own.resolution + reference.resolution);
+                    assert!(difference <= allowed, "{}: {difference:e}", name());
+                    if certain && own.growth() > 1e-5 {
+                        unstable += 1;
+                        assert_eq!(own.mechanism, reference.mechanism, "{}", name());
+                    }
+                }
+            }
+        }
+    }
+    [compared, fallen, unstable]
+}
+
+fn against_dense_everywhere(draws: usize) {
+    for (forced, places) in
+        [(false, &[Place::Anywhere, Place::Resonant, Place::Grazing][..]), (true, &[Place::Anywhere, Place::Resonant])]
+    {
+        for (seed, &place) in places.iter().enumerate() {
+            let draws = if forced { draws / 4 } else { draws };
+            let [compared, fallen, unstable] = against_dense(seed as u64, draws, place, forced);
+            println!("{place:?}, forced {forced}: {compared} compared, {fallen} fell back, {unstable} unstable");
+            assert!(compared > draws / 4 && unstable > compared / 20, "{place:?} {compared} {unstable}");
+            if place == Place::Anywhere {
+                assert!(fallen < compared / 10, "{fallen} of {compared}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_verdict_differs_from_the_dense_one_beyond_its_error() {
+    against_dense_everywhere(2000);
+}
+
+/// The same for 10⁵ orbits and more: `cargo test --release --test secular -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes"]
+fn no_verdict_of_a_hundred_thousand_differs_from_the_dense_one() {
+    against_dense_everywhere(40_000);
 }

@@ -200,8 +200,9 @@ impl Watch {
                         closest.note(a, site, start + elapsed, self.window.displacement(i));
                     }
                 }
+                self.window.enclose(step);
                 for (i, &site) in self.watched.sites.iter().enumerate() {
-                    let (low, high) = self.window.range(i, step);
+                    let (low, high) = self.window.range(i);
                     if (1.0 - (high - a)).min(1.0 + (low - a)) < closest.distance - RESOLUTION {
                         let polynomial = self.window.polynomial(i);
                         turning_points(

@@ -138,6 +138,61 @@ impl Mul for Dual {
     }
 }
 
+/// What a formula needs of the numbers it is evaluated in.
+pub(crate) trait Algebra: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    fn scaled(self, factor: f64) -> Self;
+    fn shifted(self, constant: f64) -> Self;
+}
+
+impl Algebra for Dual {
+    fn scaled(self, factor: f64) -> Self {
+        Self::scaled(self, factor)
+    }
+
+    fn shifted(self, constant: f64) -> Self {
+        Self::shifted(self, constant)
+    }
+}
+
+/// A function and its derivative at a point, without enclosures: the same numbers for less work.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point {
+    pub(crate) value: f64,
+    pub(crate) slope: f64,
+}
+
+impl Algebra for Point {
+    fn scaled(self, factor: f64) -> Self {
+        Self { value: factor * self.value, slope: factor * self.slope }
+    }
+
+    fn shifted(self, constant: f64) -> Self {
+        Self { value: self.value + constant, ..self }
+    }
+}
+
+impl Add for Point {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { value: self.value + other.value, slope: self.slope + other.slope }
+    }
+}
+
+impl Sub for Point {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { value: self.value - other.value, slope: self.slope - other.slope }
+    }
+}
+
+impl Mul for Point {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let slope = self.value * other.slope + self.slope * other.value;
+        Self { value: self.value * other.value, slope }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -28,6 +28,16 @@ pub struct Found {
     pub exhausted: usize,
 }
 
+/// Which orbits are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    All,
+    /// Without conservative ones with φ ≠ T/2.
+    Symmetric,
+    /// Without those either whose impacts have the wrong sign.
+    Candidates,
+}
+
 /// Reusable work space for finding and checking orbits.
 ///
 /// ```
@@ -92,7 +102,7 @@ impl Finder {
     /// # Errors
     /// [`BreatherError::Resonance`].
     pub fn find(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
-        self.search(model, family, true, found)
+        self.search(model, family, Wanted::All, found)
     }
 
     /// As [`Finder::find`], without the conservative double-sided orbits with φ ≠ T/2.
@@ -100,10 +110,26 @@ impl Finder {
     /// # Errors
     /// As [`Finder::find`].
     pub fn find_symmetric(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
-        self.search(model, family, false, found)
+        self.search(model, family, Wanted::Symmetric, found)
     }
 
-    fn search(&mut self, model: &Model, family: Family, all: bool, found: &mut Found) -> Result<(), BreatherError> {
+    /// As [`Finder::find_symmetric`], without the orbits one of whose impacts has the wrong sign: those that could be physical,
+    /// for less work where none is.
+    ///
+    /// # Errors
+    /// As [`Finder::find`].
+    pub fn find_candidates(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
+        self.search(model, family, Wanted::Candidates, found)
+    }
+
+    fn search(
+        &mut self,
+        model: &Model,
+        family: Family,
+        wanted: Wanted,
+        found: &mut Found,
+    ) -> Result<(), BreatherError> {
+        let all = wanted == Wanted::All;
         found.orbits.clear();
         (found.none, found.unresolved, found.exhausted) = (None, 0, 0);
         self.zeros.clear();
@@ -122,13 +148,18 @@ impl Finder {
         self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
         let (response, motion, zeros) = (&self.response, &mut self.motion, &mut self.zeros);
         let (mut failure, mut singular) = (None, false);
-        let mut add = |draft: Draft| match Orbit::assemble(model, response, motion, draft.clone()) {
-            Ok(mut orbit) => {
-                polish(&mut orbit, draft, response, motion);
-                // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
-                if orbit.residual().is_finite() { found.orbits.push(orbit) } else { singular = true }
+        let mut add = |draft: Draft| {
+            if wanted == Wanted::Candidates && !draft.is_right_signed() {
+                return;
             }
-            Err(error) => failure = Some(error),
+            match Orbit::assemble(model, response, motion, draft.clone()) {
+                Ok(mut orbit) => {
+                    polish(&mut orbit, draft, response, motion);
+                    // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
+                    if orbit.residual().is_finite() { found.orbits.push(orbit) } else { singular = true }
+                }
+                Err(error) => failure = Some(error),
+            }
         };
         let resolved = |unresolved| Open { unresolved, exhausted: 0 };
         let outcome = match (family, cosine) {

@@ -4,13 +4,30 @@
 //! modes' displacement and velocity at its start (from the periodic impulse response, so that no error is carried
 //! from one interval to the next) and swings them forward.
 
-use vibrochain_lattice::{Complex, ImpulseResponse, LARGE_RING, RingCosines, RingTransform, Spectrum, Wave};
+use smallvec::SmallVec;
+use vibrochain_lattice::{Chain, Complex, ImpulseResponse, LARGE_RING, RingCosines, RingTransform, Spectrum, Wave};
 
 use crate::error::BreatherError;
 use crate::orbit::Orbit;
 
 /// Modes added up before they go into the sum over a large ring.
 const BLOCK: usize = 256;
+
+/// Rings of up to this many modes keep a table of all their shapes.
+const TABLE: usize = 128;
+
+/// What a motion was worked out from.
+#[derive(Debug, Clone, PartialEq)]
+struct Origin {
+    chain: Chain,
+    period: f64,
+    psi: f64,
+    steady: Wave,
+    uniform_offset: f64,
+    /// Site, time, impulse.
+    impacts: SmallVec<[(usize, f64, f64); 2]>,
+    net_impulses: SmallVec<[f64; 1]>,
+}
 
 /// Displacement, velocity and acceleration of one mass.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,6 +55,9 @@ pub struct Kinematics {
 #[derive(Debug, Clone)]
 pub struct Motion {
     cosines: RingCosines,
+    /// cos(2πkn/M), [mode][site], of half a ring.
+    shapes: Vec<f64>,
+    origin: Option<Origin>,
     frequencies: Vec<f64>,
     period: f64,
     psi: f64,
@@ -60,6 +80,8 @@ impl Motion {
     pub(crate) fn vacant(sites: usize) -> Self {
         Self {
             cosines: RingCosines::new(sites),
+            shapes: Vec::new(),
+            origin: None,
             frequencies: Vec::new(),
             period: 1.0,
             psi: 0.0,
@@ -89,8 +111,27 @@ impl Motion {
     /// Takes over another orbit; `response` must be of its chain and frequency.
     pub fn load(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
         let model = orbit.model();
+        let origin = Origin {
+            chain: *model.chain(),
+            period: response.period(),
+            psi: orbit.psi_or_zero(),
+            steady: *orbit.steady(),
+            uniform_offset: orbit.uniform_offset(),
+            impacts: orbit.impacts().iter().map(|impact| (impact.site, impact.time, impact.impulse)).collect(),
+            net_impulses: orbit.sources().iter().map(|source| source.net_impulse).collect(),
+        };
+        if self.origin.as_ref() == Some(&origin) {
+            // An orbit just found is there already.
+            return;
+        }
+        self.origin = Some(origin);
         if self.cosines.sites() != response.sites() {
             self.cosines = response.cosines().clone();
+            self.shapes.clear();
+        }
+        let modes = response.modes();
+        if self.shapes.is_empty() && modes <= TABLE {
+            self.shapes.extend((0..modes * modes).map(|i| self.cosines.shape(i / modes, i % modes)));
         }
         self.frequencies.clear();
         self.frequencies.extend_from_slice(response.frequencies());
@@ -154,6 +195,10 @@ impl Motion {
     pub fn seek(&mut self, i: usize, elapsed: f64) {
         let states = self.states.iter().skip(i * self.now.len());
         for ((now, &(q, p)), frequency) in self.now.iter_mut().zip(states).zip(self.frequencies.iter().cycle()) {
+            if elapsed == 0.0 {
+                *now = [q, p, -frequency * frequency * q];
+                continue;
+            }
             let phase = frequency * elapsed;
             let (sin, cos) = phase.sin_cos();
             // sin Ωt/Ω through its series where Ωt is too small to divide by.
@@ -163,6 +208,29 @@ impl Motion {
         }
         let [displacement, velocity, acceleration, _] = self.steady.jet(self.force_time(i, elapsed));
         self.now_force = Kinematics { displacement, velocity, acceleration };
+    }
+
+    /// Displacements and velocities of several masses at the time last sought, as [`Motion::site`] has them; quick for the
+    /// half ring that begins with the one site that is hit.
+    pub(crate) fn masses(&self, sites: &[usize], displacements: &mut [f64], velocities: &mut [f64]) {
+        let modes = self.frequencies.len();
+        if self.sites.len() != 1 || self.sites.first() != sites.first() || self.shapes.len() != modes * sites.len() {
+            for ((site, displacement), velocity) in sites.iter().zip(displacements).zip(velocities) {
+                let now = self.site(*site);
+                (*displacement, *velocity) = (now.displacement, now.velocity);
+            }
+            return;
+        }
+        displacements.fill(0.0);
+        velocities.fill(0.0);
+        for (now, shapes) in self.now.iter().zip(self.shapes.chunks_exact(modes)) {
+            for ((displacement, velocity), shape) in displacements.iter_mut().zip(&mut *velocities).zip(shapes) {
+                *displacement += shape * now[0];
+                *velocity += shape * now[1];
+            }
+        }
+        displacements.iter_mut().for_each(|displacement| *displacement += self.now_force.displacement);
+        velocities.iter_mut().for_each(|velocity| *velocity += self.now_force.velocity);
     }
 
     /// The mass at `site` at the time last sought.

@@ -100,6 +100,14 @@ pub(crate) struct Draft {
     pub(crate) uniform_offset: f64,
 }
 
+impl Draft {
+    /// No impulse points out of the gap by more than polishing an orbit could turn round.
+    pub(crate) fn is_right_signed(&self) -> bool {
+        let largest = self.impacts.iter().map(|impact| impact.3.abs()).fold(0.0, f64::max);
+        self.impacts.iter().all(|(_, barrier, _, impulse)| -impulse * barrier.sign() > -1e-3 * largest)
+    }
+}
+
 impl Orbit {
     /// Works out velocities, accelerations and the residual. `motion` is left holding this orbit.
     pub(crate) fn assemble(

@@ -11,6 +11,12 @@ use crate::enclosure::Dual;
 pub(crate) trait Enclosed {
     /// Encloses the function and its derivative on |x − centre| ≤ radius.
     fn enclose(&self, centre: f64, radius: f64) -> Dual;
+
+    /// The function and its derivative at a point.
+    fn at(&self, x: f64) -> (f64, f64) {
+        let point = self.enclose(x, 0.0);
+        (point.function.value(), point.derivative.value())
+    }
 }
 
 /// The zeros found.
@@ -93,10 +99,7 @@ impl Zeros {
 
     /// The zero of a monotone function on an interval, if its sign changes: Newton kept inside the bracket.
     fn bracketed(&mut self, f: &impl Enclosed, mut low: f64, mut high: f64) -> Option<f64> {
-        let at = |x: f64| {
-            let point = f.enclose(x, 0.0);
-            (point.function.value(), point.derivative.value())
-        };
+        let at = |x: f64| f.at(x);
         let (f_low, f_high) = (at(low).0, at(high).0);
         self.evaluations += 2;
         if f_low == 0.0 {

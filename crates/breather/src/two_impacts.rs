@@ -36,7 +36,7 @@
 
 use vibrochain_lattice::ImpulseResponse;
 
-use crate::enclosure::Dual;
+use crate::enclosure::{Algebra, Dual, Point};
 use crate::roots::{Enclosed, Zeros};
 
 /// Which of the two words.
@@ -114,9 +114,25 @@ impl<'a> TwoImpacts<'a> {
         [difference, slope.scaled(2.0), sum, sin_h, cos_h]
     }
 
-    /// (x, y, Δ) about δ.
-    fn cramer(&self, delta: f64, radius: f64) -> [Dual; 3] {
-        let [d, chi3, sum, sin, cos] = self.pieces(delta, radius);
+    /// The same at δ.
+    fn pieces_at(&self, delta: f64) -> [Point; 5] {
+        let jet = self.response.jet_from_half(delta);
+        let kernel = Point { value: jet.value, slope: jet.slope };
+        let slope = Point { value: jet.slope, slope: jet.curvature };
+        let difference = kernel.shifted(-self.at_impulse).scaled(2.0);
+        let sum = kernel.shifted(self.at_impulse).scaled(-2.0 * self.stiffness).shifted(-4.0);
+        let rate = 0.5 * self.omega;
+        let (sin, cos) = (rate * delta).sin_cos();
+        let wave = |cos: f64, sin: f64| Point { value: cos, slope: -rate * sin };
+        let (sin_h, cos_h) = match self.word {
+            Word::DoubleSided => (wave(cos, sin), wave(-sin, cos)),
+            Word::PeriodDoubled => (wave(-sin, cos), wave(-cos, -sin)),
+        };
+        [difference, slope.scaled(2.0), sum, sin_h, cos_h]
+    }
+
+    /// (x, y, Δ) from these.
+    fn cramer<T: Algebra>(&self, [d, chi3, sum, sin, cos]: [T; 5]) -> [T; 3] {
         let (q, g, w, a) = (self.loss, self.stiffness, self.omega, self.asymmetry);
         let s = (chi3 * chi3).shifted(q * q);
         let (d_cos, sum_sin) = (d * cos, sum * sin);
@@ -148,14 +164,14 @@ impl<'a> TwoImpacts<'a> {
 
     /// Impulses and phase at a zero δ. `None` where the conditions do not determine them.
     pub(crate) fn solution(&self, delta: f64) -> Option<TwoImpactSolution> {
-        let [x, y, determinant] = self.cramer(delta, 0.0).map(|dual| dual.function.value());
+        let [x, y, determinant] = self.cramer(self.pieces_at(delta)).map(|point| point.value);
         let scale = determinant * self.force;
         self.with_phase(delta, (y / scale).atan2(x / scale))
     }
 
     /// Impulses for given δ and θ.
     pub(crate) fn with_phase(&self, delta: f64, theta: f64) -> Option<TwoImpactSolution> {
-        let [d, _, sum, sin_h, cos_h] = self.pieces(delta, 0.0).map(|dual| dual.function.value());
+        let [d, _, sum, sin_h, cos_h] = self.pieces_at(delta).map(|point| point.value);
         let (x, y) = (self.force * theta.cos(), self.force * theta.sin());
         let (half_sum, half_difference, static_displacement) = match self.word {
             Word::DoubleSided => {
@@ -174,9 +190,20 @@ impl<'a> TwoImpacts<'a> {
 }
 
 impl Enclosed for TwoImpacts<'_> {
-    /// E = x² + y² − Ã²Δ².
     fn enclose(&self, delta: f64, radius: f64) -> Dual {
-        let [x, y, determinant] = self.cramer(delta, radius);
+        self.condition(self.pieces(delta, radius))
+    }
+
+    fn at(&self, delta: f64) -> (f64, f64) {
+        let point = self.condition(self.pieces_at(delta));
+        (point.value, point.slope)
+    }
+}
+
+impl TwoImpacts<'_> {
+    /// E = x² + y² − Ã²Δ².
+    fn condition<T: Algebra>(&self, pieces: [T; 5]) -> T {
+        let [x, y, determinant] = self.cramer(pieces);
         let scaled = determinant.scaled(self.force);
         x * x + y * y - scaled * scaled
     }

@@ -55,6 +55,8 @@ pub(crate) struct Window {
     unit: f64,
     /// Displacement and velocity of all masses of a large ring.
     all: Vec<(f64, f64)>,
+    lows: Vec<f64>,
+    highs: Vec<f64>,
 }
 
 impl Window {
@@ -83,10 +85,9 @@ impl Window {
             }
             return;
         }
-        for ((value, slope), &site) in values.iter_mut().zip(slopes).zip(&watched.sites) {
-            let now = motion.site(site);
-            (*value, *slope) = (now.displacement, now.velocity * self.unit);
-        }
+        let slopes = &mut slopes[..self.masses];
+        motion.masses(&watched.sites, values, slopes);
+        slopes.iter_mut().for_each(|slope| *slope *= self.unit);
     }
 
     /// Works out the polynomials from displacement and velocity; `time` is t+ψ, for the force, at the window's start.
@@ -109,9 +110,15 @@ impl Window {
         for (k, push) in pushes.into_iter().enumerate() {
             let scale = 1.0 / ((k + 1) * (k + 2)) as f64;
             let (known, rest) = self.coefficients.split_at_mut((k + 2) * n);
-            let c = &known[k * n..(k + 1) * n];
-            for (((next, own), &l), &r) in rest.iter_mut().zip(c).zip(&watched.left).zip(&watched.right) {
-                *next = scale * (push - g1 * own - g2 * (2.0 * own - (c[l] + c[r])));
+            let (c, next) = (&known[k * n..(k + 1) * n], &mut rest[..n]);
+            let coefficient =
+                |own: f64, left: f64, right: f64| scale * (push - g1 * own - g2 * (2.0 * own - (left + right)));
+            // Neighbours stand side by side, but for the ends.
+            for ((next, own), sides) in next.iter_mut().skip(1).zip(&c[1..]).zip(c.windows(3)) {
+                *next = coefficient(*own, sides[0], sides[2]);
+            }
+            for i in [0, n - 1] {
+                next[i] = coefficient(c[i], c[watched.left[i]], c[watched.right[i]]);
             }
         }
     }
@@ -123,11 +130,21 @@ impl Window {
             self.place(watched, motion, interval, elapsed);
             return;
         }
-        for i in 0..self.masses {
-            let (value, slope) = self.polynomial(i).evaluate(step);
-            self.coefficients[i] = value;
-            self.coefficients[i + self.masses] = slope;
+        // Horner's rule for value and slope of all masses at once.
+        let n = self.masses;
+        let (values, slopes) = (&mut self.lows, &mut self.highs);
+        for scratch in [&mut *values, &mut *slopes] {
+            scratch.clear();
+            scratch.resize(n, 0.0);
         }
+        for c in self.coefficients.chunks_exact(n).rev() {
+            for ((value, slope), c) in values.iter_mut().zip(slopes.iter_mut()).zip(c) {
+                *slope = *slope * step + *value;
+                *value = *value * step + c;
+            }
+        }
+        self.coefficients[..n].copy_from_slice(values);
+        self.coefficients[n..2 * n].copy_from_slice(slopes);
     }
 
     /// Displacement of mass `i` at the window's start.
@@ -135,17 +152,30 @@ impl Window {
         self.coefficients[i]
     }
 
-    /// Smallest and largest displacement that mass `i` could have within `length`, in units: each coefficient of the wrong sign
-    /// is dropped, so that what is left can only grow.
-    pub(crate) fn range(&self, i: usize, length: f64) -> (f64, f64) {
-        let (mut low, mut high) = (0.0_f64, 0.0_f64);
-        for k in (1..ORDER).rev() {
-            let c = self.coefficients[k * self.masses + i];
-            low = (c + length * low).min(0.0);
-            high = (c + length * high).max(0.0);
+    /// Works out the ranges of all masses within `length`, in units.
+    pub(crate) fn enclose(&mut self, length: f64) {
+        let n = self.masses;
+        let (lows, highs) = (&mut self.lows, &mut self.highs);
+        for scratch in [&mut *lows, &mut *highs] {
+            scratch.clear();
+            scratch.resize(n, 0.0);
         }
-        let start = self.coefficients[i];
-        (start + length * low, start + length * high)
+        for c in self.coefficients.chunks_exact(n).skip(1).rev() {
+            for ((low, high), c) in lows.iter_mut().zip(highs.iter_mut()).zip(c) {
+                let (below, above) = (c + length * *low, c + length * *high);
+                *low = if below < 0.0 { below } else { 0.0 };
+                *high = if above > 0.0 { above } else { 0.0 };
+            }
+        }
+        for ((low, high), start) in lows.iter_mut().zip(highs.iter_mut()).zip(&self.coefficients) {
+            (*low, *high) = (start + length * *low, start + length * *high);
+        }
+    }
+
+    /// Smallest and largest displacement that mass `i` could have within the length last enclosed: each coefficient of the
+    /// wrong sign is dropped, so that what is left can only grow.
+    pub(crate) fn range(&self, i: usize) -> (f64, f64) {
+        (self.lows[i], self.highs[i])
     }
 
     /// The polynomial of mass `i`, in units of time.
@@ -216,9 +246,10 @@ mod tests {
             assert_eq!(sine.evaluate(s), (value, slope));
         }
         assert!(sine.third_bound(1.0) >= 1.0 && sine.third_bound(1.0) <= 1.6);
-        let window =
-            Window { coefficients: coefficients.to_vec(), masses: 1, since_refresh: 0, unit: 1.0, all: Vec::new() };
-        let (low, high) = window.range(0, 1.0);
+        let coefficients = coefficients.to_vec();
+        let mut window = Window { coefficients, masses: 1, unit: 1.0, ..Window::default() };
+        window.enclose(1.0);
+        let (low, high) = window.range(0);
         assert!(low <= 0.0 && high >= 1f64.sin() && high <= 1.01);
     }
 

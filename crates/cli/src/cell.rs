@@ -204,7 +204,7 @@ impl Worker {
         let mut best: Option<Candidate> = None;
         for &family in &task.families {
             // Conservative orbits with φ ≠ T/2 are left to `mapgen orbit`: none has been found physical (tests/maps.rs).
-            match self.finder.find_symmetric(model, family, &mut self.found) {
+            match self.finder.find_candidates(model, family, &mut self.found) {
                 Ok(()) => {}
                 Err(error) => {
                     let status = Status::of_orbit(&error);

@@ -114,15 +114,18 @@ fn the_series_error_goes_into_the_orbits_and_the_program_has_none() {
 }
 
 #[test]
-fn all_dense_ways_find_the_leading_multiplier_and_only_the_block_the_trivial_pair() {
+fn all_ways_find_the_leading_multiplier_and_only_two_the_trivial_pair() {
     let rows = suite("spectrum");
     for row in &rows {
         assert!(row.error < 1e-12, "{} {} {}", row.case, row.method, row.error);
-        assert_eq!(row.note == "trivial pair taken out beforehand", row.method == "reversible block");
+        let structured = row.method == "reversible block" || row.method == "secular function";
+        let conservative = row.case.starts_with("conservative");
+        assert_eq!(row.note == "trivial pair taken out beforehand", structured && conservative);
         assert_eq!(row.note.is_empty(), row.case.starts_with("forced"));
     }
     assert_eq!(errors(&rows, "conservative", "reversible block").len(), 2);
     assert_eq!(errors(&rows, "", "general exponential").len(), 3);
+    assert_eq!(errors(&rows, "", "secular function").len(), 3);
 }
 
 #[test]

@@ -62,6 +62,15 @@ pub struct ImpulseResponse {
     half_phase: Vec<f64>,
     sin_half: Vec<f64>,
     cos_half: Vec<f64>,
+    /// Dynamic response of the modes at the impulse and half a period after it, and the sums that orbits start from.
+    at_impulse: Vec<f64>,
+    at_half: Vec<f64>,
+    dynamic_at_impulse: f64,
+    dynamic_at_half: f64,
+    static_stiffness: f64,
+    /// What every time needs of a mode: b²/sinc y and (y − sin y)/y³ for y < 1, b²/(2 sin y) and sin y/y otherwise.
+    scales: Vec<f64>,
+    offsets: Vec<f64>,
     condition: f64,
 }
 
@@ -90,6 +99,13 @@ impl ImpulseResponse {
             half_phase: Vec::new(),
             sin_half: Vec::new(),
             cos_half: Vec::new(),
+            at_impulse: Vec::new(),
+            at_half: Vec::new(),
+            dynamic_at_impulse: 0.0,
+            dynamic_at_half: 0.0,
+            static_stiffness: 0.0,
+            scales: Vec::new(),
+            offsets: Vec::new(),
             condition: 1.0,
         }
     }
@@ -133,6 +149,28 @@ impl ImpulseResponse {
             self.cos_half.push(sign * cos);
         }
         self.condition = condition;
+        self.at_impulse.clear();
+        self.at_half.clear();
+        self.scales.clear();
+        self.offsets.clear();
+        for k in 0..self.modes() {
+            let (impulse, half) =
+                (self.mode_dynamic_anywhere(k, 0.0), self.mode_dynamic_anywhere(k, 0.5 * self.period));
+            self.at_impulse.push(impulse);
+            self.at_half.push(half);
+            let (y, weight, sin) = (self.half_phase[k], self.weights[k], self.sin_half[k]);
+            let soft = y < 1.0;
+            self.scales.push(if soft { weight / sinc(y) } else { weight / (2.0 * sin) });
+            self.offsets.push(if soft { cubic_defect(y) } else { sin / y });
+        }
+        [self.dynamic_at_impulse, self.dynamic_at_half] =
+            long_sum(self.modes(), |k| [self.weights[k] * self.at_impulse[k], self.weights[k] * self.at_half[k]]);
+        self.static_stiffness = if self.gamma1 == 0.0 {
+            0.0
+        } else {
+            let [sum] = long_sum(self.modes(), |k| [self.weights[k] / (self.frequencies[k] * self.frequencies[k])]);
+            self.period / sum
+        };
         Ok(())
     }
 
@@ -201,11 +239,7 @@ impl ImpulseResponse {
 
     /// 1/S₀ with S₀ = Σ b_k²/(Ω_k²T), the static stiffness at site 0 times T; 0 for γ₁ = 0.
     pub fn static_stiffness(&self) -> f64 {
-        if self.gamma1 == 0.0 {
-            return 0.0;
-        }
-        let [sum] = long_sum(self.modes(), |k| [self.weights[k] / (self.frequencies[k] * self.frequencies[k])]);
-        self.period / sum
+        self.static_stiffness
     }
 
     /// Share of the uniform mode in the static response at site 0: (1/γ₁MT)/S₀, 1 for γ₁ = 0.
@@ -215,6 +249,16 @@ impl ImpulseResponse {
 
     /// Dynamic response of mode `k`, without its weight, at 0 ≤ `t` ≤ T.
     pub fn mode_dynamic(&self, k: usize, t: f64) -> f64 {
+        if t == 0.0 || t == self.period {
+            self.at_impulse[k]
+        } else if t == 0.5 * self.period {
+            self.at_half[k]
+        } else {
+            self.mode_dynamic_anywhere(k, t)
+        }
+    }
+
+    fn mode_dynamic_anywhere(&self, k: usize, t: f64) -> f64 {
         let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
         let offset = t - 0.5 * self.period;
         if y < 1.0 {
@@ -252,16 +296,12 @@ impl ImpulseResponse {
 
     /// Dynamic part of K₀ at the impulse, t = 0: Σ b_k² [cot y/(2Ω) − 1/(Ω²T)].
     pub fn dynamic_at_impulse(&self) -> f64 {
-        self.dynamic(0.0)
+        self.dynamic_at_impulse
     }
 
     /// Dynamic part of K₀ half a period after the impulse: Σ b_k² [1/(2Ω sin y) − 1/(Ω²T)].
     pub fn dynamic_at_half(&self) -> f64 {
-        self.dynamic(0.5 * self.period)
-    }
-
-    fn dynamic(&self, t: f64) -> f64 {
-        long_sum(self.modes(), |k| [self.weights[k] * self.mode_dynamic(k, t)])[0]
+        self.dynamic_at_half
     }
 
     /// Bounds over the open period on |K₀′|, |K₀″|, |K₀‴| and |K₀⁗|, from the modes' amplitudes.
@@ -285,19 +325,17 @@ impl ImpulseResponse {
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
         let [value, slope, curvature, third] = long_sum(self.modes(), |k| {
-            let (frequency, weight, y) = (self.frequencies[k], self.weights[k], self.half_phase[k]);
-            if y < 1.0 {
+            let (frequency, scale, defect) = (self.frequencies[k], self.scales[k], self.offsets[k]);
+            if self.half_phase[k] < 1.0 {
                 let xi = offset / self.period;
                 let x = frequency * offset;
                 let (s, c) = (xi * sinc(0.5 * x), x.cos());
-                let scale = weight / sinc(y);
                 let slope = scale * xi * sinc(x);
-                let value = scale * self.period * (cubic_defect(y) - 2.0 * s * s) * 0.25;
+                let value = scale * self.period * (defect - 2.0 * s * s) * 0.25;
                 [value, -slope, -scale * c / self.period, frequency * frequency * slope]
             } else {
                 let (sin, cos) = (frequency * offset).sin_cos();
-                let scale = weight / (2.0 * self.sin_half[k]);
-                let value = scale * (cos - self.sin_half[k] / y) / frequency;
+                let value = scale * (cos - defect) / frequency;
                 [value, -scale * sin, -scale * frequency * cos, scale * frequency * frequency * sin]
             }
         });

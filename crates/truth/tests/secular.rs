@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Family, Finder, Found, Orbit};
-use vibrochain_floquet::{Analyser, Method, Tolerance, Verdict};
+use vibrochain_floquet::{Analyser, Tolerance, Verdict};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_truth::{DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 

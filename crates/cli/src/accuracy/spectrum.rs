@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use vibrochain_breather::{Family, Finder, Orbit, breathers};
 use vibrochain_floquet::{
-    Analyser, Complex, FloquetError, Square, Tolerance, eigenvalues, even_monodromy, full_monodromy,
+    Analyser, Complex, FloquetError, Method as Path, Square, Tolerance, eigenvalues, even_monodromy, full_monodromy,
 };
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_truth::{Complex as TrueComplex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
@@ -26,7 +26,9 @@ pub(super) const SUITE: Suite = Suite {
         - *exact propagator, whole ring*: the same matrix with flights from the ring's cosine transform;\n\
         - *even subspace*: only the modes even about the impacting mass, which alone feel the impacts: half the dimension;\n\
         - *reversible block*: for a conservative orbit that is its own mirror image in time, a matrix of half that dimension \
-        again, with the trivial pair μ = 1 removed exactly.\n\n\
+        again, with the trivial pair μ = 1 removed exactly;\n\
+        - *secular function*: all multipliers as zeros of a scalar function with one pole a mode, without a matrix. The trivial pair \
+        is divided out of it beforehand. This is what `mapgen orbit` does.\n\n\
         A dense solver moves a simple multiplier by rounding times its condition, but it splits the trivial pair of a \
         conservative orbit, a defective double eigenvalue, by the square root of rounding (last column). That blur, not the \
         error of the leading multiplier, bounds the growth such a solver can tell from none.",
@@ -38,6 +40,13 @@ pub(super) const SUITE: Suite = Suite {
 struct Tools {
     finder: Finder,
     analyser: Analyser,
+    dense: Analyser,
+}
+
+impl Tools {
+    fn new(sites: usize) -> Self {
+        Self { finder: Finder::new(sites), analyser: Analyser::default(), dense: Analyser::dense() }
+    }
 }
 
 /// All multipliers a method finds, those of the trivial pair included if it has them; `None` where it does not apply.
@@ -52,8 +61,15 @@ const METHODS: &[(&str, Method)] = &[
     ("even subspace", |orbit, _| Some(dense(even_monodromy(orbit)))),
     ("reversible block", |orbit, tools| {
         orbit.is_reversible().then(|| {
-            let answer = tools.analyser.stability(orbit, &mut tools.finder, Tolerance::Rounding);
+            let answer = tools.dense.stability(orbit, &mut tools.finder, Tolerance::Rounding);
             answer.map(|answer| answer.multipliers).map_err(computation)
+        })
+    }),
+    ("secular function", |orbit, tools| {
+        Some(match tools.analyser.stability(orbit, &mut tools.finder, Tolerance::Rounding) {
+            Ok(answer) if answer.verdict.method == Path::Secular => Ok(answer.multipliers),
+            Ok(_) => Err(computation("the secular function left the answer to a dense matrix")),
+            Err(error) => Err(computation(error)),
         })
     }),
 ];
@@ -73,7 +89,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
             let model = Model::forced(Chain::new(n + 1, 0.2, 0.1)?, omega, 0.4, amplitude, e)?;
             let orbits = breathers(&model, family).map_err(computation)?.orbits;
             let orbit = orbits.first().ok_or_else(|| computation(format!("no breather: {case}, N = {n}")))?;
-            let mut tools = Tools { finder: Finder::new(n + 1), analyser: Analyser::default() };
+            let mut tools = Tools::new(n + 1);
             let truth = truth(orbit, &mut tools)?;
             for &(method, multipliers) in METHODS {
                 let setting = format!("N = {n}");
@@ -101,7 +117,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
 
 /// The leading non-trivial multiplier (one of those of largest modulus) in many digits.
 fn truth(orbit: &Orbit, tools: &mut Tools) -> Result<TrueComplex, CliError> {
-    let verdict = tools.analyser.verdict(orbit, &mut tools.finder, Tolerance::Rounding).map_err(computation)?;
+    let verdict = tools.dense.verdict(orbit, &mut tools.finder, Tolerance::Rounding).map_err(computation)?;
     let exact = TrueOrbit::refine(orbit, DEFAULT_BITS).map_err(computation)?;
     let spectrum = TrueSpectrum::new(&exact).map_err(computation)?;
     let (multiplier, moved) = spectrum.refine((verdict.leading.re, verdict.leading.im)).map_err(computation)?;

@@ -8,7 +8,7 @@ use nalgebra::Complex;
 
 use super::doubt::Doubt;
 use super::forced::SecularMultipliers;
-use super::lanes::{ONE, ZERO, all, four, total};
+use super::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
 
@@ -19,6 +19,8 @@ pub(crate) struct Aberth {
     pub(crate) errors: Vec<f64>,
     settled: Vec<bool>,
     angles: Vec<f64>,
+    root_re: Vec<Lane>,
+    root_im: Vec<Lane>,
 }
 
 /// f, f′, Σ 1/(z−p), and a bound of the rounding error of f.
@@ -77,7 +79,7 @@ const SWEEPS: usize = 100;
 impl Aberth {
     /// All zeros into `roots`. `angles` are those of the poles on the upper half circle.
     pub(crate) fn solve(&mut self, form: &SecularMultipliers, angles: &[f64]) -> Result<(), Doubt> {
-        let Self { roots, errors, settled, angles: sorted } = self;
+        let Self { roots, errors, settled, angles: sorted, root_re, root_im } = self;
         sorted.clear();
         sorted.extend_from_slice(angles);
         sorted.sort_unstable_by(f64::total_cmp);
@@ -96,6 +98,9 @@ impl Aberth {
             roots.push(C::from_polar(radius, std::f64::consts::PI - 0.1 * (std::f64::consts::PI - last)));
         }
         let wanted = 2 * m;
+        // Those that fill up the last group are too far away to repel.
+        fill(root_re, roots.iter().map(|z| z.re), 1e150);
+        fill(root_im, roots.iter().map(|z| z.im), 0.0);
         settled.clear();
         settled.resize(wanted, false);
         let one = C::new(1.0, 0.0);
@@ -108,23 +113,29 @@ impl Aberth {
                 let z = roots[i];
                 let value = evaluate(form, z);
                 let mut log = value.slope / value.f + value.poles;
-                let (mut re, mut im) = (0.0, 0.0);
-                for (j, other) in roots.iter().enumerate() {
-                    if j != i {
-                        let (u, v) = (z.re - other.re, z.im - other.im);
-                        let scale = 1.0 / (u * u + v * v);
-                        re += u * scale;
-                        im -= v * scale;
-                    }
+                // All others repel; from itself it has no distance.
+                let (mut re, mut im) = (ZERO, ZERO);
+                let (x, y) = (all(z.re), all(z.im));
+                for (root_re, root_im) in root_re.iter().zip(&*root_im) {
+                    let (u, v) = (x - four(*root_re), y - four(*root_im));
+                    let square = u * u + v * v;
+                    let itself = square.simd_eq(ZERO);
+                    let scale = itself.select(ZERO, ONE / itself.select(ONE, square));
+                    re += u * scale;
+                    im -= v * scale;
                 }
-                log -= C::new(re, im);
+                log -= C::new(total(re), total(im));
                 let step = one / log;
                 if step.re.is_finite() && step.im.is_finite() {
-                    roots[i] = z - step;
+                    let next = z - step;
+                    roots[i] = next;
+                    root_re.as_flattened_mut()[i] = next.re;
+                    root_im.as_flattened_mut()[i] = next.im;
                 }
                 // The iteration is of third order: after a step this small nothing is left to gain but rounding.
-                let small = 1e-9 * z.norm().max(1e-3);
-                if step.norm() <= small || value.f.norm() <= 2.0 * f64::EPSILON * value.noise {
+                let small = 1e-18 * z.norm_sqr().max(1e-6);
+                let zero = 2.0 * f64::EPSILON * value.noise;
+                if step.norm_sqr() <= small || value.f.norm_sqr() <= zero * zero {
                     settled[i] = true;
                     open -= 1;
                 }
@@ -136,12 +147,12 @@ impl Aberth {
         for z in roots.iter_mut() {
             let mut value = evaluate(form, *z);
             let step = value.f / value.slope;
-            if step.norm() <= 1e-7 * z.norm().max(1e-3) {
+            if step.norm_sqr() <= 1e-14 * z.norm_sqr().max(1e-6) {
                 *z -= step;
                 value = evaluate(form, *z);
             }
             // And it is rounded itself.
-            errors.push(doubt(form, *z) / value.slope.norm() + 2.0 * f64::EPSILON * z.norm());
+            errors.push(doubt(form, *z) / value.slope.norm_sqr().sqrt() + 2.0 * f64::EPSILON * z.norm_sqr().sqrt());
         }
         if open == 0 { Ok(()) } else { Err(Doubt::Incomplete { found: wanted - open, wanted }) }
     }

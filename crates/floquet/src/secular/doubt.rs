@@ -10,7 +10,7 @@ pub enum Doubt {
     #[error("the orbit is not of the kind this secular function is for")]
     NotReversible,
     /// A certificate fails: rounding has eaten the residues (next to resonance, for very soft or stiff rings).
-    #[error("a certificate of the secular function fails by {defect:e} where rounding explains {allowed:e}")]
+    #[error("a certificate of the secular function fails by {} where rounding explains {}", told(*defect), told(*allowed))]
     Certificate {
         /// By how much.
         defect: f64,
@@ -33,7 +33,7 @@ pub enum Doubt {
     #[error("a multiplier is on the unit circle to within rounding")]
     Tangency,
     /// Rounding leaves the leading multiplier less accurate than a dense solver would.
-    #[error("the growth {growth:e} is uncertain by {growth_error:e}")]
+    #[error("the growth {} is uncertain by {}", told(*growth), told(*growth_error))]
     Imprecise {
         /// |μ| − 1
         growth: f64,
@@ -48,4 +48,9 @@ pub enum Doubt {
         /// Roots there are.
         wanted: usize,
     },
+}
+
+/// A number in words; one that is none is said so.
+fn told(value: f64) -> String {
+    if value.is_finite() { format!("{value:.1e}") } else { "an unknown amount".to_owned() }
 }

@@ -24,6 +24,7 @@ use nalgebra::Complex;
 use smallvec::SmallVec;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
+use wide::f64x4;
 
 use super::aberth::Aberth;
 use super::doubt::Doubt;
@@ -67,6 +68,8 @@ pub struct SecularMultipliers {
     modes: Modes,
     matrix: Vec<C>,
     sizes: Vec<f64>,
+    shared: Vec<f64>,
+    sums: Vec<[f64x4; 6]>,
     pub(super) aberth: Aberth,
     pub(super) large: ForcedLarge,
 }
@@ -126,7 +129,7 @@ impl SecularMultipliers {
         self.modes.set(response, &self.times);
         let size = 2 * n;
         let border = size + 1;
-        let shared = self.shared(q, omega, frequencies, weights);
+        self.share(q, omega, frequencies, weights);
         let scale = (1.0 + e).powi(size as i32);
         self.residues.clear();
         self.angles.clear();
@@ -141,7 +144,7 @@ impl SecularMultipliers {
             let phase = fk * response.period();
             self.matrix.clear();
             self.matrix.resize(border * border, C::default());
-            for (row, values) in shared[..size * size].chunks_exact(size).enumerate() {
+            for (row, values) in self.shared.chunks_exact(size).enumerate() {
                 for (entry, value) in self.matrix[row * border..].iter_mut().zip(values) {
                     *entry = C::new(*value, 0.0);
                 }
@@ -197,16 +200,12 @@ impl SecularMultipliers {
     }
 
     /// What all K̂ share: propagators over the times between impacts, losses, saltations. Velocities in units of ω.
-    fn shared(
-        &self,
-        q: f64,
-        omega: f64,
-        frequencies: &[f64],
-        weights: &[f64],
-    ) -> [f64; 4 * MOST_IMPACTS * MOST_IMPACTS] {
+    fn share(&mut self, q: f64, omega: f64, frequencies: &[f64], weights: &[f64]) {
         let n = self.times.len();
         let size = 2 * n;
-        let mut shared = [0.0; 4 * MOST_IMPACTS * MOST_IMPACTS];
+        let shared = &mut self.shared;
+        shared.clear();
+        shared.resize(size * size, 0.0);
         for i in 0..n {
             shared[2 * i * size + 2 * i] = 0.5 * q;
             shared[(2 * i + 1) * size + 2 * i + 1] = 0.5 * q;
@@ -228,18 +227,19 @@ impl SecularMultipliers {
                 (shared[at + 1], shared[at + size]) = (up, down);
             }
         }
-        shared
     }
 
     /// Adds the other modes' part of K̂(p_k): sums of b²(U, V), U, V = ½(cot(a_k−a_l) ± cot(a_k+a_l)), with
     /// −(i/2)(U cos + iV sin) and −½(V cos + iU sin) × (1/Ω, −Ω). Returns the smallest |sin(a_k±a_l)|.
     fn add_others(&mut self, k: usize, (ck, sk): (f64, f64), n: usize) -> Result<f64, Doubt> {
-        let Modes { half_weight, cos, sin, ratio, inverse, .. } = &self.modes;
+        let Modes { half_weight, cos, sin, ratio, inverse, turn_cos, turn_sin } = &self.modes;
         let groups = cos.len();
         let (ck, sk) = (all(ck), all(sk));
         let border = 2 * n + 1;
         let mut own = [ZERO; 3];
-        let mut shared = [[ZERO; 6]; MOST_IMPACTS * (MOST_IMPACTS - 1) / 2];
+        let shared = &mut self.sums;
+        shared.clear();
+        shared.resize(n * (n - 1) / 2, [ZERO; 6]);
         let (mut coincident, mut nearest) = (ZERO, ONE);
         for g in 0..groups {
             let (c, s) = (four(cos[g]), four(sin[g]));
@@ -257,9 +257,8 @@ impl SecularMultipliers {
             own[0] += u;
             own[1] += v * up;
             own[2] += v * down;
-            for (pair, sums) in shared[..n * (n - 1) / 2].iter_mut().enumerate() {
-                let (c, s) =
-                    (four(self.modes.turn_cos[pair * groups + g]), four(self.modes.turn_sin[pair * groups + g]));
+            for (pair, sums) in shared.iter_mut().enumerate() {
+                let (c, s) = (four(turn_cos[pair * groups + g]), four(turn_sin[pair * groups + g]));
                 let (uc, us, vc, vs) = (u * c, u * s, v * c, v * s);
                 for (sum, term) in sums.iter_mut().zip([uc, vs, vc * up, us * up, vc * down, us * down]) {
                     *sum += term;
