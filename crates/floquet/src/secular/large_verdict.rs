@@ -28,7 +28,7 @@ impl Touching {
 
 impl Secular {
     /// The verdict from all roots. `unknown` is a mode whose signature is lost, `marginal` what is next to ±1.
-    pub(super) fn from_all_roots(
+    pub(super) fn judge_all_roots(
         &mut self,
         unknown: Option<usize>,
         mut marginal: Option<Leading>,

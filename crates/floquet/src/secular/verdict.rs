@@ -228,7 +228,7 @@ impl Secular {
         suspects.clear();
         let wanted = count - 1;
         if large && (counted < wanted || unknown.is_some()) {
-            return self.from_all_roots(unknown, marginal, clearance);
+            return self.judge_all_roots(unknown, marginal, clearance);
         }
         if counted < wanted {
             for gap in 0..wanted {
