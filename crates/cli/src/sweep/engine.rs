@@ -1,6 +1,6 @@
 //! Cells on many threads. Each thread takes the next few cells, computes them and makes of them what is wanted; the thread
 //! that asked puts the results in order. Nobody waits for a slow row, and a sink that waits for its disk stops nobody until
-//! it is hundreds of blocks behind.
+//! it is dozens of blocks behind.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -13,14 +13,14 @@ use crate::cell::{Cell, Worker};
 use crate::scene::Scene;
 use crate::sweep::Summary;
 
-/// The most cells taken at a time: enough that taking them costs nothing.
-const BLOCK: u64 = 64;
+/// The most cells taken at a time: enough that taking them, and waking the thread that orders them, costs nothing.
+const BLOCK: u64 = 256;
 
 /// Blocks a thread at least takes where there are few cells, so that all threads end together.
 const BLOCKS_PER_THREAD: u64 = 16;
 
 /// Blocks that may be taken before the sink has seen them, per thread: a fraction of a second of cells, some megabytes.
-const AHEAD: u64 = 256;
+const AHEAD: u64 = 64;
 
 /// What is to be computed, and on what.
 #[derive(Debug, Clone, Copy)]
@@ -75,6 +75,8 @@ struct State {
     offset: u64,
     taken: u64,
     collected: u64,
+    /// Threads that wait for the sink.
+    waiting: u64,
     closed: bool,
 }
 
@@ -95,7 +97,9 @@ impl Queue<'_> {
     fn take(&self) -> Option<Order> {
         let mut state = self.lock();
         while !state.closed && state.taken - state.collected >= self.ahead {
+            state.waiting += 1;
             state = self.moved.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state.waiting -= 1;
         }
         while self.parts.get(state.part).is_some_and(|part| part.is_empty()) {
             state.part += 1;
@@ -113,8 +117,12 @@ impl Queue<'_> {
     }
 
     fn collected(&self) {
-        self.lock().collected += 1;
-        self.moved.notify_one();
+        let mut state = self.lock();
+        state.collected += 1;
+        // Waking nobody is a call of the system, too.
+        if state.waiting > 0 {
+            self.moved.notify_one();
+        }
     }
 
     fn close(&self) {
