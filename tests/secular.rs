@@ -272,6 +272,23 @@ fn no_verdict_differs_from_the_dense_one_beyond_its_error() {
     against_dense_everywhere(2000);
 }
 
+/// Poles that coincide to 14 digits, residues of 10¹⁸ that cancel: signs at ±1 were noise, and "all roots" were none.
+#[test]
+fn residues_that_cancel_prove_nothing() {
+    let chain = Chain::new(18, 0.11539980741875569, 0.40144460760567563).unwrap();
+    let model = Model::conservative(chain, 0.47770963682116213, 0.6273051865440096).unwrap();
+    let (mut finder, mut found) = (Finder::new(18), Found::default());
+    finder.find_symmetric(&model, Family::DoubleSided, &mut found).unwrap();
+    let mut analyser = Analyser::default();
+    let sweep = analyser.verdict(&found.orbits[0], &mut finder, Tolerance::Rounding).unwrap();
+    let thorough = analyser.stability(&found.orbits[0], &mut finder, Tolerance::Rounding).unwrap().verdict;
+    for verdict in [sweep, thorough] {
+        // To 57 digits |μ| = 1.26131997404794727….
+        assert!((verdict.spectral_radius - 1.2613199740479473).abs() < 1e-12, "{verdict:?}");
+        assert_eq!(verdict.mechanism, Some(Mechanism::NeimarkSacker));
+    }
+}
+
 /// The same for 10⁵ orbits and more: `cargo test --release --test secular -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]

@@ -269,7 +269,9 @@ impl Secular {
             }
         }
         if counted != wanted {
-            return self.last_resort();
+            // All roots at once know nothing of signs that are lost in rounding.
+            let lost = marginal.is_some();
+            return if lost { Err(Doubt::Incomplete { found: counted, wanted }) } else { self.last_resort() };
         }
         assemble(leading, marginal, clearance, WORST)
     }
