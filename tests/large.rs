@@ -41,7 +41,9 @@ fn check(sites: usize, cases: &[(f64, f64)]) {
             let name = format!("{family:?} {sites} {omega} {gamma2}");
             // Σ R = 1 and the trace, too.
             let size: f64 = secular.residues().residues().iter().map(|r| r.abs()).sum();
-            assert!(secular.residues().sum_defect().abs() < 1e-13 * size * size, "{name}");
+            let (sum, allowed) =
+                (secular.residues().sum_defect().abs(), 1e-13 * size * size * (1.0 + 1e-5 * sites as f64));
+            assert!(sum < allowed, "{name}: {sum:e} {allowed:e}");
             let roots = secular.roots().unwrap().0.to_vec();
             assert_eq!(roots.len(), sites / 2, "{name}");
             let defect = defect(secular.residues(), &roots);
