@@ -17,8 +17,9 @@ use nalgebra::Complex;
 use vibrochain_lattice::ImpulseResponse;
 
 use super::cauchy::Tree;
+use super::circle::{CircleForm, CirclePole};
 use super::doubt::Doubt;
-use super::forced_roots::{CircleForm, CirclePole, CircleRoots};
+use super::forced_roots::CircleRoots;
 
 type C = Complex<f64>;
 

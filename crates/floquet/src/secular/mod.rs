@@ -13,12 +13,13 @@
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
 //! | `labels` | the mode that a multiplier is next to |
 //! | `large`, `cauchy`, `window`, `missing`, `large_verdict` | the same for large rings in O(M) |
-//! | `forced_large`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
+//! | `forced_large`, `circle`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
 mod aberth;
 mod cauchy;
+mod circle;
 mod double_sided;
 mod doubt;
 mod evaluate;
