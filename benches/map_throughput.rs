@@ -1,13 +1,15 @@
 //! Cells per second of the paper's maps, conservative and forced: N = 5, 10, 20, 40, with and without stability, 1 and 2
-//! threads.
+//! threads. The floor beside them: sines, cosines and divisions that no conservative cell could do without.
 #![allow(missing_docs, reason = "criterion's macros define undocumented items")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark stops at the first surprise")]
 
+use std::f64::consts::PI;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use vibrochain::lattice::{Chain, Spectrum};
 use vibrochain_cli::scene::Scene;
 use vibrochain_cli::sweep::{Ended, sweep};
 
@@ -64,5 +66,35 @@ fn maps(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, maps);
+/// One sine and cosine a mode that feels the impacts and one division for its kernel, one division for every two such
+/// modes, as in the residues.
+fn floor(criterion: &mut Criterion) {
+    const CELLS: u64 = 1000;
+    let mut group = criterion.benchmark_group("floor");
+    for sites in [6, 11, 21, 41] {
+        let spectrum = Spectrum::new(Chain::new(sites, 0.2, 0.1).unwrap());
+        let frequencies: Vec<f64> = spectrum.frequencies().to_vec();
+        let (mut sines, mut cosines) = (frequencies.clone(), frequencies.clone());
+        group.throughput(Throughput::Elements(CELLS));
+        group.bench_function(format!("N={}", sites - 1), |bencher| {
+            bencher.iter(|| {
+                let mut total = 0.0;
+                for cell in 0..CELLS {
+                    let half_period = PI / (0.4 + 2.6 * cell as f64 / CELLS as f64);
+                    for ((frequency, sine), cosine) in frequencies.iter().zip(&mut sines).zip(&mut cosines) {
+                        (*sine, *cosine) = (black_box(*frequency) * half_period).sin_cos();
+                    }
+                    for (k, (sine, cosine)) in sines.iter().zip(&cosines).enumerate() {
+                        total += cosine / sine;
+                        total += cosines[..k].iter().map(|other| 1.0 / (cosine - other)).sum::<f64>();
+                    }
+                }
+                black_box(total)
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, floor, maps);
 criterion_main!(benches);

@@ -70,6 +70,9 @@ pub(crate) struct PlanarZeros {
 /// Enclosures that no sound problem needs.
 const BUDGET: usize = 400_000;
 
+/// Rectangles that rounding blurs, up to which they are joined to places.
+const MOST_BLURRED: usize = 2048;
+
 /// Rectangles are not halved below this, relative to their place (to the whole, in y).
 const NARROW: f64 = 64.0 * f64::EPSILON;
 
@@ -294,6 +297,11 @@ impl PlanarZeros {
 
     /// Joins blurred rectangles that touch, or nearly.
     fn cluster(&mut self, rectangles: Vec<Rectangle>) {
+        if rectangles.len() > MOST_BLURRED {
+            // Not places, but curves or all of the plane, lost in rounding.
+            self.exhausted += rectangles.len();
+            return;
+        }
         let mut clusters: Vec<Vec<Rectangle>> = Vec::new();
         for rectangle in rectangles {
             let touches = |other: &Rectangle| {

@@ -20,7 +20,8 @@ const FAR: f64 = 1e100;
 /// The same as a sine or cosine.
 pub(crate) const FAR_ROOT: f64 = 1e50;
 
-/// Errors of ΣR = 1 from which on it proves nothing: those of signs next to it have become as large.
+/// Errors of ΣR = 1 from which on it proves nothing: those of signs next to it have become as large. For [`LARGE`] poles;
+/// of more, errors that have nothing to do with each other add up to more, in the bound that is.
 const MOST_DOUBT: f64 = 1e-3;
 
 /// One pole of F before sorting.
@@ -253,11 +254,8 @@ impl Residues {
         let defect = self.sum_defect().abs().max(self.trace_defect().abs());
         // Not a number is a doubt, too. And errors that could hide the 1 itself leave nothing to certify, however small they are
         // against residues that cancel.
-        if defect <= allowed && allowed < size.min(MOST_DOUBT) {
-            Ok(())
-        } else {
-            Err(Doubt::Certificate { defect, allowed })
-        }
+        let most = MOST_DOUBT * (self.count() as f64 / LARGE as f64).clamp(1.0, 500.0);
+        if defect <= allowed && allowed < size.min(most) { Ok(()) } else { Err(Doubt::Certificate { defect, allowed }) }
     }
 
     /// Poles d_k = cos Ω_kT, rising.
