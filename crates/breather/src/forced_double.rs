@@ -29,9 +29,9 @@ use crate::two_impacts::{TwoImpactSolution, TwoImpacts, Word};
 /// than that to their bifurcation are not told from the symmetric one.
 pub(crate) const SYMMETRIC_GUARD: f64 = 1e-7;
 
-/// Double zeros that are worth a search of the plane. More than that are no double zeros: rounding blurs all of the
-/// function, next to a resonance, and it would blur the plane as well.
-const MOST_DOUBLE: usize = 256;
+/// Unresolved places that are worth a search of the plane; near a pitchfork a single zero makes hundreds. Where
+/// there are more, next to a resonance, rounding blurs all of the function, and would blur the plane as well.
+const MOST_DOUBLE: usize = 1024;
 
 /// What breaks the symmetry is q a gD, which puts the two orbits next to δ = 0 at δ/T of that order: below this, they
 /// are at δ = 0 to rounding.

@@ -16,7 +16,7 @@ pub(crate) struct Outcome {
 
 /// Keys of JSON answers whose value may be missing; errors are where no bound is known, and the amplitude where the force
 /// is a list.
-const OPTIONAL: [&str; 15] = [
+const OPTIONAL: [&str; 22] = [
     "amplitude",
     "residual",
     "phi",
@@ -32,6 +32,15 @@ const OPTIONAL: [&str; 15] = [
     "resolution",
     "impulse_error",
     "time_error",
+    // How a list is complete, if it is.
+    "by",
+    // Of conservative orbits alone, and where rounding leaves them.
+    "modes",
+    "collision",
+    "signature",
+    "residue",
+    "dressed",
+    "detuning",
 ];
 
 /// No word of it is a number that is none.
