@@ -28,7 +28,8 @@ pub(super) const SUITE: Suite = Suite {
         - *reversible block*: for a conservative orbit that is its own mirror image in time, a matrix of half that dimension \
         again, with the trivial pair μ = 1 removed exactly;\n\
         - *secular function*: all multipliers as zeros of a scalar function with one pole a mode, without a matrix. The trivial pair \
-        is divided out of it beforehand. This is what `mapgen orbit` does.\n\n\
+        is divided out of it beforehand. This is what `mapgen orbit` does, unless a certificate fails or the growth would be \
+        too uncertain: then a matrix answers, and there is no line.\n\n\
         A dense solver moves a simple multiplier by rounding times its condition, but it splits the trivial pair of a \
         conservative orbit, a defective double eigenvalue, by the square root of rounding (last column). That blur, not the \
         error of the leading multiplier, bounds the growth such a solver can tell from none.",
@@ -66,11 +67,10 @@ const METHODS: &[(&str, Method)] = &[
         })
     }),
     ("secular function", |orbit, tools| {
-        Some(match tools.analyser.stability(orbit, &mut tools.finder, Tolerance::Rounding) {
-            Ok(answer) if answer.verdict.method == Path::Secular => Ok(answer.multipliers),
-            Ok(_) => Err(computation("the secular function left the answer to a dense matrix")),
-            Err(error) => Err(computation(error)),
-        })
+        match tools.analyser.stability(orbit, &mut tools.finder, Tolerance::Rounding) {
+            Ok(answer) => (answer.verdict.method == Path::Secular).then_some(Ok(answer.multipliers)),
+            Err(error) => Some(Err(computation(error))),
+        }
     }),
 ];
 
