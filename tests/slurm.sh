@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A sharded sweep as a Slurm job array on a one-node Slurm of its own, against the same sweep in one piece: a task is
-# requeued midway, another's program is killed, and the bytes must be the same.
+# requeued midway, another's program is killed, a third one's time is up, and the bytes must be the same.
 #
 #     tests/slurm.sh [MAPGEN]        (default target/release/mapgen)
 #
@@ -87,8 +87,8 @@ sites = 101
 gamma1 = 0.2
 asymmetry = 0.4
 [sweep]
-x = { parameter = "omega", from = 0.6, to = 2.6, points = 160 }
-y = { parameter = "gamma2", from = 0.01, to = 0.3, points = 100 }
+x = { parameter = "omega", from = 0.6, to = 2.6, points = 800 }
+y = { parameter = "gamma2", from = 0.01, to = 0.3, points = 500 }
 [compute]
 families = ["double-sided", "single-sided"]
 stability = true
@@ -119,7 +119,10 @@ process_of 0 > /dev/null
 scontrol requeue "${array}_0"
 victim=$(process_of 1)
 kill -KILL "$victim"
-echo "slurm: task 0 requeued, the program of task 1 killed"
+process_of 2 > /dev/null
+# The signal that a task gets a minute before its time is up.
+scancel --batch --signal=USR1 "${array}_2"
+echo "slurm: task 0 requeued, the program of task 1 killed, task 2 told that its time is up"
 
 for _ in $(seq 600); do
     # A requeued job may wait for its turn for a time it has to be let off.
@@ -130,6 +133,7 @@ for _ in $(seq 600); do
 done
 [ -f map.csv ] || failed "no merged table: $(scontrol show job "$merge" 2>&1 | head -n 20)"
 cmp whole.csv map.csv || failed "the merged table differs from the one made in one piece"
-restarts=$(grep -l "starting again" ./*.out | wc -l)
-[ "$restarts" -ge 1 ] || failed "the killed task was not started again"
+for reason in killed "out of time"; do
+    grep -q "^$reason: starting again" ./*.out || failed "no task was started again that was $reason"
+done
 echo "slurm: $(wc -l < map.csv) lines, the same bytes as in one piece"
