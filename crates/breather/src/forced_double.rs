@@ -29,10 +29,6 @@ use crate::two_impacts::{TwoImpactSolution, TwoImpacts, Word};
 /// than that to their bifurcation are not told from the symmetric one.
 pub(crate) const SYMMETRIC_GUARD: f64 = 1e-7;
 
-/// Unresolved places that are worth a search of the plane; near a pitchfork a single zero makes hundreds. Where
-/// there are more, next to a resonance, rounding blurs all of the function, and would blur the plane as well.
-const MOST_DOUBLE: usize = 1024;
-
 /// What breaks the symmetry is q a gD, which puts the two orbits next to δ = 0 at δ/T of that order: below this, they
 /// are at δ = 0 to rounding.
 pub(crate) const SYMMETRIC: f64 = 1e-18;
@@ -58,7 +54,7 @@ pub(crate) fn double_sided(
     } else {
         problem.zeros(zeros, -edge, edge);
     }
-    if (1..=MOST_DOUBLE).contains(&zeros.unresolved.len()) {
+    if !zeros.unresolved.is_empty() {
         zeros.forget();
         return forced_harmonics::double_sided(model, response, steady, zeros, plane, found);
     }
@@ -116,7 +112,7 @@ pub(crate) fn period_doubled(
     let problem = TwoImpacts::new(Word::PeriodDoubled, response, omega, a, q, force);
     let half = 0.5 * response.period();
     problem.zeros(zeros, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD));
-    if (1..=MOST_DOUBLE).contains(&zeros.unresolved.len()) {
+    if !zeros.unresolved.is_empty() {
         zeros.forget();
         return forced_harmonics::period_doubled(model, response, steady, plane, found);
     }
