@@ -80,15 +80,9 @@ pub struct SweepArgs {
     /// Compute a few cells only, and tell how many there are, how long they will take and how much they will fill.
     #[arg(long)]
     pub dry_run: bool,
-    /// Picture of the map as PNG.
-    #[arg(long, value_name = "FILE")]
-    pub png: Option<PathBuf>,
-    /// Picture of the map as SVG.
-    #[arg(long, value_name = "FILE")]
-    pub svg: Option<PathBuf>,
-    /// Colours of the pictures.
-    #[arg(long, value_enum, default_value_t)]
-    pub palette: PaletteName,
+    /// Pictures of the table.
+    #[command(flatten)]
+    pub pictures: PictureArgs,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
@@ -100,15 +94,9 @@ pub struct SweepArgs {
     pub quiet: bool,
 }
 
-/// Arguments of `mapgen merge`.
-#[derive(Debug, Args)]
-pub struct MergeArgs {
-    /// Folder of chunks, the --out of `mapgen sweep --shard`.
-    pub folder: PathBuf,
-    /// Table to write (CSV; named .csv.gz or .csv.zst, compressed; named .parquet, by columns), the same to the byte as that of an undivided sweep; a
-    /// manifest is written beside it.
-    #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+/// Pictures of a map.
+#[derive(Debug, Clone, Args)]
+pub struct PictureArgs {
     /// Picture of the map as PNG.
     #[arg(long, value_name = "FILE")]
     pub png: Option<PathBuf>,
@@ -118,6 +106,20 @@ pub struct MergeArgs {
     /// Colours of the pictures.
     #[arg(long, value_enum, default_value_t)]
     pub palette: PaletteName,
+}
+
+/// Arguments of `mapgen merge`.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Folder of chunks, the --out of `mapgen sweep --shard`.
+    pub folder: PathBuf,
+    /// Table to write (CSV; named .csv.gz or .csv.zst, compressed; named .parquet, by columns), the same to the byte as that of an undivided sweep; a
+    /// manifest is written beside it.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Pictures of the table.
+    #[command(flatten)]
+    pub pictures: PictureArgs,
     /// No summary.
     #[arg(long, short)]
     pub quiet: bool,

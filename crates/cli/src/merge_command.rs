@@ -6,7 +6,7 @@ use crate::args::MergeArgs;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::output::{Output, distinct};
-use crate::pictures::{Pictures, Wanted};
+use crate::pictures::Pictures;
 use crate::report::report;
 use crate::sweep::{Fault, Plan, Store, Unassembled};
 use crate::sweep_command::{manifest_path, quoted, write_manifest};
@@ -22,17 +22,17 @@ const MOST_NAMED: usize = 12;
 pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let plan = Store::plan(&args.folder)?;
     let manifest_file = manifest_path(&args.out);
-    let wanted = Wanted { png: args.png.as_deref(), svg: args.svg.as_deref(), palette: args.palette };
+    let wanted = &args.pictures;
     distinct(&[
         ("the folder of chunks", Some(&args.folder)),
         ("--out", Some(&args.out)),
         ("the manifest of --out", Some(&manifest_file)),
-        ("--png", wanted.png),
-        ("--svg", wanted.svg),
+        ("--png", wanted.png.as_deref()),
+        ("--svg", wanted.svg.as_deref()),
     ])?;
     // Both fail early where they cannot be written.
     Output::create(&manifest_file)?;
-    let mut pictures = Pictures::plan(&wanted, &plan.scene)?;
+    let mut pictures = Pictures::plan(wanted, &plan.scene)?;
     let mut table = TableFile::create(&args.out, &plan.scene)?;
     let stop = (console.interrupt)()?;
 

@@ -124,6 +124,21 @@ impl Write for Output {
     }
 }
 
+/// Removes the temporary files of a destination that killed processes have left. For who alone writes there.
+pub(crate) fn remove_abandoned(path: &Path) {
+    let Some(name) = path.file_name() else { return };
+    let prefix = format!(".{}.", name.to_string_lossy());
+    for entry in fs::read_dir(folder_of(path)).into_iter().flatten().flatten() {
+        let found = entry.file_name().to_string_lossy().into_owned();
+        // Just what `tempfile` puts between: map.csv must not take what is map.csv.gz's.
+        let middle = found.strip_prefix(&prefix).and_then(|rest| rest.strip_suffix(TEMPORARY));
+        if middle.is_some_and(|middle| !middle.contains('.')) {
+            // What cannot be removed does no harm.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Makes sure that no two of the files a command reads or writes are the same. Each comes with the flag that named it.
 ///
 /// # Errors

@@ -5,15 +5,6 @@ pub(crate) use with_pictures::Pictures;
 #[cfg(not(feature = "plot"))]
 pub(crate) use without_pictures::Pictures;
 
-/// What is asked for.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Wanted<'a> {
-    pub(crate) png: Option<&'a std::path::Path>,
-    pub(crate) svg: Option<&'a std::path::Path>,
-    #[cfg_attr(not(feature = "plot"), expect(dead_code, reason = "nothing is drawn in these colours"))]
-    pub(crate) palette: crate::args::PaletteName,
-}
-
 #[cfg(feature = "plot")]
 mod with_pictures {
     use std::path::{Path, PathBuf};
@@ -21,8 +12,7 @@ mod with_pictures {
 
     use vibrochain_floquet::Mechanism;
 
-    use super::Wanted;
-    use crate::args::PaletteName;
+    use crate::args::{PaletteName, PictureArgs};
     use crate::cell::Class;
     use crate::error::CliError;
     use crate::output::Output;
@@ -43,9 +33,9 @@ mod with_pictures {
 
     impl<'a> Pictures<'a> {
         /// Makes sure that they can be drawn and written.
-        pub(crate) fn plan(wanted: &Wanted<'_>, scene: &'a Scene) -> Result<Self, CliError> {
+        pub(crate) fn plan(wanted: &PictureArgs, scene: &'a Scene) -> Result<Self, CliError> {
             let mut files = Vec::new();
-            for (path, format) in [(wanted.png, Format::Png), (wanted.svg, Format::Svg)] {
+            for (path, format) in [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg)] {
                 let Some(path) = path else { continue };
                 if scene.plane().is_none() {
                     let axes = scene.axes.len();
@@ -108,7 +98,7 @@ mod without_pictures {
     use std::path::Path;
     use std::sync::atomic::AtomicBool;
 
-    use super::Wanted;
+    use crate::args::PictureArgs;
     use crate::error::CliError;
     use crate::scene::Scene;
     use crate::sweep::{Plan, Summary, Unassembled, assemble};
@@ -118,7 +108,7 @@ mod without_pictures {
     pub(crate) struct Pictures<'a>(PhantomData<&'a Scene>);
 
     impl<'a> Pictures<'a> {
-        pub(crate) fn plan(wanted: &Wanted<'_>, _: &'a Scene) -> Result<Self, CliError> {
+        pub(crate) fn plan(wanted: &PictureArgs, _: &'a Scene) -> Result<Self, CliError> {
             if wanted.png.is_some() || wanted.svg.is_some() {
                 return Err(CliError::Request("--png and --svg need a build with the feature `plot`".to_owned()));
             }

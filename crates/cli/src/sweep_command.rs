@@ -12,8 +12,8 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::estimate::estimate;
 use crate::manifest::{Effort, Run, manifest};
-use crate::output::{Output, distinct, settle_names};
-use crate::pictures::{Pictures, Wanted};
+use crate::output::{Output, distinct, remove_abandoned, settle_names};
+use crate::pictures::Pictures;
 use crate::report::{report, speed};
 use crate::sweep::{Claim, Ended, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, work};
 use crate::table_file::{TableFile, stem};
@@ -72,23 +72,27 @@ struct SweepRun<'a> {
 impl SweepRun<'_> {
     fn whole(&self, out: &Path, console: &mut Console<'_>) -> Result<(), CliError> {
         let (manifest_file, parts) = (manifest_path(out), parts_path(out));
-        let wanted =
-            Wanted { png: self.args.png.as_deref(), svg: self.args.svg.as_deref(), palette: self.args.palette };
+        let wanted = &self.args.pictures;
         distinct(&[
             ("the scene", Some(&self.args.scene)),
             ("--out", Some(out)),
             ("the manifest of --out", Some(&manifest_file)),
             ("the folder of chunks", Some(&parts)),
-            ("--png", wanted.png),
-            ("--svg", wanted.svg),
+            ("--png", wanted.png.as_deref()),
+            ("--svg", wanted.svg.as_deref()),
         ])?;
         // Destinations first: an impossible one should not cost a computation.
         drop(TableFile::create(out, &self.plan.scene)?);
         Output::create(&manifest_file)?;
-        let mut pictures = Pictures::plan(&wanted, &self.plan.scene)?;
+        let mut pictures = Pictures::plan(wanted, &self.plan.scene)?;
         let stop = (console.interrupt)()?;
         let claim = if self.args.resume { Claim::Resume } else { Claim::Fresh };
         let store = Store::open(&parts, self.plan, claim)?;
+        // The folder of chunks is locked: nobody else writes these.
+        [Some(out), Some(&manifest_file), wanted.png.as_deref(), wanted.svg.as_deref()]
+            .into_iter()
+            .flatten()
+            .for_each(remove_abandoned);
         let effort = self.compute(&store, Shard::WHOLE, &stop, console)?;
 
         let mut table =
@@ -193,10 +197,11 @@ impl SweepRun<'_> {
     /// The command that goes on with this sweep.
     fn command(&self) -> String {
         let mut words = vec!["mapgen sweep".to_owned(), quoted(&self.args.scene)];
-        for (flag, path) in [("--out", &self.args.out), ("--png", &self.args.png), ("--svg", &self.args.svg)] {
+        let pictures = &self.args.pictures;
+        for (flag, path) in [("--out", &self.args.out), ("--png", &pictures.png), ("--svg", &pictures.svg)] {
             words.extend(path.iter().map(|path| format!("{flag} {}", quoted(path))));
         }
-        if self.args.palette != Default::default() {
+        if pictures.palette != Default::default() {
             words.push("--palette paper".to_owned());
         }
         words.extend(self.args.threshold.map(|threshold| format!("--threshold {threshold}")));

@@ -281,7 +281,9 @@ fn plan(line: &[OsString], work: f64) -> Plan {
                 windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model, false)));
             }
             // A picture takes longer than its cells, threads longer than they are worth.
-            let pictures = args.png.is_some() || args.svg.is_some() || args.threads.is_none_or(|threads| threads > 4);
+            let pictures = args.pictures.png.is_some()
+                || args.pictures.svg.is_some()
+                || args.threads.is_none_or(|threads| threads > 4);
             let cost = scene.cells() as f64 * scene.base.sites as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
@@ -312,7 +314,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         }
         // What is there is read, nothing is computed; pictures take longer.
         Ok(Command::Merge(args)) => {
-            if args.png.is_some() || args.svg.is_some() {
+            if args.pictures.png.is_some() || args.pictures.svg.is_some() {
                 Plan::Stopped
             } else {
                 Plan::Whole
