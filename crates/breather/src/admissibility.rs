@@ -192,7 +192,7 @@ impl Watch {
             for w in 0..windows {
                 let elapsed = length * (w as f64 / windows as f64);
                 if w > 0 {
-                    self.window.advance(&self.watched, motion, interval, elapsed, step);
+                    self.window.advance(&self.watched, motion, interval, elapsed);
                 }
                 self.window.expand(&self.watched, model, &force, motion.force_time(interval, elapsed));
                 for (i, &site) in self.watched.sites.iter().enumerate() {
@@ -226,8 +226,7 @@ impl Watch {
             let ends = orbit.is_reversible() && orbit.impacts().len() == 1;
             for (i, &site) in self.watched.sites.iter().enumerate() {
                 if ends || !is_hit(site) {
-                    let displacement = self.window.polynomial(i).evaluate(step).0;
-                    closest.note(a, site, start + length, displacement);
+                    closest.note(a, site, start + length, self.window.final_displacement(i));
                 }
             }
         }

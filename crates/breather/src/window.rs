@@ -12,6 +12,7 @@
 //! bounds taken from them are as tight, which no bound common to the ring could be.
 
 use vibrochain_lattice::{LARGE_RING, Model, Wave};
+use wide::f64x4;
 
 use crate::motion::Motion;
 
@@ -45,16 +46,28 @@ impl Watched {
     }
 }
 
-/// The polynomials of the current window.
+/// Masses worked on at a time: one vector instruction each where the machine has it.
+const LANES: usize = 4;
+
+/// A number for each of [`LANES`] masses.
+type Lane = [f64; LANES];
+
+/// Place of mass 0 in a row of numbers; before it stands its left neighbour, once more.
+const FIRST: usize = 1;
+
+/// The polynomials of the current window, and what they say of its length.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Window {
-    /// [order][mass]
+    /// [order][neighbour, masses, neighbour, room for whole lanes]
     coefficients: Vec<f64>,
+    stride: usize,
     masses: usize,
     since_refresh: usize,
     unit: f64,
-    lows: Vec<f64>,
-    highs: Vec<f64>,
+    lows: Vec<Lane>,
+    highs: Vec<Lane>,
+    values: Vec<Lane>,
+    slopes: Vec<Lane>,
     /// Displacement and velocity of all masses of a large ring.
     all: Vec<(f64, f64)>,
 }
@@ -72,11 +85,22 @@ impl Window {
 
     /// Sets all masses from the modes, `elapsed` after the start of an interval between impacts.
     pub(crate) fn place(&mut self, watched: &Watched, motion: &mut Motion, interval: usize, elapsed: f64) {
-        self.masses = watched.sites.len();
-        self.coefficients.resize(ORDER * self.masses, 0.0);
+        let masses = watched.sites.len();
+        if self.masses != masses {
+            let lanes = masses.div_ceil(LANES);
+            self.masses = masses;
+            self.stride = lanes * LANES + 2;
+            self.coefficients.clear();
+            self.coefficients.resize(ORDER * self.stride, 0.0);
+            for list in [&mut self.lows, &mut self.highs, &mut self.values, &mut self.slopes] {
+                list.clear();
+                list.resize(lanes, [0.0; LANES]);
+            }
+        }
         self.since_refresh = 0;
         motion.seek(interval, elapsed);
-        let (values, slopes) = self.coefficients.split_at_mut(self.masses);
+        let (values, slopes) = self.coefficients.split_at_mut(self.stride);
+        let (values, slopes) = (&mut values[FIRST..FIRST + masses], &mut slopes[FIRST..FIRST + masses]);
         if motion.sites() >= LARGE_RING {
             motion.all_sites(&mut self.all);
             for ((value, slope), &site) in values.iter_mut().zip(slopes).zip(&watched.sites) {
@@ -85,16 +109,14 @@ impl Window {
             }
             return;
         }
-        let slopes = &mut slopes[..self.masses];
         motion.masses(&watched.sites, values, slopes);
         slopes.iter_mut().for_each(|slope| *slope *= self.unit);
     }
 
     /// Works out the polynomials from displacement and velocity; `time` is t+ψ, for the force, at the window's start.
     pub(crate) fn expand(&mut self, watched: &Watched, model: &Model, force: &Wave, time: f64) {
-        let n = self.masses;
         let squared = self.unit * self.unit;
-        let (g1, g2) = (model.chain().gamma1() * squared, model.chain().gamma2() * squared);
+        let [g1, g2] = [model.chain().gamma1(), model.chain().gamma2()].map(|gamma| f64x4::splat(gamma * squared));
         let mut pushes = [0.0; ORDER - 2];
         for term in force.terms() {
             let (sin, cos) = (term.rate * time + term.phase).sin_cos();
@@ -107,82 +129,101 @@ impl Window {
                 size *= rate / (k + 1) as f64;
             }
         }
+        let (stride, last) = (self.stride, FIRST + self.masses - 1);
+        let ends = (FIRST + watched.left[0], FIRST + watched.right[self.masses - 1]);
+        for row in self.coefficients.chunks_exact_mut(stride).take(2) {
+            (row[0], row[last + 1]) = (row[ends.0], row[ends.1]);
+        }
         for (k, push) in pushes.into_iter().enumerate() {
             let scale = 1.0 / ((k + 1) * (k + 2)) as f64;
-            let (known, rest) = self.coefficients.split_at_mut((k + 2) * n);
-            let (c, next) = (&known[k * n..(k + 1) * n], &mut rest[..n]);
-            let coefficient =
-                |own: f64, left: f64, right: f64| scale * (push - g1 * own - g2 * (2.0 * own - (left + right)));
-            // Neighbours stand side by side, but for the ends.
-            for ((next, own), sides) in next.iter_mut().skip(1).zip(&c[1..]).zip(c.windows(3)) {
-                *next = coefficient(*own, sides[0], sides[2]);
+            let (known, rest) = self.coefficients.split_at_mut((k + 2) * stride);
+            let (c, next) = (&known[k * stride..(k + 1) * stride], &mut rest[..stride]);
+            let (left, own, right) = (&c[..stride - 2], &c[1..stride - 1], &c[2..]);
+            let sides = left.as_chunks::<LANES>().0.iter().zip(right.as_chunks::<LANES>().0);
+            let targets = next[FIRST..].as_chunks_mut::<LANES>().0.iter_mut().zip(own.as_chunks::<LANES>().0);
+            let (scale, push) = (f64x4::splat(scale), f64x4::splat(push));
+            for ((next, own), (left, right)) in targets.zip(sides) {
+                let (own, sides) = (f64x4::from(*own), f64x4::from(*left) + f64x4::from(*right));
+                *next = (scale * (push - g1 * own - g2 * (own + own - sides))).to_array();
             }
-            for i in [0, n - 1] {
-                next[i] = coefficient(c[i], c[watched.left[i]], c[watched.right[i]]);
-            }
+            (next[0], next[last + 1]) = (next[ends.0], next[ends.1]);
         }
     }
 
-    /// Moves on by `step`, in units: through the polynomials, or from the modes where rounding is due to be cleared.
-    pub(crate) fn advance(&mut self, watched: &Watched, motion: &mut Motion, interval: usize, elapsed: f64, step: f64) {
+    /// Moves on to the end of the length last enclosed: through the polynomials, or from the modes where rounding is due to
+    /// be cleared.
+    pub(crate) fn advance(&mut self, watched: &Watched, motion: &mut Motion, interval: usize, elapsed: f64) {
         self.since_refresh += 1;
         if self.since_refresh >= REFRESH {
             self.place(watched, motion, interval, elapsed);
             return;
         }
-        // Horner's rule for value and slope of all masses at once.
-        let n = self.masses;
-        let (values, slopes) = (&mut self.lows, &mut self.highs);
-        for scratch in [&mut *values, &mut *slopes] {
-            scratch.clear();
-            scratch.resize(n, 0.0);
-        }
-        for c in self.coefficients.chunks_exact(n).rev() {
-            for ((value, slope), c) in values.iter_mut().zip(slopes.iter_mut()).zip(c) {
-                *slope = *slope * step + *value;
-                *value = *value * step + c;
-            }
-        }
-        self.coefficients[..n].copy_from_slice(values);
-        self.coefficients[n..2 * n].copy_from_slice(slopes);
+        let (values, slopes) = self.coefficients.split_at_mut(self.stride);
+        values[FIRST..FIRST + self.masses].copy_from_slice(&self.values.as_flattened()[..self.masses]);
+        slopes[FIRST..FIRST + self.masses].copy_from_slice(&self.slopes.as_flattened()[..self.masses]);
     }
 
     /// Displacement of mass `i` at the window's start.
     pub(crate) fn displacement(&self, i: usize) -> f64 {
-        self.coefficients[i]
+        self.coefficients[FIRST + i]
     }
 
-    /// Works out the ranges of all masses within `length`, in units.
+    /// Works out ranges and final values of all masses within `length`, in units: Horner's rule for all of them at once.
     pub(crate) fn enclose(&mut self, length: f64) {
-        let n = self.masses;
-        let (lows, highs) = (&mut self.lows, &mut self.highs);
-        for scratch in [&mut *lows, &mut *highs] {
-            scratch.clear();
-            scratch.resize(n, 0.0);
+        let mut from = 0;
+        while from < self.lows.len() {
+            // As many lanes at a time as processors have registers for.
+            from += match self.lows.len() - from {
+                1 => self.enclose_lanes::<1>(from, length),
+                2 => self.enclose_lanes::<2>(from, length),
+                _ => self.enclose_lanes::<3>(from, length),
+            };
         }
-        for c in self.coefficients.chunks_exact(n).skip(1).rev() {
-            for ((low, high), c) in lows.iter_mut().zip(highs.iter_mut()).zip(c) {
-                let (below, above) = (c + length * *low, c + length * *high);
-                *low = if below < 0.0 { below } else { 0.0 };
-                *high = if above > 0.0 { above } else { 0.0 };
+    }
+
+    fn enclose_lanes<const N: usize>(&mut self, from: usize, length: f64) -> usize {
+        let (zero, length) = (f64x4::ZERO, f64x4::splat(length));
+        let (mut low, mut high, mut value, mut slope) = ([zero; N], [zero; N], [zero; N], [zero; N]);
+        let place = FIRST + from * LANES;
+        let lanes = |row: &[f64]| -> [f64x4; N] {
+            let lanes = row.get(place..).unwrap_or_default().as_chunks::<LANES>().0;
+            std::array::from_fn(|lane| lanes.get(lane).map_or(zero, |four| f64x4::from(*four)))
+        };
+        let mut rows = self.coefficients.chunks_exact(self.stride);
+        let start = rows.next().map_or([zero; N], lanes);
+        for c in rows.rev().map(lanes) {
+            for i in 0..N {
+                low[i] = (c[i] + length * low[i]).fast_min(zero);
+                high[i] = (c[i] + length * high[i]).fast_max(zero);
+                slope[i] = slope[i] * length + value[i];
+                value[i] = value[i] * length + c[i];
             }
         }
-        for ((low, high), start) in lows.iter_mut().zip(highs.iter_mut()).zip(&self.coefficients) {
-            (*low, *high) = (start + length * *low, start + length * *high);
+        for (i, c) in start.into_iter().enumerate() {
+            self.lows[from + i] = (c + length * low[i]).to_array();
+            self.highs[from + i] = (c + length * high[i]).to_array();
+            self.slopes[from + i] = (slope[i] * length + value[i]).to_array();
+            self.values[from + i] = (value[i] * length + c).to_array();
         }
+        N
     }
 
     /// Smallest and largest displacement that mass `i` could have within the length last enclosed: each coefficient of the
     /// wrong sign is dropped, so that what is left can only grow.
     pub(crate) fn range(&self, i: usize) -> (f64, f64) {
-        (self.lows[i], self.highs[i])
+        (self.lows[i / LANES][i % LANES], self.highs[i / LANES][i % LANES])
+    }
+
+    /// Displacement of mass `i` at the end of that length.
+    pub(crate) fn final_displacement(&self, i: usize) -> f64 {
+        self.values[i / LANES][i % LANES]
     }
 
     /// The polynomial of mass `i`, in units of time.
     pub(crate) fn polynomial(&self, i: usize) -> Polynomial {
         let mut coefficients = [0.0; ORDER];
-        for (k, c) in coefficients.iter_mut().enumerate() {
-            *c = self.coefficients[k * self.masses + i];
+        for (c, row) in coefficients.iter_mut().zip(self.coefficients.chunks_exact(self.stride)) {
+            *c = row[FIRST + i];
         }
         Polynomial { coefficients }
     }
@@ -246,11 +287,15 @@ mod tests {
             assert_eq!(sine.evaluate(s), (value, slope));
         }
         assert!(sine.third_bound(1.0) >= 1.0 && sine.third_bound(1.0) <= 1.6);
-        let coefficients = coefficients.to_vec();
-        let mut window = Window { coefficients, masses: 1, unit: 1.0, ..Window::default() };
+        let mut window = Window { masses: 1, stride: 6, unit: 1.0, ..Window::default() };
+        window.coefficients = coefficients.iter().flat_map(|c| [0.0, *c, 0.0, 0.0, 0.0, 0.0]).collect();
+        for list in [&mut window.lows, &mut window.highs, &mut window.values, &mut window.slopes] {
+            list.resize(1, [0.0; LANES]);
+        }
         window.enclose(1.0);
         let (low, high) = window.range(0);
         assert!(low <= 0.0 && high >= 1f64.sin() && high <= 1.01);
+        assert_eq!(window.final_displacement(0), sine.evaluate(1.0).0);
     }
 
     #[test]
