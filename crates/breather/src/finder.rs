@@ -3,7 +3,7 @@
 
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
-use crate::admissibility::{Admissibility, Depth, Watch};
+use crate::admissibility::Admissibility;
 use crate::completeness::Completeness;
 use crate::condition::{Condition, is_delicate};
 use crate::error::{BreatherError, NoBreather};
@@ -12,6 +12,7 @@ use crate::orbit::{Draft, Family, Orbit};
 use crate::planar_roots::PlanarZeros;
 use crate::polish::polish;
 use crate::roots::Zeros;
+use crate::watch::{Depth, Watch};
 use crate::{conservative, forced_double, forced_harmonics, forced_single};
 
 /// All orbits of a family at a point.

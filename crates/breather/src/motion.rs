@@ -8,6 +8,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{Chain, Complex, ImpulseResponse, LARGE_RING, RingCosines, RingTransform, Spectrum, Wave};
 
 use crate::error::BreatherError;
+use crate::lanes::{LANES, Lane, combine};
 use crate::orbit::Orbit;
 
 /// Modes added up before they go into the sum over a large ring.
@@ -55,8 +56,9 @@ pub struct Kinematics {
 #[derive(Debug, Clone)]
 pub struct Motion {
     cosines: RingCosines,
-    /// cos(2πkn/M), [mode][site], of half a ring.
-    shapes: Vec<f64>,
+    /// cos(2πkn/M), [mode][site], of half a ring, if it is hit at one site only.
+    shapes: Vec<Lane>,
+    sums: Vec<Lane>,
     origin: Option<Origin>,
     frequencies: Vec<f64>,
     period: f64,
@@ -81,6 +83,7 @@ impl Motion {
         Self {
             cosines: RingCosines::new(sites),
             shapes: Vec::new(),
+            sums: Vec::new(),
             origin: None,
             frequencies: Vec::new(),
             period: 1.0,
@@ -130,8 +133,15 @@ impl Motion {
             self.shapes.clear();
         }
         let modes = response.modes();
-        if self.shapes.is_empty() && modes <= TABLE {
-            self.shapes.extend((0..modes * modes).map(|i| self.cosines.shape(i / modes, i % modes)));
+        if orbit.impact_site().is_none() {
+            self.shapes.clear();
+        } else if self.shapes.is_empty() && modes <= TABLE {
+            let groups = modes.div_ceil(LANES);
+            self.shapes.resize(modes * groups, [0.0; LANES]);
+            for (k, row) in self.shapes.chunks_exact_mut(groups).enumerate() {
+                let places = row.as_flattened_mut().iter_mut().enumerate().take(modes);
+                places.for_each(|(n, shape)| *shape = self.cosines.shape(k, n));
+            }
         }
         self.frequencies.clear();
         self.frequencies.extend_from_slice(response.frequencies());
@@ -212,25 +222,21 @@ impl Motion {
 
     /// Displacements and velocities of several masses at the time last sought, as [`Motion::site`] has them; quick for the
     /// half ring that begins with the one site that is hit.
-    pub(crate) fn masses(&self, sites: &[usize], displacements: &mut [f64], velocities: &mut [f64]) {
+    pub(crate) fn masses(&mut self, sites: &[usize], displacements: &mut [f64], velocities: &mut [f64]) {
         let modes = self.frequencies.len();
-        if self.sites.len() != 1 || self.sites.first() != sites.first() || self.shapes.len() != modes * sites.len() {
+        if self.shapes.is_empty() || self.sites.first() != sites.first() || sites.len() != modes {
             for ((site, displacement), velocity) in sites.iter().zip(displacements).zip(velocities) {
                 let now = self.site(*site);
                 (*displacement, *velocity) = (now.displacement, now.velocity);
             }
             return;
         }
-        displacements.fill(0.0);
-        velocities.fill(0.0);
-        for (now, shapes) in self.now.iter().zip(self.shapes.chunks_exact(modes)) {
-            for ((displacement, velocity), shape) in displacements.iter_mut().zip(&mut *velocities).zip(shapes) {
-                *displacement += shape * now[0];
-                *velocity += shape * now[1];
-            }
+        self.sums.resize(modes.div_ceil(LANES), [0.0; LANES]);
+        let forces = [self.now_force.displacement, self.now_force.velocity];
+        for (i, (out, force)) in [displacements, velocities].into_iter().zip(forces).enumerate() {
+            combine(&self.shapes, self.now.iter().map(|now| now[i]), &mut self.sums);
+            out.iter_mut().zip(self.sums.as_flattened()).for_each(|(out, sum)| *out = sum + force);
         }
-        displacements.iter_mut().for_each(|displacement| *displacement += self.now_force.displacement);
-        velocities.iter_mut().for_each(|velocity| *velocity += self.now_force.velocity);
     }
 
     /// The mass at `site` at the time last sought.
@@ -348,6 +354,27 @@ impl Motion {
     /// The highest frequency in the motion between impacts.
     pub(crate) fn top_frequency(&self) -> f64 {
         self.frequencies.last().copied().unwrap_or_default().max(self.steady.top_rate())
+    }
+
+    /// γ₁, γ₂.
+    pub(crate) fn stiffnesses(&self) -> (f64, f64) {
+        self.gamma
+    }
+
+    /// Ω_k.
+    pub(crate) fn frequencies(&self) -> &[f64] {
+        &self.frequencies
+    }
+
+    /// cos(2πkn/M) of half a ring, [mode][mass from the one that is hit on] in whole groups; empty unless impacts are at one
+    /// site of a small ring.
+    pub(crate) fn shapes(&self) -> &[Lane] {
+        &self.shapes
+    }
+
+    /// Displacement and velocity of the modes, weights included, just after the first impact, for the first impacted site.
+    pub(crate) fn start_of_flight(&self) -> &[(f64, f64)] {
+        self.states.get(..self.frequencies.len()).unwrap_or_default()
     }
 
     /// Modal displacement, velocity and acceleration at the time last sought, for the first impacted site; weights

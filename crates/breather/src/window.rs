@@ -14,10 +14,9 @@
 use vibrochain_lattice::{LARGE_RING, Model, Wave};
 use wide::f64x4;
 
+use crate::lanes::{LANES, Lane};
 use crate::motion::Motion;
-
-/// Number of coefficients: the first one left out is below 1/20! = 4e-19 of the motion.
-pub(crate) const ORDER: usize = 20;
+use crate::polynomial::{ORDER, Polynomial};
 
 /// Windows after which the masses are set anew from the modes, so that rounding cannot add up.
 const REFRESH: usize = 32;
@@ -31,6 +30,16 @@ pub(crate) struct Watched {
 }
 
 impl Watched {
+    /// Place of the left neighbour of mass `i`.
+    pub(crate) fn left(&self, i: usize) -> usize {
+        self.left[i]
+    }
+
+    /// Place of the right neighbour of mass `i`.
+    pub(crate) fn right(&self, i: usize) -> usize {
+        self.right[i]
+    }
+
     pub(crate) fn set(&mut self, ring: usize, home: Option<usize>) {
         let count = if home.is_some() { ring / 2 + 1 } else { ring };
         // Symmetry folds a site beyond the half ring onto its mirror image.
@@ -45,12 +54,6 @@ impl Watched {
         }
     }
 }
-
-/// Masses worked on at a time: one vector instruction each where the machine has it.
-const LANES: usize = 4;
-
-/// A number for each of [`LANES`] masses.
-type Lane = [f64; LANES];
 
 /// Place of mass 0 in a row of numbers; before it stands its left neighbour, once more.
 const FIRST: usize = 1;
@@ -226,44 +229,6 @@ impl Window {
             *c = row[FIRST + i];
         }
         Polynomial { coefficients }
-    }
-}
-
-/// A Taylor polynomial.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Polynomial {
-    coefficients: [f64; ORDER],
-}
-
-impl Polynomial {
-    /// Value and first derivative.
-    pub(crate) fn evaluate(&self, s: f64) -> (f64, f64) {
-        let (mut value, mut slope) = (0.0, 0.0);
-        for &c in self.coefficients.iter().rev() {
-            slope = slope * s + value;
-            value = value * s + c;
-        }
-        (value, slope)
-    }
-
-    /// Value, first and second derivative.
-    pub(crate) fn jet(&self, s: f64) -> [f64; 3] {
-        let (mut value, mut slope, mut half_curvature) = (0.0, 0.0, 0.0);
-        for &c in self.coefficients.iter().rev() {
-            half_curvature = half_curvature * s + slope;
-            slope = slope * s + value;
-            value = value * s + c;
-        }
-        [value, slope, 2.0 * half_curvature]
-    }
-
-    /// A bound on the modulus of the third derivative on 0 … `length`.
-    pub(crate) fn third_bound(&self, length: f64) -> f64 {
-        let mut bound = 0.0;
-        for (k, c) in self.coefficients.iter().enumerate().skip(3).rev() {
-            bound = bound * length + c.abs() * (k * (k - 1) * (k - 2)) as f64;
-        }
-        bound
     }
 }
 

@@ -1,0 +1,332 @@
+//! The quick look at a reversible orbit: all masses on a grid of times, and bounds on what they can do in between.
+//!
+//! Half a period of one site's breather is one stretch of linear flight, in which every derivative obeys the equation of
+//! motion, too. If |v̈_n| ≤ B₂ and |v⃛_n| ≤ B₃ on an interval of length h, the mass comes no closer to a barrier than at its
+//! ends by more than B₂h²/8, its velocity leaves the straight line between its values at the ends by no more than B₃h²/8,
+//! and its tangent by B₃s²/2. The bounds are each mass's own, from accelerations at the nodes and
+//!
+//! ```text
+//! |v⃜_n| ≤ (γ₁+2γ₂)|v̈_n| + γ₂(|v̈_(n−1)| + |v̈_(n+1)|) ,
+//! ```
+//!
+//! as small as what moves: far masses are displaced, but hardly swing. That settles all but a few intervals of the masses
+//! next to the breather; those get their own Taylor polynomial from the modes.
+
+use wide::f64x4;
+
+use crate::lanes::{LANES, Lane, combine, dot, fill, total};
+use crate::motion::Motion;
+use crate::polynomial::{ORDER, Polynomial};
+use crate::window::Watched;
+
+/// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
+const INTERVAL: f64 = 0.5;
+
+/// Intervals at least: the ends are looked at in a way of their own.
+const FEWEST: usize = 4;
+
+/// Intervals at most: from one to the next the modes are turned on, and rounding adds up. Longer flights go by windows.
+const MOST: usize = 24;
+
+/// Modes at most: a node takes the square of their number in steps, a window only twenty times their number.
+const MOST_MODES: usize = 48;
+
+/// Values of all masses at the nodes, and the modes they come from.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Grid {
+    groups: usize,
+    intervals: usize,
+    step: f64,
+    frequencies: Vec<Lane>,
+    /// cos Ωh, sin Ωh/Ω and Ω sin Ωh.
+    turns: Vec<[Lane; 3]>,
+    /// Displacement and velocity of the modes, [node][mode].
+    displacements: Vec<Lane>,
+    velocities: Vec<Lane>,
+    /// Displacements of the masses, [node][room for a neighbour, masses, room for a neighbour], and their extremes.
+    values: Vec<Lane>,
+    lows: Vec<Lane>,
+    highs: Vec<Lane>,
+    /// Their accelerations, [node][mass].
+    accelerations: Vec<Lane>,
+    /// For each mass a bound on |v̈| and one on |v⃜| in the whole flight.
+    seconds: Vec<f64>,
+    fourths: Vec<f64>,
+    /// Velocities of the mass last chosen.
+    slopes: Vec<f64>,
+    tops: Vec<Lane>,
+    scratch: Vec<[f64x4; 2]>,
+}
+
+impl Grid {
+    /// Takes over the flight that begins with the first impact of an orbit of one site and lasts for `horizon`. `false` if
+    /// another way is better.
+    pub(crate) fn set(&mut self, motion: &Motion, watched: &Watched, horizon: f64) -> bool {
+        let (frequencies, shapes) = (motion.frequencies(), motion.shapes());
+        let (modes, radians) = (frequencies.len(), horizon * motion.top_frequency());
+        if modes > MOST_MODES || shapes.is_empty() || !(radians <= INTERVAL * MOST as f64) {
+            return false;
+        }
+        self.intervals = FEWEST.max((radians / INTERVAL).ceil() as usize);
+        self.groups = modes.div_ceil(LANES);
+        self.step = horizon / self.intervals as f64;
+        fill(&mut self.frequencies, frequencies.iter().copied());
+        let (nodes, groups) = (self.intervals + 1, self.groups);
+        for list in [&mut self.displacements, &mut self.velocities, &mut self.accelerations] {
+            list.resize(nodes * groups, [0.0; LANES]);
+        }
+        self.values.resize(nodes * (groups + 2), [0.0; LANES]);
+        let start = motion.start_of_flight();
+        for (list, part) in [(&mut self.displacements, 0), (&mut self.velocities, 1)] {
+            let pick = |state: &(f64, f64)| if part == 0 { state.0 } else { state.1 };
+            list[..self.groups].iter_mut().for_each(|group| *group = [0.0; LANES]);
+            list.as_flattened_mut().iter_mut().zip(start).for_each(|(slot, state)| *slot = pick(state));
+        }
+        self.turn();
+        self.fly();
+        for (from, to) in self.displacements.chunks_exact(groups).zip(self.values.chunks_exact_mut(groups + 2)) {
+            combine(shapes, from.as_flattened()[..modes].iter().copied(), &mut to[1..1 + groups]);
+        }
+        self.accelerate(motion, watched);
+        self.spread();
+        self.bound(motion, watched)
+    }
+
+    /// What an interval does to each mode.
+    fn turn(&mut self) {
+        let step = f64x4::splat(self.step);
+        self.turns.clear();
+        self.turns.extend(self.frequencies.iter().map(|frequency| {
+            let frequency = f64x4::from(*frequency);
+            let x = frequency * step;
+            let square = x * x;
+            let series = |coefficients: [f64; 8]| {
+                coefficients.into_iter().rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(c))
+            };
+            let sin_over = step * series(SINC);
+            [series(COSINE), sin_over, frequency * frequency * sin_over].map(f64x4::to_array)
+        }));
+    }
+
+    /// The modes from node to node.
+    fn fly(&mut self) {
+        for group in 0..self.groups {
+            let Some(turn) = self.turns.get(group) else { return };
+            let [cos, sin_over, sin_times] = turn.map(f64x4::from);
+            let nodes = self.displacements[group..].iter_mut().zip(&mut self.velocities[group..]).step_by(self.groups);
+            let mut state: Option<(f64x4, f64x4)> = None;
+            for (displacement, velocity) in nodes {
+                let (u, w) = match state {
+                    None => (f64x4::from(*displacement), f64x4::from(*velocity)),
+                    Some((u, w)) => (u * cos + w * sin_over, w * cos - u * sin_times),
+                };
+                (*displacement, *velocity) = (u.to_array(), w.to_array());
+                state = Some((u, w));
+            }
+        }
+    }
+
+    /// v̈_n = −γ₁v_n − γ₂(2v_n − v_(n−1) − v_(n+1)) at all nodes.
+    fn accelerate(&mut self, motion: &Motion, watched: &Watched) {
+        let last = watched.sites.len() - 1;
+        let (left, right) = (watched.left(0), watched.right(last));
+        let (gamma1, gamma2) = motion.stiffnesses();
+        let (own, side) = (f64x4::splat(-(gamma1 + 2.0 * gamma2)), f64x4::splat(gamma2));
+        let nodes = self.values.chunks_exact_mut(self.groups + 2).zip(self.accelerations.chunks_exact_mut(self.groups));
+        for (values, accelerations) in nodes {
+            let values = values.as_flattened_mut();
+            (values[LANES - 1], values[LANES + last + 1]) = (values[LANES + left], values[LANES + right]);
+            let before = values[LANES - 1..].as_chunks::<LANES>().0;
+            let here = values[LANES..].as_chunks::<LANES>().0;
+            let after = values[LANES + 1..].as_chunks::<LANES>().0;
+            for (((acceleration, own_value), before), after) in accelerations.iter_mut().zip(here).zip(before).zip(after) {
+                let sides = f64x4::from(*before) + f64x4::from(*after);
+                *acceleration = (own * f64x4::from(*own_value) + side * sides).to_array();
+            }
+        }
+    }
+
+    /// Each mass's smallest and largest value.
+    fn spread(&mut self) {
+        let mut nodes = self.values.chunks_exact(self.groups + 2).map(|row| &row[1..=self.groups]);
+        let first = nodes.next().unwrap_or_default();
+        for list in [&mut self.lows, &mut self.highs] {
+            list.clear();
+            list.extend_from_slice(first);
+        }
+        for node in nodes {
+            for ((low, high), value) in self.lows.iter_mut().zip(&mut self.highs).zip(node) {
+                let value = f64x4::from(*value);
+                *low = f64x4::from(*low).fast_min(value).to_array();
+                *high = f64x4::from(*high).fast_max(value).to_array();
+            }
+        }
+    }
+
+    /// Bounds of each mass's own. With c = γh²/8 the largest moduli R_n of accelerations on the whole flight obey
+    /// R ≤ A + CR, where A_n are the largest at nodes and C has c₁+2c₂ on its diagonal and c₂ beside it. (I − C)⁻¹ has no
+    /// negative entry, so that R ≤ r for every r with (I − C)r ≥ A: r = Σ_m θ^|n−m| A_m/(1 − c₁ − 5c₂),
+    /// θ = c₂/(1 − c₁ − 4c₂), is one, if the sum takes the mirror images beyond both ends of the half ring. `false` where
+    /// these could matter.
+    fn bound(&mut self, motion: &Motion, watched: &Watched) -> bool {
+        let (gamma1, gamma2) = motion.stiffnesses();
+        let eighth = 0.125 * self.step * self.step;
+        let (c1, c2) = (eighth * gamma1, eighth * gamma2);
+        let theta = c2 / (1.0 - c1 - 4.0 * c2);
+        self.tops.clear();
+        self.tops.resize(self.groups, [0.0; LANES]);
+        for node in self.accelerations.chunks_exact(self.groups) {
+            for (top, acceleration) in self.tops.iter_mut().zip(node) {
+                *top = f64x4::from(*top).fast_max(f64x4::from(*acceleration).abs()).to_array();
+            }
+        }
+        let tops = self.tops.as_flattened().iter().take(watched.sites.len());
+        self.seconds.clear();
+        let (mut sum, mut last) = (0.0, 0.0);
+        self.seconds.extend(tops.clone().map(|top| {
+            (sum, last) = (top + theta * sum, *top);
+            sum
+        }));
+        // What lies beyond each mass, away from the breather. Beyond the far end the images begin with the last mass (odd
+        // rings) or that before it; twice, for what the images beyond the near end, not counted yet, add to them.
+        let mut beyond = 2.0 * (theta * sum).max(sum - last);
+        self.fourths.clear();
+        self.fourths.extend(tops.rev().map(|top| {
+            let next = theta * (top + beyond);
+            std::mem::replace(&mut beyond, next)
+        }));
+        // What adds to mass 0 is what its images, beyond the near end, add to all.
+        let (Some(near), Some(first)) = (self.fourths.last(), self.seconds.first()) else { return false };
+        let images = 1.0 + near / first;
+        if !(images <= 2.0) {
+            return false;
+        }
+        let scale = 1.0 / (1.0 - c1 - 5.0 * c2);
+        for (second, beyond) in self.seconds.iter_mut().zip(self.fourths.iter().rev()) {
+            *second = scale * (images * *second + beyond);
+        }
+        for (mass, fourth) in self.fourths.iter_mut().enumerate() {
+            let sides = self.seconds[watched.left(mass)] + self.seconds[watched.right(mass)];
+            *fourth = (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides;
+        }
+        true
+    }
+
+    /// Number of intervals.
+    pub(crate) fn intervals(&self) -> usize {
+        self.intervals
+    }
+
+    /// Their length.
+    pub(crate) fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Displacements of all masses at a node, in whole groups.
+    pub(crate) fn node(&self, node: usize) -> &[f64] {
+        let rows = &mut self.values.chunks_exact(self.groups + 2);
+        rows.nth(node).unwrap_or_default().as_flattened().get(LANES..).unwrap_or_default()
+    }
+
+    /// Displacement of a mass at a node.
+    pub(crate) fn value(&self, node: usize, mass: usize) -> f64 {
+        self.values.as_flattened()[(node * (self.groups + 2) + 1) * LANES + mass]
+    }
+
+    /// Acceleration of a mass at a node.
+    fn acceleration(&self, node: usize, mass: usize) -> f64 {
+        self.accelerations.as_flattened()[node * self.groups * LANES + mass]
+    }
+
+    /// Smallest and largest displacement of a mass at the nodes.
+    pub(crate) fn range(&self, mass: usize) -> (f64, f64) {
+        (self.lows[mass / LANES][mass % LANES], self.highs[mass / LANES][mass % LANES])
+    }
+
+    /// How far between two nodes a mass can leave the range of its values there.
+    pub(crate) fn slack(&self, mass: usize) -> f64 {
+        0.125 * self.step * self.step * self.seconds[mass]
+    }
+
+    /// Chooses a mass for the questions below.
+    pub(crate) fn choose(&mut self, motion: &Motion, mass: usize) {
+        // cos(2πkn/M) is symmetric in k and n.
+        let shapes = motion.shapes().chunks_exact(self.groups).nth(mass).unwrap_or_default();
+        self.slopes.clear();
+        self.slopes.extend(self.velocities.chunks_exact(self.groups).map(|node| dot(shapes, node)));
+    }
+
+    /// The chosen mass has no turning point in an interval, other than the ends of the flight that are `known` to be one.
+    pub(crate) fn is_monotone(&self, mass: usize, interval: usize, known: [bool; 2]) -> bool {
+        let (first, last) = (self.slopes[interval], self.slopes[interval + 1]);
+        let [before, after] = [interval, interval + 1].map(|node| self.acceleration(node, mass));
+        // The third derivative is within B₄h of its mean.
+        let bend = (after - before).abs() + self.fourths[mass] * self.step * self.step;
+        let straight = (first > 0.0) == (last > 0.0) && first.abs().min(last.abs()) > 0.125 * bend * self.step;
+        straight
+            || (interval == 0 && known[0] && before.abs() > 0.5 * bend)
+            || (interval + 1 == self.intervals && known[1] && after.abs() > 0.5 * bend)
+    }
+
+    /// The motion of a mass from a node on, in units of an interval.
+    pub(crate) fn polynomial(&mut self, motion: &Motion, mass: usize, node: usize) -> Polynomial {
+        let shapes = motion.shapes().chunks_exact(self.groups).nth(mass).unwrap_or_default();
+        let from = node * self.groups;
+        let states = self.displacements.iter().zip(&self.velocities).skip(from);
+        let step = f64x4::splat(self.step);
+        self.scratch.clear();
+        self.scratch.extend(shapes.iter().zip(states).map(|(shape, (u, w))| {
+            let shape = f64x4::from(*shape);
+            [shape * f64x4::from(*u), shape * f64x4::from(*w) * step]
+        }));
+        let mut coefficients = [0.0; ORDER];
+        for (pair, factors) in coefficients.as_chunks_mut::<2>().0.iter_mut().zip(FACTORS) {
+            let [mut even, mut odd] = [f64x4::ZERO; 2];
+            for (terms, frequency) in self.scratch.iter_mut().zip(&self.frequencies) {
+                even += terms[0];
+                odd += terms[1];
+                let x = f64x4::from(*frequency) * step;
+                let square = x * x;
+                terms[0] *= square * f64x4::splat(factors[0]);
+                terms[1] *= square * f64x4::splat(factors[1]);
+            }
+            *pair = [total(even), total(odd)];
+        }
+        Polynomial { coefficients }
+    }
+}
+
+/// cos x and sin x/x in powers of −x²; for x ≤ 1/2 the first term left out is below 1e-18.
+const COSINE: [f64; 8] = [
+    1.0,
+    -1.0 / 2.0,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+];
+
+const SINC: [f64; 8] = [
+    1.0,
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+];
+
+/// −1/((i+1)(i+2)) and −1/((i+2)(i+3)) for i = 0, 2, 4, …: from one Taylor coefficient of a swing to the next.
+const FACTORS: [[f64; 2]; ORDER / 2] = {
+    let mut factors = [[0.0; 2]; ORDER / 2];
+    let mut i = 0;
+    while i < ORDER / 2 {
+        let k = (2 * i) as f64;
+        factors[i] = [-1.0 / ((k + 1.0) * (k + 2.0)), -1.0 / ((k + 2.0) * (k + 3.0))];
+        i += 1;
+    }
+    factors
+};

@@ -1,0 +1,112 @@
+//! Taylor polynomials of one mass, and their turning points: on |s − c| ≤ r, with |p‴| ≤ B,
+//!
+//! ```text
+//! p′(s) ∈ p′ ± (|p″| r + B r²/2)     no turning point if 0 is outside,
+//! p″(s) ∈ p″ ± B r                   at most one if 0 is outside, found by its change of sign,
+//! ```
+//!
+//! and the interval is halved otherwise.
+
+/// Number of coefficients: over one radian of a motion the first one left out is below 1/20! = 4e-19 of it.
+pub(crate) const ORDER: usize = 20;
+
+/// Intervals this narrow, as a part of their window, are settled as they are: p changes by less than rounding on them.
+const NARROW: f64 = 1e-9;
+
+/// A Taylor polynomial.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Polynomial {
+    pub(crate) coefficients: [f64; ORDER],
+}
+
+impl Polynomial {
+    /// Value and first derivative.
+    pub(crate) fn evaluate(&self, s: f64) -> (f64, f64) {
+        let (mut value, mut slope) = (0.0, 0.0);
+        for &c in self.coefficients.iter().rev() {
+            slope = slope * s + value;
+            value = value * s + c;
+        }
+        (value, slope)
+    }
+
+    /// Value, first and second derivative.
+    pub(crate) fn jet(&self, s: f64) -> [f64; 3] {
+        let (mut value, mut slope, mut half_curvature) = (0.0, 0.0, 0.0);
+        for &c in self.coefficients.iter().rev() {
+            half_curvature = half_curvature * s + slope;
+            slope = slope * s + value;
+            value = value * s + c;
+        }
+        [value, slope, 2.0 * half_curvature]
+    }
+
+    /// A bound on the modulus of the third derivative on 0 … `length`.
+    pub(crate) fn third_bound(&self, length: f64) -> f64 {
+        let mut bound = 0.0;
+        for (k, c) in self.coefficients.iter().enumerate().skip(3).rev() {
+            bound = bound * length + c.abs() * (k * (k - 1) * (k - 2)) as f64;
+        }
+        bound
+    }
+}
+
+/// Reports the turning points on 0 … `length` that could come closer than the smallest distance so far, `distance` to begin
+/// with and then what `note` returns.
+pub(crate) fn turning_points(
+    polynomial: &Polynomial,
+    length: f64,
+    pending: &mut Vec<(f64, f64)>,
+    mut distance: f64,
+    note: &mut impl FnMut(f64, f64) -> f64,
+    a: f64,
+) {
+    let bound = polynomial.third_bound(length);
+    pending.clear();
+    pending.push((0.0, length));
+    while let Some((low, high)) = pending.pop() {
+        let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low));
+        let [value, slope, curvature] = polynomial.jet(centre);
+        let turn = radius * (curvature.abs() + 0.5 * bound * radius);
+        let reach = radius * (slope.abs() + 0.5 * turn);
+        if slope.abs() > turn || 1.0 - (value - a).abs() - reach >= distance {
+            continue;
+        }
+        if curvature.abs() > bound * radius {
+            if let Some((s, value)) = turning_point(polynomial, low, high) {
+                distance = note(s, value);
+            }
+        } else if radius < NARROW * length {
+            distance = note(centre, value);
+        } else {
+            pending.push((centre, high));
+            pending.push((low, centre));
+        }
+    }
+}
+
+/// The zero of a monotone p′ on an interval, if there is one, and the displacement there.
+fn turning_point(polynomial: &Polynomial, mut low: f64, mut high: f64) -> Option<(f64, f64)> {
+    let (first, last) = (polynomial.evaluate(low).1, polynomial.evaluate(high).1);
+    if first * last > 0.0 {
+        return None;
+    }
+    let mut s = 0.5 * (low + high);
+    for _ in 0..60 {
+        let [value, slope, curvature] = polynomial.jet(s);
+        let step = slope / curvature;
+        // Near the zero the displacement is flat: an error of `step` in time is one of p″·step²/2 in place.
+        if slope == 0.0 || 0.5 * (slope * step).abs() < 0.25 * f64::EPSILON {
+            let shift = if slope == 0.0 { 0.0 } else { step };
+            return Some((s - shift, value - 0.5 * slope * shift));
+        }
+        if (slope < 0.0) == (first < 0.0) {
+            low = s;
+        } else {
+            high = s;
+        }
+        let newton = s - step;
+        s = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+    }
+    Some((s, polynomial.evaluate(s).0))
+}

@@ -1,0 +1,230 @@
+//! The search for a closest approach, by bounds that leave no gap.
+//!
+//! Symmetry halves the work twice: masses n and M − n about a single impacted site, and a conservative orbit's mirror image
+//! in time. Then one of two ways:
+//!
+//! - a conservative breather's half period by values on a grid and bounds common to all masses (`grid`);
+//! - everything else by windows of one radian of the fastest motion, in which the motion of every mass is a polynomial, exact
+//!   to rounding, with bounds of its own (`window`): far masses of a forced ring move little, however close to a barrier the
+//!   force has them all swing.
+//!
+//! Either passes over a mass, or an interval, that cannot come closer than the smallest distance known so far, or cannot
+//! have a turning point, and isolates the turning points of what is left (`polynomial`).
+
+use vibrochain_lattice::Barrier;
+
+use crate::admissibility::{Admissibility, Approach, Obstruction};
+use crate::error::BreatherError;
+use crate::grid::Grid;
+use crate::motion::Motion;
+use crate::orbit::Orbit;
+use crate::polynomial::turning_points;
+use crate::window::{Watched, Window};
+
+/// How far to look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// To the worst obstruction.
+    Worst,
+    /// To the first one.
+    First,
+}
+
+/// Work space of the check.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Watch {
+    watched: Watched,
+    window: Window,
+    grid: Grid,
+    pending: Vec<(f64, f64)>,
+}
+
+/// The closest approach so far.
+struct Closest {
+    distance: f64,
+    site: usize,
+    barrier: Barrier,
+    time: f64,
+}
+
+impl Closest {
+    /// Takes note of a mass at one place; its distances to both barriers count.
+    fn note(&mut self, asymmetry: f64, site: usize, time: f64, displacement: f64) {
+        for barrier in [Barrier::Lower, Barrier::Upper] {
+            let distance = 1.0 - (displacement - asymmetry) * barrier.sign();
+            if distance < self.distance {
+                *self = Self { distance, site, barrier, time };
+            }
+        }
+    }
+}
+
+/// Closer approaches than this are not told apart: it is the rounding of a displacement of order 1.
+const RESOLUTION: f64 = 8.0 * f64::EPSILON;
+
+/// A window's length in radians of the fastest motion; with it the polynomials' order is enough.
+const WINDOW: f64 = 1.0;
+
+/// Windows that are looked at before a motion is declared too stiff to be followed.
+const MAX_WINDOWS: f64 = 5e6;
+
+impl Watch {
+    /// Decides for `orbit`, whose motion `motion` holds.
+    pub(crate) fn check(
+        &mut self,
+        orbit: &Orbit,
+        motion: &mut Motion,
+        depth: Depth,
+    ) -> Result<Admissibility, BreatherError> {
+        if let Some((impact, wrong)) = orbit.impacts().iter().enumerate().find(|(_, impact)| !impact.is_right_signed())
+        {
+            let (site, time, velocity_before) = (wrong.site, wrong.time, wrong.velocity_before);
+            let obstruction = Obstruction::WrongSign { impact, site, time, velocity_before };
+            return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
+        }
+        let horizon = if orbit.is_reversible() { 0.5 * orbit.period() } else { orbit.period() };
+        self.watched.set(motion.sites(), orbit.impact_site());
+        let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+        if orbit.is_reversible() && self.grid.set(motion, &self.watched, horizon) {
+            self.on_grid(orbit, motion, depth, &mut closest);
+        } else {
+            self.by_windows(orbit, motion, depth, horizon, &mut closest)?;
+        }
+        let (site, barrier, time) = (closest.site, closest.barrier, closest.time);
+        let crossing = Obstruction::Crossing { site, barrier, time, excess: -closest.distance };
+        let found = closest.distance.is_finite();
+        Ok(Admissibility {
+            margin: found.then_some(closest.distance),
+            obstruction: (closest.distance <= 0.0).then_some(crossing),
+            closest: found.then_some(Approach { site, barrier, time }),
+        })
+    }
+
+    fn by_windows(
+        &mut self,
+        orbit: &Orbit,
+        motion: &mut Motion,
+        depth: Depth,
+        horizon: f64,
+        closest: &mut Closest,
+    ) -> Result<(), BreatherError> {
+        let model = orbit.model();
+        let a = model.asymmetry();
+        let is_hit = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site);
+        let rate = motion.top_frequency() / WINDOW;
+        if horizon * rate > MAX_WINDOWS {
+            return Err(BreatherError::TooStiff { windows: horizon * rate, limit: MAX_WINDOWS });
+        }
+        // A ring whose modes all stand still takes its unit from the period.
+        self.window.set_rate(rate.max(1.0 / horizon));
+        let force = model.force_wave();
+        let unit = self.window.unit();
+        'search: for interval in 0..motion.intervals() {
+            let (start, length) = motion.interval(interval);
+            if start >= horizon {
+                break;
+            }
+            let length = length.min(horizon - start);
+            let windows = 1 + (length * rate) as usize;
+            // In the window's units of time.
+            let step = length / windows as f64 / unit;
+            self.window.place(&self.watched, motion, interval, 0.0);
+            for w in 0..windows {
+                let elapsed = length * (w as f64 / windows as f64);
+                if w > 0 {
+                    self.window.advance(&self.watched, motion, interval, elapsed);
+                }
+                self.window.expand(&self.watched, model, &force, motion.force_time(interval, elapsed));
+                for (i, &site) in self.watched.sites.iter().enumerate() {
+                    if !is_hit(site) {
+                        closest.note(a, site, start + elapsed, self.window.displacement(i));
+                    }
+                }
+                self.window.enclose(step);
+                for (i, &site) in self.watched.sites.iter().enumerate() {
+                    let (low, high) = self.window.range(i);
+                    if (1.0 - (high - a)).min(1.0 + (low - a)) < closest.distance - RESOLUTION {
+                        let polynomial = self.window.polynomial(i);
+                        turning_points(
+                            &polynomial,
+                            step,
+                            &mut self.pending,
+                            closest.distance,
+                            &mut |s, displacement| {
+                                closest.note(a, site, start + elapsed + s * unit, displacement);
+                                closest.distance
+                            },
+                            a,
+                        );
+                    }
+                }
+                if depth == Depth::First && closest.distance <= 0.0 {
+                    break 'search;
+                }
+            }
+            // The end of the last window: masses that are not hit may turn right there, and at a reversible half period
+            // a single-sided breather's own mass does.
+            let ends = orbit.is_reversible() && orbit.impacts().len() == 1;
+            for (i, &site) in self.watched.sites.iter().enumerate() {
+                if ends || !is_hit(site) {
+                    closest.note(a, site, start + length, self.window.final_displacement(i));
+                }
+            }
+        }
+        // An impact's interval may reach beyond the period.
+        closest.time = closest.time.rem_euclid(orbit.period());
+        Ok(())
+    }
+
+    /// The flight that `self.grid` holds.
+    fn on_grid(&mut self, orbit: &Orbit, motion: &Motion, depth: Depth, closest: &mut Closest) {
+        let Self { watched, grid, pending, .. } = self;
+        let (a, masses) = (orbit.model().asymmetry(), watched.sites.len());
+        let (last, step) = (grid.intervals(), grid.step());
+        let time = |node: usize| node as f64 * step;
+        let site = |mass: usize| watched.sites[mass];
+        // Every mass turns at both ends, by symmetry, the one that is hit only where it is not.
+        let turns = |mass: usize| [mass > 0, mass > 0 || orbit.impacts().len() == 1];
+        for (end, node) in [0, last].into_iter().enumerate() {
+            for (mass, &value) in grid.node(node).iter().enumerate().take(masses).skip(usize::from(!turns(0)[end])) {
+                if distance(a, value) < closest.distance {
+                    closest.note(a, site(mass), time(node), value);
+                }
+            }
+        }
+        for mass in 0..masses {
+            let ((low, high), slack) = (grid.range(mass), grid.slack(mass));
+            if mass > 0 && distance(a, low).min(distance(a, high)) - slack >= closest.distance - RESOLUTION {
+                continue;
+            }
+            grid.choose(motion, mass);
+            for interval in 0..last {
+                let ends = [interval, interval + 1].map(|node| distance(a, grid.value(node, mass)));
+                if depth == Depth::First && interval > 0 && ends[0] < -RESOLUTION {
+                    closest.note(a, site(mass), time(interval), grid.value(interval, mass));
+                    return;
+                }
+                if ends[0].min(ends[1]) - slack >= closest.distance - RESOLUTION
+                    || grid.is_monotone(mass, interval, turns(mass))
+                {
+                    continue;
+                }
+                let polynomial = grid.polynomial(motion, mass, interval);
+                let so_far = closest.distance;
+                let mut note = |s: f64, displacement: f64| {
+                    closest.note(a, site(mass), time(interval) + s * step, displacement);
+                    closest.distance
+                };
+                turning_points(&polynomial, 1.0, pending, so_far, &mut note, a);
+                if depth == Depth::First && closest.distance <= 0.0 {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// From the nearer barrier.
+fn distance(a: f64, displacement: f64) -> f64 {
+    1.0 - (displacement - a).abs()
+}
