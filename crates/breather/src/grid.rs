@@ -130,7 +130,7 @@ impl Grid {
     fn accelerate(&mut self, motion: &Motion, watched: &Watched) {
         let last = watched.sites.len() - 1;
         let (left, right) = (watched.left(0), watched.right(last));
-        let (gamma1, gamma2) = motion.stiffnesses();
+        let (gamma1, gamma2) = stiffnesses(motion);
         let (own, side) = (f64x4::splat(-(gamma1 + 2.0 * gamma2)), f64x4::splat(gamma2));
         let nodes = self.values.chunks_exact_mut(self.groups + 2).zip(self.accelerations.chunks_exact_mut(self.groups));
         for (values, accelerations) in nodes {
@@ -139,7 +139,9 @@ impl Grid {
             let before = values[LANES - 1..].as_chunks::<LANES>().0;
             let here = values[LANES..].as_chunks::<LANES>().0;
             let after = values[LANES + 1..].as_chunks::<LANES>().0;
-            for (((acceleration, own_value), before), after) in accelerations.iter_mut().zip(here).zip(before).zip(after) {
+            for (((acceleration, own_value), before), after) in
+                accelerations.iter_mut().zip(here).zip(before).zip(after)
+            {
                 let sides = f64x4::from(*before) + f64x4::from(*after);
                 *acceleration = (own * f64x4::from(*own_value) + side * sides).to_array();
             }
@@ -169,7 +171,7 @@ impl Grid {
     /// θ = c₂/(1 − c₁ − 4c₂), is one, if the sum takes the mirror images beyond both ends of the half ring. `false` where
     /// these could matter.
     fn bound(&mut self, motion: &Motion, watched: &Watched) -> bool {
-        let (gamma1, gamma2) = motion.stiffnesses();
+        let (gamma1, gamma2) = stiffnesses(motion);
         let eighth = 0.125 * self.step * self.step;
         let (c1, c2) = (eighth * gamma1, eighth * gamma2);
         let theta = c2 / (1.0 - c1 - 4.0 * c2);
@@ -248,6 +250,12 @@ impl Grid {
         0.125 * self.step * self.step * self.seconds[mass]
     }
 
+    /// The bound on |v̈| of a mass, and its slack.
+    #[cfg(test)]
+    pub(crate) fn bounds(&self, mass: usize) -> (f64, f64) {
+        (self.seconds[mass], self.slack(mass))
+    }
+
     /// Chooses a mass for the questions below.
     pub(crate) fn choose(&mut self, motion: &Motion, mass: usize) {
         // cos(2πkn/M) is symmetric in k and n.
@@ -294,6 +302,12 @@ impl Grid {
         }
         Polynomial { coefficients }
     }
+}
+
+/// γ₁ and γ₂, the latter without effect on a single mass.
+fn stiffnesses(motion: &Motion) -> (f64, f64) {
+    let (gamma1, gamma2) = motion.stiffnesses();
+    (gamma1, if motion.sites() > 1 { gamma2 } else { 0.0 })
 }
 
 /// cos x and sin x/x in powers of −x²; for x ≤ 1/2 the first term left out is below 1e-18.

@@ -41,6 +41,13 @@ pub struct Kinematics {
     pub acceleration: f64,
 }
 
+/// A mass, the displacements of its neighbours, and Σ|Ω²q| over the modes there.
+struct Around {
+    own: Kinematics,
+    sides: [f64; 2],
+    modal: f64,
+}
+
 /// An orbit's motion, ready to be evaluated; reusable from orbit to orbit without allocation.
 ///
 /// ```
@@ -152,28 +159,28 @@ impl Motion {
         self.sites.extend(orbit.sources().iter().map(|source| source.site));
         self.starts.clear();
         self.starts.extend(orbit.impacts().iter().map(|impact| impact.time));
-        let weights = response.weights();
+        let (weights, modes) = (response.weights(), response.modes());
         self.states.clear();
         for &start in &self.starts {
             for (s, source) in orbit.sources().iter().enumerate() {
-                for (k, &weight) in weights.iter().enumerate() {
-                    let (mut q, mut p) = match k {
-                        // The uniform mode's static part is common to all sources; the first one carries it.
-                        0 if s == 0 => (orbit.uniform_offset() / weight, 0.0),
-                        0 => (0.0, 0.0),
-                        _ => (source.net_impulse * response.mode_static(k), 0.0),
-                    };
-                    for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
-                        let mut elapsed = start - impact.time;
-                        if elapsed < 0.0 {
-                            elapsed += self.period;
-                        }
-                        q += impact.impulse * response.mode_dynamic(k, elapsed);
-                        // Just after the impact the velocity is half the jump above its mean.
-                        let slope = if elapsed == 0.0 { 0.5 } else { response.mode_slope(k, elapsed) };
-                        p += impact.impulse * slope;
+                let from = self.states.len();
+                let net = source.net_impulse;
+                self.states.extend((0..modes).map(|k| match k {
+                    // The uniform mode's static part is common to all sources; the first one carries it.
+                    0 if s == 0 => (orbit.uniform_offset() / weights[0], 0.0),
+                    0 => (0.0, 0.0),
+                    _ => (net * response.mode_static(k), 0.0),
+                }));
+                let states = &mut self.states[from..];
+                for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
+                    let mut elapsed = start - impact.time;
+                    if elapsed < 0.0 {
+                        elapsed += self.period;
                     }
-                    self.states.push((weight * q, weight * p));
+                    add_response(states, response, impact.impulse, elapsed);
+                }
+                for ((q, p), weight) in states.iter_mut().zip(weights) {
+                    (*q, *p) = (weight * *q, weight * *p);
                 }
             }
         }
@@ -243,6 +250,15 @@ impl Motion {
     pub fn site(&self, site: usize) -> Kinematics {
         let mut sum = [0.0; 3];
         let ring = self.cosines.sites();
+        if let ([source], true) = (self.sites.as_slice(), self.now.len() <= BLOCK)
+            && *source == site
+        {
+            // All modes are 1 there.
+            for now in &self.now {
+                (0..3).for_each(|i| sum[i] += now[i]);
+            }
+            return self.forced(sum);
+        }
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
             let mut shapes = self.cosines.shapes(site.abs_diff(source).min(ring));
             // In blocks, so that rounding does not grow with the size of the ring.
@@ -254,10 +270,15 @@ impl Motion {
                 (0..3).for_each(|i| sum[i] += part[i]);
             }
         }
+        self.forced(sum)
+    }
+
+    /// Adds the uniform motion under the force.
+    fn forced(&self, [displacement, velocity, acceleration]: [f64; 3]) -> Kinematics {
         Kinematics {
-            displacement: sum[0] + self.now_force.displacement,
-            velocity: sum[1] + self.now_force.velocity,
-            acceleration: sum[2] + self.now_force.acceleration,
+            displacement: displacement + self.now_force.displacement,
+            velocity: velocity + self.now_force.velocity,
+            acceleration: acceleration + self.now_force.acceleration,
         }
     }
 
@@ -319,31 +340,47 @@ impl Motion {
     /// −γ₁v − γ₂(2v − v_l − v_r) + F, or from the modes, −Σ Ω²q + G̈, whichever cancels less: the modal sum does where the
     /// coupling is stiff, the neighbours' difference where the ring hangs on soft springs.
     pub(crate) fn acceleration_from_forces(&self, site: usize, force_time: f64) -> f64 {
-        let (neighbours, modes) = self.acceleration_sizes(site);
+        let around = self.around(site);
+        let (neighbours, modes) = self.sizes(&around);
         if modes < neighbours {
-            return self.site(site).acceleration;
+            return around.own.acceleration;
         }
-        let ring = self.sites();
-        let v = |n: usize| self.site(n % ring).displacement;
-        let (own, sides) = (v(site), v(site + 1) + v(site + ring - 1));
-        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - sides) + self.force.value(force_time)
+        let (own, [left, right]) = (around.own.displacement, around.sides);
+        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - (left + right)) + self.force.value(force_time)
     }
 
     /// Sums of the moduli of the terms of v̈ in the two forms of [`Motion::acceleration_from_forces`].
     pub(crate) fn acceleration_sizes(&self, site: usize) -> (f64, f64) {
+        self.sizes(&self.around(site))
+    }
+
+    fn sizes(&self, around: &Around) -> (f64, f64) {
+        let (own, [left, right]) = (around.own.displacement.abs(), around.sides.map(f64::abs));
+        let neighbours = self.gamma.0 * own + self.gamma.1 * (2.0 * own + right + left) + self.force.bound(0);
+        (neighbours, around.modal + self.steady.bound(2))
+    }
+
+    /// A mass and its neighbours at the time last sought.
+    fn around(&self, site: usize) -> Around {
         let ring = self.sites();
-        let v = |n: usize| self.site(n % ring).displacement.abs();
-        let own = v(site);
-        let neighbours =
-            self.gamma.0 * own + self.gamma.1 * (2.0 * own + v(site + 1) + v(site + ring - 1)) + self.force.bound(0);
-        let modes: f64 = self
-            .now
-            .chunks_exact(self.frequencies.len().max(1))
-            .zip(&self.sites)
-            .flat_map(|(modes, &source)| modes.iter().zip(self.cosines.shapes(site.abs_diff(source).min(ring))))
-            .map(|(now, shape)| (shape * now[2]).abs())
-            .sum();
-        (neighbours, modes + self.steady.bound(2))
+        let mut modal = 0.0;
+        if let ([source], true) = (self.sites.as_slice(), self.now.len() <= BLOCK)
+            && *source == site
+        {
+            // Both neighbours of the only site that is hit move alike.
+            let mut side = 0.0;
+            for (now, shape) in self.now.iter().zip(self.cosines.shapes(1)) {
+                side += shape * now[0];
+                modal += now[2].abs();
+            }
+            return Around { own: self.site(site), sides: [side + self.now_force.displacement; 2], modal };
+        }
+        for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
+            let shapes = self.cosines.shapes(site.abs_diff(source).min(ring));
+            modal += modes.iter().zip(shapes).map(|(now, shape)| (shape * now[2]).abs()).sum::<f64>();
+        }
+        let sides = [site + ring - 1, site + 1].map(|n| self.site(n % ring).displacement);
+        Around { own: self.site(site), sides, modal }
     }
 
     /// t+ψ, the force's time, `elapsed` after the start of interval `i`.
@@ -359,6 +396,12 @@ impl Motion {
     /// γ₁, γ₂.
     pub(crate) fn stiffnesses(&self) -> (f64, f64) {
         self.gamma
+    }
+
+    /// Σ|q_k|: no mass is ever displaced by much more, unless the modes start fast.
+    #[cfg(test)]
+    pub(crate) fn states_bound(&self) -> f64 {
+        self.states.iter().map(|(q, p)| q.abs() + p.abs()).sum()
     }
 
     /// Ω_k.
@@ -382,5 +425,24 @@ impl Motion {
     pub fn modes(&self) -> &[[f64; 3]] {
         let modes = self.frequencies.len().min(self.now.len());
         &self.now[..modes]
+    }
+}
+
+/// Adds what an impulse does to all modes, weights apart, some time after it.
+fn add_response(states: &mut [(f64, f64)], response: &ImpulseResponse, impulse: f64, elapsed: f64) {
+    if elapsed == 0.0 {
+        for ((q, p), dynamic) in states.iter_mut().zip(response.at_impulse()) {
+            *q += impulse * dynamic;
+            // Just after the impact the velocity is half the jump above its mean.
+            *p += impulse * 0.5;
+        }
+    } else if elapsed == 0.5 * response.period() {
+        // The slope of an even function.
+        states.iter_mut().zip(response.at_half()).for_each(|((q, _), dynamic)| *q += impulse * dynamic);
+    } else {
+        for (k, (q, p)) in states.iter_mut().enumerate() {
+            *q += impulse * response.mode_dynamic(k, elapsed);
+            *p += impulse * response.mode_slope(k, elapsed);
+        }
     }
 }

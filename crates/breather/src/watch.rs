@@ -228,3 +228,87 @@ impl Watch {
 fn distance(a: f64, displacement: f64) -> f64 {
     1.0 - (displacement - a).abs()
 }
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Chain, Model};
+
+    use super::*;
+    use crate::finder::{Finder, Found};
+    use crate::orbit::Family;
+
+    /// Random conservative orbits of all kinds: soft and stiff, next to resonance, with and without coupling, physical or not.
+    fn orbits(mut visit: impl FnMut(&Orbit, &mut Motion)) {
+        let mut random = fastrand::Rng::with_seed(11);
+        let (mut finder, mut found) = (Finder::new(1), Found::default());
+        for _ in 0..3000 {
+            let sites = [1, 2, 3, 4, 5, 6, 11, 21, 40, 64][random.usize(0..10)];
+            let gamma1 = [0.0, 1e-3, 0.2, 0.2, 0.2, 40.0][random.usize(0..6)];
+            let gamma2 = [0.0, 1e-9, 0.1, 0.3, 5.0][random.usize(0..5)] * random.f64();
+            let Ok(chain) = Chain::new(sites, gamma1, gamma2) else { continue };
+            let Ok(model) = Model::conservative(chain, 0.3 + 3.0 * random.f64(), 0.9 * random.f64()) else { continue };
+            for family in [Family::DoubleSided, Family::SingleSided] {
+                if finder.find(&model, family, &mut found).is_err() {
+                    continue;
+                }
+                for orbit in found.orbits.iter().filter(|orbit| orbit.is_reversible()) {
+                    if orbit.impacts().iter().all(|impact| impact.is_right_signed() && impact.impulse.abs() < 1e3) {
+                        visit(orbit, &mut Motion::of(orbit).unwrap());
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn grid_and_windows_agree() {
+        let (mut watch, mut compared, mut physical) = (Watch::default(), 0, 0);
+        orbits(|orbit, motion| {
+            let horizon = 0.5 * orbit.period();
+            watch.watched.set(motion.sites(), orbit.impact_site());
+            if !watch.grid.set(motion, &watch.watched, horizon) {
+                return;
+            }
+            let fresh = || Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+            let (mut grid, mut first, mut windows) = (fresh(), fresh(), fresh());
+            watch.on_grid(orbit, motion, Depth::Worst, &mut grid);
+            watch.on_grid(orbit, motion, Depth::First, &mut first);
+            watch.by_windows(orbit, motion, Depth::Worst, horizon, &mut windows).unwrap();
+            let size = motion.states_bound().max(1.0);
+            let same = (grid.distance - windows.distance).abs() < 1e-13 * size || grid.distance == windows.distance;
+            assert!(same, "{} {} {orbit:?}", grid.distance, windows.distance);
+            if windows.distance.abs() > 1e-13 * size {
+                assert_eq!(first.distance > 0.0, windows.distance > 0.0, "{orbit:?}");
+            }
+            compared += 1;
+            physical += usize::from(grid.distance > 0.0);
+        });
+        assert!(compared > 1000 && physical > 200 && physical < compared - 200, "{compared} {physical}");
+    }
+
+    #[test]
+    fn bounds_of_the_grid_hold_between_its_nodes() {
+        let (mut watch, mut checked) = (Watch::default(), 0);
+        orbits(|orbit, motion| {
+            let horizon = 0.5 * orbit.period();
+            watch.watched.set(motion.sites(), orbit.impact_site());
+            if checked > 60_000 || !watch.grid.set(motion, &watch.watched, horizon) {
+                return;
+            }
+            let size = motion.states_bound().max(1.0) * motion.top_frequency().powi(2).max(1.0);
+            for (i, &site) in watch.watched.sites.iter().enumerate().take(8) {
+                for part in 0..40 {
+                    motion.seek(0, horizon * (f64::from(part) + 0.5) / 40.0);
+                    let now = motion.site(site);
+                    let (second, slack) = watch.grid.bounds(i);
+                    assert!(now.acceleration.abs() <= second + 1e-12 * size, "{site} {second} {now:?}");
+                    let (low, high) = watch.grid.range(i);
+                    let within = (low - slack..=high + slack).contains(&now.displacement);
+                    assert!(within || slack < 1e-12 * size, "{site} {low} {high} {slack} {now:?}");
+                    checked += 1;
+                }
+            }
+        });
+        assert!(checked > 20_000);
+    }
+}

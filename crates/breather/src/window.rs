@@ -24,6 +24,8 @@ const REFRESH: usize = 32;
 /// The masses that need watching: one half of a ring that is symmetric about site `home`, or all of it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Watched {
+    ring: usize,
+    home: Option<usize>,
     pub(crate) sites: Vec<usize>,
     left: Vec<usize>,
     right: Vec<usize>,
@@ -44,7 +46,8 @@ impl Watched {
         let count = if home.is_some() { ring / 2 + 1 } else { ring };
         // Symmetry folds a site beyond the half ring onto its mirror image.
         let fold = |n: usize| if home.is_some() { n.min(ring - n) } else { n };
-        if self.sites.len() != count || self.sites.first() != Some(&home.unwrap_or(0)) || self.right.len() != count {
+        if (self.ring, self.home) != (ring, home) {
+            (self.ring, self.home) = (ring, home);
             self.sites.clear();
             self.sites.extend((0..count).map(|n| (home.unwrap_or(0) + n) % ring));
             self.left.clear();
@@ -275,6 +278,9 @@ mod tests {
             watched.set(ring, Some(0));
             assert_eq!((&watched.left, &watched.right), (&left, &right), "{ring}");
         }
+        // As many masses, other neighbours.
+        watched.set(7, Some(0));
+        assert_eq!(watched.right, [1, 2, 3, 3]);
         watched.set(5, Some(3));
         assert_eq!(watched.sites, [3, 4, 0]);
         watched.set(5, None);

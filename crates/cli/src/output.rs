@@ -167,14 +167,18 @@ pub fn distinct(files: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
 #[derive(Debug, Clone, Copy)]
 pub struct Number(pub f64);
 
+impl Number {
+    /// The digits, in `buffer`.
+    pub fn text(self, buffer: &mut ryu::Buffer) -> &str {
+        let text = buffer.format(self.0);
+        // A whole number comes with a fraction of zero.
+        text.strip_suffix(".0").unwrap_or(text)
+    }
+}
+
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value = self.0;
-        if value == 0.0 || (1e-5..1e16).contains(&value.abs()) || !value.is_finite() {
-            write!(f, "{value}")
-        } else {
-            write!(f, "{value:e}")
-        }
+        f.write_str(self.text(&mut ryu::Buffer::new()))
     }
 }
 
@@ -187,6 +191,19 @@ mod tests {
         for value in [0.0, -0.4, 1e-300, 1e100, 123_456.789, f64::MIN_POSITIVE, 0.1 + 0.2] {
             let text = Number(value).to_string();
             assert!(text.parse::<f64>().unwrap() == value && text.len() < 25);
+        }
+        // The same digits as the standard library's, from 1e-5 to 1e16 without an exponent.
+        let standard = |value: f64| match value.abs() {
+            size if size == 0.0 || (1e-5..1e16).contains(&size) || !value.is_finite() => format!("{value}"),
+            _ => format!("{value:e}"),
+        };
+        let mut random = fastrand::Rng::with_seed(1);
+        let edges =
+            [1e-5, 1e16, 1e15, 9.999_999_999_999_999e-6, 9_999_999_999_999_998.0, -0.0, 1.0, f64::NAN, -f64::INFINITY];
+        let any = (0..20_000).map(|_| f64::from_bits(random.u64(..)));
+        let usual = (0..20_000).map(|i| f64::from(i) / 3000.0 - 2.0);
+        for value in edges.into_iter().chain(any.collect::<Vec<_>>()).chain(usual) {
+            assert_eq!(Number(value).to_string(), standard(value));
         }
     }
 

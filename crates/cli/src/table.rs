@@ -109,12 +109,8 @@ impl<W: Write> Table<W> {
     }
 
     fn number(&mut self, value: Option<f64>) {
-        self.text.clear();
-        if let Some(value) = value {
-            // Writing to a String cannot fail.
-            let _ = write!(self.text, "{}", Number(value));
-        }
-        self.record.push_field(self.text.as_bytes());
+        let mut digits = ryu::Buffer::new();
+        self.record.push_field(value.map_or("", |value| Number(value).text(&mut digits)).as_bytes());
     }
 
     /// Hands back the writer.

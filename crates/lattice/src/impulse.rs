@@ -21,7 +21,7 @@ use rustfft::num_complex::Complex;
 
 use crate::error::Resonance;
 use crate::ring::RingCosines;
-use crate::small::{cubic_defect, long_sum, sinc};
+use crate::small::{cubic_defect, long_sum, sinc, sinc_from};
 use crate::spectrum::{RESONANCE_TOLERANCE, Spectrum};
 use crate::transform::{LARGE_RING, RingTransform};
 
@@ -154,14 +154,28 @@ impl ImpulseResponse {
         self.scales.clear();
         self.offsets.clear();
         for k in 0..self.modes() {
-            let (impulse, half) =
-                (self.mode_dynamic_anywhere(k, 0.0), self.mode_dynamic_anywhere(k, 0.5 * self.period));
+            let (y, weight, sin, cos) = (self.half_phase[k], self.weights[k], self.sin_half[k], self.cos_half[k]);
+            // As [`ImpulseResponse::mode_dynamic_anywhere`] at these two times, from the sine and cosine at hand.
+            let (impulse, half, scale, offset);
+            if y < 1.0 {
+                let (sinc, defect) = (sinc_from(y, sin), cubic_defect(y));
+                let quarter = self.period / (4.0 * sinc);
+                // 2ξ² sinc²(y/2) with ξ = ½ is sinc²y/(1 + cos y).
+                impulse = quarter * (defect - sinc * sinc / (1.0 + cos));
+                half = quarter * defect;
+                (scale, offset) = (weight / sinc, defect);
+            } else {
+                let (over_sin, over_y) = (1.0 / sin, 1.0 / y);
+                // 1/(2Ω)
+                let scale_of_mode = 0.25 * self.period * over_y;
+                impulse = scale_of_mode * (cos * over_sin - over_y);
+                half = scale_of_mode * (over_sin - over_y);
+                (scale, offset) = (0.5 * weight * over_sin, sin * over_y);
+            }
             self.at_impulse.push(impulse);
             self.at_half.push(half);
-            let (y, weight, sin) = (self.half_phase[k], self.weights[k], self.sin_half[k]);
-            let soft = y < 1.0;
-            self.scales.push(if soft { weight / sinc(y) } else { weight / (2.0 * sin) });
-            self.offsets.push(if soft { cubic_defect(y) } else { sin / y });
+            self.scales.push(scale);
+            self.offsets.push(offset);
         }
         [self.dynamic_at_impulse, self.dynamic_at_half] =
             long_sum(self.modes(), |k| [self.weights[k] * self.at_impulse[k], self.weights[k] * self.at_half[k]]);
@@ -247,6 +261,16 @@ impl ImpulseResponse {
         self.uniform_static().map_or(1.0, |uniform| uniform * self.static_stiffness())
     }
 
+    /// Dynamic responses of all modes, without their weights, at the impulse.
+    pub fn at_impulse(&self) -> &[f64] {
+        &self.at_impulse
+    }
+
+    /// Dynamic responses of all modes, without their weights, half a period after the impulse.
+    pub fn at_half(&self) -> &[f64] {
+        &self.at_half
+    }
+
     /// Dynamic response of mode `k`, without its weight, at 0 ≤ `t` ≤ T.
     pub fn mode_dynamic(&self, k: usize, t: f64) -> f64 {
         if t == 0.0 || t == self.period {
@@ -287,7 +311,9 @@ impl ImpulseResponse {
         }
         let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
         let offset = t - 0.5 * self.period;
-        if y < 1.0 {
+        if offset == 0.0 {
+            0.0
+        } else if y < 1.0 {
             -offset / self.period * sinc(frequency * offset) / sinc(y)
         } else {
             -(frequency * offset).sin() / (2.0 * self.sin_half[k])

@@ -2,8 +2,16 @@
 
 /// sin(x)/x, 1 at 0. Below 2⁻¹³ the series is exact to the last digit and avoids 0/0.
 pub fn sinc(x: f64) -> f64 {
-    if x.abs() < 1.220703125e-4 { 1.0 - x * x / 6.0 } else { x.sin() / x }
+    if x.abs() < SERIES { 1.0 - x * x / 6.0 } else { x.sin() / x }
 }
+
+/// The same where the sine is known.
+pub(crate) fn sinc_from(x: f64, sin: f64) -> f64 {
+    if x.abs() < SERIES { 1.0 - x * x / 6.0 } else { sin / x }
+}
+
+/// 2⁻¹³.
+const SERIES: f64 = 1.220703125e-4;
 
 /// sin(Ωt)/Ω, t at Ω = 0.
 pub fn sine_over(frequency: f64, t: f64) -> f64 {
