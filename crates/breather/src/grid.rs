@@ -55,6 +55,7 @@ pub(crate) struct Grid {
     /// Velocities of the mass last chosen.
     slopes: Vec<f64>,
     tops: Vec<Lane>,
+    reaches: Vec<Lane>,
     scratch: Vec<[f64x4; 2]>,
 }
 
@@ -110,18 +111,18 @@ impl Grid {
 
     /// The modes from node to node.
     fn fly(&mut self) {
-        for group in 0..self.groups {
-            let Some(turn) = self.turns.get(group) else { return };
-            let [cos, sin_over, sin_times] = turn.map(f64x4::from);
-            let nodes = self.displacements[group..].iter_mut().zip(&mut self.velocities[group..]).step_by(self.groups);
-            let mut state: Option<(f64x4, f64x4)> = None;
-            for (displacement, velocity) in nodes {
-                let (u, w) = match state {
-                    None => (f64x4::from(*displacement), f64x4::from(*velocity)),
-                    Some((u, w)) => (u * cos + w * sin_over, w * cos - u * sin_times),
-                };
-                (*displacement, *velocity) = (u.to_array(), w.to_array());
-                state = Some((u, w));
+        let groups = self.groups;
+        for node in 1..=self.intervals {
+            let (here, there) = ((node - 1) * groups, node * groups);
+            let (before, after) = self.displacements.split_at_mut(there);
+            let displacements = before[here..].iter().zip(after);
+            let (before, after) = self.velocities.split_at_mut(there);
+            let velocities = before[here..].iter().zip(after);
+            for (((u, next_u), (w, next_w)), turn) in displacements.zip(velocities).zip(&self.turns) {
+                let (u, w) = (f64x4::from(*u), f64x4::from(*w));
+                let [cos, sin_over, sin_times] = turn.map(f64x4::from);
+                *next_u = (u * cos + w * sin_over).to_array();
+                *next_w = (w * cos - u * sin_times).to_array();
             }
         }
     }
@@ -240,9 +241,20 @@ impl Grid {
         self.accelerations.as_flattened()[node * self.groups * LANES + mass]
     }
 
-    /// Smallest and largest displacement of a mass at the nodes.
-    pub(crate) fn range(&self, mass: usize) -> (f64, f64) {
-        (self.lows[mass / LANES][mass % LANES], self.highs[mass / LANES][mass % LANES])
+    /// How close to a barrier each mass could come in the whole flight, at asymmetry `a`; in whole groups.
+    pub(crate) fn reaches(&mut self, a: f64) -> &[f64] {
+        let (a, slack) = (f64x4::splat(a), f64x4::splat(0.125 * self.step * self.step));
+        self.reaches.clear();
+        let seconds = self.seconds.chunks(LANES).map(|chunk| {
+            let mut group = [0.0; LANES];
+            group.iter_mut().zip(chunk).for_each(|(slot, second)| *slot = *second);
+            f64x4::from(group)
+        });
+        self.reaches.extend(self.lows.iter().zip(&self.highs).zip(seconds).map(|((low, high), second)| {
+            let out = (a - f64x4::from(*low)).fast_max(f64x4::from(*high) - a);
+            (f64x4::ONE - out - slack * second).to_array()
+        }));
+        self.reaches.as_flattened()
     }
 
     /// How far between two nodes a mass can leave the range of its values there.
@@ -250,10 +262,10 @@ impl Grid {
         0.125 * self.step * self.step * self.seconds[mass]
     }
 
-    /// The bound on |v̈| of a mass, and its slack.
+    /// The bound on |v̈| of a mass.
     #[cfg(test)]
-    pub(crate) fn bounds(&self, mass: usize) -> (f64, f64) {
-        (self.seconds[mass], self.slack(mass))
+    pub(crate) fn second(&self, mass: usize) -> f64 {
+        self.seconds[mass]
     }
 
     /// Chooses a mass for the questions below.

@@ -49,9 +49,10 @@ fn combine_groups<const N: usize>(
 ) -> usize {
     let mut sum = [f64x4::ZERO; N];
     for (row, factor) in table.chunks_exact(out.len()).zip(factors) {
+        let Some(groups) = row.get(from..).and_then(|row| row.first_chunk::<N>()) else { return N };
         let factor = f64x4::splat(factor);
-        for (sum, group) in sum.iter_mut().zip(&row[from..from + N]) {
-            *sum += f64x4::from(*group) * factor;
+        for i in 0..N {
+            sum[i] += f64x4::from(groups[i]) * factor;
         }
     }
     for (out, sum) in out[from..from + N].iter_mut().zip(sum) {

@@ -118,14 +118,19 @@ pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own, Mirror)
         let by_sine = (s - sk) * (s + sk);
         let difference = (c * c - s * s).simd_gt(opposite).select(by_sine, minus * sum);
         // As for one impact: no infinity where modes coincide.
-        let quotient = ONE / difference.simd_eq(ZERO).select(SMALL, difference);
+        let difference = difference.simd_eq(ZERO).select(SMALL, difference);
         // Of c_k ± c_l the larger one as it is, the smaller one from the product.
         let same = (ck * c).simd_gt(ZERO);
         let large = same.select(sum, minus);
-        let (of_large, of_small) = (ONE / large, large * quotient);
-        let (of_sum, of_difference) = (same.select(of_large, of_small), same.select(of_small, of_large));
         let near = (ck * c + sk * s).simd_gt(ZERO);
-        let q = near.select(sum / near.select(sk + s, ONE), (s - sk) * of_difference);
+        let sines = near.select(sk + s, ONE);
+        // Three inverses from one division.
+        let (left, right) = (difference * large, large * sines);
+        let inverse = ONE / (left * sines);
+        let (quotient, of_large, of_sines) = (inverse * right, inverse * (difference * sines), inverse * left);
+        let of_small = large * quotient;
+        let (of_sum, of_difference) = (same.select(of_large, of_small), same.select(of_small, of_large));
+        let q = near.select(sum * of_sines, (s - sk) * of_difference);
         let spread = fk - f;
         let bent = xk * x * spread * spread * of_difference;
         let direct = TWO * sk * q;

@@ -21,6 +21,7 @@ pub(crate) struct Modes {
     /// Relative error of x and error of d = c² − s², from that of the phase, in units of ε.
     pub(crate) relative: Vec<Lane>,
     pub(crate) shift: Vec<Lane>,
+    list: Vec<Mode>,
 }
 
 impl Modes {
@@ -42,6 +43,7 @@ impl Modes {
         // A phase y carries a relative error of about 2ε, so that δx/x = y cot y and δd = 2y sin 2y.
         fill(&mut self.relative, phases().map(|(y, c, s)| 4.0 + if y > 1e-3 { (y * c / s).abs() } else { 1.0 }), 1.0);
         fill(&mut self.shift, phases().map(|(y, c, s)| 2.0 * (y * c * s).abs() + 4.0 * (c * c).min(s * s)), 1.0);
+        self.enlist();
     }
 
     /// Takes over some modes of another set.
@@ -61,24 +63,35 @@ impl Modes {
         for (own, all, pad) in lists {
             fill(own, chosen.iter().map(|&k| all.as_flattened()[k]), pad);
         }
+        self.enlist();
     }
 
     /// One mode.
     #[inline(always)]
     pub(crate) fn mode(&self, k: usize) -> Mode {
-        let (group, place) = (k / 4, k % 4);
-        let at = |lanes: &[Lane]| lanes[group][place];
-        Mode {
-            weight: at(&self.weight),
-            frequency: at(&self.frequency),
-            cos: at(&self.cos),
-            sin: at(&self.sin),
-            sin_over: at(&self.sin_over),
-            inverse: at(&self.inverse),
-            sin_times: at(&self.sin_times),
-            relative: at(&self.relative),
-            shift: at(&self.shift),
-        }
+        self.list[k]
+    }
+
+    /// The same numbers mode by mode.
+    fn enlist(&mut self) {
+        let lists = [
+            &self.weight,
+            &self.frequency,
+            &self.cos,
+            &self.sin,
+            &self.sin_over,
+            &self.inverse,
+            &self.sin_times,
+            &self.relative,
+            &self.shift,
+        ];
+        let lists = lists.map(|lanes| &lanes.as_flattened()[..self.count]);
+        self.list.clear();
+        self.list.extend((0..self.count).map(|k| {
+            let [weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift] =
+                lists.map(|list| list[k]);
+            Mode { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift }
+        }));
     }
 }
 

@@ -51,10 +51,14 @@ pub(crate) fn sums(modes: &Modes, mode: &Mode) -> Sums {
         let by_cosine = (ck - c) * (ck + c);
         let difference = TWO * (c * c - s * s).simd_gt(opposite).select(by_sine, by_cosine);
         // Coincident modes have t = 0, or nearly so; others that coincide are to stand out in the error.
-        let quotient = ONE / difference.simd_eq(ZERO).select(SMALL, difference);
-        // c_k u_kl
+        let difference = difference.simd_eq(ZERO).select(SMALL, difference);
         let same = (ck * c).simd_gt(ZERO);
-        let u = same.select(ck / same.select(ck + c, ONE), TWO * ck * (ck - c) * quotient);
+        let sum = same.select(ck + c, ONE);
+        // Two inverses from one division.
+        let inverse_of_both = ONE / (difference * sum);
+        let (quotient, of_sum) = (inverse_of_both * sum, inverse_of_both * difference);
+        // c_k u_kl
+        let u = same.select(ck * of_sum, TWO * ck * (ck - c) * quotient);
         let spread = xk - x;
         let t = w * c * spread * spread * ik * inverse * quotient;
         straight += w * u;
