@@ -43,10 +43,10 @@ pub(crate) struct Grid {
     /// Displacement and velocity of the modes, [node][mode].
     displacements: Vec<Lane>,
     velocities: Vec<Lane>,
-    /// Displacements of the masses, [node][room for a neighbour, masses, room for a neighbour], and their extremes.
+    /// Displacements of the masses, [node][room for a neighbour, masses, room for a neighbour].
     values: Vec<Lane>,
-    lows: Vec<Lane>,
-    highs: Vec<Lane>,
+    /// Their smallest and largest value, and the largest modulus of their accelerations at the nodes.
+    extremes: Vec<[Lane; 3]>,
     /// Their accelerations, [node][mass].
     accelerations: Vec<Lane>,
     /// For each mass a bound on |v̈| and one on |v⃜| in the whole flight.
@@ -88,8 +88,7 @@ impl Grid {
         for (from, to) in self.displacements.chunks_exact(groups).zip(self.values.chunks_exact_mut(groups + 2)) {
             combine(shapes, from.as_flattened()[..modes].iter().copied(), &mut to[1..1 + groups]);
         }
-        self.accelerate(motion, watched);
-        self.spread();
+        self.survey(motion, watched);
         self.bound(motion, watched)
     }
 
@@ -127,41 +126,34 @@ impl Grid {
         }
     }
 
-    /// v̈_n = −γ₁v_n − γ₂(2v_n − v_(n−1) − v_(n+1)) at all nodes.
-    fn accelerate(&mut self, motion: &Motion, watched: &Watched) {
+    /// v̈_n = −γ₁v_n − γ₂(2v_n − v_(n−1) − v_(n+1)) at all nodes; each mass's smallest and largest displacement and largest
+    /// |v̈_n|.
+    fn survey(&mut self, motion: &Motion, watched: &Watched) {
+        let groups = self.groups;
         let last = watched.sites.len() - 1;
-        let (left, right) = (watched.left(0), watched.right(last));
+        let (left, right) = (LANES + watched.left(0), LANES + watched.right(last));
         let (gamma1, gamma2) = stiffnesses(motion);
         let (own, side) = (f64x4::splat(-(gamma1 + 2.0 * gamma2)), f64x4::splat(gamma2));
-        let nodes = self.values.chunks_exact_mut(self.groups + 2).zip(self.accelerations.chunks_exact_mut(self.groups));
+        let infinite = [f64::INFINITY; LANES];
+        self.extremes.clear();
+        self.extremes.resize(groups, [infinite, infinite.map(|x| -x), [0.0; LANES]]);
+        let nodes = self.values.chunks_exact_mut(groups + 2).zip(self.accelerations.chunks_exact_mut(groups));
         for (values, accelerations) in nodes {
             let values = values.as_flattened_mut();
-            (values[LANES - 1], values[LANES + last + 1]) = (values[LANES + left], values[LANES + right]);
+            (values[LANES - 1], values[LANES + last + 1]) = (values[left], values[right]);
             let before = values[LANES - 1..].as_chunks::<LANES>().0;
             let here = values[LANES..].as_chunks::<LANES>().0;
             let after = values[LANES + 1..].as_chunks::<LANES>().0;
-            for (((acceleration, own_value), before), after) in
-                accelerations.iter_mut().zip(here).zip(before).zip(after)
-            {
-                let sides = f64x4::from(*before) + f64x4::from(*after);
-                *acceleration = (own * f64x4::from(*own_value) + side * sides).to_array();
-            }
-        }
-    }
-
-    /// Each mass's smallest and largest value.
-    fn spread(&mut self) {
-        let mut nodes = self.values.chunks_exact(self.groups + 2).map(|row| &row[1..=self.groups]);
-        let first = nodes.next().unwrap_or_default();
-        for list in [&mut self.lows, &mut self.highs] {
-            list.clear();
-            list.extend_from_slice(first);
-        }
-        for node in nodes {
-            for ((low, high), value) in self.lows.iter_mut().zip(&mut self.highs).zip(node) {
+            let neighbours = before[..groups].iter().zip(&after[..groups]);
+            let targets = accelerations.iter_mut().zip(&mut self.extremes);
+            for (((acceleration, [low, high, top]), value), (before, after)) in targets.zip(here).zip(neighbours) {
                 let value = f64x4::from(*value);
+                let sides = f64x4::from(*before) + f64x4::from(*after);
+                let pull = own * value + side * sides;
+                *acceleration = pull.to_array();
                 *low = f64x4::from(*low).fast_min(value).to_array();
                 *high = f64x4::from(*high).fast_max(value).to_array();
+                *top = f64x4::from(*top).fast_max(pull.abs()).to_array();
             }
         }
     }
@@ -177,12 +169,7 @@ impl Grid {
         let (c1, c2) = (eighth * gamma1, eighth * gamma2);
         let theta = c2 / (1.0 - c1 - 4.0 * c2);
         self.tops.clear();
-        self.tops.resize(self.groups, [0.0; LANES]);
-        for node in self.accelerations.chunks_exact(self.groups) {
-            for (top, acceleration) in self.tops.iter_mut().zip(node) {
-                *top = f64x4::from(*top).fast_max(f64x4::from(*acceleration).abs()).to_array();
-            }
-        }
+        self.tops.extend(self.extremes.iter().map(|[_, _, top]| *top));
         let tops = self.tops.as_flattened().iter().take(watched.sites.len());
         self.seconds.clear();
         let (mut sum, mut last) = (0.0, 0.0);
@@ -250,7 +237,7 @@ impl Grid {
             group.iter_mut().zip(chunk).for_each(|(slot, second)| *slot = *second);
             f64x4::from(group)
         });
-        self.reaches.extend(self.lows.iter().zip(&self.highs).zip(seconds).map(|((low, high), second)| {
+        self.reaches.extend(self.extremes.iter().zip(seconds).map(|([low, high, _], second)| {
             let out = (a - f64x4::from(*low)).fast_max(f64x4::from(*high) - a);
             (f64x4::ONE - out - slack * second).to_array()
         }));

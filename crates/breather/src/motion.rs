@@ -18,7 +18,7 @@ const BLOCK: usize = 256;
 const TABLE: usize = 128;
 
 /// What a motion was worked out from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 struct Origin {
     chain: Chain,
     period: f64,
@@ -28,6 +28,39 @@ struct Origin {
     /// Site, time, impulse.
     impacts: SmallVec<[(usize, f64, f64); 2]>,
     net_impulses: SmallVec<[f64; 1]>,
+}
+
+impl Origin {
+    fn new(orbit: &Orbit, response: &ImpulseResponse) -> Self {
+        Self {
+            chain: *orbit.model().chain(),
+            period: response.period(),
+            psi: orbit.psi_or_zero(),
+            steady: *orbit.steady(),
+            uniform_offset: orbit.uniform_offset(),
+            impacts: impacts(orbit).collect(),
+            net_impulses: net_impulses(orbit).collect(),
+        }
+    }
+
+    fn is_of(&self, orbit: &Orbit, response: &ImpulseResponse) -> bool {
+        self.chain == *orbit.model().chain()
+            && self.period == response.period()
+            && self.psi == orbit.psi_or_zero()
+            && self.uniform_offset == orbit.uniform_offset()
+            && self.impacts.iter().copied().eq(impacts(orbit))
+            && self.net_impulses.iter().copied().eq(net_impulses(orbit))
+            && self.steady.terms() == orbit.steady().terms()
+    }
+}
+
+/// Site, time, impulse.
+fn impacts(orbit: &Orbit) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
+    orbit.impacts().iter().map(|impact| (impact.site, impact.time, impact.impulse))
+}
+
+fn net_impulses(orbit: &Orbit) -> impl Iterator<Item = f64> + '_ {
+    orbit.sources().iter().map(|source| source.net_impulse)
 }
 
 /// Displacement, velocity and acceleration of one mass.
@@ -121,20 +154,11 @@ impl Motion {
     /// Takes over another orbit; `response` must be of its chain and frequency.
     pub fn load(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
         let model = orbit.model();
-        let origin = Origin {
-            chain: *model.chain(),
-            period: response.period(),
-            psi: orbit.psi_or_zero(),
-            steady: *orbit.steady(),
-            uniform_offset: orbit.uniform_offset(),
-            impacts: orbit.impacts().iter().map(|impact| (impact.site, impact.time, impact.impulse)).collect(),
-            net_impulses: orbit.sources().iter().map(|source| source.net_impulse).collect(),
-        };
-        if self.origin.as_ref() == Some(&origin) {
+        if self.origin.as_ref().is_some_and(|origin| origin.is_of(orbit, response)) {
             // An orbit just found is there already.
             return;
         }
-        self.origin = Some(origin);
+        self.origin = Some(Origin::new(orbit, response));
         if self.cosines.sites() != response.sites() {
             self.cosines = response.cosines().clone();
             self.shapes.clear();

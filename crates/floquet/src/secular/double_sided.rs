@@ -24,7 +24,9 @@
 //! multiplied out: c_k → 0 is harmless, and so are the double poles, x_k y_k = s_k². Dividing by s_k² is not, for a mode
 //! that is very soft or next to resonance: its residue is better known as 1 − ΣR of the others, see [`super::Residues`].
 
-use super::lanes::{FOUR, HALF, Lane, ONE, SMALL, TWO, ZERO, all, four, total};
+use wide::f64x4;
+
+use super::lanes::{FOUR, HALF, Lane, Number, ONE, SMALL, TWO, ZERO, all, four, total, totals};
 use super::modes::{Mode, Modes};
 use super::residues::Pole;
 
@@ -63,20 +65,51 @@ impl Saltations {
 
 /// What the residue of one mode needs of modes with c_l about c_k: t_k/b_k² and its error.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Own {
-    value: f64,
-    error: f64,
+pub(crate) struct Own<T = f64> {
+    value: T,
+    error: T,
 }
 
 /// What it needs of modes with c_l about −c_k, itself left out: Σ b²/(c_k+c), Σ b²x/(…), Σ b²y/(…), the size of these and
 /// the sum of their errors.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Mirror {
-    sigma: f64,
-    g: f64,
-    h: f64,
-    size: f64,
-    doubted: f64,
+pub(crate) struct Mirror<T = f64> {
+    sigma: T,
+    g: T,
+    h: T,
+    size: T,
+    doubted: T,
+}
+
+impl Own<f64x4> {
+    /// The sums of one mode from their four parts.
+    pub(crate) fn total(self) -> Own {
+        Own { value: total(self.value), error: total(self.error) }
+    }
+
+    /// Those of four modes.
+    fn totals(parts: &[Self; 4]) -> Self {
+        Self { value: totals(parts.map(|part| part.value)), error: totals(parts.map(|part| part.error)) }
+    }
+}
+
+impl Mirror<f64x4> {
+    /// The sums of one mode from their four parts.
+    pub(crate) fn total(self) -> Mirror {
+        let Self { sigma, g, h, size, doubted } = self;
+        Mirror { sigma: total(sigma), g: total(g), h: total(h), size: total(size), doubted: total(doubted) }
+    }
+
+    /// Those of four modes.
+    fn totals(parts: &[Self; 4]) -> Self {
+        Self {
+            sigma: totals(parts.map(|part| part.sigma)),
+            g: totals(parts.map(|part| part.g)),
+            h: totals(parts.map(|part| part.h)),
+            size: totals(parts.map(|part| part.size)),
+            doubted: totals(parts.map(|part| part.doubted)),
+        }
+    }
 }
 
 impl Own {
@@ -97,9 +130,9 @@ impl Mirror {
     }
 }
 
-/// Both kinds of sums over `modes`; `masked` are their weights, that of the mode itself set to 0.
+/// Both kinds of sums over `modes`, in four parts each; `masked` are their weights, that of the mode itself set to 0.
 #[inline(always)]
-pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own, Mirror) {
+pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own<f64x4>, Mirror<f64x4>) {
     let (w, f, c, s) = (&modes.weight, &modes.frequency, &modes.cos, &modes.sin);
     let (x, y, relative, shift) = (&modes.sin_over, &modes.sin_times, &modes.relative, &modes.shift);
     // Lengths are equal; said here, they need not be checked below.
@@ -147,40 +180,41 @@ pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own, Mirror)
         size += term;
         doubted += term * (doubt_of_sum + relative + rk);
     }
-    let own = Own { value: total(own), error: total(own_error) };
-    let (sigma, g, h) = (total(sigma), total(g), total(h));
-    (own, Mirror { sigma, g, h, size: total(size), doubted: total(doubted) })
+    (Own { value: own, error: own_error }, Mirror { sigma, g, h, size, doubted })
 }
 
-/// The residue from the sums.
+/// The residue from the sums, and its error.
 #[inline(always)]
-pub(crate) fn residue(k: usize, mode: &Mode, saltations: &Saltations, own: &Own, mirror: &Mirror) -> Pole {
+pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &Own<T>, mirror: &Mirror<T>) -> (T, T) {
     let Mode { weight: wk, cos: ck, sin: sk, sin_over: xk, sin_times: yk, relative: rk, .. } = *mode;
     let Saltations { half_kappa, half_kappa_error, lambda, lambda_error } = *saltations;
     let Mirror { sigma, g, h, size, doubted } = *mirror;
+    let number = T::of;
     let square = sk * sk;
     let (own, own_error) = (wk * own.value, wk * own.error);
-    let cross = ck * (g * h - square * sigma * sigma) + 0.5 * wk * (xk * h + yk * g - 2.0 * square * sigma);
-    let tail = ck * g + 0.5 * wk * xk;
+    let curl = g * h - square * sigma * sigma;
+    let cross = ck * curl + wk * 0.5 * (xk * h + yk * g - square * sigma * 2.0);
+    let tail = ck * g + wk * xk * 0.5;
     let gamma = wk * xk;
-    let (upper, lower) = (cross + half_kappa * tail, half_kappa * cross + lambda * tail);
-    let scale = -2.0 / square;
+    let (upper, lower) = (cross + tail * half_kappa, cross * half_kappa + tail * lambda);
+    let scale = number(-2.0) / square;
     let residue = scale * (own * upper - gamma * lower);
     // Two sums multiplied: their rounding counts twice where they cancel, the errors of their terms do not, since the
     // square terms x_l y_l − s_l² vanish whatever the phases.
-    let doubt = doubted / size.max(f64::MIN_POSITIVE);
-    let product = (g * h - square * sigma * sigma).abs();
-    let sums = 4.0 * square * size * size + doubt * (product + square * size);
-    let cross_error = ck.abs() * sums + wk * square * size * (4.0 + doubt);
-    let tail_error = (ck * xk).abs() * size * (4.0 + doubt) + gamma.abs() * rk;
-    let upper_error = cross_error + half_kappa.abs() * tail_error + half_kappa_error * tail.abs();
-    let lower_error = half_kappa.abs() * cross_error
-        + half_kappa_error * cross.abs()
-        + lambda.abs() * tail_error
-        + lambda_error * tail.abs();
-    let error = own_error * upper.abs() + own.abs() * upper_error + gamma.abs() * (lower_error + rk * lower.abs());
-    let error = 2.0 * f64::EPSILON * (scale.abs() * error + residue.abs() * (rk + 4.0));
-    Pole::new(k, ck, sk, mode.shift, residue, error)
+    let doubt = doubted / size.at_least(number(f64::MIN_POSITIVE));
+    let sums = square * size * size * 4.0 + doubt * (curl.modulus() + square * size);
+    let cross_error = ck.modulus() * sums + wk * square * size * (number(4.0) + doubt);
+    let tail_error = (ck * xk).modulus() * size * (number(4.0) + doubt) + gamma.modulus() * rk;
+    let upper_error = cross_error + tail_error * half_kappa.abs() + tail.modulus() * half_kappa_error;
+    let lower_error = cross_error * half_kappa.abs()
+        + cross.modulus() * half_kappa_error
+        + tail_error * lambda.abs()
+        + tail.modulus() * lambda_error;
+    let error = own_error * upper.modulus()
+        + own.modulus() * upper_error
+        + gamma.modulus() * (lower_error + rk * lower.modulus());
+    let error = (scale.modulus() * error + residue.modulus() * (rk + number(4.0))) * (2.0 * f64::EPSILON);
+    (residue, error)
 }
 
 /// Residues into `poles`, one a mode. `masked` is scratch space.
@@ -188,12 +222,18 @@ pub(crate) fn residues(modes: &Modes, saltations: &Saltations, masked: &mut Vec<
     poles.clear();
     masked.clear();
     masked.extend_from_slice(&modes.weight);
-    for k in 0..modes.count {
-        let mode = modes.mode(k);
-        masked.as_flattened_mut()[k] = 0.0;
-        let (own, mirror) = sums(modes, masked, &mode);
-        masked.as_flattened_mut()[k] = mode.weight;
-        poles.push(residue(k, &mode, saltations, &own, &mirror));
+    for first in (0..modes.count).step_by(4) {
+        let (mut own, mut mirror) = ([Own::default(); 4], [Mirror::default(); 4]);
+        let count = (modes.count - first).min(4);
+        for ((own, mirror), k) in own.iter_mut().zip(&mut mirror).zip(first..first + count) {
+            let mode = modes.mode(k);
+            masked.as_flattened_mut()[k] = 0.0;
+            (*own, *mirror) = sums(modes, masked, &mode);
+            masked.as_flattened_mut()[k] = mode.weight;
+        }
+        let group = modes.group(first / 4);
+        let (residue, error) = residue(&group, saltations, &Own::totals(&own), &Mirror::totals(&mirror));
+        Pole::push_group(poles, first, count, &group, residue, error);
     }
 }
 

@@ -1,6 +1,8 @@
 //! Numbers in groups of four: sums over them keep four partial sums, one vector instruction each. (A compiler may not
 //! reorder a plain sum of floating-point numbers by itself.)
 
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
 use wide::f64x4;
 
 /// Four numbers at a time.
@@ -42,5 +44,61 @@ pub(crate) fn four(lane: Lane) -> f64x4 {
 #[inline]
 pub(crate) fn total(sum: f64x4) -> f64 {
     let [a, b, c, d] = sum.to_array();
+    (a + c) + (b + d)
+}
+
+/// One number or four: formulas are written once for both.
+pub(crate) trait Number:
+    Copy
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// This number, four times if there are four.
+    fn of(value: f64) -> Self;
+
+    /// The modulus.
+    fn modulus(self) -> Self;
+
+    /// The larger one.
+    fn at_least(self, other: Self) -> Self;
+}
+
+impl Number for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    fn modulus(self) -> Self {
+        self.abs()
+    }
+
+    fn at_least(self, other: Self) -> Self {
+        self.max(other)
+    }
+}
+
+impl Number for f64x4 {
+    fn of(value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    fn modulus(self) -> Self {
+        self.abs()
+    }
+
+    fn at_least(self, other: Self) -> Self {
+        self.max(other)
+    }
+}
+
+/// Four sums at once, each as [`total`] has it.
+#[inline]
+pub(crate) fn totals(sums: [f64x4; 4]) -> f64x4 {
+    let [a, b, c, d] = f64x4::transpose(sums);
     (a + c) + (b + d)
 }

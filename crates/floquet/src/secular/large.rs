@@ -74,7 +74,7 @@ pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations,
             let k = order[place];
             let mode = modes.mode(k);
             let [b0, b1, b2] = field.at(points[place]);
-            let (mut sum, _) = double_sided::sums(&near, &near.weight, &mode);
+            let mut sum = double_sided::sums(&near, &near.weight, &mode).0.total();
             sum.add_far(mode.sin_over * b2 + mode.sin_times * b1 - 2.0 * mode.sin * mode.sin * b0);
             own[k] = sum;
         }
@@ -97,9 +97,10 @@ pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations,
                     }
                 }
             }
-            let (_, mut mirror) = double_sided::sums(&near, &masked, &mode);
+            let mut mirror = double_sided::sums(&near, &masked, &mode).1.total();
             mirror.add_far(mode.inverse, far);
-            poles.push(double_sided::residue(k, &mode, saltations, &own[k], &mirror));
+            let (residue, error) = double_sided::residue(&mode, saltations, &own[k], &mirror);
+            poles.push(Pole::new(k, mode.cos, mode.sin, mode.shift, residue, error));
         }
     }
 }

@@ -1,8 +1,9 @@
 //! What the secular functions need of every even mode.
 
 use vibrochain_lattice::{ImpulseResponse, sine_over};
+use wide::f64x4;
 
-use super::lanes::{Lane, fill};
+use super::lanes::{Lane, fill, four};
 
 /// Modes of the even subspace, padded to groups of four by modes without weight.
 #[derive(Debug, Clone, Default)]
@@ -72,6 +73,22 @@ impl Modes {
         self.list[k]
     }
 
+    /// Four neighbouring modes.
+    #[inline(always)]
+    pub(crate) fn group(&self, i: usize) -> Mode<f64x4> {
+        Mode {
+            weight: four(self.weight[i]),
+            frequency: four(self.frequency[i]),
+            cos: four(self.cos[i]),
+            sin: four(self.sin[i]),
+            sin_over: four(self.sin_over[i]),
+            inverse: four(self.inverse[i]),
+            sin_times: four(self.sin_times[i]),
+            relative: four(self.relative[i]),
+            shift: four(self.shift[i]),
+        }
+    }
+
     /// The same numbers mode by mode.
     fn enlist(&mut self) {
         let lists = [
@@ -95,16 +112,16 @@ impl Modes {
     }
 }
 
-/// The entries of [`Modes`] for one mode.
+/// The entries of [`Modes`] for one mode, or for four.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Mode {
-    pub(crate) weight: f64,
-    pub(crate) frequency: f64,
-    pub(crate) cos: f64,
-    pub(crate) sin: f64,
-    pub(crate) sin_over: f64,
-    pub(crate) inverse: f64,
-    pub(crate) sin_times: f64,
-    pub(crate) relative: f64,
-    pub(crate) shift: f64,
+pub(crate) struct Mode<T = f64> {
+    pub(crate) weight: T,
+    pub(crate) frequency: T,
+    pub(crate) cos: T,
+    pub(crate) sin: T,
+    pub(crate) sin_over: T,
+    pub(crate) inverse: T,
+    pub(crate) sin_times: T,
+    pub(crate) relative: T,
+    pub(crate) shift: T,
 }

@@ -3,12 +3,13 @@
 use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
+use wide::f64x4;
 
 use super::doubt::Doubt;
 use super::evaluate::Local;
 use super::growth::Nu;
 use super::lanes::{Lane, TWO, all, fill, four};
-use super::modes::Modes;
+use super::modes::{Mode, Modes};
 use super::window::Leaf;
 use super::{double_sided, large, single_sided};
 
@@ -47,6 +48,22 @@ impl Pole {
         let (pole, shift) = ((cos - sin) * (cos + sin), f64::EPSILON * shift);
         let (cos, sin) = (cos.abs(), sin.abs());
         Self { mode: mode as u32, pole, cos, sin, below_one, above_minus_one, shift, residue, error }
+    }
+
+    /// As [`Pole::new`], for the first `count` modes of a group that begins with mode `first`.
+    pub(crate) fn push_group(
+        poles: &mut Vec<Self>,
+        first: usize,
+        count: usize,
+        modes: &Mode<f64x4>,
+        residue: f64x4,
+        error: f64x4,
+    ) {
+        let [cos, sin, shift] = [modes.cos, modes.sin, modes.shift].map(f64x4::to_array);
+        let (residue, error) = (residue.to_array(), error.to_array());
+        for i in 0..count {
+            poles.push(Self::new(first + i, cos[i], sin[i], shift[i], residue[i], error[i]));
+        }
     }
 
     /// By rising d.
