@@ -14,7 +14,7 @@
 
 use wide::f64x4;
 
-use crate::lanes::{LANES, Lane, combine, dot, fill, total};
+use crate::lanes::{LANES, Lane, dot, groups, total};
 use crate::motion::Motion;
 use crate::polynomial::{ORDER, Polynomial};
 use crate::window::Watched;
@@ -31,6 +31,9 @@ const MOST: usize = 24;
 /// Modes at most: a node takes the square of their number in steps, a window only twenty times their number.
 const MOST_MODES: usize = 48;
 
+/// Place of mass 0 in a row that begins with its left neighbour.
+const FIRST: usize = 1;
+
 /// Values of all masses at the nodes, and the modes they come from.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Grid {
@@ -38,12 +41,10 @@ pub(crate) struct Grid {
     intervals: usize,
     step: f64,
     frequencies: Vec<Lane>,
-    /// cos Ωh, sin Ωh/Ω and Ω sin Ωh.
-    turns: Vec<[Lane; 3]>,
     /// Displacement and velocity of the modes, [node][mode].
     displacements: Vec<Lane>,
     velocities: Vec<Lane>,
-    /// Displacements of the masses, [node][room for a neighbour, masses, room for a neighbour].
+    /// Displacements of the masses, [node][mass].
     values: Vec<Lane>,
     /// Their smallest and largest value, and the largest modulus of their accelerations at the nodes.
     extremes: Vec<[Lane; 3]>,
@@ -69,93 +70,88 @@ impl Grid {
             return false;
         }
         self.intervals = FEWEST.max((radians / INTERVAL).ceil() as usize);
-        self.groups = modes.div_ceil(LANES);
+        self.groups = groups(modes);
         self.step = horizon / self.intervals as f64;
-        fill(&mut self.frequencies, frequencies.iter().copied());
-        let (nodes, groups) = (self.intervals + 1, self.groups);
-        for list in [&mut self.displacements, &mut self.velocities, &mut self.accelerations] {
-            list.resize(nodes * groups, [0.0; LANES]);
+        let size = (self.intervals + 1) * self.groups;
+        for list in [&mut self.displacements, &mut self.velocities, &mut self.values, &mut self.accelerations] {
+            list.resize(size, [0.0; LANES]);
         }
-        self.values.resize(nodes * (groups + 2), [0.0; LANES]);
-        let start = motion.start_of_flight();
-        for (list, part) in [(&mut self.displacements, 0), (&mut self.velocities, 1)] {
-            let pick = |state: &(f64, f64)| if part == 0 { state.0 } else { state.1 };
-            list[..self.groups].iter_mut().for_each(|group| *group = [0.0; LANES]);
-            list.as_flattened_mut().iter_mut().zip(start).for_each(|(slot, state)| *slot = pick(state));
+        self.extremes.resize(self.groups, [[0.0; LANES]; 3]);
+        self.frequencies.clear();
+        self.frequencies.resize(self.groups, [0.0; LANES]);
+        self.frequencies.as_flattened_mut().iter_mut().zip(frequencies).for_each(|(slot, value)| *slot = *value);
+        // With the number of groups known to the compiler, rows stay in registers.
+        match self.groups {
+            1 => self.sample::<1>(motion, watched),
+            2 => self.sample::<2>(motion, watched),
+            3 => self.sample::<3>(motion, watched),
+            4 => self.sample::<4>(motion, watched),
+            6 => self.sample::<6>(motion, watched),
+            8 => self.sample::<8>(motion, watched),
+            12 => self.sample::<12>(motion, watched),
+            _ => return false,
         }
-        self.turn();
-        self.fly();
-        for (from, to) in self.displacements.chunks_exact(groups).zip(self.values.chunks_exact_mut(groups + 2)) {
-            combine(shapes, from.as_flattened()[..modes].iter().copied(), &mut to[1..1 + groups]);
-        }
-        self.survey(motion, watched);
         self.bound(motion, watched)
     }
 
-    /// What an interval does to each mode.
-    fn turn(&mut self) {
+    /// Modes and masses at all nodes, and the extremes of the latter.
+    fn sample<const G: usize>(&mut self, motion: &Motion, watched: &Watched) {
+        let turns = self.turns::<G>();
+        let (mut u, mut w) = start::<G>(motion);
+        let last = watched.sites.len() - 1;
+        let (left, right) = (FIRST + watched.left(0), FIRST + watched.right(last));
+        let (gamma1, gamma2) = stiffnesses(motion);
+        let (own, side) = (f64x4::splat(-(gamma1 + 2.0 * gamma2)), f64x4::splat(gamma2));
+        let infinite = f64x4::splat(f64::INFINITY);
+        let (mut low, mut high, mut top) = ([infinite; G], [-infinite; G], [f64x4::ZERO; G]);
+        // The masses of a node with a neighbour before and after them.
+        let mut row = [0.0; MOST_MODES + LANES];
+        let shapes = motion.shapes().as_chunks::<G>().0;
+        let states = rows_mut::<G>(&mut self.displacements).zip(rows_mut::<G>(&mut self.velocities));
+        let masses = rows_mut::<G>(&mut self.values).zip(rows_mut::<G>(&mut self.accelerations));
+        for ((displacement, velocity), (value, acceleration)) in states.zip(masses) {
+            *displacement = u.map(f64x4::to_array);
+            *velocity = w.map(f64x4::to_array);
+            let mut v = [f64x4::ZERO; G];
+            for (shape, factor) in shapes.iter().zip(displacement.as_flattened()) {
+                for i in 0..G {
+                    v[i] += f64x4::from(shape[i]) * f64x4::splat(*factor);
+                }
+            }
+            *value = v.map(f64x4::to_array);
+            row[FIRST..FIRST + G * LANES].copy_from_slice(value.as_flattened());
+            (row[0], row[FIRST + last + 1]) = (row[left], row[right]);
+            let (before, after) = (row.as_chunks::<LANES>().0, row[FIRST + 1..].as_chunks::<LANES>().0);
+            for i in 0..G {
+                // v̈_n = −γ₁v_n − γ₂(2v_n − v_(n−1) − v_(n+1))
+                let pull = own * v[i] + side * (f64x4::from(before[i]) + f64x4::from(after[i]));
+                acceleration[i] = pull.to_array();
+                low[i] = low[i].fast_min(v[i]);
+                high[i] = high[i].fast_max(v[i]);
+                top[i] = top[i].fast_max(pull.abs());
+                // On to the next node.
+                let [cos, sin_over, sin_times] = turns[i];
+                (u[i], w[i]) = (u[i] * cos + w[i] * sin_over, w[i] * cos - u[i] * sin_times);
+            }
+        }
+        for (i, extremes) in self.extremes.iter_mut().enumerate().take(G) {
+            *extremes = [low[i], high[i], top[i]].map(f64x4::to_array);
+        }
+    }
+
+    /// What an interval does to each mode: cos Ωh, sin Ωh/Ω and Ω sin Ωh.
+    fn turns<const G: usize>(&self) -> [[f64x4; 3]; G] {
         let step = f64x4::splat(self.step);
-        self.turns.clear();
-        self.turns.extend(self.frequencies.iter().map(|frequency| {
-            let frequency = f64x4::from(*frequency);
+        std::array::from_fn(|i| {
+            let frequency = self.frequencies.get(i).map_or(f64x4::ZERO, |group| f64x4::from(*group));
             let x = frequency * step;
             let square = x * x;
             let series = |coefficients: [f64; 8]| {
                 coefficients.into_iter().rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(c))
             };
             let sin_over = step * series(SINC);
-            [series(COSINE), sin_over, frequency * frequency * sin_over].map(f64x4::to_array)
-        }));
-    }
-
-    /// The modes from node to node.
-    fn fly(&mut self) {
-        let groups = self.groups;
-        for node in 1..=self.intervals {
-            let (here, there) = ((node - 1) * groups, node * groups);
-            let (before, after) = self.displacements.split_at_mut(there);
-            let displacements = before[here..].iter().zip(after);
-            let (before, after) = self.velocities.split_at_mut(there);
-            let velocities = before[here..].iter().zip(after);
-            for (((u, next_u), (w, next_w)), turn) in displacements.zip(velocities).zip(&self.turns) {
-                let (u, w) = (f64x4::from(*u), f64x4::from(*w));
-                let [cos, sin_over, sin_times] = turn.map(f64x4::from);
-                *next_u = (u * cos + w * sin_over).to_array();
-                *next_w = (w * cos - u * sin_times).to_array();
-            }
-        }
-    }
-
-    /// v̈_n = −γ₁v_n − γ₂(2v_n − v_(n−1) − v_(n+1)) at all nodes; each mass's smallest and largest displacement and largest
-    /// |v̈_n|.
-    fn survey(&mut self, motion: &Motion, watched: &Watched) {
-        let groups = self.groups;
-        let last = watched.sites.len() - 1;
-        let (left, right) = (LANES + watched.left(0), LANES + watched.right(last));
-        let (gamma1, gamma2) = stiffnesses(motion);
-        let (own, side) = (f64x4::splat(-(gamma1 + 2.0 * gamma2)), f64x4::splat(gamma2));
-        let infinite = [f64::INFINITY; LANES];
-        self.extremes.clear();
-        self.extremes.resize(groups, [infinite, infinite.map(|x| -x), [0.0; LANES]]);
-        let nodes = self.values.chunks_exact_mut(groups + 2).zip(self.accelerations.chunks_exact_mut(groups));
-        for (values, accelerations) in nodes {
-            let values = values.as_flattened_mut();
-            (values[LANES - 1], values[LANES + last + 1]) = (values[left], values[right]);
-            let before = values[LANES - 1..].as_chunks::<LANES>().0;
-            let here = values[LANES..].as_chunks::<LANES>().0;
-            let after = values[LANES + 1..].as_chunks::<LANES>().0;
-            let neighbours = before[..groups].iter().zip(&after[..groups]);
-            let targets = accelerations.iter_mut().zip(&mut self.extremes);
-            for (((acceleration, [low, high, top]), value), (before, after)) in targets.zip(here).zip(neighbours) {
-                let value = f64x4::from(*value);
-                let sides = f64x4::from(*before) + f64x4::from(*after);
-                let pull = own * value + side * sides;
-                *acceleration = pull.to_array();
-                *low = f64x4::from(*low).fast_min(value).to_array();
-                *high = f64x4::from(*high).fast_max(value).to_array();
-                *top = f64x4::from(*top).fast_max(pull.abs()).to_array();
-            }
-        }
+            [series(COSINE), sin_over, frequency * frequency * sin_over]
+        })
     }
 
     /// Bounds of each mass's own. With c = γh²/8 the largest moduli R_n of accelerations on the whole flight obey
@@ -214,13 +210,12 @@ impl Grid {
 
     /// Displacements of all masses at a node, in whole groups.
     pub(crate) fn node(&self, node: usize) -> &[f64] {
-        let rows = &mut self.values.chunks_exact(self.groups + 2);
-        rows.nth(node).unwrap_or_default().as_flattened().get(LANES..).unwrap_or_default()
+        self.values.chunks_exact(self.groups).nth(node).unwrap_or_default().as_flattened()
     }
 
     /// Displacement of a mass at a node.
     pub(crate) fn value(&self, node: usize, mass: usize) -> f64 {
-        self.values.as_flattened()[(node * (self.groups + 2) + 1) * LANES + mass]
+        self.values.as_flattened()[node * self.groups * LANES + mass]
     }
 
     /// Acceleration of a mass at a node.
@@ -301,6 +296,19 @@ impl Grid {
         }
         Polynomial { coefficients }
     }
+}
+
+/// Displacement and velocity of the modes at the first node.
+fn start<const G: usize>(motion: &Motion) -> ([f64x4; G], [f64x4; G]) {
+    let (mut u, mut w) = ([[0.0; LANES]; G], [[0.0; LANES]; G]);
+    let slots = u.as_flattened_mut().iter_mut().zip(w.as_flattened_mut());
+    slots.zip(motion.start_of_flight()).for_each(|((u, w), (q, p))| (*u, *w) = (*q, *p));
+    (u.map(f64x4::from), w.map(f64x4::from))
+}
+
+/// Rows of groups.
+fn rows_mut<const G: usize>(list: &mut [Lane]) -> std::slice::IterMut<'_, [Lane; G]> {
+    list.as_chunks_mut::<G>().0.iter_mut()
 }
 
 /// γ₁ and γ₂, the latter without effect on a single mass.

@@ -8,11 +8,10 @@ pub(crate) const LANES: usize = 4;
 /// A group.
 pub(crate) type Lane = [f64; LANES];
 
-/// Replaces the content by `values`, the last group filled up with zeros.
-pub(crate) fn fill(lanes: &mut Vec<Lane>, values: impl ExactSizeIterator<Item = f64>) {
-    lanes.clear();
-    lanes.resize(values.len().div_ceil(LANES), [0.0; LANES]);
-    lanes.as_flattened_mut().iter_mut().zip(values).for_each(|(slot, value)| *slot = value);
+/// Groups in a row of `count` numbers: a few sizes only up to 12, for which there is code of its own.
+pub(crate) fn groups(count: usize) -> usize {
+    let least = count.div_ceil(LANES);
+    [1, 2, 3, 4, 6, 8, 12].into_iter().find(|&groups| groups >= least).unwrap_or(least)
 }
 
 /// Sum of the products of two rows.
@@ -80,8 +79,6 @@ mod tests {
             let direct: f64 = (0..4 * groups).map(|i| number(0, i) * number(1, i)).sum();
             assert_eq!(dot(&table[..groups], &table[groups..2 * groups]), direct);
         }
-        let mut lanes = vec![[9.0; LANES]; 7];
-        fill(&mut lanes, [1.0, 2.0, 3.0, 4.0, 5.0].into_iter());
-        assert_eq!(lanes.as_flattened(), [1.0, 2.0, 3.0, 4.0, 5.0, 0.0, 0.0, 0.0]);
+        assert_eq!([1, 4, 5, 11, 12, 17, 33, 48, 49, 60].map(groups), [1, 1, 2, 3, 3, 6, 12, 12, 13, 15]);
     }
 }

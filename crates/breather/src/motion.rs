@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{Chain, Complex, ImpulseResponse, LARGE_RING, RingCosines, RingTransform, Spectrum, Wave};
 
 use crate::error::BreatherError;
-use crate::lanes::{LANES, Lane, combine};
+use crate::lanes::{LANES, Lane, combine, groups};
 use crate::orbit::Orbit;
 
 /// Modes added up before they go into the sum over a large ring.
@@ -167,7 +167,7 @@ impl Motion {
         if orbit.impact_site().is_none() {
             self.shapes.clear();
         } else if self.shapes.is_empty() && modes <= TABLE {
-            let groups = modes.div_ceil(LANES);
+            let groups = groups(modes);
             self.shapes.resize(modes * groups, [0.0; LANES]);
             for (k, row) in self.shapes.chunks_exact_mut(groups).enumerate() {
                 let places = row.as_flattened_mut().iter_mut().enumerate().take(modes);
@@ -262,7 +262,7 @@ impl Motion {
             }
             return;
         }
-        self.sums.resize(modes.div_ceil(LANES), [0.0; LANES]);
+        self.sums.resize(groups(modes), [0.0; LANES]);
         let forces = [self.now_force.displacement, self.now_force.velocity];
         for (i, (out, force)) in [displacements, velocities].into_iter().zip(forces).enumerate() {
             combine(&self.shapes, self.now.iter().map(|now| now[i]), &mut self.sums);

@@ -126,63 +126,70 @@ impl ImpulseResponse {
         self.frequencies.extend_from_slice(spectrum.frequencies());
         self.weights.clear();
         self.weights.extend_from_slice(spectrum.weights());
-        self.half_phase.clear();
-        self.sin_half.clear();
-        self.cos_half.clear();
+        let modes = self.frequencies.len();
+        let lists = [
+            &mut self.half_phase,
+            &mut self.sin_half,
+            &mut self.cos_half,
+            &mut self.at_impulse,
+            &mut self.at_half,
+            &mut self.scales,
+            &mut self.offsets,
+        ];
+        // Lengths are equal; said here, they need not be checked below.
+        let lists = lists.map(|list| {
+            list.resize(modes, 0.0);
+            &mut list[..modes]
+        });
+        let [half_phase, sin_half, cos_half, at_impulse, at_half, scales, offsets] = lists;
+        let (frequencies, weights) = (&self.frequencies[..modes], &self.weights[..modes]);
         // How many times larger than the rounding of Ω_k/ω its effect on sin y can be, for the worst mode.
         let mut condition = 1.0_f64;
-        for (mode, &frequency) in self.frequencies.iter().enumerate() {
+        for k in 0..modes {
+            let frequency = frequencies[k];
             let turns = frequency / omega;
             let harmonic = turns.round();
             let detuning = turns - harmonic;
             if harmonic >= 1.0 {
                 if detuning.abs() <= RESONANCE_TOLERANCE * turns {
                     let distance = (-harmonic).mul_add(omega, frequency);
-                    return Err(Resonance { harmonic: harmonic as u64, mode, frequency, omega, distance });
+                    return Err(Resonance { harmonic: harmonic as u64, mode: k, frequency, omega, distance });
                 }
                 condition = condition.max(turns / detuning.abs());
             }
             let (sin, cos) = (std::f64::consts::PI * detuning).sin_cos();
             let sign = if harmonic % 2.0 == 0.0 { 1.0 } else { -1.0 };
-            self.half_phase.push(std::f64::consts::PI * turns);
-            self.sin_half.push(sign * sin);
-            self.cos_half.push(sign * cos);
+            half_phase[k] = std::f64::consts::PI * turns;
+            sin_half[k] = sign * sin;
+            cos_half[k] = sign * cos;
         }
         self.condition = condition;
-        self.at_impulse.clear();
-        self.at_half.clear();
-        self.scales.clear();
-        self.offsets.clear();
-        for k in 0..self.modes() {
-            let (y, weight, sin, cos) = (self.half_phase[k], self.weights[k], self.sin_half[k], self.cos_half[k]);
+        for k in 0..modes {
+            let (y, weight, sin, cos) = (half_phase[k], weights[k], sin_half[k], cos_half[k]);
             // As [`ImpulseResponse::mode_dynamic_anywhere`] at these two times, from the sine and cosine at hand.
-            let (impulse, half, scale, offset);
             if y < 1.0 {
                 let (sinc, defect) = (sinc_from(y, sin), cubic_defect(y));
                 let quarter = self.period / (4.0 * sinc);
                 // 2ξ² sinc²(y/2) with ξ = ½ is sinc²y/(1 + cos y).
-                impulse = quarter * (defect - sinc * sinc / (1.0 + cos));
-                half = quarter * defect;
-                (scale, offset) = (weight / sinc, defect);
+                at_impulse[k] = quarter * (defect - sinc * sinc / (1.0 + cos));
+                at_half[k] = quarter * defect;
+                (scales[k], offsets[k]) = (weight / sinc, defect);
             } else {
                 let (over_sin, over_y) = (1.0 / sin, 1.0 / y);
                 // 1/(2Ω)
-                let scale_of_mode = 0.25 * self.period * over_y;
-                impulse = scale_of_mode * (cos * over_sin - over_y);
-                half = scale_of_mode * (over_sin - over_y);
-                (scale, offset) = (0.5 * weight * over_sin, sin * over_y);
+                let size = 0.25 * self.period * over_y;
+                at_impulse[k] = size * (cos * over_sin - over_y);
+                at_half[k] = size * (over_sin - over_y);
+                (scales[k], offsets[k]) = (0.5 * weight * over_sin, sin * over_y);
             }
-            self.at_impulse.push(impulse);
-            self.at_half.push(half);
-            self.scales.push(scale);
-            self.offsets.push(offset);
         }
+        let (at_impulse, at_half) = (&self.at_impulse[..modes], &self.at_half[..modes]);
         [self.dynamic_at_impulse, self.dynamic_at_half] =
-            long_sum(self.modes(), |k| [self.weights[k] * self.at_impulse[k], self.weights[k] * self.at_half[k]]);
+            long_sum(modes, |k| [weights[k] * at_impulse[k], weights[k] * at_half[k]]);
         self.static_stiffness = if self.gamma1 == 0.0 {
             0.0
         } else {
-            let [sum] = long_sum(self.modes(), |k| [self.weights[k] / (self.frequencies[k] * self.frequencies[k])]);
+            let [sum] = long_sum(modes, |k| [weights[k] / (frequencies[k] * frequencies[k])]);
             self.period / sum
         };
         Ok(())
