@@ -46,16 +46,16 @@ impl Saltations {
         let chi = 0.5 * (ratio + 1.0 / ratio);
         let (mut half_kappa, mut kappa0, mut kappa1) = (0.0, 0.0, 0.0);
         let (mut half_kappa_error, mut kappa0_error, mut kappa1_error) = (0.0, 0.0, 0.0);
-        for k in 0..modes.count {
-            let Mode { weight, cos: c, inverse, relative, .. } = modes.mode(k);
+        let (size_of_ratio, size_of_inverse) = (ratio.abs(), (1.0 / ratio).abs());
+        for &Mode { weight, cos: c, inverse, relative, .. } in modes.list() {
             let stiffness = weight * inverse;
             half_kappa += stiffness * (c + chi);
             kappa0 += stiffness * (c + ratio);
             kappa1 += stiffness * (c + 1.0 / ratio);
             let (size, own) = (stiffness.abs(), relative + 4.0);
             half_kappa_error += size * (own * c.abs() + (own + off) * chi.abs());
-            kappa0_error += size * (own * c.abs() + (own + off) * ratio.abs());
-            kappa1_error += size * (own * c.abs() + (own + off) / ratio.abs());
+            kappa0_error += size * (own * c.abs() + (own + off) * size_of_ratio);
+            kappa1_error += size * (own * c.abs() + (own + off) * size_of_inverse);
         }
         let lambda = kappa0 * kappa1;
         let lambda_error = kappa0.abs() * kappa1_error + kappa1.abs() * kappa0_error;
@@ -133,20 +133,15 @@ impl Mirror {
 /// Both kinds of sums over `modes`, in four parts each; `masked` are their weights, that of the mode itself set to 0.
 #[inline(always)]
 pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own<f64x4>, Mirror<f64x4>) {
-    let (w, f, c, s) = (&modes.weight, &modes.frequency, &modes.cos, &modes.sin);
-    let (x, y, relative, shift) = (&modes.sin_over, &modes.sin_times, &modes.relative, &modes.shift);
-    // Lengths are equal; said here, they need not be checked below.
-    let n = w.len();
-    let (f, c, s, x) = (&f[..n], &c[..n], &s[..n], &x[..n]);
-    let (y, relative, shift, masked) = (&y[..n], &relative[..n], &shift[..n], &masked[..n]);
     let (mut own, mut own_error, mut sigma, mut g, mut h) = (ZERO, ZERO, ZERO, ZERO, ZERO);
     let (mut size, mut doubted) = (ZERO, ZERO);
     let (fk, ck, sk, xk) = (all(mode.frequency), all(mode.cos), all(mode.sin), all(mode.sin_over));
     let opposite = sk * sk - ck * ck;
     let (ik, rk, hk) = (all(mode.inverse), all(mode.relative), all(0.5 * mode.shift));
-    for i in 0..n {
-        let (w, f, c, s, x, y) = (four(w[i]), four(f[i]), four(c[i]), four(s[i]), four(x[i]), four(y[i]));
-        let (relative, shift, masked) = (four(relative[i]), four(shift[i]), four(masked[i]));
+    for (group, masked) in modes.groups().iter().zip(masked) {
+        let Mode { weight: w, frequency: f, cos: c, sin: s, sin_over: x, .. } = group.four();
+        let Mode { sin_times: y, relative, shift, .. } = group.four();
+        let masked = four(*masked);
         let (sum, minus) = (ck + c, ck - c);
         let by_sine = (s - sk) * (s + sk);
         let difference = (c * c - s * s).simd_gt(opposite).select(by_sine, minus * sum);
@@ -221,27 +216,24 @@ pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &
 pub(crate) fn residues(modes: &Modes, saltations: &Saltations, masked: &mut Vec<Lane>, poles: &mut Vec<Pole>) {
     poles.clear();
     masked.clear();
-    masked.extend_from_slice(&modes.weight);
-    for first in (0..modes.count).step_by(4) {
+    masked.extend(modes.groups().iter().map(|group| group.weight));
+    for (i, (group, list)) in modes.groups().iter().zip(modes.list().chunks(4)).enumerate() {
         let (mut own, mut mirror) = ([Own::default(); 4], [Mirror::default(); 4]);
-        let count = (modes.count - first).min(4);
-        for ((own, mirror), k) in own.iter_mut().zip(&mut mirror).zip(first..first + count) {
-            let mode = modes.mode(k);
-            masked.as_flattened_mut()[k] = 0.0;
-            (*own, *mirror) = sums(modes, masked, &mode);
-            masked.as_flattened_mut()[k] = mode.weight;
+        for (j, mode) in list.iter().enumerate() {
+            masked[i][j] = 0.0;
+            (own[j], mirror[j]) = sums(modes, masked, mode);
+            masked[i][j] = mode.weight;
         }
-        let group = modes.group(first / 4);
+        let group = group.four();
         let (residue, error) = residue(&group, saltations, &Own::totals(&own), &Mirror::totals(&mirror));
-        Pole::push_group(poles, first, count, &group, residue, error);
+        Pole::push_group(poles, 4 * i, list.len(), &group, residue, error);
     }
 }
 
 /// Σ R_k d_k from the asymptotics of f at infinity.
 pub(crate) fn trace(modes: &Modes, saltations: &Saltations) -> f64 {
     let (mut m1, mut m2, mut g1, mut g2, mut h1) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for k in 0..modes.count {
-        let Mode { weight: w, cos: c, sin_over: x, sin_times: y, .. } = modes.mode(k);
+    for &Mode { weight: w, cos: c, sin_over: x, sin_times: y, .. } in modes.list() {
         m1 += w * c;
         m2 += w * c * c;
         g1 += w * x;

@@ -28,7 +28,7 @@ use super::doubt::Doubt;
 use super::evaluate::Local;
 use super::gap::root;
 use super::lanes::{Lane, fill};
-use super::modes::Modes;
+use super::modes::{Mode, Modes};
 
 /// How many multipliers are outside the unit circle, and where they left it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,25 +90,19 @@ impl OutsideCounter {
         }
         let twice_kappa = 2.0 * impact.acceleration / ((1.0 + e) * impact.velocity_before);
         self.modes.set(response);
-        let count = self.modes.count;
+        let count = self.modes.count();
         self.table.clear();
         let (mut plus, mut minus): ([f64; 4], [f64; 4]) = Default::default();
-        {
-            let flat = |lanes: &'_ Vec<Lane>, k: usize| lanes.as_flattened()[k];
-            let modes = &self.modes;
-            for k in 0..count {
-                let (w, c, s) = (flat(&modes.weight, k), flat(&modes.cos, k), flat(&modes.sin, k));
-                let (x, y, shift) = (flat(&modes.sin_over, k), flat(&modes.sin_times, k), flat(&modes.shift, k));
-                let (g, h) = (2.0 * w * x * c, 2.0 * w * y * c);
-                self.table.push([(c - s) * (c + s), w, g, h, f64::EPSILON * shift]);
-                // 1 − d = 2s², −1 − d = −2c².
-                for (sums, distance) in [(&mut plus, 2.0 * s * s), (&mut minus, -2.0 * c * c)] {
-                    let slack = f64::EPSILON * (8.0 + 2.0 * shift / distance.abs());
-                    sums[0] += g / distance;
-                    sums[1] += h / distance;
-                    sums[2] += (g / distance).abs() * slack;
-                    sums[3] += (h / distance).abs() * slack;
-                }
+        for &Mode { weight: w, cos: c, sin: s, sin_over: x, sin_times: y, shift, .. } in self.modes.list() {
+            let (g, h) = (2.0 * w * x * c, 2.0 * w * y * c);
+            self.table.push([(c - s) * (c + s), w, g, h, f64::EPSILON * shift]);
+            // 1 − d = 2s², −1 − d = −2c².
+            for (sums, distance) in [(&mut plus, 2.0 * s * s), (&mut minus, -2.0 * c * c)] {
+                let slack = f64::EPSILON * (8.0 + 2.0 * shift / distance.abs());
+                sums[0] += g / distance;
+                sums[1] += h / distance;
+                sums[2] += (g / distance).abs() * slack;
+                sums[3] += (h / distance).abs() * slack;
             }
         }
         let negative = |[g, h, g_error, h_error]: [f64; 4]| {

@@ -29,7 +29,7 @@ fn gather(near: &mut Modes, chosen: &mut Vec<usize>, modes: &Modes, order: &[usi
 /// As [`single_sided::residues`].
 pub(crate) fn single_sided(modes: &Modes, poles: &mut Vec<Pole>) {
     poles.clear();
-    let (points, order) = sorted(modes.count, |k| {
+    let (points, order) = sorted(modes.count(), |k| {
         let mode = modes.mode(k);
         (mode.cos - mode.sin) * (mode.cos + mode.sin)
     });
@@ -57,7 +57,7 @@ pub(crate) fn single_sided(modes: &Modes, poles: &mut Vec<Pole>) {
 /// As [`double_sided::residues`].
 pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations, poles: &mut Vec<Pole>) {
     poles.clear();
-    let (points, order) = sorted(modes.count, |k| modes.mode(k).cos);
+    let (points, order) = sorted(modes.count(), |k| modes.mode(k).cos);
     let charges: Vec<[f64; 3]> = order
         .iter()
         .map(|&k| {
@@ -67,19 +67,21 @@ pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations,
         .collect();
     let tree = Tree::new(&points, false);
     let (mut near, mut chosen, mut masked): (Modes, Vec<usize>, Vec<Lane>) = Default::default();
-    let mut own = vec![double_sided::Own::default(); modes.count];
+    let mut own = vec![double_sided::Own::default(); modes.count()];
     for field in tree.fields(&points, &charges, &tree) {
         gather(&mut near, &mut chosen, modes, &order, &field);
+        masked.clear();
+        masked.extend(near.groups().iter().map(|group| group.weight));
         for place in field.targets.clone() {
             let k = order[place];
             let mode = modes.mode(k);
             let [b0, b1, b2] = field.at(points[place]);
-            let mut sum = double_sided::sums(&near, &near.weight, &mode).0.total();
+            let mut sum = double_sided::sums(&near, &masked, &mode).0.total();
             sum.add_far(mode.sin_over * b2 + mode.sin_times * b1 - 2.0 * mode.sin * mode.sin * b0);
             own[k] = sum;
         }
     }
-    let (mirrored, images) = sorted(modes.count, |k| -modes.mode(k).cos);
+    let (mirrored, images) = sorted(modes.count(), |k| -modes.mode(k).cos);
     for field in tree.fields(&points, &charges, &Tree::new(&mirrored, false)) {
         gather(&mut near, &mut chosen, modes, &order, &field);
         for place in field.targets.clone() {
@@ -87,7 +89,7 @@ pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations,
             let mode = modes.mode(k);
             let mut far = field.at(mirrored[place]).map(|b| -b);
             masked.clear();
-            masked.extend_from_slice(&near.weight);
+            masked.extend(near.groups().iter().map(|group| group.weight));
             match chosen.iter().position(|&l| l == k) {
                 Some(itself) => masked.as_flattened_mut()[itself] = 0.0,
                 None => {

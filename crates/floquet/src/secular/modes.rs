@@ -3,125 +3,131 @@
 use vibrochain_lattice::{ImpulseResponse, sine_over};
 use wide::f64x4;
 
-use super::lanes::{Lane, fill, four};
+use super::lanes::{Lane, four};
 
-/// Modes of the even subspace, padded to groups of four by modes without weight.
+/// One mode of the even subspace; four of them as `Mode<Lane>` or `Mode<f64x4>`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mode<T = f64> {
+    /// b², Ω
+    pub(crate) weight: T,
+    pub(crate) frequency: T,
+    /// c, s = cos, sin(ΩT/2)
+    pub(crate) cos: T,
+    pub(crate) sin: T,
+    /// x = s/Ω, which a rigid mode has too, and its inverse; y = sΩ.
+    pub(crate) sin_over: T,
+    pub(crate) inverse: T,
+    pub(crate) sin_times: T,
+    /// Relative error of x and error of d = c² − s², from that of the phase, in units of ε.
+    pub(crate) relative: T,
+    pub(crate) shift: T,
+}
+
+/// A mode without weight, far from what a formula could stumble over.
+const PAD: Mode = Mode {
+    weight: 0.0,
+    frequency: 0.0,
+    cos: 0.6,
+    sin: 0.8,
+    sin_over: 1.0,
+    inverse: 1.0,
+    sin_times: 0.0,
+    relative: 1.0,
+    shift: 1.0,
+};
+
+/// The even subspace, mode by mode and in groups of four, the last one padded.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
-    pub(crate) count: usize,
-    /// b², Ω
-    pub(crate) weight: Vec<Lane>,
-    pub(crate) frequency: Vec<Lane>,
-    /// c, s = cos, sin(ΩT/2)
-    pub(crate) cos: Vec<Lane>,
-    pub(crate) sin: Vec<Lane>,
-    /// x = s/Ω, which a rigid mode has too, and its inverse; y = sΩ.
-    pub(crate) sin_over: Vec<Lane>,
-    pub(crate) inverse: Vec<Lane>,
-    pub(crate) sin_times: Vec<Lane>,
-    /// Relative error of x and error of d = c² − s², from that of the phase, in units of ε.
-    pub(crate) relative: Vec<Lane>,
-    pub(crate) shift: Vec<Lane>,
     list: Vec<Mode>,
+    groups: Vec<Mode<Lane>>,
 }
 
 impl Modes {
     /// Takes over the modes of an impulse response.
     pub(crate) fn set(&mut self, response: &ImpulseResponse) {
-        let (frequencies, cos, sin) = (response.frequencies(), response.cos_half(), response.sin_half());
         let half = 0.5 * response.period();
-        self.count = frequencies.len();
-        // sin(ΩT/2)/Ω, which a soft mode needs from its series.
-        let over = |(f, s): (&f64, &f64)| if f * half > 1e-3 { s / f } else { sine_over(*f, half) };
-        fill(&mut self.weight, response.weights().iter().copied(), 0.0);
-        fill(&mut self.frequency, frequencies.iter().copied(), 0.0);
-        fill(&mut self.cos, cos.iter().copied(), 0.6);
-        fill(&mut self.sin, sin.iter().copied(), 0.8);
-        fill(&mut self.sin_over, frequencies.iter().zip(sin).map(over), 1.0);
-        fill(&mut self.inverse, self.sin_over.as_flattened()[..self.count].iter().map(|x| 1.0 / x), 1.0);
-        fill(&mut self.sin_times, frequencies.iter().zip(sin).map(|(f, s)| f * s), 0.0);
-        let phases = || frequencies.iter().zip(cos).zip(sin).map(|((f, c), s)| (2.0 * f * half, *c, *s));
-        // A phase y carries a relative error of about 2ε, so that δx/x = y cot y and δd = 2y sin 2y.
-        fill(&mut self.relative, phases().map(|(y, c, s)| 4.0 + if y > 1e-3 { (y * c / s).abs() } else { 1.0 }), 1.0);
-        fill(&mut self.shift, phases().map(|(y, c, s)| 2.0 * (y * c * s).abs() + 4.0 * (c * c).min(s * s)), 1.0);
-        self.enlist();
+        let modes = response.frequencies().iter().zip(response.weights());
+        let phases = response.cos_half().iter().zip(response.sin_half());
+        self.list.clear();
+        self.list.extend(modes.zip(phases).map(|((&frequency, &weight), (&cos, &sin))| {
+            // ΩT
+            let y = 2.0 * frequency * half;
+            // sin(ΩT/2)/Ω, which a soft mode needs from its series.
+            let sin_over = if frequency * half > 1e-3 { sin / frequency } else { sine_over(frequency, half) };
+            // A phase y carries a relative error of about 2ε, so that δx/x = y cot y and δd = 2y sin 2y.
+            let relative = 4.0 + if y > 1e-3 { (y * cos / sin).abs() } else { 1.0 };
+            let shift = 2.0 * (y * cos * sin).abs() + 4.0 * (cos * cos).min(sin * sin);
+            let (inverse, sin_times) = (1.0 / sin_over, frequency * sin);
+            Mode { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift }
+        }));
+        self.group();
     }
 
     /// Takes over some modes of another set.
     pub(crate) fn gather(&mut self, all: &Self, chosen: &[usize]) {
-        self.count = chosen.len();
-        let lists = [
-            (&mut self.weight, &all.weight, 0.0),
-            (&mut self.frequency, &all.frequency, 0.0),
-            (&mut self.cos, &all.cos, 0.6),
-            (&mut self.sin, &all.sin, 0.8),
-            (&mut self.sin_over, &all.sin_over, 1.0),
-            (&mut self.inverse, &all.inverse, 1.0),
-            (&mut self.sin_times, &all.sin_times, 0.0),
-            (&mut self.relative, &all.relative, 1.0),
-            (&mut self.shift, &all.shift, 1.0),
-        ];
-        for (own, all, pad) in lists {
-            fill(own, chosen.iter().map(|&k| all.as_flattened()[k]), pad);
-        }
-        self.enlist();
+        self.list.clear();
+        self.list.extend(chosen.iter().map(|&k| all.list[k]));
+        self.group();
     }
 
-    /// One mode.
+    fn group(&mut self) {
+        self.groups.clear();
+        self.groups.extend(self.list.chunks(4).map(|chunk| {
+            let mut four = [PAD; 4];
+            four[..chunk.len()].copy_from_slice(chunk);
+            let pick = |part: fn(&Mode) -> f64| [part(&four[0]), part(&four[1]), part(&four[2]), part(&four[3])];
+            Mode {
+                weight: pick(|mode| mode.weight),
+                frequency: pick(|mode| mode.frequency),
+                cos: pick(|mode| mode.cos),
+                sin: pick(|mode| mode.sin),
+                sin_over: pick(|mode| mode.sin_over),
+                inverse: pick(|mode| mode.inverse),
+                sin_times: pick(|mode| mode.sin_times),
+                relative: pick(|mode| mode.relative),
+                shift: pick(|mode| mode.shift),
+            }
+        }));
+    }
+
+    /// Number of modes.
+    pub(crate) fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// All of them.
+    pub(crate) fn list(&self) -> &[Mode] {
+        &self.list
+    }
+
+    /// One of them.
     #[inline(always)]
     pub(crate) fn mode(&self, k: usize) -> Mode {
         self.list[k]
     }
 
-    /// Four neighbouring modes.
+    /// All of them, four at a time.
     #[inline(always)]
-    pub(crate) fn group(&self, i: usize) -> Mode<f64x4> {
-        Mode {
-            weight: four(self.weight[i]),
-            frequency: four(self.frequency[i]),
-            cos: four(self.cos[i]),
-            sin: four(self.sin[i]),
-            sin_over: four(self.sin_over[i]),
-            inverse: four(self.inverse[i]),
-            sin_times: four(self.sin_times[i]),
-            relative: four(self.relative[i]),
-            shift: four(self.shift[i]),
-        }
-    }
-
-    /// The same numbers mode by mode.
-    fn enlist(&mut self) {
-        let lists = [
-            &self.weight,
-            &self.frequency,
-            &self.cos,
-            &self.sin,
-            &self.sin_over,
-            &self.inverse,
-            &self.sin_times,
-            &self.relative,
-            &self.shift,
-        ];
-        let lists = lists.map(|lanes| &lanes.as_flattened()[..self.count]);
-        self.list.clear();
-        self.list.extend((0..self.count).map(|k| {
-            let [weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift] =
-                lists.map(|list| list[k]);
-            Mode { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift }
-        }));
+    pub(crate) fn groups(&self) -> &[Mode<Lane>] {
+        &self.groups
     }
 }
 
-/// The entries of [`Modes`] for one mode, or for four.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Mode<T = f64> {
-    pub(crate) weight: T,
-    pub(crate) frequency: T,
-    pub(crate) cos: T,
-    pub(crate) sin: T,
-    pub(crate) sin_over: T,
-    pub(crate) inverse: T,
-    pub(crate) sin_times: T,
-    pub(crate) relative: T,
-    pub(crate) shift: T,
+impl Mode<Lane> {
+    /// As operands.
+    #[inline(always)]
+    pub(crate) fn four(&self) -> Mode<f64x4> {
+        Mode {
+            weight: four(self.weight),
+            frequency: four(self.frequency),
+            cos: four(self.cos),
+            sin: four(self.sin),
+            sin_over: four(self.sin_over),
+            inverse: four(self.inverse),
+            sin_times: four(self.sin_times),
+            relative: four(self.relative),
+            shift: four(self.shift),
+        }
+    }
 }

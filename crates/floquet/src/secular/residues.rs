@@ -164,7 +164,7 @@ impl Residues {
             return Err(Doubt::NotReversible);
         }
         self.modes.set(response);
-        let large = self.modes.count > LARGE;
+        let large = self.modes.count() > LARGE;
         match impacts {
             [_] => {
                 if large {

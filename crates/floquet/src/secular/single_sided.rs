@@ -17,7 +17,7 @@
 //! l = k gives the term b_k⁴ of (1+ν)σ² by the second form of u, which is taken whenever c_k and c_l agree in sign:
 //! nothing is lost as modes come together, γ₂ → 0, and coincident ones need no care at all.
 
-use super::lanes::{ONE, SMALL, TWO, ZERO, all, four, total};
+use super::lanes::{ONE, SMALL, TWO, ZERO, all, total};
 use super::modes::{Mode, Modes};
 use super::residues::Pole;
 
@@ -34,18 +34,12 @@ pub(crate) struct Sums {
 /// The sums over `modes`.
 #[inline(always)]
 pub(crate) fn sums(modes: &Modes, mode: &Mode) -> Sums {
-    let (w, c, s, x) = (&modes.weight, &modes.cos, &modes.sin, &modes.sin_over);
-    let (inverse, relative, shift) = (&modes.inverse, &modes.relative, &modes.shift);
-    // Lengths are equal; said here, they need not be checked below.
-    let n = w.len();
-    let (c, s, x, inverse, relative, shift) = (&c[..n], &s[..n], &x[..n], &inverse[..n], &relative[..n], &shift[..n]);
     let (mut straight, mut bent, mut straight_error, mut bent_error) = (ZERO, ZERO, ZERO, ZERO);
     let (ck, sk, xk) = (all(mode.cos), all(mode.sin), all(mode.sin_over));
     let opposite = sk * sk - ck * ck;
     let (ik, rk, hk) = (all(mode.inverse), all(mode.relative), all(mode.shift));
-    for i in 0..n {
-        let (w, c, s, x) = (four(w[i]), four(c[i]), four(s[i]), four(x[i]));
-        let (inverse, relative, shift) = (four(inverse[i]), four(relative[i]), four(shift[i]));
+    for group in modes.groups() {
+        let Mode { weight: w, cos: c, sin: s, sin_over: x, inverse, relative, shift, .. } = group.four();
         // The smaller of sine and cosine carries the difference of the poles.
         let by_sine = (s - sk) * (s + sk);
         let by_cosine = (ck - c) * (ck + c);
@@ -88,17 +82,15 @@ pub(crate) fn residue(k: usize, mode: &Mode, sums: &Sums, far: f64) -> Pole {
 /// Residues into `poles`, one a mode.
 pub(crate) fn residues(modes: &Modes, poles: &mut Vec<Pole>) {
     poles.clear();
-    for k in 0..modes.count {
-        let mode = modes.mode(k);
-        poles.push(residue(k, &mode, &sums(modes, &mode), 0.0));
+    for (k, mode) in modes.list().iter().enumerate() {
+        poles.push(residue(k, mode, &sums(modes, mode), 0.0));
     }
 }
 
 /// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − (κ/2)Σ2b²xc + 1.
 pub(crate) fn trace(modes: &Modes) -> f64 {
     let (mut mean, mut coupling, mut stiffness) = (0.0, 0.0, 0.0);
-    for k in 0..modes.count {
-        let Mode { weight: w, cos: c, sin: s, sin_over: x, .. } = modes.mode(k);
+    for &Mode { weight: w, cos: c, sin: s, sin_over: x, .. } in modes.list() {
         mean += w * (c * c - s * s);
         coupling += 2.0 * w * x * c;
         stiffness += w * c / x;
