@@ -8,9 +8,8 @@ use crate::error::CliError;
 use crate::output::{Output, distinct};
 use crate::pictures::Pictures;
 use crate::report::report;
-use crate::sweep::{Fault, Plan, Store, Unassembled};
+use crate::sweep::{Assembly, Fault, Plan, Store, Unassembled};
 use crate::sweep_command::{manifest_path, quoted, write_manifest};
-use crate::table_file::TableFile;
 
 /// The most runs of missing chunks that are named.
 const MOST_NAMED: usize = 12;
@@ -33,7 +32,7 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     // Both fail early where they cannot be written.
     Output::create(&manifest_file)?;
     let mut pictures = Pictures::plan(wanted, &plan.scene)?;
-    let mut table = TableFile::create(&args.out, &plan.scene)?;
+    let mut assembly = Assembly::begin(&plan, &args.out, &mut pictures)?;
     let stop = (console.interrupt)()?;
 
     let faults: Vec<(u64, Fault)> = (0..plan.chunks())
@@ -43,13 +42,13 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     if !faults.is_empty() {
         return Err(incomplete(args, &plan, &faults));
     }
-    let summary = match pictures.assemble(&plan, &args.folder, &stop, &mut table) {
+    let summary = match assembly.chunks(&plan, &args.folder, &stop) {
         Ok(summary) => summary,
         Err(Unassembled::Stopped) => return Err(CliError::Interrupted),
         Err(Unassembled::Table(error)) => return Err(error),
         Err(Unassembled::Chunk(chunk, fault)) => return Err(incomplete(args, &plan, &[(chunk, fault)])),
     };
-    table.commit()?;
+    assembly.into_table().commit()?;
     write_manifest(&manifest_file, &plan, &summary, None)?;
     pictures.finish()?;
     if !args.quiet {

@@ -7,8 +7,7 @@ pub(crate) use without_pictures::Pictures;
 
 #[cfg(feature = "plot")]
 mod with_pictures {
-    use std::path::{Path, PathBuf};
-    use std::sync::atomic::AtomicBool;
+    use std::path::PathBuf;
 
     use vibrochain_floquet::Mechanism;
 
@@ -18,9 +17,7 @@ mod with_pictures {
     use crate::output::Output;
     use crate::plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
     use crate::scene::Scene;
-    use crate::sweep::{Plan, Summary, Unassembled, assemble};
     use crate::table::class_column;
-    use crate::table_file::TableFile;
 
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures<'a> {
@@ -28,6 +25,8 @@ mod with_pictures {
         files: Vec<(Format, PathBuf)>,
         palette: Palette,
         class_column: usize,
+        /// Rows seen.
+        rows: u64,
         tiles: Vec<Tile>,
     }
 
@@ -49,35 +48,35 @@ mod with_pictures {
                 PaletteName::Colour => Palette::Colour,
                 PaletteName::Paper => Palette::Paper,
             };
-            Ok(Self { scene, files, palette, class_column: class_column(scene), tiles: Vec::new() })
+            Ok(Self { scene, files, palette, class_column: class_column(scene), rows: 0, tiles: Vec::new() })
         }
 
-        /// Writes the table of all chunks, as [`assemble`] does, and keeps what the pictures need.
-        pub(crate) fn assemble(
-            &mut self,
-            plan: &Plan,
-            folder: &Path,
-            stop: &AtomicBool,
-            table: &mut TableFile,
-        ) -> Result<Summary, Unassembled> {
-            if self.files.is_empty() {
-                return assemble(plan, folder, stop, table, None);
+        /// Whether there are any; they then want to see every row.
+        pub(crate) fn wanted(&self) -> bool {
+            !self.files.is_empty()
+        }
+
+        /// Forgets the rows it has seen.
+        pub(crate) fn begin(&mut self) {
+            self.rows = 0;
+            self.tiles.clear();
+        }
+
+        /// Keeps what is shown of the next row.
+        pub(crate) fn row(&mut self, row: &[u8]) {
+            let number = self.rows;
+            self.rows += 1;
+            if !is_shown(self.scene, number) {
+                return;
             }
             let mechanisms = [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker];
-            let mut numbers = 0..;
-            let mut keep = |row: &[u8]| {
-                if !numbers.next().is_some_and(|number| is_shown(self.scene, number)) {
-                    return;
-                }
-                let mut fields = row.split(|&byte| byte == b',').skip(self.class_column);
-                let class = fields.next().unwrap_or_default();
-                let mechanism = fields.next().unwrap_or_default();
-                self.tiles.push(Tile {
-                    class: Class::ALL.into_iter().find(|known| known.name().as_bytes() == class),
-                    mechanism: mechanisms.into_iter().find(|known| known.name().as_bytes() == mechanism),
-                });
-            };
-            assemble(plan, folder, stop, table, Some(&mut keep))
+            let mut fields = row.split(|&byte| byte == b',').skip(self.class_column);
+            let class = fields.next().unwrap_or_default();
+            let mechanism = fields.next().unwrap_or_default();
+            self.tiles.push(Tile {
+                class: Class::ALL.into_iter().find(|known| known.name().as_bytes() == class),
+                mechanism: mechanisms.into_iter().find(|known| known.name().as_bytes() == mechanism),
+            });
         }
 
         /// Draws and writes them.
@@ -95,14 +94,10 @@ mod with_pictures {
 #[cfg(not(feature = "plot"))]
 mod without_pictures {
     use std::marker::PhantomData;
-    use std::path::Path;
-    use std::sync::atomic::AtomicBool;
 
     use crate::args::PictureArgs;
     use crate::error::CliError;
     use crate::scene::Scene;
-    use crate::sweep::{Plan, Summary, Unassembled, assemble};
-    use crate::table_file::TableFile;
 
     /// This build draws nothing.
     pub(crate) struct Pictures<'a>(PhantomData<&'a Scene>);
@@ -115,15 +110,13 @@ mod without_pictures {
             Ok(Self(PhantomData))
         }
 
-        pub(crate) fn assemble(
-            &mut self,
-            plan: &Plan,
-            folder: &Path,
-            stop: &AtomicBool,
-            table: &mut TableFile,
-        ) -> Result<Summary, Unassembled> {
-            assemble(plan, folder, stop, table, None)
+        pub(crate) fn wanted(&self) -> bool {
+            false
         }
+
+        pub(crate) fn begin(&mut self) {}
+
+        pub(crate) fn row(&mut self, _: &[u8]) {}
 
         pub(crate) fn finish(self) -> Result<(), CliError> {
             Ok(())

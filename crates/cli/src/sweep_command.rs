@@ -15,7 +15,9 @@ use crate::manifest::{Effort, Run, manifest};
 use crate::output::{Output, distinct, remove_abandoned, settle_names};
 use crate::pictures::Pictures;
 use crate::report::{report, speed};
-use crate::sweep::{Claim, Ended, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, work};
+use crate::sweep::{
+    Assembly, Claim, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, Worked, Writer, work,
+};
 use crate::table_file::{TableFile, stem};
 
 /// The most threads that may be asked for.
@@ -69,6 +71,14 @@ struct SweepRun<'a> {
     pool: &'a ThreadPool,
 }
 
+/// What was computed.
+struct Computed<'a, 'b> {
+    effort: Effort,
+    /// The counts of the cells computed.
+    summary: Summary,
+    grown: Option<Grown<'a, 'b>>,
+}
+
 impl SweepRun<'_> {
     fn whole(&self, out: &Path, console: &mut Console<'_>) -> Result<(), CliError> {
         let (manifest_file, parts) = (manifest_path(out), parts_path(out));
@@ -93,18 +103,25 @@ impl SweepRun<'_> {
             .into_iter()
             .flatten()
             .for_each(remove_abandoned);
-        let effort = self.compute(&store, Shard::WHOLE, &stop, console)?;
+        let along = if store.present()?.is_empty() {
+            // Where nothing is finished nothing is lost by an early end.
+            match Assembly::begin(self.plan, out, &mut pictures) {
+                Ok(assembly) => Some(assembly),
+                Err(error) => {
+                    store.remove();
+                    return Err(error);
+                }
+            }
+        } else {
+            None
+        };
+        let Computed { effort, summary, grown } = self.compute(&store, Shard::WHOLE, &stop, console, along)?;
 
-        let mut table =
-            TableFile::create(out, &self.plan.scene).map_err(|error| self.failed(&error, &store, Shard::WHOLE))?;
-        let summary = match pictures.assemble(self.plan, store.folder(), &stop, &mut table) {
-            Ok(summary) => summary,
-            Err(Unassembled::Stopped) => return Err(CliError::Paused(self.kept(&store, Shard::WHOLE))),
-            Err(Unassembled::Table(error)) => return Err(self.failed(&error, &store, Shard::WHOLE)),
-            Err(Unassembled::Chunk(chunk, fault)) => {
-                let place = Store::path(store.folder(), chunk);
-                let error = format!("could not read {}: {fault}", place.display());
-                return Err(self.failed(&error, &store, Shard::WHOLE));
+        let (table, summary, last) = match grown {
+            Some(Grown { table, last }) => (table.into_table(), summary, Some(last)),
+            None => {
+                let (table, summary) = self.read_back(out, &store, &mut pictures, &stop)?;
+                (table, summary, None)
             }
         };
         let finish = || {
@@ -112,7 +129,11 @@ impl SweepRun<'_> {
             write_manifest(&manifest_file, self.plan, &summary, Some(effort))?;
             pictures.finish()
         };
-        finish().map_err(|error| self.failed(&error, &store, Shard::WHOLE))?;
+        if let Err(error) = finish() {
+            // If it does not fit either, it is not among those that are told to be finished.
+            let _ = last.map(Writer::place);
+            return Err(self.failed(&error, &store, Shard::WHOLE));
+        }
         // The table's name must be on the disk before the chunks are not.
         settle_names(out);
         let folder = store.folder().to_owned();
@@ -125,11 +146,33 @@ impl SweepRun<'_> {
         Ok(())
     }
 
+    /// Makes the table of all chunks.
+    fn read_back(
+        &self,
+        out: &Path,
+        store: &Store,
+        pictures: &mut Pictures<'_>,
+        stop: &AtomicBool,
+    ) -> Result<(TableFile, Summary), CliError> {
+        let failed = |error: &dyn std::fmt::Display| self.failed(error, store, Shard::WHOLE);
+        let mut assembly = Assembly::begin(self.plan, out, pictures).map_err(|error| failed(&error))?;
+        match assembly.chunks(self.plan, store.folder(), stop) {
+            Ok(summary) => Ok((assembly.into_table(), summary)),
+            Err(Unassembled::Stopped) => Err(CliError::Paused(self.kept(store, Shard::WHOLE))),
+            Err(Unassembled::Table(error)) => Err(failed(&error)),
+            Err(Unassembled::Chunk(chunk, fault)) => {
+                let place = Store::path(store.folder(), chunk);
+                Err(failed(&format!("could not read {}: {fault}", place.display())))
+            }
+        }
+    }
+
     fn shard(&self, folder: &Path, shard: Shard, console: &mut Console<'_>) -> Result<(), CliError> {
         distinct(&[("the scene", Some(&self.args.scene)), ("--out", Some(folder))])?;
         let stop = (console.interrupt)()?;
         let store = Store::open(folder, self.plan, Claim::Share)?;
-        if !self.args.resume && shard.chunks(self.plan).any(|chunk| store.has(chunk)) {
+        let there = store.present()?;
+        if !self.args.resume && shard.chunks(self.plan).any(|chunk| there.contains(&chunk)) {
             let message = format!(
                 "{} holds chunks of shard {}/{} already: go on with them by --resume, or remove them to compute them again",
                 folder.display(),
@@ -138,7 +181,7 @@ impl SweepRun<'_> {
             );
             return Err(CliError::Request(message));
         }
-        let effort = self.compute(&store, shard, &stop, console)?;
+        let effort = self.compute(&store, shard, &stop, console, None)?.effort;
         if !self.args.quiet {
             let Shard { index, count } = shard;
             let (chunks, all) = (shard.chunks(self.plan).count(), self.plan.chunks());
@@ -149,14 +192,15 @@ impl SweepRun<'_> {
         Ok(())
     }
 
-    /// Computes the chunks of a shard that are missing.
-    fn compute(
+    /// Computes the chunks of a shard that are missing, and what can be had of the table on the way.
+    fn compute<'a, 'b>(
         &self,
         store: &Store,
         shard: Shard,
         stop: &AtomicBool,
         console: &mut Console<'_>,
-    ) -> Result<Effort, CliError> {
+        along: Option<Assembly<'a, 'b>>,
+    ) -> Result<Computed<'a, 'b>, CliError> {
         let job = Job { scene: &self.plan.scene, pool: self.pool, stop };
         let todo = Todo::of(&job, self.plan, store, shard)?;
         todo.damaged.iter().for_each(|remark| console.remark(remark));
@@ -164,14 +208,17 @@ impl SweepRun<'_> {
         let left: u64 = todo.chunks.iter().map(cells).sum();
         let bar = progress(left + todo.finished_cells, todo.finished_cells, console.progress && !self.args.quiet);
         let started = Instant::now();
-        let ended = work(&job, self.plan, store, &todo.chunks, |cells| bar.inc(cells));
+        let Worked { ended, grown } = work(&job, self.plan, store, &todo.chunks, |cells| bar.inc(cells), along);
         bar.finish_and_clear();
         match ended {
-            Ended::Complete(summary) => Ok(Effort {
-                threads: self.pool.current_num_threads(),
-                computed_cells: summary.cells(),
-                wall_seconds: started.elapsed().as_secs_f64(),
-            }),
+            Ended::Complete(summary) => {
+                let effort = Effort {
+                    threads: self.pool.current_num_threads(),
+                    computed_cells: summary.cells(),
+                    wall_seconds: started.elapsed().as_secs_f64(),
+                };
+                Ok(Computed { effort, summary, grown })
+            }
             Ended::Stopped => Err(CliError::Paused(self.kept(store, shard))),
             Ended::Failed(error) => Err(self.failed(&error, store, shard)),
         }
@@ -189,7 +236,9 @@ impl SweepRun<'_> {
 
     /// What an early end leaves, and how to go on.
     fn kept(&self, store: &Store, shard: Shard) -> String {
-        let finished = shard.chunks(self.plan).filter(|&chunk| store.has(chunk)).count();
+        // Of a folder that cannot be read nothing is known to be finished.
+        let there = store.present().unwrap_or_default();
+        let finished = shard.chunks(self.plan).filter(|chunk| there.contains(chunk)).count();
         let (all, place) = (shard.chunks(self.plan).count(), store.folder().display());
         format!("{finished} of {all} chunks are finished, in {place}; go on with: {}", self.command())
     }

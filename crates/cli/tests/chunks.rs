@@ -19,6 +19,11 @@ fn with_all_chunks() -> Desk {
     desk
 }
 
+/// Cells of a chunk.
+fn cells(chunk: u64) -> u64 {
+    CHUNK_CELLS.min(120_000 - chunk * CHUNK_CELLS)
+}
+
 #[cfg(unix)]
 #[test]
 fn killed_at_thirty_random_moments_it_ends_in_the_same_bytes() {
@@ -149,6 +154,29 @@ fn resuming_where_there_is_nothing_starts_afresh() {
 }
 
 #[test]
+fn resumed_at_any_point_it_ends_in_the_same_bytes() {
+    let expected = undisturbed(SCENE);
+    let whole = with_all_chunks();
+    let mut rng = fastrand::Rng::with_seed(3);
+    for round in 0..=2 * CHUNKS {
+        // The first few of them, as an interruption leaves them; then any, as damage does.
+        let kept: Vec<u64> =
+            (0..CHUNKS).filter(|&chunk| if round <= CHUNKS { chunk < round } else { rng.bool() }).collect();
+        let desk = Desk::with_scene(SCENE);
+        fs::create_dir(desk.path("map.csv.parts")).unwrap();
+        for chunk in &kept {
+            let name = format!("map.csv.parts/{chunk:06}.chunk");
+            fs::copy(whole.path(&name), desk.path(&name)).unwrap();
+        }
+        desk.run(&format!("{SWEEP} --resume")).with(0, &[]);
+        assert!(desk.read("map.csv") == expected, "{kept:?}");
+        let left: u64 = (0..CHUNKS).filter(|chunk| !kept.contains(chunk)).map(cells).sum();
+        assert_eq!(desk.json("map.manifest.json")["computed_cells"], left);
+        assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+    }
+}
+
+#[test]
 fn a_plan_that_is_lost_is_made_again_and_one_that_is_damaged_is_told() {
     let desk = with_all_chunks();
     let plan = desk.path("map.csv.parts/plan.json");
@@ -213,6 +241,36 @@ mod signals {
             assert!(desk.read("map.csv") == expected);
             assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
         }
+    }
+
+    /// Starts a sweep, waits until chunk 0 is there and spoils it. Tells whether the sweep was still under way.
+    fn spoil(desk: &Desk, line: &str, number: usize) -> (bool, desk::Ran) {
+        let mut child = desk.start(line);
+        desk.await_chunks(&mut child, "map.csv.parts", number);
+        let growing = desk.names(".").iter().any(|name| name.starts_with(".map.csv."));
+        fs::write(desk.path("map.csv.parts/000000.chunk"), "spoilt").unwrap();
+        (growing, child.wait_with_output().unwrap().into())
+    }
+
+    #[test]
+    fn chunks_are_read_back_by_who_goes_on_and_by_nobody_else() {
+        let scene = SCENE.replace("points = 300", "points = 2000");
+        let desk = Desk::with_scene(&scene);
+        let (growing, ran) = spoil(&desk, SWEEP, 2);
+        ran.with(0, &[]);
+        assert!(growing && desk.read("map.csv") == undisturbed(&scene));
+
+        let desk = Desk::with_scene(&scene);
+        let mut child = desk.start(SWEEP);
+        desk.await_chunks(&mut child, "map.csv.parts", 2);
+        signal(child, "TERM").with(130, &["go on with"]);
+        let finished = desk.chunks("map.csv.parts");
+        let (growing, ran) = spoil(&desk, &format!("{SWEEP} --resume"), finished + 2);
+        ran.with(1, &["could not read map.csv.parts/000000.chunk: it is damaged: it is cut short", "go on with: "]);
+        assert!(!growing);
+        desk.run(&format!("{SWEEP} --resume")).with(0, &["000000.chunk", "computing it again"]);
+        assert!(desk.read("map.csv") == undisturbed(&scene));
+        assert_eq!(desk.json("map.manifest.json")["computed_cells"], CHUNK_CELLS);
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod desk;
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
+use std::os::unix::process::CommandExt;
 use std::process::Command;
 
 use desk::{CHUNK_CELLS, CHUNKS, Desk, Ran, SCENE, undisturbed};
@@ -104,18 +105,62 @@ fn folders_that_cannot_be_made_or_written_are_refused_before_anything_is_compute
     fs::write(desk.path("map.csv.parts"), "mine").unwrap();
     desk.run("sweep scene.toml --out map.csv").with(2, &["map.csv.parts is a file, where a folder of chunks would be"]);
     assert_eq!(desk.read("map.csv.parts"), b"mine");
+}
 
-    // Permissions bind everybody but the administrator.
-    let folder = desk.path("closed");
-    fs::create_dir(&folder).unwrap();
-    fs::set_permissions(&folder, fs::Permissions::from_mode(0o555)).unwrap();
-    if fs::write(folder.join("probe"), "").is_ok() {
-        eprintln!("skipped: an administrator may write everywhere");
-        return;
+/// Somebody whom permissions bind, unlike the administrator: "nobody".
+const NOBODY: u32 = 65534;
+
+/// The program in the folder of `desk`, run by somebody whom permissions bind. An administrator becomes somebody else, who
+/// must be let in there, and to a copy of the program.
+fn bound(desk: &Desk, line: &str) -> Ran {
+    let mut command = desk.command(line);
+    let probe = desk.path("closed/probe");
+    if fs::write(&probe, "").is_err() {
+        return command.output().unwrap().into();
     }
-    desk.run("sweep scene.toml --out closed/map.csv").with(2, &["cannot write closed/map.csv: Permission denied"]);
-    desk.run("sweep scene.toml --out closed --shard 0/1")
-        .with(2, &["cannot write closed/plan.json: Permission denied"]);
+    fs::remove_file(probe).unwrap();
+    let program = desk.path("mapgen");
+    if !program.exists() {
+        fs::copy(assert_cmd::cargo::cargo_bin("mapgen"), &program).unwrap();
+        fs::set_permissions(desk.path("."), fs::Permissions::from_mode(0o755)).unwrap();
+        fs::set_permissions(desk.path("scene.toml"), fs::Permissions::from_mode(0o644)).unwrap();
+    }
+    command = Command::new(program);
+    command.current_dir(desk.path(".")).args(line.split(' ')).uid(NOBODY).gid(NOBODY);
+    command.output().unwrap().into()
+}
+
+#[test]
+fn a_folder_that_may_only_be_read_is_told_and_what_is_in_it_is_left() {
+    let desk = Desk::with_scene(SCENE);
+    desk.run("sweep scene.toml --out closed/parts --shard 0/2 --quiet").with(0, &[]);
+    let chunks = desk.chunks("closed/parts");
+    for folder in ["closed/parts", "closed"] {
+        fs::set_permissions(desk.path(folder), fs::Permissions::from_mode(0o555)).unwrap();
+    }
+    for (line, code, told) in [
+        ("sweep scene.toml --out closed/map.csv", 2, "cannot write closed/map.csv: Permission denied"),
+        ("sweep scene.toml --out closed --shard 0/1", 2, "cannot write closed/plan.json: Permission denied"),
+        ("sweep scene.toml --out closed/new --shard 0/1", 2, "cannot make the folder closed/new: Permission denied"),
+        (
+            "sweep scene.toml --out closed/parts --shard 1/2 --resume",
+            1,
+            "cannot write closed/parts/000001.chunk: Permission denied",
+        ),
+        ("merge closed/parts --out closed/map.csv", 2, "cannot write closed/map.manifest.json: Permission denied"),
+    ] {
+        let ran = bound(&desk, line).with(code, &[told]);
+        assert!(code == 2 || ran.err.contains("0 of 7 chunks are finished, in closed/parts"), "{ran:?}");
+        assert_eq!(desk.names("closed"), ["parts"], "{line}");
+        assert_eq!(desk.names("closed/parts").len(), chunks + 1, "{line}");
+    }
+    // Nor is anything amiss but the permissions.
+    for folder in ["closed", "closed/parts"] {
+        fs::set_permissions(desk.path(folder), fs::Permissions::from_mode(0o777)).unwrap();
+    }
+    bound(&desk, "sweep scene.toml --out closed/parts --shard 1/2 --resume --quiet").with(0, &[]);
+    bound(&desk, "merge closed/parts --out closed/map.csv --quiet").with(0, &[]);
+    assert!(desk.read("closed/map.csv") == undisturbed(SCENE));
 }
 
 #[test]

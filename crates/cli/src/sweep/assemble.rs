@@ -1,4 +1,4 @@
-//! Makes one table of all chunks, in order and without holding it.
+//! The table of a sweep, of rows that come in order: as they are computed, or from chunks. It holds none of them.
 
 use std::io::Write;
 use std::path::Path;
@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::CliError;
 use crate::lines::Lines;
+use crate::pictures::Pictures;
 use crate::sweep::chunk::{Fault, read};
 use crate::sweep::{Plan, Store, Summary};
 use crate::table::header;
@@ -34,43 +35,62 @@ impl From<Fault> for Trouble {
     }
 }
 
-/// Takes rows.
-pub(crate) type Taker<'a> = dyn FnMut(&[u8]) + 'a;
+/// A table under way, and what its pictures keep of it.
+pub(crate) struct Assembly<'a, 'b> {
+    table: TableFile,
+    pictures: &'a mut Pictures<'b>,
+    lines: Lines,
+}
 
-/// Writes the table of all chunks to `table` and hands every row to `row`, if there is one.
-///
-/// # Errors
-/// [`Unassembled`]; the table must then be thrown away.
-pub(crate) fn assemble(
-    plan: &Plan,
-    folder: &Path,
-    stop: &AtomicBool,
-    table: &mut TableFile,
-    mut row: Option<&mut Taker<'_>>,
-) -> Result<Summary, Unassembled> {
-    let mut total = Summary::default();
-    let mut lines = Lines::default();
-    let first = table.write_all(header(&plan.scene).as_bytes());
-    first.map_err(|error| Unassembled::Table(table.unwritten(&error)))?;
-    for chunk in 0..plan.chunks() {
-        if stop.load(Ordering::Relaxed) {
-            return Err(Unassembled::Stopped);
-        }
-        let summary = read(&Store::path(folder, chunk), plan, chunk, |rows| {
-            if let Some(row) = &mut row {
-                // It has nothing to fail at.
-                let _ = lines.take(rows, |line| {
-                    row(line);
-                    Ok(())
-                });
-            }
-            table.write_all(rows).map_err(|error| Trouble::Table(table.unwritten(&error)))
-        });
-        match summary {
-            Ok(summary) => total.add(&summary),
-            Err(Trouble::Fault(fault)) => return Err(Unassembled::Chunk(chunk, fault)),
-            Err(Trouble::Table(error)) => return Err(Unassembled::Table(error)),
-        }
+impl<'a, 'b> Assembly<'a, 'b> {
+    /// Starts with the names of the columns; of earlier rows the pictures keep nothing.
+    ///
+    /// # Errors
+    /// [`CliError`] if the table cannot be written.
+    pub(crate) fn begin(plan: &Plan, out: &Path, pictures: &'a mut Pictures<'b>) -> Result<Self, CliError> {
+        let mut table = TableFile::create(out, &plan.scene)?;
+        table.write_all(header(&plan.scene).as_bytes()).map_err(|error| table.unwritten(&error))?;
+        pictures.begin();
+        Ok(Self { table, pictures, lines: Lines::default() })
     }
-    Ok(total)
+
+    /// Takes the next rows.
+    ///
+    /// # Errors
+    /// [`CliError`] if the table cannot be written; it must then be thrown away.
+    pub(crate) fn rows(&mut self, rows: &[u8]) -> Result<(), CliError> {
+        if self.pictures.wanted() {
+            // It has nothing to fail at.
+            let _ = self.lines.take(rows, |line| {
+                self.pictures.row(line);
+                Ok(())
+            });
+        }
+        self.table.write_all(rows).map_err(|error| self.table.unwritten(&error))
+    }
+
+    /// Takes the rows of all chunks.
+    ///
+    /// # Errors
+    /// [`Unassembled`]; the table must then be thrown away.
+    pub(crate) fn chunks(&mut self, plan: &Plan, folder: &Path, stop: &AtomicBool) -> Result<Summary, Unassembled> {
+        let mut total = Summary::default();
+        for chunk in 0..plan.chunks() {
+            if stop.load(Ordering::Relaxed) {
+                return Err(Unassembled::Stopped);
+            }
+            let path = Store::path(folder, chunk);
+            match read(&path, plan, chunk, |rows| self.rows(rows).map_err(Trouble::Table)) {
+                Ok(summary) => total.add(&summary),
+                Err(Trouble::Fault(fault)) => return Err(Unassembled::Chunk(chunk, fault)),
+                Err(Trouble::Table(error)) => return Err(Unassembled::Table(error)),
+            }
+        }
+        Ok(total)
+    }
+
+    /// The table.
+    pub(crate) fn into_table(self) -> TableFile {
+        self.table
+    }
 }

@@ -85,7 +85,7 @@ fn read_summary(line: &str) -> Option<Summary> {
     Some(summary)
 }
 
-/// A chunk under way. Dropped before [`Writer::finish`], it leaves nothing behind.
+/// A chunk under way. Dropped before [`Writer::place`], it leaves nothing behind.
 pub(crate) struct Writer {
     output: Output,
     hash: Box<Xxh3>,
@@ -111,13 +111,31 @@ impl Writer {
         self.write(rows)
     }
 
-    /// Writes the last two lines, sees to it that the disk has all of it, and puts the file in its place.
-    pub(crate) fn finish(mut self) -> Result<(), CliError> {
+    /// Writes the last two lines.
+    pub(crate) fn close(&mut self) -> Result<(), CliError> {
         let line = summary_line(&self.summary);
-        self.write(line.as_bytes())?;
-        let line = format!("checksum {:032x}\n", self.hash.digest128());
-        self.output.write_all(line.as_bytes()).map_err(|error| self.output.unwritten(&error))?;
+        self.hash.update(line.as_bytes());
+        // At once: after a failure both are held.
+        let tail = format!("{line}checksum {:032x}\n", self.hash.digest128());
+        self.output.write_all(tail.as_bytes()).map_err(|error| self.output.unwritten(&error))?;
+        self.flush()
+    }
+
+    /// Hands to the system what it has not got yet. After a failure nothing is lost: it may be tried again.
+    pub(crate) fn flush(&mut self) -> Result<(), CliError> {
+        self.output.flush().map_err(|error| self.output.unwritten(&error))
+    }
+
+    /// Sees to it that the disk has all of a chunk that is closed, and puts the file in its place.
+    pub(crate) fn place(self) -> Result<(), CliError> {
         self.output.commit()
+    }
+
+    /// Closes and places.
+    #[cfg(test)]
+    pub(crate) fn finish(mut self) -> Result<(), CliError> {
+        self.close()?;
+        self.place()
     }
 }
 

@@ -13,14 +13,15 @@ use crate::cell::{Cell, Worker};
 use crate::scene::Scene;
 use crate::sweep::Summary;
 
-/// The most cells taken at a time: enough that taking them, and waking the thread that orders them, costs nothing.
-const BLOCK: u64 = 256;
+/// The most cells taken at a time: some milliseconds of work, so that taking them, and waking the thread that orders them,
+/// costs nothing.
+const BLOCK: u64 = 1024;
 
 /// Blocks a thread at least takes where there are few cells, so that all threads end together.
 const BLOCKS_PER_THREAD: u64 = 16;
 
 /// Blocks that may be taken before the sink has seen them, per thread: a fraction of a second of cells, some megabytes.
-const AHEAD: u64 = 64;
+const AHEAD: u64 = 16;
 
 /// What is to be computed, and on what.
 #[derive(Debug, Clone, Copy)]

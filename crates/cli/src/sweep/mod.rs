@@ -8,7 +8,7 @@
 //! | `store` | the folder of chunks |
 //! | `shard` | which chunks are whose |
 //! | `work` | computes the chunks that are missing |
-//! | `assemble` | makes one table of all chunks |
+//! | `assemble` | the table, of rows as they come or of all chunks |
 
 mod assemble;
 mod chunk;
@@ -26,13 +26,13 @@ use rayon::ThreadPool;
 use crate::cell::{Cell, Class, Status};
 use crate::scene::Scene;
 
-pub(crate) use crate::sweep::assemble::{Unassembled, assemble};
-pub(crate) use crate::sweep::chunk::Fault;
+pub(crate) use crate::sweep::assemble::{Assembly, Unassembled};
+pub(crate) use crate::sweep::chunk::{Fault, Writer};
 pub use crate::sweep::engine::{Block, Ended, Job, blocks};
 pub use crate::sweep::plan::Plan;
 pub use crate::sweep::shard::{Shard, ShardFlag};
 pub(crate) use crate::sweep::store::{Claim, Store};
-pub(crate) use crate::sweep::work::{Todo, work};
+pub(crate) use crate::sweep::work::{Grown, Todo, Worked, work};
 
 /// Counts of a finished sweep.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,5 +1,6 @@
 //! The folder of chunks: a plan, and a file for each chunk that is finished.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -29,8 +30,8 @@ pub(crate) enum Claim {
 #[derive(Debug)]
 pub(crate) struct Store {
     folder: PathBuf,
-    /// Holds the lock while it lives.
-    _lock: Option<File>,
+    /// The plan, locked while this lives.
+    plan: Option<File>,
 }
 
 impl Store {
@@ -46,21 +47,21 @@ impl Store {
         }
         let new = !folder.exists();
         fs::create_dir_all(folder).map_err(|error| CliError::file("cannot make the folder", folder, &error))?;
-        let mut store = Self { folder: folder.to_owned(), _lock: None };
+        let mut store = Self { folder: folder.to_owned(), plan: None };
         let opened = store.take(plan, claim);
         if new && opened.is_err() {
             // Only if empty: whoever else has written there in the meantime keeps it.
             let _ = fs::remove_dir(folder);
         }
         opened.map(|lock| {
-            store._lock = lock;
+            store.plan = lock;
             store
         })
     }
 
     fn take(&self, plan: &Plan, claim: Claim) -> Result<Option<File>, CliError> {
         let place = self.folder.display();
-        let chunks = self.count().map_err(|error| CliError::file("cannot read", &self.folder, &error))?;
+        let chunks = self.present()?.len();
         if claim == Claim::Fresh && chunks > 0 {
             let message = format!(
                 "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or remove the folder to start afresh"
@@ -79,8 +80,13 @@ impl Store {
         if lock.is_none() {
             let mut file = Output::beside(&self.folder.join(PLAN))?;
             io::Write::write_all(&mut file, plan.to_json().as_bytes()).map_err(|error| file.unwritten(&error))?;
-            // Another process may have been faster; what counts is what is there now.
-            file.commit_new()?;
+            // Another process may have been faster; what counts is what is there now. Whoever is alone need not wait for the
+            // disk before there is a chunk.
+            if claim == Claim::Share {
+                file.commit_new()?
+            } else {
+                file.place_new()?
+            };
             lock = self.lock(claim)?;
         }
         match plan.differences(&Self::plan(&self.folder)?) {
@@ -120,6 +126,14 @@ impl Store {
         })
     }
 
+    /// Sees to it that the disk has the plan, where the system can do so: before it has the first chunk. One that is lost
+    /// all the same is made again.
+    pub(crate) fn settle_plan(&self) {
+        if let Some(plan) = &self.plan {
+            let _ = plan.sync_all();
+        }
+    }
+
     /// The folder.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
@@ -135,21 +149,25 @@ impl Store {
         Writer::new(&Self::path(&self.folder, chunk), plan, chunk)
     }
 
-    /// Whether there is a file for a chunk.
-    pub(crate) fn has(&self, chunk: u64) -> bool {
-        Self::path(&self.folder, chunk).exists()
+    /// The chunks that there are files for, sound or not.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] if the folder cannot be read.
+    pub(crate) fn present(&self) -> Result<BTreeSet<u64>, CliError> {
+        let unreadable = |error: io::Error| CliError::file("cannot read", &self.folder, &error);
+        let mut chunks = BTreeSet::new();
+        // One list for all: on the file systems of clusters each name takes a message.
+        for entry in fs::read_dir(&self.folder).map_err(unreadable)? {
+            let name = entry.map_err(unreadable)?.file_name();
+            let number = name.to_str().and_then(|name| name.strip_suffix(CHUNK)?.strip_suffix('.')?.parse().ok());
+            chunks.extend(number.filter(|&chunk| Self::path(&self.folder, chunk).file_name() == Some(&name)));
+        }
+        Ok(chunks)
     }
 
     /// Reads a chunk through and tells whether it can be trusted.
     pub(crate) fn check(folder: &Path, plan: &Plan, chunk: u64) -> Result<Summary, Fault> {
         check(&Self::path(folder, chunk), plan, chunk)
-    }
-
-    /// Number of chunk files.
-    fn count(&self) -> io::Result<usize> {
-        let entries = fs::read_dir(&self.folder)?;
-        let chunk = |entry: io::Result<fs::DirEntry>| entry.map(|entry| kind(&entry.file_name()) == Some(CHUNK));
-        entries.map(chunk).try_fold(0, |count, chunk| chunk.map(|chunk| count + usize::from(chunk)))
     }
 
     /// Removes what was written there, also by processes that were killed, and the folder unless it holds anything else.

@@ -3,9 +3,12 @@
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::error::CliError;
-use crate::sweep::chunk::Fault;
-use crate::sweep::{Ended, Job, Plan, Shard, Store, blocks};
+use crate::sweep::chunk::{Fault, Writer};
+use crate::sweep::{Assembly, Ended, Job, Plan, Shard, Store, blocks};
 use crate::table::Table;
+
+/// Room for a row: more than most have.
+const ROW: usize = 112;
 
 /// What there is to do for a shard.
 #[derive(Debug)]
@@ -25,9 +28,13 @@ impl Todo {
     /// [`CliError::Request`] for a chunk of another sweep.
     pub(crate) fn of(job: &Job<'_>, plan: &Plan, store: &Store, shard: Shard) -> Result<Self, CliError> {
         let mut todo = Self { chunks: Vec::new(), damaged: Vec::new(), finished_cells: 0 };
+        let there = store.present()?;
         let chunks: Vec<u64> = shard.chunks(plan).collect();
-        let checked: Vec<_> =
-            job.pool.install(|| chunks.par_iter().map(|&chunk| Store::check(store.folder(), plan, chunk)).collect());
+        let check = |&chunk: &u64| match there.contains(&chunk) {
+            true => Store::check(store.folder(), plan, chunk),
+            false => Err(Fault::Missing),
+        };
+        let checked: Vec<_> = job.pool.install(|| chunks.par_iter().map(check).collect());
         for (chunk, checked) in chunks.into_iter().zip(checked) {
             let path = Store::path(store.folder(), chunk);
             match checked {
@@ -51,38 +58,85 @@ impl Todo {
     }
 }
 
-/// Computes `chunks`, each a file that appears whole or not at all. `tick` is called with each number of cells done.
-pub(crate) fn work(
+/// A table that has got every row.
+pub(crate) struct Grown<'a, 'b> {
+    pub(crate) table: Assembly<'a, 'b>,
+    /// The last chunk, closed and yet to be placed: once the table is in its place, nobody needs it.
+    pub(crate) last: Writer,
+}
+
+/// How the work ended.
+pub(crate) struct Worked<'a, 'b> {
+    pub(crate) ended: Ended<CliError>,
+    /// The table that has grown along, if all went well.
+    pub(crate) grown: Option<Grown<'a, 'b>>,
+}
+
+/// Where a chunk cannot be written, gives up the table for it.
+fn make_room(
+    written: Result<(), CliError>,
+    along: &mut Option<Assembly<'_, '_>>,
+    chunk: &mut Writer,
+) -> Result<(), CliError> {
+    match written {
+        Err(_) if along.take().is_some() => chunk.flush(),
+        written => written,
+    }
+}
+
+/// Computes `chunks`, each a file that appears whole or not at all. `tick` is called with each number of cells done. The
+/// rows go to the table `along`, too, if there is one: so none has to be read back.
+pub(crate) fn work<'a, 'b>(
     job: &Job<'_>,
     plan: &Plan,
     store: &Store,
     chunks: &[u64],
     tick: impl Fn(u64) + Sync,
-) -> Ended<CliError> {
+    mut along: Option<Assembly<'a, 'b>>,
+) -> Worked<'a, 'b> {
     let parts: Vec<_> = chunks.iter().map(|&chunk| plan.range(chunk)).collect();
     let mut writer = None;
-    blocks(
+    let mut last = None;
+    let mut plan_is_safe = false;
+    let ended = blocks(
         job,
         &parts,
         |range, cells| {
-            let mut table = Table::new(job.scene, Vec::new());
+            let mut table = Table::new(job.scene, Vec::with_capacity(ROW * cells.len()));
             tick(range.end - range.start);
             let written = table.write_all(job.scene, range, cells).map_err(|error| error.to_string());
             written.and_then(|()| table.finish().map_err(|error| error.to_string()))
         },
         |block| {
             let rows = block.made.map_err(CliError::Computation)?;
+            // What room there is, is the chunks'. When they are whole the table is tried again, and its error told.
+            if along.as_mut().is_some_and(|table| table.rows(&rows).is_err()) {
+                along = None;
+            }
             let mut open = match writer.take() {
                 Some(open) => open,
                 None => store.writer(plan, chunks[block.part])?,
             };
-            open.rows(&rows, &block.summary)?;
-            if block.last {
-                open.finish()?;
-            } else {
+            let written = open.rows(&rows, &block.summary);
+            make_room(written, &mut along, &mut open)?;
+            if !block.last {
                 writer = Some(open);
+                return Ok(());
             }
-            Ok(())
+            let closed = open.close();
+            make_room(closed, &mut along, &mut open)?;
+            if along.is_some() && block.part + 1 == chunks.len() {
+                last = Some(open);
+                return Ok(());
+            }
+            if !plan_is_safe {
+                store.settle_plan();
+                plan_is_safe = true;
+            }
+            open.place()
         },
-    )
+    );
+    let complete = matches!(ended, Ended::Complete(_));
+    let grown = along.zip(last).filter(|_| complete).map(|(table, last)| Grown { table, last });
+    Worked { ended, grown }
 }
