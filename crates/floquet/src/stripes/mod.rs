@@ -22,8 +22,11 @@
 
 mod collision;
 mod dressed;
+mod form;
+mod own;
 mod signature;
 
 pub use collision::Collision;
 pub use dressed::DressedModes;
+pub use own::OwnMode;
 pub use signature::{Signature, signature};
