@@ -69,7 +69,7 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
-/// The numbers of a printed row: cells, five shares, cuts, three shares of cuts.
+/// The numbers of a printed row: cells, five shares, cuts, two shares of cuts.
 fn printed(text: &str, family: &str, row: &str) -> Vec<f64> {
     let lines = text.lines().skip_while(|line| !line.starts_with(family)).skip(1);
     let line = lines.take_while(|line| !line.is_empty()).find(|line| line.trim_start().starts_with(row));
@@ -91,10 +91,10 @@ fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
     assert!(text.starts_with("N = 5: share of cells within one cell of a line"));
     for mechanism in ["neimark-sacker", "period-doubling"] {
         let row = printed(&text, "double-sided", mechanism);
-        assert_eq!(row.len(), 10);
+        assert_eq!(row.len(), 9);
         assert!(row[0] > 50.0 && row[1] > 90.0 && row[2] == 0.0 && row[3] < 60.0 && row[7] > 95.0, "{text}");
         // Carried on, a cut has met at least what it met before; no such breather has a mode that grows by itself.
-        assert!(row[5] == 0.0 && row[8] >= row[7] && row[9] == row[8], "{text}");
+        assert!(row[5] == 0.0 && row[8] >= row[7], "{text}");
     }
     assert!(printed(&text, "double-sided", "stable")[1] < 20.0, "{text}");
 
@@ -124,7 +124,7 @@ fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_breat
     let csv = desk.path("lines.csv");
     let text = output(desk.stripes(&scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
     let row = printed(&text, "single-sided", "neimark-sacker");
-    assert!(row[0] > 200.0 && row[7] > 80.0 && row[8] >= row[7] && row[9] >= row[8], "{text}");
+    assert!(row[0] > 200.0 && row[7] > 80.0 && row[8] >= row[7], "{text}");
     let stable = printed(&text, "single-sided", "stable");
     assert!(stable[0] > 500.0 && stable[1] < 15.0 && stable[5] < 1.0, "{text}");
     let lines = table(&csv);

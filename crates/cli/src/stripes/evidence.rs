@@ -62,11 +62,8 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
         for (name, _) in KINDS {
             let _ = write!(text, " {name:>16}");
         }
-        let _ = writeln!(
-            text,
-            " {:>16} {:>8} {:>16} {:>16} {:>16}",
-            "own mode grows", "cuts", "cuts with a sum", "carried on", "or own grows"
-        );
+        let _ =
+            writeln!(text, " {:>16} {:>8} {:>16} {:>16}", "own mode grows", "cuts", "cuts with a sum", "carried on");
         for group in Group::ALL {
             let cells: Vec<usize> = here.iter().filter(|(_, tile)| group.has(tile)).map(|(cell, _)| *cell).collect();
             if cells.is_empty() {
@@ -85,15 +82,8 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
             };
             let met = cuts.iter().filter(|cut| any(cut.row, (cut.first, cut.last), &near[0])).count();
             let carried = cuts.iter().filter(|cut| any(cut.row, (cut.from, cut.to), &anywhere)).count();
-            let either = |marks: &[bool]| {
-                cuts.iter()
-                    .filter(|cut| {
-                        any(cut.row, (cut.from, cut.to), &anywhere) || any(cut.row, (cut.first, cut.last), marks)
-                    })
-                    .count()
-            };
             let _ = write!(text, " {:>8}", cuts.len());
-            for count in [met, carried, either(&growing)] {
+            for count in [met, carried] {
                 let _ = write!(text, " {:>14.1} %", share(count, cuts.len()));
             }
             text.push('\n');

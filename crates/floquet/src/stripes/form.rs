@@ -118,6 +118,11 @@ impl Form {
         self.omega
     }
 
+    /// Two impacts a period.
+    pub(super) fn is_double(&self) -> bool {
+        self.double
+    }
+
     /// M
     pub(super) fn sites(&self) -> usize {
         self.sites

@@ -25,7 +25,8 @@ const MOST_LOSS: f64 = 0.3;
 /// The mode that a breather has drawn out of the band, by multipliers the one that is not next to a mode of the ring.
 ///
 /// It is there if a harmonic of ω is in the band (there the breather itself takes the place between two modes of the ring),
-/// or if a mode has left the band at its edge.
+/// or if a mode has left the band at its edge. Of orbits with two impacts only one that emits no waves is looked for, and of
+/// any only one that emits at most two.
 ///
 /// ```
 /// use vibrochain_breather::{Family, Finder, Found};
@@ -85,6 +86,10 @@ pub(super) fn own_mode(form: &Form, zeros: &mut Vec<C>) -> Option<OwnMode> {
     let omega = form.omega();
     let mut best: Option<(Zero, Vec<f64>)> = None;
     for part in parts(form) {
+        // Two impacts: waves that run off move the trivial pair from 1, and what is found is as often that as a mode.
+        if form.is_double() && !part.waves.is_empty() {
+            continue;
+        }
         let found = if part.waves.is_empty() { localised(form, &part) } else { leaking(form, &part) };
         for zero in found {
             if best.as_ref().is_none_or(|(least, _)| zero.w.im.abs() < least.w.im.abs()) {
