@@ -135,7 +135,7 @@ fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_breat
     assert!(of("2", "3", "2") > 30, "{lines:?}");
     assert!(lines.iter().all(|row| row["mode1"] != "1" && row["mode2"] != "1"));
     let svg = fs::read_to_string(desk.path("stripes.svg")).unwrap();
-    assert!(svg.contains("2,3,2") && svg.contains("3: the breather's own"));
+    assert!(svg.contains("2,3,2") && svg.contains("3: the breather"));
 }
 
 #[test]

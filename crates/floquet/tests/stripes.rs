@@ -204,11 +204,14 @@ fn the_breathers_own_mode_has_its_multiplier_with_its_signature() {
     let (mut random, mut bench) = (Random(5), Bench::new());
     let (mut localised, mut physical, mut complete) = ([0, 0], [0, 0], [0, 0]);
     let (mut slow, mut close) = (0, 0);
+    let (mut emitting, mut growing) = (0, 0);
     for i in 0..9000 {
         let sites = 3 + (random.unit() * 20.0) as usize;
         let (g2, omega, a) = (random.between(0.02, 0.3), random.between(0.45, 1.2), random.between(0.0, 0.8));
         let Some(orbit) = bench.orbit(BOTH[i % 2], sites, g2, omega, a) else { continue };
         let Some(own) = bench.modes.own().copied() else { continue };
+        emitting += usize::from(own.loss != 0.0);
+        growing += usize::from(own.loss < 0.0);
         let values = dense(&orbit);
         if growth(&values) > 1e-5 {
             continue;
@@ -238,6 +241,8 @@ fn the_breathers_own_mode_has_its_multiplier_with_its_signature() {
         assert!(localised[i] > 100 && physical[i] > 40, "{localised:?} {physical:?}");
         assert_eq!(complete[i], physical[i]);
     }
+    // The waves are of the other sign.
+    assert!(growing as f64 > 0.9 * emitting as f64, "{growing} of {emitting}");
     assert!(slow > 200 && close as f64 > 0.95 * f64::from(slow), "{close} of {slow}");
 }
 
@@ -273,7 +278,7 @@ fn the_own_mode_doubles_the_period_against_itself() {
         let omega = 0.68 + 2e-4 * f64::from(i);
         let Some(orbit) = bench.orbit(Family::SingleSided, 6, 0.2, omega, 0.4) else { continue };
         let values = dense(&orbit);
-        let leading = values.iter().map(|(z, _)| *z).filter(|z| z.re < -1.0 - 1e-5 && z.im.abs() < 1e-9).next();
+        let leading = values.iter().map(|(z, _)| *z).find(|z| z.re < -1.0 - 1e-5 && z.im.abs() < 1e-9);
         let Some(own) = bench.modes.own().copied() else { continue };
         // From there to the end of the row; where two others have met besides, all the same.
         assert_eq!(own.frequency == 0.5 * omega, leading.is_some(), "{omega} {own:?} {leading:?}");

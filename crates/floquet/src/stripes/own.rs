@@ -110,7 +110,8 @@ pub(super) fn own_mode(form: &Form, zeros: &mut Vec<C>) -> Option<OwnMode> {
     }
     // u and ω − ū have the same imaginary part.
     let frequency = if positive { zero.w.re } else { omega - zero.w.re };
-    Some(OwnMode { frequency, loss: -zero.w.im })
+    // (0 − 0 is 0, and not −0.)
+    Some(OwnMode { frequency, loss: 0.0 - zero.w.im })
 }
 
 /// 0 to ω/2, cut at the edges of the band: all w_j and their mirror images fall there.
