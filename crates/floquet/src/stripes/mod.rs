@@ -3,6 +3,8 @@
 //! | module | holds |
 //! |---|---|
 //! | `signature` | [`signature()`]: on which multiplier of a mode the energy is positive |
+//! | `form` | the secular function at one frequency, waves in the band running off |
+//! | `own` | [`OwnMode`]: the mode that the breather has drawn out of the band |
 //! | `dressed` | [`DressedModes`]: the frequencies of the modes with the breather on the ring |
 //! | `collision` | [`Collision`]: the pair behind an unstable multiplier |
 //!
