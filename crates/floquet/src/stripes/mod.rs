@@ -20,7 +20,8 @@
 //!
 //! Of the m modes even about the site that is hit m−1 are left to collide, the breather takes the place of one: each of
 //! them swings between two neighbouring frequencies of the bare ring, Ω_k < Ω̃_k < Ω_{k+1}, and the stripes are where
-//! Ω̃_k + Ω̃_l = jω. On long rings that is hardly apart from Ω_k + Ω_l = jω; on short ones it is the whole picture.
+//! Ω̃_k + Ω̃_l = jω. One of them may have left the band: it is then the breather's own, number m−1. On long
+//! rings that is hardly apart from Ω_k + Ω_l = jω; on short ones it is the whole picture.
 
 mod collision;
 mod dressed;
