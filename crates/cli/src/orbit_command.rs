@@ -205,6 +205,7 @@ impl Solution {
             Err(error) => value["stability_error"] = error.to_string().into(),
         }
         value["modes"] = self.modes.as_ref().map(OrbitModes::json).into();
+        value["own_mode"] = self.modes.as_ref().and_then(OrbitModes::own_json).into();
         value["collision"] = self.modes.as_ref().and_then(OrbitModes::collision_json).into();
         value
     }

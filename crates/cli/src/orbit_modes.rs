@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{Collision, Complex, DressedModes, Residues, Signature, signature};
+use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Residues, Signature, signature};
 
 /// One mode even about the site that is hit.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +22,7 @@ struct ModeReport {
 #[derive(Debug, Clone)]
 pub(crate) struct OrbitModes {
     modes: Vec<ModeReport>,
+    own: Option<OwnMode>,
     collision: Option<Collision>,
     omega: f64,
 }
@@ -44,17 +45,19 @@ impl OrbitModes {
                 *entry = Some(*residue);
             }
         }
+        let own = dressed.own().copied();
+        let last = response.modes().saturating_sub(1);
         let frequencies = response.frequencies().iter().zip(residues).enumerate();
         let modes = frequencies
             .map(|(k, (frequency, residue))| ModeReport {
                 frequency: *frequency,
                 signature: signature(response, k),
                 residue,
-                dressed: dressed.frequency(k),
+                dressed: if k == last { None } else { dressed.frequency(k) },
             })
             .collect();
         let collision = leading.and_then(|leading| dressed.collision(leading));
-        Some(Self { modes, collision, omega: response.omega() })
+        Some(Self { modes, own, collision, omega: response.omega() })
     }
 
     pub(crate) fn json(&self) -> Value {
@@ -70,6 +73,17 @@ impl OrbitModes {
         self.modes.iter().enumerate().map(mode).collect()
     }
 
+    /// The breather's own mode; its number is that of the last mode of the ring, above which no other is.
+    pub(crate) fn own_json(&self) -> Option<Value> {
+        let own = self.own?;
+        Some(json!({
+            "mode": self.modes.len() - 1,
+            "frequency": own.frequency,
+            "signature": own.signature(self.omega).map(Signature::value),
+            "loss": own.loss,
+        }))
+    }
+
     pub(crate) fn collision_json(&self) -> Option<Value> {
         let collision = self.collision?;
         let (k, l) = collision.modes;
@@ -77,7 +91,7 @@ impl OrbitModes {
     }
 }
 
-/// "signatures of modes 0–6 +, 7–10 −", and the collision.
+/// "signatures of modes 0–6 +, 7–10 −", the breather's own mode, and the collision.
 impl fmt::Display for OrbitModes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sign = |mode: &ModeReport| match mode.signature {
@@ -93,9 +107,22 @@ impl fmt::Display for OrbitModes {
             first = last + 1;
         }
         write!(f, "signatures of modes: {}", runs.join(", "))?;
+        if let Some(own) = self.own {
+            let sign = match own.signature(self.omega) {
+                Some(Signature::Positive) => " +",
+                Some(Signature::Negative) => " −",
+                None => "",
+            };
+            write!(f, "; the breather's own mode at {}{sign}", own.frequency)?;
+        }
         let Some(collision) = self.collision else { return Ok(()) };
         let ((k, l), harmonic) = (collision.modes, collision.harmonic);
-        let which = if k == l { format!("mode {k} with itself") } else { format!("modes {k} and {l}") };
+        let which = match (k, l) {
+            _ if l + 1 < self.modes.len() && k < l => format!("modes {k} and {l}"),
+            _ if l + 1 < self.modes.len() => format!("mode {k} with itself"),
+            _ if k < l => format!("mode {k} and the breather's own"),
+            _ => "the breather's own mode with itself".to_owned(),
+        };
         let times = if harmonic == 1 { "ω".to_owned() } else { format!("{harmonic}ω") };
         write!(f, "; collided: {which}, their frequencies sum to {times} = {}", harmonic as f64 * self.omega)?;
         match collision.detuning {

@@ -69,7 +69,7 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
-/// The numbers of a printed row: cells, four shares, cuts, share of cuts.
+/// The numbers of a printed row: cells, five shares, cuts, two shares of cuts.
 fn printed(text: &str, family: &str, row: &str) -> Vec<f64> {
     let lines = text.lines().skip_while(|line| !line.starts_with(family)).skip(1);
     let line = lines.take_while(|line| !line.is_empty()).find(|line| line.trim_start().starts_with(row));
@@ -91,8 +91,10 @@ fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
     assert!(text.starts_with("N = 5: share of cells within one cell of a line"));
     for mechanism in ["neimark-sacker", "period-doubling"] {
         let row = printed(&text, "double-sided", mechanism);
-        assert_eq!(row.len(), 7);
-        assert!(row[0] > 50.0 && row[1] > 90.0 && row[2] == 0.0 && row[3] < 60.0 && row[6] > 95.0, "{text}");
+        assert_eq!(row.len(), 9);
+        assert!(row[0] > 50.0 && row[1] > 90.0 && row[2] == 0.0 && row[3] < 60.0 && row[7] > 95.0, "{text}");
+        // Carried on, a cut has met at least what it met before; no such breather has a mode that grows by itself.
+        assert!(row[5] == 0.0 && row[8] >= row[7], "{text}");
     }
     assert!(printed(&text, "double-sided", "stable")[1] < 20.0, "{text}");
 
@@ -112,6 +114,28 @@ fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
     assert!([("0", "1"), ("0", "2"), ("1", "1"), ("1", "2"), ("2", "2")].iter().all(|pair| pairs.contains(pair)));
     let svg = fs::read_to_string(desk.path("stripes.svg")).unwrap();
     assert!(svg.contains("1,2,1") && svg.contains("two modes meet"));
+}
+
+#[test]
+fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_breathers_own() {
+    let desk = Desk::new();
+    let axes = SCENE.replace("from = 1.1, to = 2.3, points = 150", "from = 0.6, to = 0.8, points = 120");
+    let scene = desk.scene(&axes.replace("from = 0.1, to = 0.3", "from = 0.2, to = 0.3"));
+    let csv = desk.path("lines.csv");
+    let text = output(desk.stripes(&scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
+    let row = printed(&text, "single-sided", "neimark-sacker");
+    assert!(row[0] > 200.0 && row[7] > 80.0 && row[8] >= row[7], "{text}");
+    let stable = printed(&text, "single-sided", "stable");
+    assert!(stable[0] > 500.0 && stable[1] < 15.0 && stable[5] < 1.0, "{text}");
+    let lines = table(&csv);
+    let of = |k: &str, l: &str, j: &str| {
+        lines.iter().filter(|row| row["mode1"] == k && row["mode2"] == l && row["harmonic"] == j).count()
+    };
+    // Four modes of the ring leave three, one of which is the breather's place: 3 is its own.
+    assert!(of("2", "3", "2") > 30, "{lines:?}");
+    assert!(lines.iter().all(|row| row["mode1"] != "1" && row["mode2"] != "1"));
+    let svg = fs::read_to_string(desk.path("stripes.svg")).unwrap();
+    assert!(svg.contains("2,3,2") && svg.contains("3: the breather"));
 }
 
 #[test]
@@ -242,6 +266,38 @@ fn an_orbit_tells_its_modes_and_which_have_collided() {
     assert_eq!(value["stability"]["mechanism"], "period-doubling");
     assert_eq!(value["collision"]["modes"], serde_json::json!([1, 1]));
     orbit("double-sided", "1.46", "").stdout(contains("collided: mode 1 with itself"));
+}
+
+#[test]
+fn an_orbit_tells_of_the_breathers_own_mode() {
+    let line = |omega: &str, flags: &str| {
+        let line = format!(
+            "orbit --family single-sided --sites 6 --gamma1 .2 --gamma2 .2 --asymmetry .4 --omega {omega} {flags}"
+        );
+        mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success()
+    };
+    let solution = |omega: &str| {
+        let value: Value = serde_json::from_slice(&line(omega, "--json").get_output().stdout).unwrap();
+        value["solutions"][0].clone()
+    };
+    // Stable; ω is between Ω₁ and Ω₂, so that no mode is.
+    let value = solution(".69");
+    let own = &value["own_mode"];
+    assert_eq!((&own["mode"], &own["signature"], &own["loss"]), (&3.into(), &(-1).into(), &0.0.into()));
+    let turns = own["frequency"].as_f64().unwrap() / 0.69;
+    assert!(value["modes"][1]["dressed"].is_null() && value["modes"][3]["dressed"].is_null());
+    // Its multipliers e^{±iΩT} are there.
+    let angle = |z: &Value| z[1].as_f64().unwrap().atan2(z[0].as_f64().unwrap()) / std::f64::consts::TAU;
+    let multipliers = value["stability"]["multipliers"].as_array().unwrap();
+    assert!(multipliers.iter().any(|z| (angle(z) - (turns - 1.0)).abs() < 1e-9), "{turns} {multipliers:?}");
+    let value = solution(".66");
+    assert_eq!(value["stability"]["mechanism"], "neimark-sacker");
+    assert_eq!(value["collision"]["modes"], serde_json::json!([2, 3]));
+    line(".66", "").stdout(contains("collided: mode 2 and the breather's own, their frequencies sum to 2ω = 1.32 "));
+    line(".72", "")
+        .stdout(contains("collided: the breather's own mode with itself, their frequencies sum to ω = 0.72"));
+    // Double-sided, above the band: it has none.
+    assert!(self::solution("double-sided", "1.6")["own_mode"].is_null());
 }
 
 #[test]

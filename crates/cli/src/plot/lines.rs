@@ -19,6 +19,8 @@ pub struct MapLine {
     pub label: String,
     /// Drawn thin, without a label.
     pub faint: bool,
+    /// The number of the breather's own mode, if it is one of the two.
+    pub own: Option<usize>,
 }
 
 /// Where the raster lies, in pixels and in units of the axes.
@@ -193,7 +195,8 @@ pub(crate) fn draw_key<B: DrawingBackend>(
         area.draw(&Text::new(text, (x + 44, y), small(17, 0))).map_err(PlotError::from)?;
         y += 30;
     }
-    for text in ["Ω of the modes as the", "breather shifts them"] {
+    let own = lines.iter().find_map(|line| line.own).map(|mode| format!("{mode}: the breather's own"));
+    for text in [Some("Ω of the modes as the"), Some("breather shifts them"), own.as_deref()].into_iter().flatten() {
         area.draw(&Text::new(text, (x, y), small(15, 60))).map_err(PlotError::from)?;
         y += 22;
     }

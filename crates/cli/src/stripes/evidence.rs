@@ -1,42 +1,36 @@
 //! How much of the instability lies next to a predicted line, beside what chance would give: shares of cells, and of cuts, runs
-//! of such cells along a row. A stripe may be wider than three cells, and a cut through it still meets its line.
+//! of such cells along a row. A stripe may be wider than three cells, and a cut through it still meets its line, be it where
+//! the breather has ceased to be.
 
 use std::fmt::Write as _;
 
 use vibrochain_breather::Family;
-use vibrochain_floquet::Mechanism;
 
-use crate::cell::Class;
 use crate::plot::Tile;
+use crate::stripes::cuts::Group;
 use crate::stripes::family;
-use crate::stripes::lines::{Crossing, Key, Modes};
+use crate::stripes::lines::{Crossing, Key, Modes, Rows};
 use crate::stripes::request::Request;
 
 /// The lines compared: name, and which they are.
 type Kind = (&'static str, fn(&Key, bool) -> bool);
 
 const KINDS: [Kind; 4] = [
-    ("sums", |key, double| key.modes == Modes::Dressed && key.sum && key.double == double),
+    ("sums", is_sum),
     ("differences", |key, double| key.modes == Modes::Dressed && !key.sum && key.double == double),
     ("bare sums", |key, _| key.modes == Modes::Bare && key.sum),
     ("bare differences", |key, _| key.modes == Modes::Bare && !key.sum),
 ];
 
-/// Rows of the table: name, and which cells they count.
-type Group = (&'static str, fn(&Tile) -> bool);
-
-const GROUPS: [Group; 4] = [
-    ("neimark-sacker", |tile| tile.mechanism == Some(Mechanism::NeimarkSacker)),
-    ("period-doubling", |tile| tile.mechanism == Some(Mechanism::PeriodDoubling)),
-    ("pitchfork", |tile| tile.mechanism == Some(Mechanism::Pitchfork)),
-    ("stable", |tile| matches!(tile.class, Some(Class::StableDouble | Class::StableSingle))),
-];
+fn is_sum(key: &Key, double: bool) -> bool {
+    key.modes == Modes::Dressed && key.sum && key.double == double
+}
 
 /// Cells within one cell of some lines.
-fn marked(request: &Request, crossings: &[Crossing], is: impl Fn(&Key) -> bool) -> Vec<bool> {
+fn marked(request: &Request, crossings: &[Crossing], is: impl Fn(&Crossing) -> bool) -> Vec<bool> {
     let (columns, rows) = (request.omega.points, request.gamma2.points);
     let mut near = vec![false; columns * rows];
-    for crossing in crossings.iter().filter(|crossing| is(&crossing.key)) {
+    for crossing in crossings.iter().filter(|crossing| is(crossing)) {
         let (low, high) = ((crossing.place - 1.0).ceil().max(0.0), (crossing.place + 1.0).floor());
         if high < 0.0 {
             continue;
@@ -51,37 +45,48 @@ fn marked(request: &Request, crossings: &[Crossing], is: impl Fn(&Key) -> bool) 
 }
 
 /// The table that is printed.
-pub(super) fn evidence(request: &Request, tiles: &[Tile], crossings: &[Crossing]) -> String {
+pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String {
     let mut text = format!("N = {}: share of cells within one cell of a line\n", request.scene.base.sites - 1);
+    let mut growing = vec![false; tiles.len()];
+    rows.growing.iter().for_each(|&cell| growing[cell] = true);
     for of in [Family::DoubleSided, Family::SingleSided] {
         let here: Vec<(usize, &Tile)> = tiles.iter().enumerate().filter(|(_, tile)| family(tile) == Some(of)).collect();
         if here.is_empty() {
             continue;
         }
-        let near = KINDS.map(|(_, is)| marked(request, crossings, |key| is(key, of == Family::DoubleSided)));
+        let double = of == Family::DoubleSided;
+        let near = KINDS.map(|(_, is)| marked(request, &rows.crossings, |met| is(&met.key, double) && !met.beyond));
+        let anywhere = marked(request, &rows.crossings, |met| is_sum(&met.key, double));
         // Writing to a String cannot fail.
         let _ = write!(text, "\n{:<16} {:>8}", of.name(), "cells");
         for (name, _) in KINDS {
             let _ = write!(text, " {name:>16}");
         }
-        let _ = writeln!(text, " {:>8} {:>16}", "cuts", "cuts with a sum");
-        for (name, is) in GROUPS {
-            let cells: Vec<usize> = here.iter().filter(|(_, tile)| is(tile)).map(|(cell, _)| *cell).collect();
+        let _ =
+            writeln!(text, " {:>16} {:>8} {:>16} {:>16}", "own mode grows", "cuts", "cuts with a sum", "carried on");
+        for group in Group::ALL {
+            let cells: Vec<usize> = here.iter().filter(|(_, tile)| group.has(tile)).map(|(cell, _)| *cell).collect();
             if cells.is_empty() {
                 continue;
             }
-            // Cells side by side in a row are one cut through a stripe.
-            let columns = request.omega.points;
-            let joins = |a: &usize, b: &usize| a + 1 == *b && !b.is_multiple_of(columns);
-            let cuts: Vec<&[usize]> = cells.chunk_by(joins).collect();
             let share = |count: usize, all: usize| 100.0 * count as f64 / all as f64;
-            let _ = write!(text, "  {name:<14} {:>8}", cells.len());
-            for near in &near {
-                let _ =
-                    write!(text, " {:>14.1} %", share(cells.iter().filter(|&&cell| near[cell]).count(), cells.len()));
+            let of_cells = |marks: &[bool]| share(cells.iter().filter(|&&cell| marks[cell]).count(), cells.len());
+            let _ = write!(text, "  {:<14} {:>8}", group.name(), cells.len());
+            for marks in near.iter().chain([&growing]) {
+                let _ = write!(text, " {:>14.1} %", of_cells(marks));
             }
-            let met = cuts.iter().filter(|cut| cut.iter().any(|&cell| near[0][cell])).count();
-            let _ = writeln!(text, " {:>8} {:>14.1} %", cuts.len(), share(met, cuts.len()));
+            // Cells side by side in a row are one cut through a stripe.
+            let cuts: Vec<_> = rows.cuts.iter().filter(|cut| cut.double == double && cut.group == group).collect();
+            let any = |row: usize, (from, to): (usize, usize), marks: &[bool]| {
+                marks[request.cell(row, from)..=request.cell(row, to)].contains(&true)
+            };
+            let met = cuts.iter().filter(|cut| any(cut.row, (cut.first, cut.last), &near[0])).count();
+            let carried = cuts.iter().filter(|cut| any(cut.row, (cut.from, cut.to), &anywhere)).count();
+            let _ = write!(text, " {:>8}", cuts.len());
+            for count in [met, carried] {
+                let _ = write!(text, " {:>14.1} %", share(count, cuts.len()));
+            }
+            text.push('\n');
         }
     }
     text

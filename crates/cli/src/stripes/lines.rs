@@ -13,6 +13,7 @@ use vibrochain_lattice::{Chain, Spectrum};
 use crate::error::CliError;
 use crate::output::Number;
 use crate::plot::Tile;
+use crate::stripes::cuts::{Carrier, Cut};
 use crate::stripes::family;
 use crate::stripes::request::Request;
 
@@ -44,6 +45,17 @@ pub(super) struct Crossing {
     pub(super) row: usize,
     /// Where, in columns from the first.
     pub(super) place: f64,
+    /// Where no such breather is: met by carrying on a cut, not drawn.
+    pub(super) beyond: bool,
+}
+
+/// What is found along the rows of the map.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    pub(super) crossings: Vec<Crossing>,
+    pub(super) cuts: Vec<Cut>,
+    /// Cells whose breather's own mode grows by itself ([`DressedModes::own_grows`]).
+    pub(super) growing: Vec<usize>,
 }
 
 /// A piece of a line.
@@ -65,21 +77,17 @@ pub(super) struct LinePoint {
 
 const FAMILIES: [Family; 2] = [Family::DoubleSided, Family::SingleSided];
 
-/// All crossings, by rows.
+/// All crossings and cuts, by rows.
 ///
 /// # Errors
 /// [`CliError::Interrupted`].
-pub(super) fn crossings(
-    request: &Request,
-    tiles: &[Tile],
-    pool: &ThreadPool,
-    stop: &AtomicBool,
-) -> Result<Vec<Crossing>, CliError> {
-    let rows: Option<Vec<Vec<Crossing>>> = pool.install(|| {
+pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &AtomicBool) -> Result<Rows, CliError> {
+    let rows: Option<Vec<Rows>> = pool.install(|| {
         (0..request.gamma2.points)
             .into_par_iter()
             .map_init(
                 || Worker {
+                    carrier: Carrier::new(request.scene.base.sites),
                     finder: Finder::new(request.scene.base.sites),
                     found: Found::default(),
                     modes: DressedModes::default(),
@@ -88,58 +96,77 @@ pub(super) fn crossings(
             )
             .collect()
     });
-    rows.map(|rows| rows.concat()).ok_or(CliError::Interrupted)
+    let mut all = Rows::default();
+    for row in rows.ok_or(CliError::Interrupted)? {
+        all.crossings.extend(row.crossings);
+        all.cuts.extend(row.cuts);
+        all.growing.extend(row.growing);
+    }
+    Ok(all)
 }
 
 struct Worker {
+    carrier: Carrier,
     finder: Finder,
     found: Found,
     modes: DressedModes,
 }
 
 impl Worker {
-    /// Crossings of one row; `None` if stopped.
-    fn row(&mut self, request: &Request, tiles: &[Tile], row: usize, stop: &AtomicBool) -> Option<Vec<Crossing>> {
-        let mut all = Vec::new();
+    /// One row; `None` if stopped.
+    fn row(&mut self, request: &Request, tiles: &[Tile], row: usize, stop: &AtomicBool) -> Option<Rows> {
+        let mut all = Rows::default();
         let symmetric = request.scene.base.get(crate::parameter::Parameter::Asymmetry) == 0.0;
+        let columns = request.omega.points;
         let (mut here, mut last) = (Vec::new(), Vec::new());
         for of in FAMILIES {
+            let double = of == Family::DoubleSided;
+            let is = |column: usize| tiles.get(request.cell(row, column)).and_then(family) == Some(of);
+            // A breather that is not physical has modes, too: a line is not to end short of the last cell.
+            let beside: Vec<bool> =
+                (0..columns).map(|column| (column.saturating_sub(1)..=(column + 1).min(columns - 1)).any(is)).collect();
+            let mut wanted = beside.clone();
+            let cuts = self.carrier.cuts(request, tiles, row, of, stop)?;
+            for cut in &cuts {
+                wanted.get_mut(cut.from..=cut.to)?.fill(true);
+            }
+            all.cuts.extend(cuts);
             last.clear();
-            for column in 0..request.omega.points {
+            for column in 0..columns {
                 if stop.load(Ordering::Relaxed) {
                     return None;
                 }
                 here.clear();
-                // A breather that is not physical has modes, too: a line is not to end short of the last cell.
-                let beside = column.saturating_sub(1)..=(column + 1).min(request.omega.points - 1);
-                if beside
-                    .map(|column| request.cell(row, column))
-                    .any(|cell| tiles.get(cell).and_then(family) == Some(of))
-                {
-                    self.frequencies(request, request.cell(row, column), of, &mut here);
+                if wanted[column] {
+                    let cell = request.cell(row, column);
+                    if self.frequencies(request, cell, of, &mut here) && is(column) {
+                        all.growing.push(cell);
+                    }
                 }
-                let double = of == Family::DoubleSided;
+                let beyond = !(beside[column] && column > 0 && beside[column - 1]);
                 pairs(&last, &here, double && symmetric, |k, l, harmonic, sum, part| {
                     let key = Key { modes: Modes::Dressed, double, k, l, harmonic, sum };
-                    all.push(Crossing { key, row, place: column as f64 - 1.0 + part });
+                    all.crossings.push(Crossing { key, row, place: column as f64 - 1.0 + part, beyond });
                 });
                 std::mem::swap(&mut here, &mut last);
             }
         }
-        bare(request, row, &mut all);
+        bare(request, row, &mut all.crossings);
         Some(all)
     }
 
-    /// Ω̃/ω of all modes in one cell.
-    fn frequencies(&mut self, request: &Request, cell: usize, family: Family, out: &mut Vec<Option<f64>>) {
-        let Ok(model) = request.scene.point(cell as u64).model() else { return };
+    /// Ω̃/ω of all modes in one cell, and whether the breather's own grows by itself.
+    fn frequencies(&mut self, request: &Request, cell: usize, family: Family, out: &mut Vec<Option<f64>>) -> bool {
+        let Ok(model) = request.scene.point(cell as u64).model() else { return false };
         if self.finder.find_symmetric(&model, family, &mut self.found).is_err() {
-            return;
+            return false;
         }
-        let Some(orbit) = self.found.orbits.first() else { return };
-        if self.modes.set(orbit, self.finder.response()).is_ok() {
-            out.extend(self.modes.frequencies().map(|frequency| frequency.map(|frequency| frequency / model.omega())));
+        let Some(orbit) = self.found.orbits.first() else { return false };
+        if self.modes.set(orbit, self.finder.response()).is_err() {
+            return false;
         }
+        out.extend(self.modes.frequencies().map(|frequency| frequency.map(|frequency| frequency / model.omega())));
+        self.modes.own_grows()
     }
 }
 
@@ -156,8 +183,9 @@ fn pairs(
         for &(l, l_from, l_to) in &modes[i..] {
             for (sum, a, b) in [(true, k_from + l_from, k_to + l_to), (false, l_from - k_from, l_to - k_to)] {
                 let harmonic = a.max(b).floor();
-                // One and no jump of a mode; a mode against itself at an even harmonic is a resonance.
-                let passed = a.min(b) < harmonic && harmonic >= 1.0 && (a - b).abs() < 0.5;
+                // One and no jump of a mode; a mode against itself at an even harmonic is a resonance. (The breather's own
+                // mode stays at ω/2 while it doubles the period: both ends are passed.)
+                let passed = a.min(b) <= harmonic && a != b && harmonic >= 1.0 && (a - b).abs() < 0.5;
                 let odd = harmonic % 2.0 != 0.0;
                 if passed && !(k == l && !(sum && odd)) && !(even_only && odd) {
                     found(k, l, harmonic as usize, sum, (harmonic - a) / (b - a));
@@ -184,7 +212,8 @@ fn bare(request: &Request, row: usize, all: &mut Vec<Crossing>) {
                 while harmonics.contains(&harmonic) && harmonic < 1e6 {
                     if k != l || sum && harmonic % 2.0 != 0.0 {
                         let key = Key { modes: Modes::Bare, double: false, k, l, harmonic: harmonic as usize, sum };
-                        all.push(Crossing { key, row, place: request.omega.place(value / harmonic) });
+                        let place = request.omega.place(value / harmonic);
+                        all.push(Crossing { key, row, place, beyond: false });
                     }
                     harmonic += 1.0;
                 }
@@ -196,7 +225,8 @@ fn bare(request: &Request, row: usize, all: &mut Vec<Crossing>) {
 /// The lines of dressed modes: crossings of neighbouring rows, put together.
 pub(super) fn joined(request: &Request, crossings: &[Crossing]) -> Vec<Line> {
     let mut by_key: BTreeMap<Key, Vec<&Crossing>> = BTreeMap::new();
-    for crossing in crossings.iter().filter(|crossing| crossing.key.modes == Modes::Dressed) {
+    let drawn = |crossing: &&Crossing| crossing.key.modes == Modes::Dressed && !crossing.beyond;
+    for crossing in crossings.iter().filter(drawn) {
         by_key.entry(crossing.key).or_default().push(crossing);
     }
     // |dω/dγ₂| of a sum of two modes is below 4/Ω.

@@ -6,9 +6,11 @@
 //! | `request` | scene and flags, checked |
 //! | `cells` | classes of the map's cells, computed or read from a table |
 //! | `lines` | the lines Ω̃_k ± Ω̃_l = jω |
+//! | `cuts` | runs of cells along a row, carried on where no such breather is |
 //! | `evidence` | shares of unstable and stable cells next to a line |
 
 mod cells;
+mod cuts;
 mod evidence;
 mod lines;
 mod request;
@@ -20,7 +22,7 @@ use crate::output::{Output, distinct};
 use crate::plot::{MapLine, MapPicture, Palette, Tile, map_with_lines};
 use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
-use crate::stripes::lines::{Line, crossings, joined, table};
+use crate::stripes::lines::{Line, joined, rows, table};
 use crate::stripes::request::Request;
 
 /// Runs the subcommand.
@@ -43,15 +45,17 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
         .build()
         .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))?;
     let tiles = cells(&request, args.map.as_deref(), &pool, &stop)?;
-    let crossings = crossings(&request, &tiles, &pool, &stop)?;
-    let text = evidence(&request, &tiles, &crossings);
-    let lines = joined(&request, &crossings);
+    let rows = rows(&request, &tiles, &pool, &stop)?;
+    let text = evidence(&request, &tiles, &rows);
+    let lines = joined(&request, &rows.crossings);
     if let Some(csv) = csv {
         csv.finish_with(&table(&lines)?)?;
     }
+    // The last of the modes even about the site that is hit.
+    let own = request.scene.base.sites / 2;
     let bytes = map_with_lines(
         &MapPicture { scene: &request.scene, tiles: &tiles, palette: Palette::default() },
-        &lines.iter().filter(|line| line.sum || args.all).map(drawn).collect::<Vec<_>>(),
+        &lines.iter().filter(|line| line.sum || args.all).map(|line| drawn(line, own)).collect::<Vec<_>>(),
         request.format,
     )
     .map_err(|error| CliError::Computation(error.to_string()))?;
@@ -70,11 +74,12 @@ fn family(tile: &Tile) -> Option<vibrochain_breather::Family> {
     }
 }
 
-fn drawn(line: &Line) -> MapLine {
+fn drawn(line: &Line, own: usize) -> MapLine {
     let (k, l) = line.modes;
     MapLine {
         points: line.points.iter().map(|point| (point.omega, point.gamma2)).collect(),
         label: format!("{k},{l},{}", line.harmonic),
         faint: !line.sum,
+        own: (l == own).then_some(own),
     }
 }

@@ -11,7 +11,8 @@ use super::dressed::DressedModes;
 /// and none leaves the circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Collision {
-    /// k ≤ l; mode k is the one between Ω_k and Ω_{k+1}. Equal for a mode against itself (period doubling).
+    /// k ≤ l; mode k is the one between Ω_k and Ω_{k+1}, and the last one, [`DressedModes::count`] − 1, the breather's own.
+    /// Equal for a mode against itself (period doubling).
     pub modes: (usize, usize),
     /// j
     pub harmonic: usize,
@@ -83,7 +84,8 @@ impl DressedModes {
         best.map(|(_, collision)| collision)
     }
 
-    /// All modes between whose neighbours Ω_k/ω and Ω_{k+1}/ω the place lies, whole turns added.
+    /// All modes between whose neighbours Ω_k/ω and Ω_{k+1}/ω the place lies, whole turns added, and the breather's own, which
+    /// has no neighbours, if it is not farther away than those would be.
     fn candidates(&self, place: f64) -> Vec<Candidate> {
         let mut found = Vec::new();
         for mode in 0..self.count() {
@@ -97,6 +99,13 @@ impl DressedModes {
                 let distance = (place + turns - centre).abs() / (high - low);
                 found.push(Candidate { mode, turns, distance, frequency: own });
                 turns += 1.0;
+            }
+        }
+        if let Some(own) = self.own() {
+            let turns = (own.frequency / self.omega() - place).round();
+            let distance = ((place + turns) * self.omega() - own.frequency).abs() / self.spacing();
+            if distance < 1.0 {
+                found.push(Candidate { mode: self.count() - 1, turns, distance, frequency: Some(own.frequency) });
             }
         }
         found

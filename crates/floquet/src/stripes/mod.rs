@@ -3,6 +3,8 @@
 //! | module | holds |
 //! |---|---|
 //! | `signature` | [`signature()`]: on which multiplier of a mode the energy is positive |
+//! | `form` | the secular function at one frequency, waves in the band running off |
+//! | `own` | [`OwnMode`]: the mode that the breather has drawn out of the band |
 //! | `dressed` | [`DressedModes`]: the frequencies of the modes with the breather on the ring |
 //! | `collision` | [`Collision`]: the pair behind an unstable multiplier |
 //!
@@ -18,12 +20,16 @@
 //!
 //! Of the m modes even about the site that is hit m−1 are left to collide, the breather takes the place of one: each of
 //! them swings between two neighbouring frequencies of the bare ring, Ω_k < Ω̃_k < Ω_{k+1}, and the stripes are where
-//! Ω̃_k + Ω̃_l = jω. On long rings that is hardly apart from Ω_k + Ω_l = jω; on short ones it is the whole picture.
+//! Ω̃_k + Ω̃_l = jω. One of them may have left the band: it is then the breather's own, number m−1. On long
+//! rings that is hardly apart from Ω_k + Ω_l = jω; on short ones it is the whole picture.
 
 mod collision;
 mod dressed;
+mod form;
+mod own;
 mod signature;
 
 pub use collision::Collision;
 pub use dressed::DressedModes;
+pub use own::OwnMode;
 pub use signature::{Signature, signature};
