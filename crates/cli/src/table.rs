@@ -51,6 +51,8 @@ pub struct Table<W: Write> {
     parameters: Vec<Parameter>,
     collisions: bool,
     record: ByteRecord,
+    /// The digits that each parameter had last: all but the fastest axis stand still for a row of the map.
+    last: Vec<(Option<u64>, String)>,
     text: String,
 }
 
@@ -58,9 +60,11 @@ impl<W: Write> Table<W> {
     /// For rows alone, without the header.
     pub fn new(scene: &Scene, writer: W) -> Self {
         let writer = Writer::from_writer(writer);
+        let parameters = parameters(scene);
         Self {
             writer,
-            parameters: parameters(scene),
+            last: vec![(None, String::new()); parameters.len()],
+            parameters,
             collisions: scene.task.collisions,
             record: ByteRecord::new(),
             text: String::new(),
@@ -81,8 +85,14 @@ impl<W: Write> Table<W> {
     /// Those of the writer.
     pub fn write(&mut self, point: &Point, cell: &Cell) -> csv::Result<()> {
         self.record.clear();
-        for i in 0..self.parameters.len() {
-            self.number(Some(point.get(self.parameters[i])));
+        for (parameter, (last, digits)) in self.parameters.iter().zip(&mut self.last) {
+            let value = point.get(*parameter);
+            if *last != Some(value.to_bits()) {
+                *last = Some(value.to_bits());
+                digits.clear();
+                digits.push_str(Number(value).text(&mut ryu::Buffer::new()));
+            }
+            self.record.push_field(digits.as_bytes());
         }
         self.record.push_field(cell.class.map_or("", |class| class.name()).as_bytes());
         self.record.push_field(cell.mechanism.map_or("", |mechanism| mechanism.name()).as_bytes());
