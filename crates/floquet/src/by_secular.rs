@@ -6,7 +6,7 @@ use vibrochain_breather::{Finder, Orbit};
 
 use crate::analyser::{Analyser, Failure};
 use crate::saltation::saltations;
-use crate::secular::{Doubt, Outcome, excess};
+use crate::secular::{Doubt, Leading, Outcome, excess};
 use crate::verdict::{Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -73,17 +73,15 @@ impl Analyser {
             let condition = finder.condition(orbit)?;
             self.forced.add_errors_of(orbit, &condition, finder.response())?;
         }
-        let (values, errors) = self.forced.multipliers();
+        let response = finder.response();
         if orbit.model().loss() == 0.0 {
+            let (values, errors) = self.forced.multipliers();
             return elastic(values, errors, tolerance, thorough, orbit);
         }
-        let all = || values.iter().map(|z| excess(*z)).zip(errors);
-        let leading = all().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        let Some((place, (growth, &error))) = leading else { return Err(Doubt::NotReversible.into()) };
-        // Another one that may lead is as good.
-        let error = all().map(|(other, error)| other + error - growth).fold(error, f64::max);
+        let leading = self.forced.leading(orbit, response);
+        let Some(Leading { place, growth, error }) = leading else { return Err(Doubt::NotReversible.into()) };
         check(growth, error, thorough, orbit)?;
-        Ok(settle(values, place, growth, error, tolerance))
+        Ok(settle(self.forced.multipliers().0, place, growth, error, tolerance))
     }
 }
 
