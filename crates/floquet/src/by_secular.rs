@@ -3,10 +3,11 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
+use vibrochain_lattice::ImpulseResponse;
 
 use crate::analyser::{Analyser, Failure};
 use crate::saltation::saltations;
-use crate::secular::{Doubt, Leading, Outcome, excess};
+use crate::secular::{Doubt, ForcedSecular, Leading, MOST_SETTLED, Outcome, excess, meetings};
 use crate::verdict::{Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -75,8 +76,7 @@ impl Analyser {
         }
         let response = finder.response();
         if orbit.model().loss() == 0.0 {
-            let (values, errors) = self.forced.multipliers();
-            return elastic(values, errors, tolerance, thorough, orbit);
+            return elastic(&mut self.forced, orbit, response, tolerance, thorough);
         }
         let leading = self.forced.leading(orbit, response);
         let Some(Leading { place, growth, error }) = leading else { return Err(Doubt::NotReversible.into()) };
@@ -104,36 +104,41 @@ fn settle(values: &[Complex<f64>], place: usize, growth: f64, error: f64, tolera
 
 /// Elastic impacts: a multiplier comes with 1/μ̄, so that one next to the circle that has no other near lies on it exactly.
 fn elastic(
-    values: &[Complex<f64>],
-    errors: &[f64],
+    forced: &mut ForcedSecular,
+    orbit: &Orbit,
+    response: &ImpulseResponse,
     tolerance: Tolerance,
     thorough: bool,
-    orbit: &Orbit,
 ) -> Result<Verdict, Failure> {
-    let mut leading: Option<(usize, f64, f64)> = None;
-    for (i, (z, error)) in values.iter().zip(errors).enumerate() {
-        let (growth, reach) = (excess(*z), ROOM * error);
-        if growth > reach {
-            if leading.is_none_or(|(_, largest, _)| growth > largest) {
-                leading = Some((i, growth, *error));
+    let mut settled = 0;
+    loop {
+        let (values, errors) = forced.multipliers();
+        let met = meetings(values, errors, ROOM);
+        let outside = values.iter().zip(errors).enumerate().map(|(place, (z, error))| (place, excess(*z), *error));
+        let leading = outside.filter(|(_, growth, error)| *growth > ROOM * error).max_by(|a, b| a.1.total_cmp(&b.1));
+        // Those that matter first get the errors they deserve.
+        let matter = met.iter().copied().chain(leading.map(|(place, ..)| place));
+        let open: Vec<usize> = matter.filter(|place| forced.is_open(*place)).take(MOST_SETTLED).collect();
+        if !open.is_empty() && settled < MOST_SETTLED {
+            settled += open.len();
+            for place in open {
+                if forced.is_open(place) {
+                    forced.settle(place, orbit, response, true);
+                }
             }
             continue;
         }
-        if growth < -reach {
-            continue;
-        }
-        let others = values.iter().zip(errors).enumerate().filter(|(j, _)| *j != i);
-        let alone = others.fold(true, |alone, (_, (w, other))| alone && (w - z).norm() > 2.0 * (reach + ROOM * other));
         // A pair that may have met is a question of matrices and their eigenvectors.
-        if !alone {
+        if !met.is_empty() {
             return Err(Doubt::Tangency.into());
         }
-    }
-    match leading {
-        Some((place, growth, error)) => {
-            check(growth, error, thorough, orbit)?;
-            Ok(settle(values, place, growth, error, tolerance))
-        }
-        None => Ok(Verdict::on_circle(values.first().copied())),
+        let (values, _) = forced.multipliers();
+        return match leading {
+            Some((place, growth, error)) => {
+                check(growth, error, thorough, orbit)?;
+                Ok(settle(values, place, growth, error, tolerance))
+            }
+            None => Ok(Verdict::on_circle(values.first().copied())),
+        };
     }
 }

@@ -61,7 +61,7 @@ pub(crate) struct Leading {
 }
 
 /// Multipliers that are settled one by one, each in a pass over the modes, before the rest is left with the errors it has.
-const MOST_SETTLED: usize = 256;
+pub(crate) const MOST_SETTLED: usize = 256;
 
 impl ForcedSecular {
     /// The verdict. For elastic impacts multipliers stay on the circle, which this form cannot tell from next to it: it then
@@ -118,6 +118,11 @@ impl ForcedSecular {
         // Another one that may lead is as good.
         let error = all().map(|(other, error)| other + error - growth).fold(error, f64::max);
         Some(Leading { place, growth, error })
+    }
+
+    /// It has not been settled yet.
+    pub(crate) fn is_open(&self, place: usize) -> bool {
+        self.asked.get(place) == Some(&State::Open)
     }
 
     /// Settles one multiplier by the impacts' equations, where they know better; `included` tells that the errors hold those of
