@@ -7,7 +7,7 @@ use vibrochain_lattice::ImpulseResponse;
 
 use crate::analyser::{Analyser, Failure};
 use crate::saltation::saltations;
-use crate::secular::{Doubt, ForcedSecular, Leading, MOST_SETTLED, Outcome, excess, meetings};
+use crate::secular::{Doubt, ForcedSecular, Leading, Outcome, excess, meetings};
 use crate::verdict::{Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -19,6 +19,9 @@ const WORST_OF_SWEEP: f64 = 1e-9;
 
 /// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
 const WORTH_A_MATRIX: usize = 1000;
+
+/// Passes of one mode that multipliers of elastic impacts may cost which are to be told apart: seconds.
+const BUDGET: usize = 250_000_000;
 
 /// Room for what estimated errors leave out where an answer hangs on them.
 const ROOM: f64 = 4.0;
@@ -47,7 +50,16 @@ impl Analyser {
         };
         let response = finder.response_to(orbit)?;
         self.secular.set_within(orbit, response, ratio_error)?;
-        let found = self.secular.verdict()?;
+        let found = self.secular.verdict();
+        let open = match &found {
+            Ok(verdict) => verdict.outcome == Outcome::Marginal,
+            // A dense matrix knows of other ways, unless it would take too long.
+            Err(_) => orbit.model().chain().even_modes() > WORTH_A_MATRIX,
+        };
+        if open && let Ok(verdict) = self.told_apart(orbit, finder, tolerance, thorough) {
+            return Ok(verdict);
+        }
+        let found = found?;
         Ok(match (found.outcome, found.leading) {
             (Outcome::Unstable, Some(leading)) => {
                 check(found.growth, found.growth_error, thorough, orbit)?;
@@ -58,6 +70,27 @@ impl Analyser {
             }
             _ => Verdict::on_circle(None),
         })
+    }
+
+    /// A verdict that hangs on the errors of residues next to coincident poles: the multipliers are settled by the impacts' equations,
+    /// which know nothing of these.
+    fn told_apart(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+        thorough: bool,
+    ) -> Result<Verdict, Failure> {
+        let condition = finder.condition(orbit)?;
+        let multipliers = self.secular.multipliers()?;
+        let errors = self.secular.roots.errors.iter().flat_map(|error| [*error; 2]);
+        // ν = ½(μ + 1/μ), next to ±1 a square root.
+        let of_multiplier = |(mu, error): (Complex<f64>, f64)| {
+            let slope = (mu - mu.inv()).norm().max((2.0 * error).sqrt());
+            (mu, 2.0 * error * mu.norm() / slope + 4.0 * f64::EPSILON * mu.norm())
+        };
+        self.forced.adopt(orbit, &condition, multipliers.into_iter().zip(errors).map(of_multiplier));
+        elastic(&mut self.forced, orbit, finder.response_to(orbit)?, tolerance, thorough)
     }
 
     pub(crate) fn not_reversible(
@@ -110,16 +143,25 @@ fn elastic(
     tolerance: Tolerance,
     thorough: bool,
 ) -> Result<Verdict, Failure> {
+    let most = BUDGET / orbit.model().chain().even_modes();
     let mut settled = 0;
     loop {
         let (values, errors) = forced.multipliers();
-        let met = meetings(values, errors, ROOM);
         let outside = values.iter().zip(errors).enumerate().map(|(place, (z, error))| (place, excess(*z), *error));
         let leading = outside.filter(|(_, growth, error)| *growth > ROOM * error).max_by(|a, b| a.1.total_cmp(&b.1));
         // Those that matter first get the errors they deserve.
-        let matter = met.iter().copied().chain(leading.map(|(place, ..)| place));
-        let open: Vec<usize> = matter.filter(|place| forced.is_open(*place)).take(MOST_SETTLED).collect();
-        if !open.is_empty() && settled < MOST_SETTLED {
+        if let Some((place, ..)) = leading.filter(|(place, ..)| forced.is_open(*place) && settled < most) {
+            settled += 1;
+            forced.settle(place, orbit, response, true);
+            continue;
+        }
+        let mut met = meetings(values, errors, ROOM);
+        // What cannot be farther outside than the leading one does not matter.
+        let rivals =
+            |place: usize| leading.is_none_or(|(_, growth, _)| excess(values[place]) + ROOM * errors[place] > growth);
+        met.retain(|place| rivals(*place));
+        let open: Vec<usize> = met.iter().copied().filter(|place| forced.is_open(*place)).take(most).collect();
+        if !open.is_empty() && settled < most {
             settled += open.len();
             for place in open {
                 if forced.is_open(place) {

@@ -39,6 +39,8 @@ pub struct ForcedSecular {
     balanced: bool,
     asked: Vec<State>,
     data: SmallVec<[DataError; 2]>,
+    /// A multiplier that is not among the values.
+    trivial: Option<Complex<f64>>,
 }
 
 /// What the impacts' equations have said of a multiplier.
@@ -61,7 +63,7 @@ pub(crate) struct Leading {
 }
 
 /// Multipliers that are settled one by one, each in a pass over the modes, before the rest is left with the errors it has.
-pub(crate) const MOST_SETTLED: usize = 256;
+const MOST_SETTLED: usize = 256;
 
 impl ForcedSecular {
     /// The verdict. For elastic impacts multipliers stay on the circle, which this form cannot tell from next to it: it then
@@ -145,7 +147,9 @@ impl ForcedSecular {
             others.map(|(other, value)| (other, (value - w).norm())).min_by(|a, b| a.1.total_cmp(&b.1))
         };
         // To first order only if no other one is near.
-        let alone = nearest_to(settled).is_none_or(|(_, distance)| ALONE * error.max(moved) < distance);
+        let distance = nearest_to(settled).map_or(f64::INFINITY, |(_, distance)| distance);
+        let distance = self.trivial.map_or(distance, |trivial| distance.min((trivial - settled).norm()));
+        let alone = ALONE * error.max(moved) < distance;
         let partner = nearest_to(z.conj()).filter(|(_, distance)| *distance < z.im.abs());
         if alone {
             (self.values[place], self.errors[place]) = (settled, error + data);
@@ -190,6 +194,7 @@ impl ForcedSecular {
         self.errors.clear();
         self.errors.extend_from_slice(errors);
         self.balanced = false;
+        self.trivial = None;
         self.asked.clear();
         self.asked.resize(self.values.len(), State::Open);
         self.data.clear();
@@ -209,6 +214,27 @@ impl ForcedSecular {
         Ok(())
     }
 
+    /// Takes over multipliers of a conservative orbit found by other means, without its trivial pair, to settle them.
+    pub(crate) fn adopt(
+        &mut self,
+        orbit: &Orbit,
+        condition: &Condition,
+        multipliers: impl Iterator<Item = (Complex<f64>, f64)>,
+    ) {
+        self.multipliers.take_over(orbit);
+        self.values.clear();
+        self.errors.clear();
+        for (value, error) in multipliers {
+            self.values.push(value);
+            self.errors.push(error);
+        }
+        self.balanced = false;
+        self.trivial = Some(Complex::new(1.0, 0.0));
+        self.asked.clear();
+        self.asked.resize(self.values.len(), State::Open);
+        self.know_data_of(orbit, condition);
+    }
+
     /// The multipliers last solved for, and their errors.
     pub(crate) fn multipliers(&self) -> (&[Complex<f64>], &[f64]) {
         (&self.values, &self.errors)
@@ -222,6 +248,17 @@ impl ForcedSecular {
         condition: &Condition,
         response: &ImpulseResponse,
     ) -> Result<(), Doubt> {
+        self.know_data_of(orbit, condition);
+        if !self.multipliers.is_large() {
+            self.settle_all(orbit, response, false);
+        }
+        if self.asked.iter().all(|state| *state == State::Settled) {
+            return Ok(());
+        }
+        self.add_differences(orbit, response)
+    }
+
+    fn know_data_of(&mut self, orbit: &Orbit, condition: &Condition) {
         self.data.clear();
         for (i, (impact, known)) in orbit.impacts().iter().zip(&condition.impacts).enumerate() {
             let (kappa, impulse) = (self.multipliers.kappas[i].abs(), impact.impulse.abs());
@@ -231,13 +268,6 @@ impl ForcedSecular {
             let time = if i == 0 { 0.0 } else { known.time + f64::EPSILON * orbit.period() };
             self.data.push(DataError { kappa, time });
         }
-        if !self.multipliers.is_large() {
-            self.settle_all(orbit, response, false);
-        }
-        if self.asked.iter().all(|state| *state == State::Settled) {
-            return Ok(());
-        }
-        self.add_differences(orbit, response)
     }
 
     /// Errors of the orbit's data by difference quotients, for those that are not settled.

@@ -52,7 +52,7 @@ pub use doubt::Doubt;
 pub use forced::SecularMultipliers;
 pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;
-pub(crate) use forced_verdict::{Leading, MOST_SETTLED};
+pub(crate) use forced_verdict::Leading;
 pub(crate) use growth::excess;
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
