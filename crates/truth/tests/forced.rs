@@ -83,23 +83,28 @@ fn true_error(spectrum: &TrueSpectrum, z: Complex<f64>) -> Option<f64> {
 
 /// What was found on the way: claimed error over true one, for each multiplier looked at.
 #[derive(Default)]
-struct Ratios(Vec<f64>);
+struct Ratios {
+    values: Vec<f64>,
+    /// Multipliers of which hardly more than the size is claimed: many digits may find another one than is meant.
+    vague: usize,
+}
 
 impl Ratios {
     fn add(&mut self, claimed: f64, truth: f64) {
-        self.0.push(claimed / truth.max(f64::MIN_POSITIVE));
+        self.values.push(claimed / truth.max(f64::MIN_POSITIVE));
     }
 
     fn quantile(&mut self, part: f64) -> f64 {
-        self.0.sort_by(f64::total_cmp);
-        self.0.get(((self.0.len().max(1) - 1) as f64 * part) as usize).copied().unwrap_or(0.0)
+        self.values.sort_by(f64::total_cmp);
+        self.values.get(((self.values.len().max(1) - 1) as f64 * part) as usize).copied().unwrap_or(0.0)
     }
 
     fn print(&mut self, name: &str) {
         let [least, median, most, worst] = [0.0, 0.5, 0.99, 1.0].map(|part| self.quantile(part));
         println!(
-            "{name}: {} multipliers, {least:.1} at least, {median:.0} median, {most:.1e} 99 %, {worst:.1e} at most",
-            self.0.len()
+            "{name}: {} multipliers, {least:.1} at least, {median:.0} median, {most:.1e} 99 %, {worst:.1e} at most, {} vague",
+            self.values.len(),
+            self.vague
         );
     }
 }
@@ -111,6 +116,10 @@ fn compare(secular: &mut ForcedSecular, orbit: &Orbit, finder: &mut Finder, rati
     let mut all: Vec<_> = values.iter().zip(errors).collect();
     all.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
     for (z, error) in all.iter().step_by(every) {
+        if **error > 1e-3 * z.norm() {
+            ratios.vague += 1;
+            continue;
+        }
         let Some(truth) = true_error(&spectrum, **z) else { continue };
         assert!(
             truth <= **error,
@@ -143,7 +152,8 @@ fn claims_hold(draws: usize) {
             }
         }
         ratios.print(&format!("{place:?}, {orbits} orbits"));
-        assert!(orbits > draws / 3 && ratios.0.len() > orbits, "{place:?}: {orbits} {}", ratios.0.len());
+        assert!(orbits > draws / 3 && ratios.values.len() > orbits, "{place:?}: {orbits} {}", ratios.values.len());
+        assert!(50 * ratios.vague < ratios.values.len(), "{place:?}: {}", ratios.vague);
         assert!(ratios.quantile(0.5) < 100.0, "{place:?}: {}", ratios.quantile(0.5));
     }
 }
@@ -231,5 +241,5 @@ fn no_spectral_radius_is_farther_off_than_is_claimed() {
         ratios.add(verdict.resolution, off.max(0.5 * f64::EPSILON * verdict.spectral_radius));
     }
     ratios.print("with the orbit's errors");
-    assert!(ratios.0.len() > 60 && ratios.quantile(0.5) < 1e3, "{}", ratios.0.len());
+    assert!(ratios.values.len() > 60 && ratios.quantile(0.5) < 1e3, "{}", ratios.values.len());
 }
