@@ -9,7 +9,7 @@ use support::dense;
 use vibrochain::breather::{Family, Finder, Found, Orbit};
 use vibrochain::floquet::{
     Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Outcome, Secular, SecularMultipliers,
-    SecularVerdict, Tolerance, even_monodromy,
+    SecularVerdict, Tolerance, even_monodromy, full_monodromy,
 };
 use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
 
@@ -116,7 +116,7 @@ proptest! {
 }
 
 #[test]
-fn the_shape_of_the_unstable_perturbation_is_that_of_the_dense_solver() {
+fn the_shape_of_the_unstable_perturbation_is_an_eigenvector_of_the_dense_matrix() {
     let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
     let (mut finder, mut found) = (Finder::new(21), Found::default());
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
@@ -126,12 +126,13 @@ fn the_shape_of_the_unstable_perturbation_is_that_of_the_dense_solver() {
         let (values, _) = secular.multipliers().unwrap();
         let leading = *values.iter().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
         let (displacement, velocity) = ModalShape::new(orbit, finder.response(), leading).unwrap().at_sites(21, 0);
-        let modes = vibrochain::floquet::leading_modes(orbit, 2).unwrap();
-        let mode = modes.iter().find(|mode| (mode.multiplier - leading).norm() < 1e-9).unwrap();
-        let ratio = displacement[0] / mode.displacement[0];
-        for n in 0..21 {
-            assert!((displacement[n] - ratio * mode.displacement[n]).norm() < 1e-9 * ratio.norm());
-            assert!((velocity[n] - ratio * mode.velocity[n]).norm() < 1e-9 * ratio.norm());
+        // M (u, v) = μ (u, v) for the matrix of the whole ring.
+        let matrix = dense(&full_monodromy(orbit).unwrap());
+        let state: Vec<_> = displacement.iter().chain(&velocity).copied().collect();
+        let size = state.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        for row in 0..42 {
+            let image: Complex<f64> = (0..42).map(|column| state[column] * matrix[(row, column)]).sum();
+            assert!((image - leading * state[row]).norm() < 1e-11 * size * matrix.norm());
         }
     }
 }

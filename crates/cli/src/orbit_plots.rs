@@ -11,8 +11,8 @@
 
 use std::path::Path;
 
-use vibrochain_breather::{BreatherError, Motion, Orbit};
-use vibrochain_floquet::{Complex, Stability, leading_modes};
+use vibrochain_breather::{BreatherError, Finder, Motion, Orbit};
+use vibrochain_floquet::{Complex, FloquetMode, Stability, leading_modes};
 use vibrochain_lattice::{Decay, ImpulseResponse, Spectrum, decay, far_field};
 
 use crate::error::CliError;
@@ -61,7 +61,7 @@ pub(crate) fn write(
     save("decay", (960, 520), vec![decay_pane(orbit).map_err(computation)?])?;
     if let Some(stability) = stability {
         save("multipliers", (960, 760), vec![multipliers(stability)])?;
-        save("eigenvector", (660, 480), eigenvector(orbit)?)?;
+        save("eigenvector", (660, 480), eigenvector(orbit, stability.verdict.leading)?)?;
     }
     Ok(())
 }
@@ -222,9 +222,14 @@ fn same(a: &Complex<f64>, b: &Complex<f64>) -> bool {
     (a - b).norm() < close || (a.conj() - b).norm() < close
 }
 
-fn eigenvector(orbit: &Orbit) -> Result<Vec<Pane>, CliError> {
-    let modes = leading_modes(orbit, 1).map_err(computation)?;
-    let Some(mode) = modes.first() else { return Ok(Vec::new()) };
+fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliError> {
+    let mut finder = Finder::new(orbit.model().chain().sites());
+    let mode = match FloquetMode::of(orbit, &mut finder, leading) {
+        Ok(mode) => Some(mode),
+        // The secular form does not know it: by a dense matrix.
+        Err(_) => leading_modes(orbit, 1).map_err(computation)?.pop(),
+    };
+    let Some(mode) = mode else { return Ok(Vec::new()) };
     let turning = mode.multiplier.im != 0.0;
     let part = |name: &str, colour, stroke, mark, of: &dyn Fn(usize) -> f64| Series {
         name: name.to_owned(),

@@ -114,6 +114,18 @@ impl Analyser {
         Ok(Stability { verdict, multipliers })
     }
 
+    /// The non-trivial multipliers of the space that feels impacts, where the secular form vouches for them.
+    pub(crate) fn secular_multipliers(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+    ) -> Result<Vec<Complex<f64>>, Failure> {
+        if orbit.impact_site().is_none() || uncoupled(orbit) {
+            return Err(Doubt::NotReversible.into());
+        }
+        self.by_secular_function(orbit, finder, Tolerance::Rounding, true).map(|(_, multipliers)| multipliers)
+    }
+
     /// Verdict and, if `thorough`, the non-trivial multipliers of the space that feels impacts.
     fn decide(
         &mut self,

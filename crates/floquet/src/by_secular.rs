@@ -3,10 +3,11 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
+use vibrochain_lattice::ImpulseResponse;
 
 use crate::analyser::{Analyser, Failure};
 use crate::saltation::saltations;
-use crate::secular::{Doubt, Outcome, excess};
+use crate::secular::{Doubt, ForcedSecular, Leading, Outcome, excess, meetings};
 use crate::verdict::{Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -18,6 +19,9 @@ const WORST_OF_SWEEP: f64 = 1e-9;
 
 /// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
 const WORTH_A_MATRIX: usize = 1000;
+
+/// Passes of one mode that multipliers of elastic impacts may cost which are to be told apart: seconds.
+const BUDGET: usize = 250_000_000;
 
 /// Room for what estimated errors leave out where an answer hangs on them.
 const ROOM: f64 = 4.0;
@@ -46,7 +50,16 @@ impl Analyser {
         };
         let response = finder.response_to(orbit)?;
         self.secular.set_within(orbit, response, ratio_error)?;
-        let found = self.secular.verdict()?;
+        let found = self.secular.verdict();
+        let open = match &found {
+            Ok(verdict) => verdict.outcome == Outcome::Marginal,
+            // A dense matrix knows of other ways, unless it would take too long.
+            Err(_) => orbit.model().chain().even_modes() > WORTH_A_MATRIX,
+        };
+        if open && let Ok(verdict) = self.told_apart(orbit, finder, tolerance, thorough) {
+            return Ok(verdict);
+        }
+        let found = found?;
         Ok(match (found.outcome, found.leading) {
             (Outcome::Unstable, Some(leading)) => {
                 check(found.growth, found.growth_error, thorough, orbit)?;
@@ -57,6 +70,27 @@ impl Analyser {
             }
             _ => Verdict::on_circle(None),
         })
+    }
+
+    /// A verdict that hangs on the errors of residues next to coincident poles: the multipliers are settled by the impacts' equations,
+    /// which know nothing of these.
+    fn told_apart(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+        thorough: bool,
+    ) -> Result<Verdict, Failure> {
+        let condition = finder.condition(orbit)?;
+        let multipliers = self.secular.multipliers()?;
+        let errors = self.secular.roots.errors.iter().flat_map(|error| [*error; 2]);
+        // ν = ½(μ + 1/μ), next to ±1 a square root.
+        let of_multiplier = |(mu, error): (Complex<f64>, f64)| {
+            let slope = (mu - mu.inv()).norm().max((2.0 * error).sqrt());
+            (mu, 2.0 * error * mu.norm() / slope + 4.0 * f64::EPSILON * mu.norm())
+        };
+        self.forced.adopt(orbit, &condition, multipliers.into_iter().zip(errors).map(of_multiplier));
+        elastic(&mut self.forced, orbit, finder.response_to(orbit)?, tolerance, thorough)
     }
 
     pub(crate) fn not_reversible(
@@ -73,17 +107,14 @@ impl Analyser {
             let condition = finder.condition(orbit)?;
             self.forced.add_errors_of(orbit, &condition, finder.response())?;
         }
-        let (values, errors) = self.forced.multipliers();
+        let response = finder.response();
         if orbit.model().loss() == 0.0 {
-            return elastic(values, errors, tolerance, thorough, orbit);
+            return elastic(&mut self.forced, orbit, response, tolerance, thorough);
         }
-        let all = || values.iter().map(|z| excess(*z)).zip(errors);
-        let leading = all().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        let Some((place, (growth, &error))) = leading else { return Err(Doubt::NotReversible.into()) };
-        // Another one that may lead is as good.
-        let error = all().map(|(other, error)| other + error - growth).fold(error, f64::max);
+        let leading = self.forced.leading(orbit, response);
+        let Some(Leading { place, growth, error }) = leading else { return Err(Doubt::NotReversible.into()) };
         check(growth, error, thorough, orbit)?;
-        Ok(settle(values, place, growth, error, tolerance))
+        Ok(settle(self.forced.multipliers().0, place, growth, error, tolerance))
     }
 }
 
@@ -106,36 +137,50 @@ fn settle(values: &[Complex<f64>], place: usize, growth: f64, error: f64, tolera
 
 /// Elastic impacts: a multiplier comes with 1/μ̄, so that one next to the circle that has no other near lies on it exactly.
 fn elastic(
-    values: &[Complex<f64>],
-    errors: &[f64],
+    forced: &mut ForcedSecular,
+    orbit: &Orbit,
+    response: &ImpulseResponse,
     tolerance: Tolerance,
     thorough: bool,
-    orbit: &Orbit,
 ) -> Result<Verdict, Failure> {
-    let mut leading: Option<(usize, f64, f64)> = None;
-    for (i, (z, error)) in values.iter().zip(errors).enumerate() {
-        let (growth, reach) = (excess(*z), ROOM * error);
-        if growth > reach {
-            if leading.is_none_or(|(_, largest, _)| growth > largest) {
-                leading = Some((i, growth, *error));
+    let most = BUDGET / orbit.model().chain().even_modes();
+    let mut settled = 0;
+    loop {
+        let (values, errors) = forced.multipliers();
+        let outside = values.iter().zip(errors).enumerate().map(|(place, (z, error))| (place, excess(*z), *error));
+        let leading = outside.filter(|(_, growth, error)| *growth > ROOM * error).max_by(|a, b| a.1.total_cmp(&b.1));
+        // Those that matter first get the errors they deserve.
+        if let Some((place, ..)) = leading.filter(|(place, ..)| forced.is_open(*place) && settled < most) {
+            settled += 1;
+            forced.settle(place, orbit, response, true);
+            continue;
+        }
+        let mut met = meetings(values, errors, ROOM);
+        // What cannot be farther outside than the leading one does not matter.
+        let rivals =
+            |place: usize| leading.is_none_or(|(_, growth, _)| excess(values[place]) + ROOM * errors[place] > growth);
+        met.retain(|place| rivals(*place));
+        let open: Vec<usize> = met.iter().copied().filter(|place| forced.is_open(*place)).take(most).collect();
+        if !open.is_empty() && settled < most {
+            settled += open.len();
+            for place in open {
+                if forced.is_open(place) {
+                    forced.settle(place, orbit, response, true);
+                }
             }
             continue;
         }
-        if growth < -reach {
-            continue;
-        }
-        let others = values.iter().zip(errors).enumerate().filter(|(j, _)| *j != i);
-        let alone = others.fold(true, |alone, (_, (w, other))| alone && (w - z).norm() > 2.0 * (reach + ROOM * other));
         // A pair that may have met is a question of matrices and their eigenvectors.
-        if !alone {
+        if !met.is_empty() {
             return Err(Doubt::Tangency.into());
         }
-    }
-    match leading {
-        Some((place, growth, error)) => {
-            check(growth, error, thorough, orbit)?;
-            Ok(settle(values, place, growth, error, tolerance))
-        }
-        None => Ok(Verdict::on_circle(values.first().copied())),
+        let (values, _) = forced.multipliers();
+        return match leading {
+            Some((place, growth, error)) => {
+                check(growth, error, thorough, orbit)?;
+                Ok(settle(values, place, growth, error, tolerance))
+            }
+            None => Ok(Verdict::on_circle(values.first().copied())),
+        };
     }
 }

@@ -1,26 +1,62 @@
-//! Eigenvectors, on request: what the leading perturbation looks like along the ring.
+//! Eigenvectors, on request: what the leading perturbation looks like along the ring. From the secular form, a few passes over the
+//! modes each, where that has an answer; from a dense matrix otherwise.
 
 use faer::MatRef;
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{Finder, Orbit};
 use vibrochain_lattice::{RingCosines, Spectrum};
 
+use crate::analyser::{Analyser, Failure};
+use crate::dense::uncoupled;
 use crate::error::FloquetError;
-use crate::monodromy::{even_monodromy, full_monodromy};
+use crate::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
+use crate::multipliers::sort_multipliers;
+use crate::secular::{Doubt, ModalShape};
 
 /// A multiplier and its perturbation just before the first impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloquetMode {
     /// μ
     pub multiplier: Complex<f64>,
-    /// Displacements of the M masses, scaled so that the largest of all entries has modulus 1.
+    /// Displacements of the M masses, scaled so that the largest of all entries is 1.
     pub displacement: Vec<Complex<f64>>,
     /// Velocities of the M masses, on the same scale.
     pub velocity: Vec<Complex<f64>>,
 }
 
+impl FloquetMode {
+    /// The mode of a multiplier that is known, as [`crate::Analyser::stability`] tells them: of the space that feels impacts, which are
+    /// all at one site. O(M log M).
+    ///
+    /// # Errors
+    /// [`Doubt`], also for a number that is no multiplier of the orbit.
+    pub fn of(orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>) -> Result<Self, Doubt> {
+        let home = orbit.impact_site().filter(|_| !uncoupled(orbit)).ok_or(Doubt::NotReversible)?;
+        let response = finder.response_to(orbit).map_err(|_| Doubt::NotReversible)?;
+        let shape = ModalShape::new(orbit, response, multiplier)?;
+        let (displacement, velocity) = shape.at_sites(orbit.model().chain().sites(), home);
+        let mut mode = Self { multiplier, displacement, velocity };
+        mode.normalise();
+        Ok(mode)
+    }
+
+    /// The entry of largest modulus becomes 1, and real what can be.
+    fn normalise(&mut self) {
+        let Self { multiplier, displacement, velocity } = self;
+        let all = displacement.iter().chain(&*velocity);
+        let largest = all.copied().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+        let scale = largest.filter(|z| z.norm_sqr() > 0.0).map_or(Complex::new(1.0, 0.0), |z| z.inv());
+        for entry in displacement.iter_mut().chain(velocity) {
+            *entry *= scale;
+            if multiplier.im == 0.0 {
+                entry.im = 0.0;
+            }
+        }
+    }
+}
+
 /// The `count` modes of largest modulus of the space that feels impacts, with their eigenvectors. (A conservative orbit's
-/// trivial pair is among them, split by rounding, where nothing larger precedes it.)
+/// trivial pair is left out, as long as there are others and no dense matrix has to tell, where rounding splits it.)
 ///
 /// # Errors
 /// [`FloquetError`].
@@ -32,12 +68,37 @@ pub struct FloquetMode {
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
 /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
 /// let mode = &leading_modes(orbit, 1)?[0];
-/// assert!((mode.multiplier.re - 2.797574412183362).abs() < 1e-8);
+/// assert!((mode.multiplier.re - 2.797574412183362).abs() < 1e-12);
 /// // The instability sits on the breather.
 /// assert!(mode.displacement[0].norm() > mode.displacement[10].norm());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {
+    let mut finder = Finder::new(orbit.model().chain().sites());
+    match by_secular_function(orbit, &mut finder, count) {
+        Ok(modes) => Ok(modes),
+        Err(Failure::Floquet(error)) => Err(error),
+        Err(Failure::Doubt(doubt)) => {
+            let dimension = 2 * orbit.model().chain().even_modes();
+            if orbit.impact_site().is_some() && dimension > MAX_DIMENSION {
+                return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
+            }
+            by_matrix(orbit, count)
+        }
+    }
+}
+
+fn by_secular_function(orbit: &Orbit, finder: &mut Finder, count: usize) -> Result<Vec<FloquetMode>, Failure> {
+    let mut multipliers = Analyser::default().secular_multipliers(orbit, finder)?;
+    if multipliers.len() < count {
+        return Err(Doubt::NotReversible.into());
+    }
+    sort_multipliers(&mut multipliers);
+    let modes = multipliers.into_iter().take(count).map(|multiplier| FloquetMode::of(orbit, finder, multiplier));
+    Ok(modes.collect::<Result<_, Doubt>>()?)
+}
+
+fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {
     let chain = orbit.model().chain();
     let home = orbit.impact_site();
     let matrix = if home.is_some() { even_monodromy(orbit)? } else { full_monodromy(orbit)? };
@@ -75,10 +136,73 @@ pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, Fl
                 velocity[n] = entry(n + half);
             }
         }
-        let largest = displacement.iter().chain(&velocity).map(|z| z.norm()).fold(0.0, f64::max);
-        let scale = if largest > 0.0 { 1.0 / largest } else { 1.0 };
-        displacement.iter_mut().chain(&mut velocity).for_each(|z| *z *= scale);
-        FloquetMode { multiplier: Complex::new(values[i].re, values[i].im), displacement, velocity }
+        let mut mode = FloquetMode { multiplier: Complex::new(values[i].re, values[i].im), displacement, velocity };
+        mode.normalise();
+        mode
     });
     Ok(modes.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibrochain_breather::{Family, breathers};
+    use vibrochain_lattice::{Chain, Model};
+
+    /// Both ways, against each other and against the matrix of the whole ring.
+    #[test]
+    fn modes_are_those_of_the_dense_matrix() {
+        let cases = [
+            (21, Family::SingleSided, 0.8, 0.0, 1.0),
+            (20, Family::DoubleSided, 0.9, 0.0, 1.0),
+            (21, Family::DoubleSided, 1.5, 0.1, 0.9),
+            (31, Family::SingleSided, 0.92, 0.1, 0.9),
+            (12, Family::SingleSided, 0.92, 0.1, 1.0),
+        ];
+        let mut compared = 0;
+        for (sites, family, omega, amplitude, e) in cases {
+            let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, e).unwrap();
+            for orbit in &breathers(&model, family).unwrap().orbits {
+                let mut finder = Finder::new(sites);
+                let matrix = full_monodromy(orbit).unwrap();
+                let dense = by_matrix(orbit, 3).unwrap();
+                for mode in by_secular_function(orbit, &mut finder, 3).unwrap() {
+                    let mut state = mode.displacement.clone();
+                    state.extend(&mode.velocity);
+                    let largest = state.iter().map(|z| z.norm()).fold(0.0, f64::max);
+                    assert!((largest - 1.0).abs() < 1e-12);
+                    for row in 0..2 * sites {
+                        let image: Complex<f64> = matrix.row(row).iter().zip(&state).map(|(m, z)| z * *m).sum();
+                        let defect = (image - mode.multiplier * state[row]).norm();
+                        assert!(defect < 1e-10 * matrix.norm().powi(2), "{family:?} {omega}: {defect:e}");
+                    }
+                    // Where one is simple, they are the same on the same scale.
+                    if let Some(other) = dense.iter().find(|other| (other.multiplier - mode.multiplier).norm() < 1e-9)
+                        && mode.multiplier.norm() > 1.0001
+                    {
+                        let entries = mode.displacement.iter().zip(&other.displacement);
+                        let off = entries.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+                        assert!(off < 1e-7, "{family:?} {omega}: {off:e}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert!(compared > 4, "{compared}");
+    }
+
+    #[test]
+    fn the_leading_mode_of_a_long_ring_needs_no_matrix() {
+        // The isolated mode of the infinite chain: no longer does a longer ring change it.
+        let at = |sites: usize| {
+            let model = Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), 0.8, 0.4).unwrap();
+            let orbit = &breathers(&model, Family::SingleSided).unwrap().orbits[0];
+            leading_modes(orbit, 1).unwrap().remove(0)
+        };
+        let (short, long) = (at(81), at(20_001));
+        assert!((short.multiplier - long.multiplier).norm() < 1e-10);
+        for n in 0..30 {
+            assert!((short.displacement[n] - long.displacement[n]).norm() < 1e-9, "{n}");
+        }
+    }
 }

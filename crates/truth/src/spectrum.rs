@@ -4,9 +4,12 @@
 //! coordinates in the determinant instead of being summed, so that nothing cancels there. Where M is symplectic (e = 1),
 //! D depends on z through ν alone and ν is solved for: reciprocal pairs, the trivial one among them, are then simple roots.
 
+use vibrochain_breather::Orbit;
+
 use crate::complex::Complex;
 use crate::error::TruthError;
-use crate::orbit::TrueOrbit;
+use crate::kernel::Kernel;
+use crate::orbit::{TrueImpact, TrueOrbit};
 use crate::real::Real;
 use crate::secular::Flight;
 
@@ -65,23 +68,51 @@ impl TrueSpectrum {
     /// # Errors
     /// [`TruthError::SeveralSites`]; [`TruthError::Singular`] for an impact without speed.
     pub fn new(orbit: &TrueOrbit) -> Result<Self, TruthError> {
-        let (impacts, kernel) = (orbit.impacts(), orbit.kernel());
+        let impacts = orbit.impacts();
         if impacts.windows(2).any(|pair| pair[0].site != pair[1].site) {
             return Err(TruthError::SeveralSites);
         }
-        if impacts.windows(2).any(|pair| pair[0].time >= pair[1].time) {
+        let restitution = Real::new(orbit.model().restitution(), orbit.kernel().work_bits());
+        let saltation = |impact: &TrueImpact| (&restitution + 1.0) * &impact.acceleration / &impact.velocity_before;
+        let data = impacts.iter().map(|impact| (impact.time.clone(), saltation(impact))).collect();
+        Self::assemble(orbit.kernel(), restitution, data, orbit.bits())
+    }
+
+    /// The secular determinant for the times, accelerations and velocities of an `f64` orbit, taken as exact: what is to be
+    /// had from these numbers, be the orbit as good as it may.
+    ///
+    /// # Errors
+    /// As [`TrueSpectrum::new`]; [`TruthError::Resonance`].
+    pub fn as_given(orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
+        if orbit.impact_site().is_none() {
+            return Err(TruthError::SeveralSites);
+        }
+        let model = orbit.model();
+        let kernel = Kernel::new(model.chain(), model.omega(), orbit.force_periods(), 2 * bits + 64)?;
+        let work = kernel.work_bits();
+        let restitution = Real::new(model.restitution(), work);
+        let data = orbit.impacts().iter().map(|impact| {
+            let kappa = (&restitution + 1.0) * impact.acceleration / impact.velocity_before;
+            (Real::new(impact.time, work), kappa)
+        });
+        let data = data.collect();
+        Self::assemble(&kernel, restitution, data, bits)
+    }
+
+    /// From the times of the impacts and the entries (velocity, displacement) of their saltations.
+    fn assemble(
+        kernel: &Kernel,
+        restitution: Real,
+        impacts: Vec<(Real, Real)>,
+        bits: usize,
+    ) -> Result<Self, TruthError> {
+        if impacts.windows(2).any(|pair| pair[0].0 >= pair[1].0) {
             return Err(TruthError::Singular { what: "two impacts of one mass at one time" });
         }
-        let work = kernel.work_bits();
-        let restitution = Real::new(orbit.model().restitution(), work);
-        let mut kappas = Vec::with_capacity(impacts.len());
-        for impact in impacts {
-            let kappa = (&restitution + 1.0) * &impact.acceleration / &impact.velocity_before;
-            if !kappa.is_finite() {
-                return Err(TruthError::Singular { what: "an impact without speed: its saltation is not finite" });
-            }
-            kappas.push(kappa);
+        if impacts.iter().any(|(_, kappa)| !kappa.is_finite()) {
+            return Err(TruthError::Singular { what: "an impact without speed: its saltation is not finite" });
         }
+        let work = kernel.work_bits();
         let period = kernel.period();
         let mut poles: Vec<Pole> = Vec::new();
         for (mode, (frequency, weight)) in kernel.frequencies().zip(kernel.weights()).enumerate() {
@@ -100,7 +131,7 @@ impl TrueSpectrum {
         }
         let flights = (0..impacts.len()).map(|i| {
             let row = (0..impacts.len()).map(|j| {
-                let mut time = &impacts[i].time - &impacts[j].time;
+                let mut time = &impacts[i].0 - &impacts[j].0;
                 if j >= i {
                     time += period;
                 }
@@ -109,8 +140,9 @@ impl TrueSpectrum {
             row.collect()
         });
         let flights = flights.collect();
-        let symplectic = orbit.model().restitution() == 1.0;
-        Ok(Self { bits: orbit.bits(), work, symplectic, restitution, kappas, poles, flights })
+        let symplectic = restitution == Real::one(64);
+        let kappas = impacts.into_iter().map(|(_, kappa)| kappa).collect();
+        Ok(Self { bits, work, symplectic, restitution, kappas, poles, flights })
     }
 
     /// Number of multipliers on the even subspace, 2(⌊M/2⌋+1).

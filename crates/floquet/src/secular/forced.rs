@@ -103,12 +103,18 @@ impl SecularMultipliers {
         if orbit.impact_site().is_none() || n == 0 || n > MOST_IMPACTS {
             return Err(Doubt::NotReversible);
         }
+        self.take_over(orbit);
+        let e = orbit.model().restitution();
+        self.assemble(e, orbit.model().loss(), response)
+    }
+
+    /// Times and saltations.
+    pub(super) fn take_over(&mut self, orbit: &Orbit) {
         let e = orbit.model().restitution();
         self.times.clear();
-        self.times.extend(impacts.iter().map(|impact| impact.time));
+        self.times.extend(orbit.impacts().iter().map(|impact| impact.time));
         self.kappas.clear();
-        self.kappas.extend(impacts.iter().map(|i| i.acceleration / ((1.0 + e) * i.velocity_before)));
-        self.assemble(e, orbit.model().loss(), response)
+        self.kappas.extend(orbit.impacts().iter().map(|i| i.acceleration / ((1.0 + e) * i.velocity_before)));
     }
 
     /// Residues for the times and saltations taken over.

@@ -1,10 +1,13 @@
-//! Stable or not, for orbits that are not reversible: by the exact count where there is one, by all multipliers otherwise.
+//! Stable or not, for orbits that are not reversible: by all multipliers, held against the exact count where there is one; the
+//! leading one and its rivals settled by the impacts' own equations.
 
 use nalgebra::Complex;
+use smallvec::SmallVec;
 use vibrochain_breather::{Condition, Orbit};
 use vibrochain_lattice::ImpulseResponse;
 
 use super::aberth::evaluate;
+use super::balance::{Balance, DataError, Settled};
 use super::doubt::Doubt;
 use super::forced::SecularMultipliers;
 use super::forced_count::OutsideCounter;
@@ -31,7 +34,36 @@ pub struct ForcedSecular {
     moved: SecularMultipliers,
     values: Vec<Complex<f64>>,
     errors: Vec<f64>,
+    balance: Balance,
+    /// `balance` is set to the orbit.
+    balanced: bool,
+    asked: Vec<State>,
+    data: SmallVec<[DataError; 2]>,
+    /// A multiplier that is not among the values.
+    trivial: Option<Complex<f64>>,
 }
+
+/// What the impacts' equations have said of a multiplier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    Open,
+    /// Its error is known by them.
+    Settled,
+    /// They have no answer.
+    Refused,
+}
+
+/// A multiplier that no other one surely exceeds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Leading {
+    pub(crate) place: usize,
+    /// |μ| − 1
+    pub(crate) growth: f64,
+    pub(crate) error: f64,
+}
+
+/// Multipliers that are settled one by one, each in a pass over the modes, before the rest is left with the errors it has.
+const MOST_SETTLED: usize = 256;
 
 impl ForcedSecular {
     /// The verdict. For elastic impacts multipliers stay on the circle, which this form cannot tell from next to it: it then
@@ -44,11 +76,10 @@ impl ForcedSecular {
             return Err(Doubt::NotReversible);
         }
         self.solve(orbit, response)?;
-        let (values, errors) = self.multipliers();
-        let leading = values.iter().zip(errors).max_by(|a, b| a.0.norm_sqr().total_cmp(&b.0.norm_sqr()));
-        let Some((&leading, &error)) = leading else { return Err(Doubt::NotReversible) };
-        let growth = excess(leading);
-        let clearance = values.iter().map(|z| excess(*z).abs()).fold(f64::INFINITY, f64::min);
+        let Some(leading) = self.leading(orbit, response) else { return Err(Doubt::NotReversible) };
+        let Leading { place, growth, error } = leading;
+        let leading = self.values[place];
+        let clearance = self.values.iter().map(|z| excess(*z).abs()).fold(f64::INFINITY, f64::min);
         let real = leading.im.abs() <= error;
         let (outcome, reason) = if growth > error {
             (Outcome::Unstable, if real { Reason::RealRoot } else { Reason::ComplexPair })
@@ -61,6 +92,99 @@ impl ForcedSecular {
         Ok(SecularVerdict { outcome, reason, leading, growth, growth_error: error, clearance })
     }
 
+    /// The leading multiplier and its error, those that may lead instead counted in; whatever decides on it is
+    /// settled first.
+    pub(crate) fn leading(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Option<Leading> {
+        for _ in 0..MOST_SETTLED {
+            let best = self.best()?;
+            let reach = best.growth + self.errors[best.place];
+            // The one that may be the farthest outside decides what there is to gain.
+            let rivals = self.values.iter().zip(&self.errors).zip(&self.asked).enumerate();
+            let rival = rivals
+                .filter(|(place, ((z, error), asked))| {
+                    let counts = *place == best.place || excess(**z) + **error > reach;
+                    **asked == State::Open && counts
+                })
+                .map(|(place, ((z, error), _))| (place, excess(*z) + error))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((place, _)) = rival else { break };
+            self.settle(place, orbit, response, true);
+        }
+        self.best()
+    }
+
+    /// The largest modulus, with room for others that may be larger.
+    fn best(&self) -> Option<Leading> {
+        let all = || self.values.iter().map(|z| excess(*z)).zip(&self.errors);
+        let (place, (growth, &error)) = all().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
+        // Another one that may lead is as good.
+        let error = all().map(|(other, error)| other + error - growth).fold(error, f64::max);
+        Some(Leading { place, growth, error })
+    }
+
+    /// It has not been settled yet.
+    pub(crate) fn is_open(&self, place: usize) -> bool {
+        self.asked.get(place) == Some(&State::Open)
+    }
+
+    /// Settles one multiplier by the impacts' equations, where they know better; `included` tells that the errors hold those of
+    /// the orbit's data already.
+    pub(crate) fn settle(&mut self, place: usize, orbit: &Orbit, response: &ImpulseResponse, included: bool) {
+        if !self.balanced {
+            let form = &self.multipliers;
+            self.balance.set((&form.times, &form.kappas), orbit.model().loss(), response);
+            self.balanced = true;
+        }
+        let (z, known) = (self.values[place], self.errors[place]);
+        let Some(Settled { z: settled, error, data }) = self.balance.settle(z, &self.data) else {
+            self.asked[place] = State::Refused;
+            return;
+        };
+        self.asked[place] = State::Settled;
+        let moved = (settled - z).norm();
+        let nearest_to = |w: Complex<f64>| {
+            let others = self.values.iter().enumerate().filter(|(other, _)| *other != place);
+            others.map(|(other, value)| (other, (value - w).norm())).min_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        // To first order only if no other one is near.
+        let distance = nearest_to(settled).map_or(f64::INFINITY, |(_, distance)| distance);
+        let distance = self.trivial.map_or(distance, |trivial| distance.min((trivial - settled).norm()));
+        let alone = ALONE * error.max(moved) < distance;
+        let partner = nearest_to(z.conj()).filter(|(_, distance)| *distance < z.im.abs());
+        if alone {
+            (self.values[place], self.errors[place]) = (settled, error + data);
+        } else {
+            self.errors[place] = known.max(error + moved) + if included { 0.0 } else { data };
+        }
+        // The same holds of its mirror image.
+        if let Some((partner, _)) = partner {
+            (self.values[partner], self.errors[partner]) = (self.values[place].conj(), self.errors[place]);
+            self.asked[partner] = State::Settled;
+        }
+    }
+
+    /// All multipliers of the even subspace, each settled by the impacts' equations, and bounds of their errors as far as those of the
+    /// orbit's own data (times, velocities, accelerations) are left out. A pass over the modes for each of them.
+    ///
+    /// # Errors
+    /// As [`ForcedSecular::verdict`].
+    pub fn settled(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(&[Complex<f64>], &[f64]), Doubt> {
+        if orbit.model().is_conservative() {
+            return Err(Doubt::NotReversible);
+        }
+        self.solve(orbit, response)?;
+        self.settle_all(orbit, response, true);
+        Ok(self.multipliers())
+    }
+
+    fn settle_all(&mut self, orbit: &Orbit, response: &ImpulseResponse, included: bool) {
+        for place in 0..self.values.len() {
+            if self.asked[place] == State::Open {
+                self.settle(place, orbit, response, included);
+            }
+        }
+    }
+
     /// All multipliers of the even subspace, held against the count of those outside the circle where there is one.
     pub(crate) fn solve(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
         self.multipliers.set(orbit, response)?;
@@ -69,6 +193,11 @@ impl ForcedSecular {
         self.values.extend_from_slice(values);
         self.errors.clear();
         self.errors.extend_from_slice(errors);
+        self.balanced = false;
+        self.trivial = None;
+        self.asked.clear();
+        self.asked.resize(self.values.len(), State::Open);
+        self.data.clear();
         // The count takes a pass over the modes for each of them.
         if !self.multipliers.is_large()
             && let Ok(count) = self.counter.count(orbit, response)
@@ -85,31 +214,70 @@ impl ForcedSecular {
         Ok(())
     }
 
+    /// Takes over multipliers of a conservative orbit found by other means, without its trivial pair, to settle them.
+    pub(crate) fn adopt(
+        &mut self,
+        orbit: &Orbit,
+        condition: &Condition,
+        multipliers: impl Iterator<Item = (Complex<f64>, f64)>,
+    ) {
+        self.multipliers.take_over(orbit);
+        self.values.clear();
+        self.errors.clear();
+        for (value, error) in multipliers {
+            self.values.push(value);
+            self.errors.push(error);
+        }
+        self.balanced = false;
+        self.trivial = Some(Complex::new(1.0, 0.0));
+        self.asked.clear();
+        self.asked.resize(self.values.len(), State::Open);
+        self.know_data_of(orbit, condition);
+    }
+
     /// The multipliers last solved for, and their errors.
     pub(crate) fn multipliers(&self) -> (&[Complex<f64>], &[f64]) {
         (&self.values, &self.errors)
     }
 
-    /// Adds what the errors of the orbit's own data, of its saltations and times, do to each multiplier: by difference
-    /// quotients of the secular function, each error with the worst sign.
+    /// Adds what the errors of the orbit's own data, of its saltations and times, do to each multiplier, to first order, each
+    /// error with the worst sign: as it is settled, or else by difference quotients of the secular function.
     pub(crate) fn add_errors_of(
         &mut self,
         orbit: &Orbit,
         condition: &Condition,
         response: &ImpulseResponse,
     ) -> Result<(), Doubt> {
-        let Self { multipliers: form, moved, values, errors, .. } = self;
+        self.know_data_of(orbit, condition);
+        if !self.multipliers.is_large() {
+            self.settle_all(orbit, response, false);
+        }
+        if self.asked.iter().all(|state| *state == State::Settled) {
+            return Ok(());
+        }
+        self.add_differences(orbit, response)
+    }
+
+    fn know_data_of(&mut self, orbit: &Orbit, condition: &Condition) {
+        self.data.clear();
+        for (i, (impact, known)) in orbit.impacts().iter().zip(&condition.impacts).enumerate() {
+            let (kappa, impulse) = (self.multipliers.kappas[i].abs(), impact.impulse.abs());
+            // κ' = −v̈/P, and rounded.
+            let kappa = (known.acceleration + kappa * known.impulse) / impulse + 4.0 * f64::EPSILON * kappa;
+            // Only differences of times count.
+            let time = if i == 0 { 0.0 } else { known.time + f64::EPSILON * orbit.period() };
+            self.data.push(DataError { kappa, time });
+        }
+    }
+
+    /// Errors of the orbit's data by difference quotients, for those that are not settled.
+    fn add_differences(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+        let Self { multipliers: form, moved, values, errors, asked, data, .. } = self;
         let (e, q) = (orbit.model().restitution(), orbit.model().loss());
         let top = response.frequencies().iter().copied().fold(response.omega(), f64::max);
-        for (i, (impact, known)) in orbit.impacts().iter().zip(&condition.impacts).enumerate() {
-            let (kappa, impulse) = (form.kappas[i], impact.impulse.abs());
-            // κ' = −v̈/P, and rounded.
-            let rounded = 4.0 * f64::EPSILON * kappa.abs();
-            let kappa_error = (known.acceleration + kappa.abs() * known.impulse) / impulse + rounded;
-            let kappa_step = STEP * (kappa.abs() + response.omega());
-            // Only differences of times count.
-            let time_error = if i == 0 { 0.0 } else { known.time + f64::EPSILON * orbit.period() };
-            for (error, step, of_time) in [(kappa_error, kappa_step, false), (time_error, STEP / top, true)] {
+        for (i, DataError { kappa, time }) in data.iter().enumerate() {
+            let kappa_step = STEP * (form.kappas[i].abs() + response.omega());
+            for (error, step, of_time) in [(*kappa, kappa_step, false), (*time, STEP / top, true)] {
                 if error == 0.0 {
                     continue;
                 }
@@ -121,14 +289,19 @@ impl ForcedSecular {
                     Ok(()) | Err(Doubt::Certificate { .. }) => {}
                     Err(doubt) => return Err(doubt),
                 }
+                let scale = error / step;
+                let mut open =
+                    errors.iter_mut().zip(asked.iter()).map(|(error, state)| (error, *state != State::Settled));
                 if form.is_large() {
                     let moves = form.large.moved(&moved.large);
-                    errors.iter_mut().zip(moves).for_each(|(total, by)| *total += by * (error / step));
+                    open.zip(moves).filter(|((_, open), _)| *open).for_each(|((total, _), by)| *total += by * scale);
                     continue;
                 }
-                for (z, total) in values.iter().zip(errors.iter_mut()) {
-                    let (here, there) = (evaluate(form, *z), evaluate(moved, *z));
-                    *total += (there.f - here.f).norm() / here.slope.norm() * (error / step);
+                for (z, (total, open)) in values.iter().zip(&mut open) {
+                    if open {
+                        let (here, there) = (evaluate(form, *z), evaluate(moved, *z));
+                        *total += (there.f - here.f).norm() / here.slope.norm() * scale;
+                    }
                 }
             }
         }
@@ -158,6 +331,9 @@ impl ForcedSecular {
         paired
     }
 }
+
+/// An error this many times smaller than the distance to the next multiplier is one of first order.
+const ALONE: f64 = 8.0;
 
 /// Step of a difference quotient, relative to the natural size: error and rounding balance.
 const STEP: f64 = 1e-7;

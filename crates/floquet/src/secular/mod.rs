@@ -9,7 +9,9 @@
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
-//! | `forced_verdict` | [`ForcedSecular`]: verdicts from these two |
+//! | `balance` | a multiplier settled by the impacts' own equations, and its error |
+//! | `meetings` | which multipliers of elastic impacts may have met on the circle |
+//! | `forced_verdict` | [`ForcedSecular`]: verdicts from these |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
 //! | `labels` | the mode that a multiplier is next to |
 //! | `large`, `cauchy`, `window`, `missing`, `large_verdict` | the same for large rings in O(M) |
@@ -18,6 +20,7 @@
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
 mod aberth;
+mod balance;
 mod cauchy;
 mod circle;
 mod double_sided;
@@ -34,6 +37,7 @@ mod labels;
 mod lanes;
 mod large;
 mod large_verdict;
+mod meetings;
 mod missing;
 mod modes;
 mod pair;
@@ -48,8 +52,10 @@ pub use doubt::Doubt;
 pub use forced::SecularMultipliers;
 pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;
+pub(crate) use forced_verdict::Leading;
 pub(crate) use growth::excess;
 pub use labels::multiplier_modes;
+pub(crate) use meetings::meetings;
 pub use residues::Residues;
 pub use shapes::ModalShape;
 pub use verdict::{Outcome, Reason, Secular, SecularVerdict};

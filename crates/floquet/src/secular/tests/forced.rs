@@ -5,8 +5,10 @@ use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_lattice::{Chain, Model};
 
 use super::*;
+use crate::Analyser;
 use crate::eigen::eigenvalues;
 use crate::secular::{ForcedSecular, ModalShape, Outcome, OutsideCounter, Secular, SecularMultipliers};
+use crate::verdict::{Method, Tolerance};
 
 /// A random forced orbit's dense multipliers on the even subspace.
 fn forced_cases(
@@ -177,4 +179,30 @@ fn multipliers_of_large_rings_are_those_of_the_dense_matrix() {
         compared += 1;
     }
     assert_eq!(compared, 4);
+}
+
+/// Elastic impacts under a force: multipliers on the circle are told by structure, those off it by the dense matrix.
+#[test]
+fn large_elastic_rings_are_judged_without_a_matrix() {
+    let mut unstable = 0;
+    for (sites, omega, amplitude) in [(401, 0.92, 0.1), (401, 0.45, 0.3), (601, 1.5, 0.3), (501, 2.2, 0.2)] {
+        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, 1.0).unwrap();
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        for family in [Family::SingleSided, Family::DoubleSided] {
+            finder.find(&model, family, &mut found).unwrap();
+            for orbit in found.orbits.iter().take(2) {
+                let verdict = Analyser::default().verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                assert_eq!(verdict.method, Method::Secular, "{family:?} {sites} {omega}: {verdict:?}");
+                let dense = Analyser::dense().verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                let name = format!("{family:?} {sites} {omega}: {verdict:?}, dense {dense:?}");
+                assert!(verdict.growth() < dense.growth() + dense.resolution.max(1e-7), "{name}");
+                if dense.growth() > 1e-6 {
+                    let allowed = 1e-9 * (1.0 + dense.growth()) + dense.resolution + verdict.resolution;
+                    assert!((verdict.growth() - dense.growth()).abs() < allowed, "{name}");
+                    unstable += 1;
+                }
+            }
+        }
+    }
+    assert!(unstable > 3, "{unstable}");
 }

@@ -3,7 +3,9 @@
 use vibrochain_breather::{Family, Finder, Found};
 
 use super::*;
+use crate::Analyser;
 use crate::secular::{Outcome, Secular, double_sided, large, modes, single_sided};
+use crate::verdict::{Method, Tolerance};
 
 #[test]
 fn residues_of_large_rings_are_those_of_the_pair_formulas() {
@@ -78,4 +80,33 @@ fn a_long_ring_has_the_isolated_multiplier_of_the_infinite_one() {
     let (roots, _) = secular.roots().unwrap();
     assert_eq!(roots.len(), 10000);
     assert!(roots.iter().any(|nu| (nu.re - 1.57752638953639).abs() < 2e-12));
+}
+
+/// Overlapping bands: errors of residues next to coincident poles say little, the impacts' equations settle what leads.
+#[test]
+fn long_rings_with_overlapping_bands_are_not_marginal() {
+    let (mut finder, mut found, mut analyser) = (Finder::new(21), Found::default(), Analyser::default());
+    let mut plain = Secular::default();
+    let mut marginal = 0;
+    for (sites, family, omega) in
+        [(20_001, Family::SingleSided, 0.6), (100_001, Family::SingleSided, 0.31), (100_001, Family::DoubleSided, 0.45)]
+    {
+        finder.find_symmetric(&model(sites, 0.2, 0.1, omega, 0.4).unwrap(), family, &mut found).unwrap();
+        let orbit = &found.orbits[0];
+        let verdict = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
+        assert_eq!(verdict.method, Method::Secular);
+        assert!(
+            !verdict.marginal && verdict.resolution < 1e-2 * verdict.growth(),
+            "{family:?} {sites} {omega}: {verdict:?}"
+        );
+        plain.set(orbit, finder.response()).unwrap();
+        let bound = plain.verdict().unwrap();
+        assert!(
+            (bound.growth - verdict.growth()).abs() <= bound.growth_error,
+            "{family:?} {omega}: {bound:?} {verdict:?}"
+        );
+        marginal += usize::from(bound.outcome == Outcome::Marginal);
+    }
+    // By residues alone nothing could be said of the longest.
+    assert_eq!(marginal, 2);
 }

@@ -1,0 +1,245 @@
+//! Errors that the forced secular form claims for its multipliers, held against many digits.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use vibrochain_breather::{Family, Finder, Found, Orbit};
+use vibrochain_floquet::{Analyser, Complex, ForcedSecular, Method, Tolerance};
+use vibrochain_lattice::{Chain, Model, Spectrum};
+use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
+
+/// A small generator of random numbers (splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / u64::MAX as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.unit() * count as f64) as usize % count
+    }
+}
+
+/// Where random orbits are looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Anywhere,
+    /// Ω_k ± Ω_l = jω up to 1e-14 … 1e-2: coincident poles, stripes of instability.
+    Stripe,
+    /// Ω_k = jω likewise.
+    Resonance,
+    /// The uniform motion alone just reaches, or just misses, a barrier.
+    Grazing,
+}
+
+fn model_at(random: &mut Random, place: Place, largest: usize) -> Option<Model> {
+    let sites = 1 + random.below(largest);
+    let chain = Chain::new(sites, random.log(0.02, 1.0), random.log(1e-3, 0.5)).ok()?;
+    let a = random.between(0.0, 0.9);
+    let (mut omega, mut amplitude) = (random.between(0.4, 3.0), random.log(0.05, 2.0));
+    let sign = (random.unit() - 0.5).signum();
+    match place {
+        Place::Anywhere => {}
+        Place::Stripe | Place::Resonance => {
+            let spectrum = Spectrum::new(chain);
+            let mut pick = || spectrum.frequencies()[random.below(spectrum.frequencies().len())];
+            let (first, second) = (pick(), pick());
+            let target = match (place, random.unit() < 0.7) {
+                (Place::Resonance, _) => first,
+                (_, true) => first + second,
+                _ => (first - second).abs(),
+            };
+            omega = target / (1.0 + 4.0 * random.unit()).floor() * (1.0 + sign * random.log(1e-14, 1e-2));
+            if omega < 0.2 {
+                return None;
+            }
+        }
+        Place::Grazing => {
+            let reach = (1.0 - a) * (chain.gamma1() - omega * omega).abs();
+            amplitude = reach * (1.0 + sign * random.log(1e-10, 0.1));
+        }
+    }
+    let e = if random.unit() < 0.2 { 1.0 } else { random.between(0.2, 0.99) };
+    Model::forced(chain, omega, a, amplitude, e).ok()
+}
+
+/// How far `z` is from the multiplier next to it; `None` where that is not to be had.
+fn true_error(spectrum: &TrueSpectrum, z: Complex<f64>) -> Option<f64> {
+    let (root, _) = spectrum.refine((z.re, z.im)).ok()?;
+    let (re, im) = (&root.re - z.re, &root.im - z.im);
+    Some((&re * &re + &im * &im).sqrt().to_f64())
+}
+
+/// What was found on the way: claimed error over true one, for each multiplier looked at.
+#[derive(Default)]
+struct Ratios {
+    values: Vec<f64>,
+    /// Multipliers of which hardly more than the size is claimed: many digits may find another one than is meant.
+    vague: usize,
+}
+
+impl Ratios {
+    fn add(&mut self, claimed: f64, truth: f64) {
+        self.values.push(claimed / truth.max(f64::MIN_POSITIVE));
+    }
+
+    fn quantile(&mut self, part: f64) -> f64 {
+        self.values.sort_by(f64::total_cmp);
+        self.values.get(((self.values.len().max(1) - 1) as f64 * part) as usize).copied().unwrap_or(0.0)
+    }
+
+    fn print(&mut self, name: &str) {
+        let [least, median, most, worst] = [0.0, 0.5, 0.99, 1.0].map(|part| self.quantile(part));
+        println!(
+            "{name}: {} multipliers, {least:.1} at least, {median:.0} median, {most:.1e} 99 %, {worst:.1e} at most, {} vague",
+            self.values.len(),
+            self.vague
+        );
+    }
+}
+
+/// The leading multiplier and a few others.
+fn compare(secular: &mut ForcedSecular, orbit: &Orbit, finder: &mut Finder, ratios: &mut Ratios, every: usize) {
+    let Ok((values, errors)) = secular.settled(orbit, finder.response_to(orbit).unwrap()) else { return };
+    let spectrum = TrueSpectrum::as_given(orbit, 160).unwrap();
+    let mut all: Vec<_> = values.iter().zip(errors).collect();
+    all.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
+    for (z, error) in all.iter().step_by(every) {
+        if **error > 1e-3 * z.norm() {
+            ratios.vague += 1;
+            continue;
+        }
+        let Some(truth) = true_error(&spectrum, **z) else { continue };
+        assert!(
+            truth <= **error,
+            "{z} of {:?}, {:?}: wrong by {truth:e}, claimed {error:e}",
+            orbit.model(),
+            orbit.family()
+        );
+        ratios.add(**error, truth.max(0.5 * f64::EPSILON * z.norm()));
+    }
+}
+
+const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
+
+fn claims_hold(draws: usize) {
+    let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), ForcedSecular::default());
+    let places = [Place::Anywhere, Place::Stripe, Place::Resonance, Place::Grazing];
+    for (seed, place) in places.into_iter().enumerate() {
+        let mut random = Random(71 + seed as u64);
+        let mut ratios = Ratios::default();
+        let mut orbits = 0;
+        for _ in 0..draws {
+            let Some(model) = model_at(&mut random, place, 40) else { continue };
+            let family = FAMILIES[random.below(3)];
+            if finder.find_symmetric(&model, family, &mut found).is_err() {
+                continue;
+            }
+            for orbit in found.orbits.iter().take(2) {
+                orbits += 1;
+                compare(&mut secular, orbit, &mut finder, &mut ratios, 7);
+            }
+        }
+        ratios.print(&format!("{place:?}, {orbits} orbits"));
+        assert!(orbits > draws / 3 && ratios.values.len() > orbits, "{place:?}: {orbits} {}", ratios.values.len());
+        assert!(50 * ratios.vague < ratios.values.len(), "{place:?}: {}", ratios.vague);
+        assert!(ratios.quantile(0.5) < 100.0, "{place:?}: {}", ratios.quantile(0.5));
+    }
+}
+
+#[test]
+fn no_multiplier_is_farther_off_than_is_claimed() {
+    claims_hold(100);
+}
+
+/// `cargo test --release -p vibrochain-truth --test forced -- --ignored --nocapture`
+#[test]
+#[ignore = "minutes"]
+fn no_multiplier_of_many_thousand_is_farther_off_than_is_claimed() {
+    claims_hold(4000);
+}
+
+/// The paper's map of forced breathers for N = 20, 40 and 100: how many orbits the dense matrix has to judge, and how much
+/// is claimed of errors. `cargo test --release -p vibrochain-truth --test forced -- --ignored --nocapture`
+#[test]
+#[ignore = "a minute"]
+fn the_map_of_the_paper_needs_no_dense_matrix() {
+    for (sites, columns, rows) in [(21, 65, 50), (41, 65, 50), (101, 40, 30)] {
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        let (mut analyser, mut secular) = (Analyser::default(), ForcedSecular::default());
+        let mut ratios = Ratios::default();
+        let (mut count, mut dense, mut single, mut dense_single) = (0, 0, 0, 0);
+        for i in 0..columns {
+            for j in 1..rows {
+                let omega = 0.4 + 2.6 * f64::from(i) / f64::from(columns - 1);
+                let chain = Chain::new(sites, 0.2, 0.3 * f64::from(j) / f64::from(rows - 1)).unwrap();
+                let model = Model::forced(chain, omega, 0.4, 0.1, 0.9).unwrap();
+                for family in [Family::DoubleSided, Family::SingleSided] {
+                    if finder.find(&model, family, &mut found).is_err() {
+                        continue;
+                    }
+                    for orbit in &found.orbits {
+                        let by_matrix = |method: Method| usize::from(method != Method::Secular);
+                        count += 1;
+                        let sweep = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                        dense += by_matrix(sweep.method);
+                        if count % 7 == 0 {
+                            single += 1;
+                            let answer = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                            dense_single += by_matrix(answer.verdict.method);
+                        }
+                        if count % 53 == 0 {
+                            compare(&mut secular, orbit, &mut finder, &mut ratios, 7);
+                        }
+                    }
+                }
+            }
+        }
+        println!(
+            "N = {}: dense for {dense} of {count} in a sweep, for {dense_single} of {single} one by one",
+            sites - 1
+        );
+        ratios.print("  claimed over true error");
+        assert!(100 * dense < count && 100 * dense_single < single);
+    }
+}
+
+/// With the errors of the orbit itself: the spectral radius against that of the orbit in many digits.
+#[test]
+fn no_spectral_radius_is_farther_off_than_is_claimed() {
+    let (mut finder, mut found, mut analyser) = (Finder::new(21), Found::default(), Analyser::default());
+    let mut random = Random(99);
+    let mut ratios = Ratios::default();
+    for draw in 0..160 {
+        let place = [Place::Anywhere, Place::Stripe, Place::Resonance, Place::Grazing][draw % 4];
+        let Some(model) = model_at(&mut random, place, 24) else { continue };
+        let family = FAMILIES[random.below(3)];
+        if finder.find_symmetric(&model, family, &mut found).is_err() {
+            continue;
+        }
+        let Some(orbit) = found.orbits.first() else { continue };
+        let verdict = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
+        let Ok(truth) = TrueOrbit::refine(orbit, DEFAULT_BITS) else { continue };
+        if verdict.method != Method::Secular || verdict.resolution == 0.0 {
+            continue;
+        }
+        let spectrum = TrueSpectrum::new(&truth).unwrap();
+        let Ok((root, _)) = spectrum.refine((verdict.leading.re, verdict.leading.im)) else { continue };
+        let off = (root.abs() - Real::new(verdict.growth(), DEFAULT_BITS) - 1.0).abs().to_f64();
+        assert!(off <= verdict.resolution, "{model:?} {family:?}: {verdict:?} is off by {off:e}");
+        ratios.add(verdict.resolution, off.max(0.5 * f64::EPSILON * verdict.spectral_radius));
+    }
+    ratios.print("with the orbit's errors");
+    assert!(ratios.values.len() > 60 && ratios.quantile(0.5) < 1e3, "{}", ratios.values.len());
+}
