@@ -150,7 +150,7 @@ fn a_dry_run_tells_what_a_sweep_costs_and_writes_nothing() {
     let ran = desk.run("sweep scene.toml --dry-run --threads 2").with(0, &[]);
     for told in [
         "cells    1000000000 (100000 × 1000 × 10)",
-        "chunks   122071 of 8192 cells",
+        "chunks   30518 of 32768 cells",
         "columns  gamma2, omega, asymmetry, class, mechanism, spectral_radius, margin, solutions, status",
         " on 2 threads, ",
         "GB for the table",
@@ -159,7 +159,7 @@ fn a_dry_run_tells_what_a_sweep_costs_and_writes_nothing() {
         assert!(ran.out.contains(told), "no `{told}` in {}", ran.out);
     }
     let ran = desk.run("sweep scene.toml --dry-run --out map.csv --shard 5/1000 --threads 1").with(0, &[]);
-    assert!(ran.out.contains("shard    5/1000: 123 chunks, 1007616 cells"), "{}", ran.out);
+    assert!(ran.out.contains("shard    5/1000: 31 chunks, 1015808 cells"), "{}", ran.out);
     assert_eq!(desk.names("."), ["scene.toml"]);
     // What it says of a table's size is near what the table has.
     let desk = Desk::with_scene(desk::SCENE);
@@ -179,7 +179,7 @@ fn a_thousand_million_cells_are_begun_and_left_in_little_memory() {
     desk.shell(&limited("sweep scene.toml --dry-run")).with(0, &[]);
     let timed = limited("sweep scene.toml --out map.csv").replace("exec mapgen", "timeout -s TERM 1 mapgen");
     // `timeout` answers 124 for what it had to stop.
-    desk.shell(&timed).with(124, &[" of 122071 chunks are finished, in map.csv.parts; go on with: "]);
+    desk.shell(&timed).with(124, &[" of 30518 chunks are finished, in map.csv.parts; go on with: "]);
     assert!(desk.chunks("map.csv.parts") > 0);
     assert_eq!(desk.chunks("map.csv.parts") + 1, desk.names("map.csv.parts").len());
 }

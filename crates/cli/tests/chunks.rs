@@ -21,7 +21,7 @@ fn with_all_chunks() -> Desk {
 
 /// Cells of a chunk.
 fn cells(chunk: u64) -> u64 {
-    CHUNK_CELLS.min(120_000 - chunk * CHUNK_CELLS)
+    CHUNK_CELLS.min(480_000 - chunk * CHUNK_CELLS)
 }
 
 #[cfg(unix)]
@@ -150,7 +150,7 @@ fn resuming_where_there_is_nothing_starts_afresh() {
     let desk = Desk::with_scene(SCENE);
     desk.run(&format!("{SWEEP} --resume")).with(0, &[]);
     assert!(desk.read("map.csv") == undisturbed(SCENE));
-    assert_eq!(desk.json("map.manifest.json")["computed_cells"], 120_000);
+    assert_eq!(desk.json("map.manifest.json")["computed_cells"], 480_000);
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn a_chunk_that_does_not_fit_is_not_there_and_those_before_it_are() {
     limited(&desk, &format!("{SWEEP} --resume"), limit).with(1, &[&format!("{refused} of 15 chunks are finished")]);
     desk.shell(&format!("{SWEEP} --resume")).with(0, &[]);
     assert!(desk.read("map.csv") == undisturbed(SCENE));
-    assert_eq!(desk.json("map.manifest.json")["computed_cells"], 120_000 - refused as u64 * CHUNK_CELLS);
+    assert_eq!(desk.json("map.manifest.json")["computed_cells"], 480_000 - refused as u64 * CHUNK_CELLS);
 }
 
 #[test]
@@ -63,14 +63,14 @@ fn a_disk_without_room_for_a_plan_is_told_and_nothing_is_left() {
     assert_eq!(desk.names("."), ["scene.toml"]);
 }
 
-/// A file system of one megabyte, where the machine lets us make one.
+/// A file system of four megabytes, where the machine lets us make one.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk() {
     let desk = Desk::with_scene(SCENE);
     let disk = desk.path("disk");
     fs::create_dir(&disk).unwrap();
-    let made = Command::new("mount").args(["-t", "tmpfs", "-o", "size=1m", "tmpfs"]).arg(&disk).output();
+    let made = Command::new("mount").args(["-t", "tmpfs", "-o", "size=4m", "tmpfs"]).arg(&disk).output();
     if !made.is_ok_and(|made| made.status.success()) {
         eprintln!("skipped: no file system may be made here");
         return;
@@ -79,7 +79,7 @@ fn a_full_disk() {
     let ran = desk.shell(sweep);
     let kept = desk.chunks("disk/map.csv.parts");
     let names = desk.names("disk/map.csv.parts");
-    let larger = Command::new("mount").args(["-o", "remount,size=64m"]).arg(&disk).status();
+    let larger = Command::new("mount").args(["-o", "remount,size=256m"]).arg(&disk).status();
     let resumed = desk.shell(&format!("{sweep} --resume"));
     let table = fs::read(disk.join("map.csv"));
     let unmounted = Command::new("umount").arg(&disk).status();

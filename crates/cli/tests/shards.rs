@@ -30,7 +30,7 @@ fn shards_and_threads_do_not_change_a_byte() {
                 let chunks = (CHUNKS - shard).div_ceil(shards);
                 desk.run(&line).with(0, &[&format!("shard {shard}/{shards}: {chunks} of 15 chunks in {folder}")]);
             }
-            desk.run(&format!("merge {folder} --out {folder}.csv")).with(0, &["120000 cells (400 × 300)"]);
+            desk.run(&format!("merge {folder} --out {folder}.csv")).with(0, &["480000 cells (1600 × 300)"]);
             assert!(desk.read(&format!("{folder}.csv")) == desk.read("map.csv"), "{folder}");
             assert_eq!(manifest(&format!("{folder}.manifest.json")), manifest("map.manifest.json"));
             // The chunks are left to whoever asked for them.

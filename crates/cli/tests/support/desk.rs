@@ -9,14 +9,14 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// 120 000 cells of a small ring without stability: fifteen chunks, half a second.
+/// 480 000 cells of a small ring without stability: fifteen chunks, half a second.
 pub(crate) const SCENE: &str = r#"
 [model]
 sites = 6
 gamma1 = 0.2
 asymmetry = 0.4
 [sweep]
-x = { parameter = "omega", from = 0.4, to = 3.0, points = 400 }
+x = { parameter = "omega", from = 0.4, to = 3.0, points = 1600 }
 y = { parameter = "gamma2", from = 0.0, to = 0.3, points = 300 }
 [compute]
 families = ["double-sided", "single-sided"]
@@ -24,7 +24,7 @@ families = ["double-sided", "single-sided"]
 
 /// Its chunks, and the cells of each but the last.
 pub(crate) const CHUNKS: u64 = 15;
-pub(crate) const CHUNK_CELLS: u64 = 8192;
+pub(crate) const CHUNK_CELLS: u64 = 32_768;
 
 /// The least of three chunks' worth of work for a slow machine's patience.
 const PATIENCE: Duration = Duration::from_secs(60);
