@@ -252,6 +252,12 @@ impl Grid {
         self.seconds[mass]
     }
 
+    /// The bound on |v⃜| of a mass.
+    #[cfg(test)]
+    pub(crate) fn fourth(&self, mass: usize) -> f64 {
+        self.fourths[mass]
+    }
+
     /// Chooses a mass for the questions below.
     pub(crate) fn choose(&mut self, motion: &Motion, mass: usize) {
         // cos(2πkn/M) is symmetric in k and n.

@@ -328,6 +328,14 @@ mod tests {
                     let now = motion.site(site);
                     let second = watch.grid.second(i);
                     assert!(now.acceleration.abs() <= second + 1e-12 * size, "{site} {second} {now:?}");
+                    // v⃜ is to v̈ what v̈ is to v; from the modes.
+                    let ring = motion.sites();
+                    let tau = std::f64::consts::TAU / ring as f64;
+                    let shape = |k: usize| (tau * ((k * i) % ring) as f64).cos();
+                    let modes = motion.modes().iter().zip(motion.frequencies()).enumerate();
+                    let fourth: f64 = modes.map(|(k, (mode, rate))| -shape(k) * rate * rate * mode[2]).sum();
+                    let rate = motion.top_frequency().powi(2).max(1.0);
+                    assert!(fourth.abs() <= watch.grid.fourth(i) + 1e-12 * size * rate, "{site} {fourth} {now:?}");
                     let (reach, left) = (watch.grid.reaches(a)[i], distance(a, now.displacement));
                     assert!(reach <= left + 1e-13 * size, "{site} {reach} {now:?}");
                     checked += 1;
