@@ -66,7 +66,8 @@ impl Grid {
     pub(crate) fn set(&mut self, motion: &Motion, watched: &Watched, horizon: f64) -> bool {
         let (frequencies, shapes) = (motion.frequencies(), motion.shapes());
         let (modes, radians) = (frequencies.len(), horizon * motion.top_frequency());
-        if modes > MOST_MODES || shapes.is_empty() || !(radians <= INTERVAL * MOST as f64) {
+        let is_short = radians <= INTERVAL * MOST as f64;
+        if modes > MOST_MODES || shapes.is_empty() || !is_short {
             return false;
         }
         self.intervals = FEWEST.max((radians / INTERVAL).ceil() as usize);
@@ -183,8 +184,9 @@ impl Grid {
         }));
         // What adds to mass 0 is what its images, beyond the near end, add to all.
         let (Some(near), Some(first)) = (self.fourths.last(), self.seconds.first()) else { return false };
+        // Not a number where nothing is accelerated.
         let images = 1.0 + near / first;
-        if !(images <= 2.0) {
+        if images.is_nan() || images > 2.0 {
             return false;
         }
         let scale = 1.0 / (1.0 - c1 - 5.0 * c2);
@@ -248,6 +250,12 @@ impl Grid {
     #[cfg(test)]
     pub(crate) fn second(&self, mass: usize) -> f64 {
         self.seconds[mass]
+    }
+
+    /// The bound on |v⃜| of a mass.
+    #[cfg(test)]
+    pub(crate) fn fourth(&self, mass: usize) -> f64 {
+        self.fourths[mass]
     }
 
     /// Chooses a mass for the questions below.

@@ -41,7 +41,7 @@ impl Polynomial {
         [value, slope, 2.0 * half_curvature]
     }
 
-    /// A bound on the modulus of the third derivative on 0 … `length`.
+    /// A bound on the modulus of the third derivative on −`length` … `length`.
     pub(crate) fn third_bound(&self, length: f64) -> f64 {
         let mut bound = 0.0;
         for (k, c) in self.coefficients.iter().enumerate().skip(3).rev() {
@@ -51,19 +51,30 @@ impl Polynomial {
     }
 }
 
-/// Reports the turning points on 0 … `length` that could come closer than the smallest distance so far, `distance` to begin
+/// By what part of its length a piece of a flight is looked at beyond an end where another piece goes on: a turning point
+/// right there is in neither by rounding.
+const OVERLAP: f64 = 1.0 / 1024.0;
+
+/// 0 … `length`, and a little more where the flight goes on, before and after.
+pub(crate) fn with_overlap(length: f64, goes_on: [bool; 2]) -> [f64; 2] {
+    let [before, after] = goes_on.map(|more| if more { OVERLAP * length } else { 0.0 });
+    [-before, length + after]
+}
+
+/// Reports the turning points on a `range` that could come closer than the smallest distance so far, `distance` to begin
 /// with and then what `note` returns.
 pub(crate) fn turning_points(
     polynomial: &Polynomial,
-    length: f64,
+    range: [f64; 2],
     pending: &mut Vec<(f64, f64)>,
     mut distance: f64,
     note: &mut impl FnMut(f64, f64) -> f64,
     a: f64,
 ) {
-    let bound = polynomial.third_bound(length);
+    let [start, end] = range;
+    let (bound, length) = (polynomial.third_bound(end.max(-start)), end - start);
     pending.clear();
-    pending.push((0.0, length));
+    pending.push((start, end));
     while let Some((low, high)) = pending.pop() {
         let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low));
         let [value, slope, curvature] = polynomial.jet(centre);
@@ -109,4 +120,30 @@ fn turning_point(polynomial: &Polynomial, mut low: f64, mut high: f64) -> Option
         s = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
     }
     Some((s, polynomial.evaluate(s).0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turning_point_that_rounding_puts_before_a_piece_is_found_where_the_flight_goes_on() {
+        // −10⁻¹⁷s − s²/2: turns at −10⁻¹⁷.
+        let mut coefficients = [0.0; ORDER];
+        (coefficients[1], coefficients[2]) = (-1e-17, -0.5);
+        let polynomial = Polynomial { coefficients };
+        let count = |range| {
+            let (mut seen, mut pending) = (0, Vec::new());
+            let mut note = |s: f64, value: f64| {
+                assert!(s.abs() < 1e-15 && value.abs() < 1e-30);
+                seen += 1;
+                f64::INFINITY
+            };
+            turning_points(&polynomial, range, &mut pending, f64::INFINITY, &mut note, 0.0);
+            seen
+        };
+        assert_eq!(count(with_overlap(1.0, [false, true])), 0);
+        assert_eq!(count(with_overlap(1.0, [true, false])), 1);
+        assert_eq!(with_overlap(2.0, [false; 2]), [0.0, 2.0]);
+    }
 }

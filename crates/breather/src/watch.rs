@@ -3,7 +3,8 @@
 //! Symmetry halves the work twice: masses n and M − n about a single impacted site, and a conservative orbit's mirror image
 //! in time. Then one of two ways:
 //!
-//! - a conservative breather's half period by values on a grid and bounds common to all masses (`grid`);
+//! - a conservative breather's half period, unless it is long or the ring is, by values on a grid and each mass's own bounds
+//!   between its nodes (`grid`);
 //! - everything else by windows of one radian of the fastest motion, in which the motion of every mass is a polynomial, exact
 //!   to rounding, with bounds of its own (`window`): far masses of a forced ring move little, however close to a barrier the
 //!   force has them all swing.
@@ -18,7 +19,7 @@ use crate::error::BreatherError;
 use crate::grid::Grid;
 use crate::motion::Motion;
 use crate::orbit::Orbit;
-use crate::polynomial::turning_points;
+use crate::polynomial::{turning_points, with_overlap};
 use crate::window::{Watched, Window};
 
 /// How far to look.
@@ -148,7 +149,7 @@ impl Watch {
                         let polynomial = self.window.polynomial(i);
                         turning_points(
                             &polynomial,
-                            step,
+                            with_overlap(step, [w > 0, w + 1 < windows]),
                             &mut self.pending,
                             closest.distance,
                             &mut |s, displacement| {
@@ -203,6 +204,10 @@ impl Watch {
             grid.choose(motion, mass);
             for interval in 0..last {
                 let ends = [interval, interval + 1].map(|node| distance(a, grid.value(node, mass)));
+                // Where it is not hit, any place counts; the ends are noted.
+                if mass > 0 && ends[0] < closest.distance {
+                    closest.note(a, site(mass), time(interval), grid.value(interval, mass));
+                }
                 if depth == Depth::First && interval > 0 && ends[0] < -RESOLUTION {
                     closest.note(a, site(mass), time(interval), grid.value(interval, mass));
                     return;
@@ -218,7 +223,8 @@ impl Watch {
                     closest.note(a, site(mass), time(interval) + s * step, displacement);
                     closest.distance
                 };
-                turning_points(&polynomial, 1.0, pending, so_far, &mut note, a);
+                let range = with_overlap(1.0, [interval > 0, interval + 1 < last]);
+                turning_points(&polynomial, range, pending, so_far, &mut note, a);
                 if depth == Depth::First && closest.distance <= 0.0 {
                     return;
                 }
@@ -289,6 +295,22 @@ mod tests {
         assert!(compared > 1000 && physical > 200 && physical < compared - 200, "{compared} {physical}");
     }
 
+    /// Next to a resonance one mode swings alone, and turns in the middle of the half period: at a node. By rounding the
+    /// turning point was in neither interval, and an obstruction elsewhere was told instead.
+    #[test]
+    fn a_turning_point_at_a_node_is_seen() {
+        let chain = Chain::new(62, 1.476_579_579_125_765, 0.428_386_291_716_417_73).unwrap();
+        let model = Model::conservative(chain, 0.701_835_800_484_123_1, 0.104_565_698_832_268_67).unwrap();
+        let orbit = crate::breathers(&model, Family::SingleSided).unwrap().orbits.remove(0);
+        let mut motion = Motion::of(&orbit).unwrap();
+        let middle = distance(model.asymmetry(), motion.at(31, 0.25 * orbit.period()).displacement);
+        let found = crate::admissibility(&orbit).unwrap();
+        assert!(
+            (found.margin.unwrap() - middle).abs() < 1e-14 && found.closest.unwrap().site == 31,
+            "{found:?} {middle}"
+        );
+    }
+
     #[test]
     fn bounds_of_the_grid_hold_between_its_nodes() {
         let (mut watch, mut checked) = (Watch::default(), 0);
@@ -306,6 +328,14 @@ mod tests {
                     let now = motion.site(site);
                     let second = watch.grid.second(i);
                     assert!(now.acceleration.abs() <= second + 1e-12 * size, "{site} {second} {now:?}");
+                    // v⃜ is to v̈ what v̈ is to v; from the modes.
+                    let ring = motion.sites();
+                    let tau = std::f64::consts::TAU / ring as f64;
+                    let shape = |k: usize| (tau * ((k * i) % ring) as f64).cos();
+                    let modes = motion.modes().iter().zip(motion.frequencies()).enumerate();
+                    let fourth: f64 = modes.map(|(k, (mode, rate))| -shape(k) * rate * rate * mode[2]).sum();
+                    let rate = motion.top_frequency().powi(2).max(1.0);
+                    assert!(fourth.abs() <= watch.grid.fourth(i) + 1e-12 * size * rate, "{site} {fourth} {now:?}");
                     let (reach, left) = (watch.grid.reaches(a)[i], distance(a, now.displacement));
                     assert!(reach <= left + 1e-13 * size, "{site} {reach} {now:?}");
                     checked += 1;

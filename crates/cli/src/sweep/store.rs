@@ -141,7 +141,7 @@ impl Store {
 
     /// Where a chunk is, or will be.
     pub(crate) fn path(folder: &Path, chunk: u64) -> PathBuf {
-        folder.join(format!("{chunk:06}.{CHUNK}"))
+        folder.join(file_name(chunk))
     }
 
     /// Starts a chunk.
@@ -159,8 +159,7 @@ impl Store {
         // One list for all: on the file systems of clusters each name takes a message.
         for entry in fs::read_dir(&self.folder).map_err(unreadable)? {
             let name = entry.map_err(unreadable)?.file_name();
-            let number = name.to_str().and_then(|name| name.strip_suffix(CHUNK)?.strip_suffix('.')?.parse().ok());
-            chunks.extend(number.filter(|&chunk| Self::path(&self.folder, chunk).file_name() == Some(&name)));
+            chunks.extend(number(&name));
         }
         Ok(chunks)
     }
@@ -176,7 +175,7 @@ impl Store {
         for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
             let name = entry.file_name();
             let temporary = name.to_string_lossy().starts_with('.') && name.to_string_lossy().ends_with(TEMPORARY);
-            if name == PLAN || kind(&name) == Some(CHUNK) || temporary {
+            if name == PLAN || number(&name).is_some() || temporary {
                 // What cannot be removed keeps the folder, which is told.
                 let _ = fs::remove_file(entry.path());
             }
@@ -185,10 +184,15 @@ impl Store {
     }
 }
 
-/// The ending of a visible file's name.
-fn kind(name: &OsStr) -> Option<&str> {
-    let name = name.to_str().filter(|name| !name.starts_with('.'))?;
-    name.rsplit_once('.').map(|(_, kind)| kind)
+fn file_name(chunk: u64) -> String {
+    format!("{chunk:06}.{CHUNK}")
+}
+
+/// The number of the chunk that has this name. What is called otherwise, a copy aside for one, is not ours.
+fn number(name: &OsStr) -> Option<u64> {
+    let name = name.to_str()?;
+    let chunk = name.strip_suffix(CHUNK)?.strip_suffix('.')?.parse().ok()?;
+    (file_name(chunk) == name).then_some(chunk)
 }
 
 #[cfg(test)]
@@ -226,12 +230,16 @@ mod tests {
         fs::write(&scene, TEXT).unwrap();
         let plan = Plan::read(&scene, None).unwrap();
         fs::create_dir(&folder).unwrap();
-        fs::write(folder.join("notes.txt"), "mine").unwrap();
+        let others = ["+00001.chunk", "0000001.chunk", "notes.txt", "old.chunk"];
+        others.iter().for_each(|name| fs::write(folder.join(name), "mine").unwrap());
         let store = Store::open(&folder, &plan, Claim::Fresh).unwrap();
+        fs::write(Store::path(&folder, 1), "a chunk").unwrap();
+        assert_eq!(store.present().unwrap(), BTreeSet::from([1]));
         assert!(!store.remove());
-        let left: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-        assert_eq!(left, ["notes.txt"]);
-        fs::remove_file(folder.join("notes.txt")).unwrap();
+        let mut left: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        left.sort_unstable();
+        assert_eq!(left, others);
+        others.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
         assert!(Store::open(&folder, &plan, Claim::Resume).unwrap().remove() && !folder.exists());
     }
 }

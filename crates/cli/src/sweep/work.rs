@@ -94,6 +94,8 @@ pub(crate) fn work<'a, 'b>(
     tick: impl Fn(u64) + Sync,
     mut along: Option<Assembly<'a, 'b>>,
 ) -> Worked<'a, 'b> {
+    // Chunks that others have put there since, where the file system has no locks, would be missing from it.
+    along = along.filter(|_| chunks.len() as u64 == plan.chunks());
     let parts: Vec<_> = chunks.iter().map(|&chunk| plan.range(chunk)).collect();
     let mut writer = None;
     let mut last = None;
@@ -115,7 +117,10 @@ pub(crate) fn work<'a, 'b>(
             }
             let mut open = match writer.take() {
                 Some(open) => open,
-                None => store.writer(plan, chunks[block.part])?,
+                None => match store.writer(plan, chunks[block.part]) {
+                    Err(_) if along.take().is_some() => store.writer(plan, chunks[block.part])?,
+                    open => open?,
+                },
             };
             let written = open.rows(&rows, &block.summary);
             make_room(written, &mut along, &mut open)?;
@@ -139,4 +144,42 @@ pub(crate) fn work<'a, 'b>(
     let complete = matches!(ended, Ended::Complete(_));
     let grown = along.zip(last).filter(|_| complete).map(|(table, last)| Grown { table, last });
     Worked { ended, grown }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+    use crate::args::{PaletteName, PictureArgs};
+    use crate::pictures::Pictures;
+    use crate::sweep::Claim;
+
+    #[test]
+    fn a_table_grows_along_only_with_every_chunk() {
+        let desk = tempfile::tempdir().unwrap();
+        let (scene, out) = (desk.path().join("scene.toml"), desk.path().join("map.csv"));
+        let text = "[model]\nsites = 1\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
+            x = { parameter = \"omega\", from = 0.5, to = 3.0, points = 9000 }\n\
+            y = { parameter = \"gamma2\", values = [0.1, 0.2] }\n[compute]\nfamilies = [\"double-sided\"]\n";
+        std::fs::write(&scene, text).unwrap();
+        let plan = Plan::read(&scene, None).unwrap();
+        let (stop, pool) = (AtomicBool::new(false), rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap());
+        let job = Job { scene: &plan.scene, pool: &pool, stop: &stop };
+        let wanted = PictureArgs { png: None, svg: None, palette: PaletteName::default() };
+        let chunks: Vec<u64> = (0..plan.chunks()).collect();
+        assert!(chunks.len() > 2);
+        // The first one has come from elsewhere since.
+        for (some, grows) in [(&chunks[1..], false), (&chunks[..], true)] {
+            let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
+            let mut pictures = Pictures::plan(&wanted, &plan.scene).unwrap();
+            let along = Assembly::begin(&plan, &out, &mut pictures).unwrap();
+            let worked = work(&job, &plan, &store, some, |_| {}, Some(along));
+            assert!(matches!(worked.ended, Ended::Complete(_)) && worked.grown.is_some() == grows);
+            // The last chunk waits for the table it might not be needed after.
+            assert_eq!(store.present().unwrap().len(), some.len() - usize::from(grows));
+            drop(worked.grown);
+            assert!(store.remove());
+        }
+    }
 }
