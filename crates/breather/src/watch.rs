@@ -194,6 +194,9 @@ impl Watch {
                 }
             }
         }
+        if depth == Depth::First && closest.distance < -RESOLUTION {
+            return;
+        }
         near.clear();
         let far = closest.distance - RESOLUTION;
         near.extend(
