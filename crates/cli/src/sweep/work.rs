@@ -160,7 +160,7 @@ mod tests {
         let desk = tempfile::tempdir().unwrap();
         let (scene, out) = (desk.path().join("scene.toml"), desk.path().join("map.csv"));
         let text = "[model]\nsites = 1\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
-            x = { parameter = \"omega\", from = 0.5, to = 3.0, points = 9000 }\n\
+            x = { parameter = \"omega\", from = 0.5, to = 3.0, points = 36000 }\n\
             y = { parameter = \"gamma2\", values = [0.1, 0.2] }\n[compute]\nfamilies = [\"double-sided\"]\n";
         std::fs::write(&scene, text).unwrap();
         let plan = Plan::read(&scene, None).unwrap();

@@ -16,7 +16,7 @@ pub(crate) struct Outcome {
 
 /// Keys of JSON answers whose value may be missing; errors are where no bound is known, and the amplitude where the force
 /// is a list.
-const OPTIONAL: [&str; 22] = [
+const OPTIONAL: [&str; 23] = [
     "amplitude",
     "residual",
     "phi",
@@ -37,6 +37,7 @@ const OPTIONAL: [&str; 22] = [
     // Of conservative orbits alone, and where rounding leaves them.
     "modes",
     "collision",
+    "own_mode",
     "signature",
     "residue",
     "dressed",
