@@ -166,7 +166,7 @@ impl ImpulseResponse {
         self.condition = condition;
         for k in 0..modes {
             let (y, weight, sin, cos) = (half_phase[k], weights[k], sin_half[k], cos_half[k]);
-            // As [`ImpulseResponse::mode_dynamic_anywhere`] at these two times, from the sine and cosine at hand.
+            // As [`ImpulseResponse::mode_dynamic`] at any other time, from the sine and cosine at hand.
             if y < 1.0 {
                 let (sinc, defect) = (sinc_from(y, sin), cubic_defect(y));
                 let quarter = self.period / (4.0 * sinc);
@@ -280,16 +280,13 @@ impl ImpulseResponse {
 
     /// Dynamic response of mode `k`, without its weight, at 0 ≤ `t` ≤ T.
     pub fn mode_dynamic(&self, k: usize, t: f64) -> f64 {
+        // At the impulse and half-way it is known, and known better.
         if t == 0.0 || t == self.period {
-            self.at_impulse[k]
-        } else if t == 0.5 * self.period {
-            self.at_half[k]
-        } else {
-            self.mode_dynamic_anywhere(k, t)
+            return self.at_impulse[k];
         }
-    }
-
-    fn mode_dynamic_anywhere(&self, k: usize, t: f64) -> f64 {
+        if t == 0.5 * self.period {
+            return self.at_half[k];
+        }
         let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
         let offset = t - 0.5 * self.period;
         if y < 1.0 {
@@ -298,15 +295,7 @@ impl ImpulseResponse {
             let s = xi * sinc(0.5 * frequency * offset);
             self.period * (cubic_defect(y) - 2.0 * s * s) / (4.0 * sinc(y))
         } else {
-            // At the impulse and half-way the cosine is known, and known better.
-            let cosine = if t == 0.0 || t == self.period {
-                self.cos_half[k]
-            } else if offset == 0.0 {
-                1.0
-            } else {
-                (frequency * offset).cos()
-            };
-            (cosine / self.sin_half[k] - 1.0 / y) / (2.0 * frequency)
+            ((frequency * offset).cos() / self.sin_half[k] - 1.0 / y) / (2.0 * frequency)
         }
     }
 

@@ -193,11 +193,7 @@ impl ForcedSecular {
         self.values.extend_from_slice(values);
         self.errors.clear();
         self.errors.extend_from_slice(errors);
-        self.balanced = false;
-        self.trivial = None;
-        self.asked.clear();
-        self.asked.resize(self.values.len(), State::Open);
-        self.data.clear();
+        self.open_all(None);
         // The count takes a pass over the modes for each of them.
         if !self.multipliers.is_large()
             && let Ok(count) = self.counter.count(orbit, response)
@@ -228,11 +224,17 @@ impl ForcedSecular {
             self.values.push(value);
             self.errors.push(error);
         }
+        self.open_all(Some(Complex::new(1.0, 0.0)));
+        self.know_data_of(orbit, condition);
+    }
+
+    /// Nothing has been asked of the impacts' equations yet; `trivial` is a multiplier that is not among the values.
+    fn open_all(&mut self, trivial: Option<Complex<f64>>) {
         self.balanced = false;
-        self.trivial = Some(Complex::new(1.0, 0.0));
+        self.trivial = trivial;
         self.asked.clear();
         self.asked.resize(self.values.len(), State::Open);
-        self.know_data_of(orbit, condition);
+        self.data.clear();
     }
 
     /// The multipliers last solved for, and their errors.
