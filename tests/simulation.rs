@@ -204,3 +204,24 @@ fn the_single_sided_breather_unstable_to_period_doubling_becomes_the_doubled_one
         assert!((speed - expected).abs() < 1e-6, "{speeds:?} {expected}");
     }
 }
+
+/// Conservative orbits with φ ≠ T/2, physical at low frequency on short rings; the second pair is stable, too.
+#[test]
+fn asymmetric_conservative_breathers_last() {
+    let points =
+        [(3, 0.14, 0.25, 0.55), (6, 0.279_046_501_654_373_4, 0.136_065_696_159_375_17, 0.345_635_975_461_777_1)];
+    let mut checked = 0;
+    for (sites, gamma1, gamma2, omega) in points {
+        let model = Model::conservative(Chain::new(sites, gamma1, gamma2).unwrap(), omega, 0.0).unwrap();
+        for orbit in &breathers(&model, Family::DoubleSided).unwrap().orbits {
+            if orbit.phi() == Some(0.5 * orbit.period()) || !admissibility(orbit).unwrap().is_physical() {
+                continue;
+            }
+            let map = Return::new(orbit);
+            let end = map.run(&mut map.simulation(&map.point), 50);
+            assert!((&end - &map.point).amax() < 1e-10, "{sites} {:e}", (&end - &map.point).amax());
+            checked += 1;
+        }
+    }
+    assert!(checked >= 4, "{checked}");
+}

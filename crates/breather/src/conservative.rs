@@ -2,17 +2,13 @@
 //!
 //! Double-sided, φ = T/2: p₁,₂ = 1/(χ₂−χ₁) ∓ a/(χ₁+χ₂). Single-sided: p = (1−a)/χ₂.
 //!
-//! Energy balance at the impacts asks for χ₃(φ) = 0. φ = T/2 always solves it, and alone if every mode is slower
-//! than the breather; otherwise there can be more (`errata`: "orthogonality, hence φ = π/ω"), which
-//! [`double_sided_asymmetric`] finds.
+//! Double-sided ones with φ ≠ T/2, which the paper does without, are in `asymmetric`.
 
 use smallvec::smallvec;
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
-use crate::enclosure::Dual;
 use crate::error::NoBreather;
 use crate::orbit::{Draft, Family, Source};
-use crate::roots::{Enclosed, Zeros};
 
 /// An orbit of two opposite impacts, from its half impulses and its static displacement at site 0.
 pub(crate) fn double_sided_draft(
@@ -46,7 +42,7 @@ pub(crate) fn single_sided_draft(response: &ImpulseResponse, psi: f64, p: f64, s
 }
 
 /// Half impulses and static displacement for impacts at 0 and φ without force, given K₀(φ)'s dynamic part.
-fn impulses(model: &Model, response: &ImpulseResponse, kernel: f64) -> Option<((f64, f64), f64)> {
+pub(crate) fn impulses(model: &Model, response: &ImpulseResponse, kernel: f64) -> Option<((f64, f64), f64)> {
     let (at_impulse, g) = (response.dynamic_at_impulse(), response.static_stiffness());
     // m = (p₁+p₂)/2 = 1/(χ₂−χ₁); d = (p₂−p₁)/2 = a/(χ₁+χ₂), where χ₁+χ₂ = −(4 + 2g(K̂(0)+K̂(φ)))/g.
     let half_sum = 0.5 / (kernel - at_impulse);
@@ -61,47 +57,6 @@ fn impulses(model: &Model, response: &ImpulseResponse, kernel: f64) -> Option<((
 pub(crate) fn double_sided(model: &Model, response: &ImpulseResponse) -> Result<Draft, NoBreather> {
     let (impulses, displacement) = impulses(model, response, response.dynamic_at_half()).ok_or(NoBreather::Singular)?;
     Ok(double_sided_draft(response, 0.0, 0.5 * response.period(), impulses, displacement))
-}
-
-/// χ₃/2 = K₀′ as a function of φ − T/2.
-struct Balance<'a> {
-    response: &'a ImpulseResponse,
-    fourth: f64,
-}
-
-impl Enclosed for Balance<'_> {
-    fn enclose(&self, delta: f64, radius: f64) -> Dual {
-        let jet = self.response.jet_from_half(delta);
-        Dual::from_jet([jet.slope, jet.curvature, jet.third, self.fourth], 0.0, radius)
-    }
-}
-
-/// Double-sided breathers with χ₃(φ) = 0 at φ ≠ T/2; each comes with its mirror image in time, T − φ.
-pub(crate) fn double_sided_asymmetric(
-    model: &Model,
-    response: &ImpulseResponse,
-    zeros: &mut Zeros,
-    mut found: impl FnMut(Draft),
-) {
-    let top = response.frequencies().last().copied().unwrap_or_default();
-    if top < response.omega() {
-        // Then Ω_kT/2 < π and every mode's −sin Ω_kδ/(2 sin Ω_kT/2) has the sign of −δ: χ₃ ≠ 0 for δ ≠ 0.
-        return;
-    }
-    let half = 0.5 * response.period();
-    let balance = Balance { response, fourth: response.derivative_bounds()[3] };
-    // χ₃ is odd in δ and χ₃(T) = −1: δ > 0 is enough, less the known zero at 0.
-    let pieces = 8 + (half * top) as usize;
-    let resolution = |delta: f64| 64.0 * f64::EPSILON * delta.max(1e-6 * half);
-    zeros.find(&balance, 1e-6 * half, half, pieces.min(4096), resolution);
-    for &zero in &zeros.simple {
-        for delta in [-zero, zero] {
-            let kernel = response.jet_from_half(delta).value;
-            if let Some((impulses, displacement)) = impulses(model, response, kernel) {
-                found(double_sided_draft(response, 0.0, half + delta, impulses, displacement));
-            }
-        }
-    }
 }
 
 /// The single-sided breather.

@@ -4,6 +4,7 @@
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::Admissibility;
+use crate::asymmetric::Rises;
 use crate::completeness::Completeness;
 use crate::condition::{Condition, is_delicate};
 use crate::error::{BreatherError, NoBreather};
@@ -11,9 +12,10 @@ use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
 use crate::planar_roots::PlanarZeros;
 use crate::polish::polish;
+use crate::radiation::Radiation;
 use crate::roots::Zeros;
 use crate::watch::{Depth, Watch};
-use crate::{conservative, forced_double, forced_harmonics, forced_single};
+use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_single};
 
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -27,18 +29,31 @@ pub struct Found {
     /// Intervals of φ (under several harmonics rectangles of φ and ψ) that were not searched because the budget for one
     /// point was spent (hundreds of solutions at very low frequency): the list may be incomplete.
     pub exhausted: usize,
+    /// Intervals of φ where physical orbits could be that were not asked for ([`Wanted::SymmetricCandidates`]).
+    pub left_out: usize,
     /// By which means `orbits` is known to be all there are.
     pub completeness: Completeness,
 }
 
 /// Which orbits are asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Wanted {
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum Wanted {
+    /// All, physical or not.
+    #[default]
     All,
-    /// Without conservative ones with φ ≠ T/2.
+    /// Without conservative double-sided ones with φ ≠ T/2.
     Symmetric,
-    /// Without those either whose impacts have the wrong sign.
+    /// Those that could be physical, for less work where none is: not those one of whose impacts has the wrong sign, nor
+    /// those that would make masses of the ring swing beyond their barriers.
     Candidates,
+    /// Candidates without conservative double-sided ones with φ ≠ T/2; [`Found::left_out`] tells whether there could be any.
+    SymmetricCandidates,
+}
+
+impl Wanted {
+    fn candidates(self) -> bool {
+        matches!(self, Self::Candidates | Self::SymmetricCandidates)
+    }
 }
 
 /// Reusable work space for finding and checking orbits.
@@ -62,6 +77,7 @@ pub struct Finder {
     current: Option<f64>,
     pub(crate) motion: Motion,
     zeros: Zeros,
+    rises: Rises,
     plane: PlanarZeros,
     watch: Watch,
 }
@@ -76,6 +92,7 @@ impl Finder {
             current: None,
             motion: Motion::vacant(sites),
             zeros: Zeros::default(),
+            rises: Rises::default(),
             plane: PlanarZeros::default(),
             watch: Watch::default(),
         }
@@ -118,27 +135,22 @@ impl Finder {
         self.search(model, family, Wanted::Symmetric, found)
     }
 
-    /// As [`Finder::find_symmetric`], without the orbits one of whose impacts has the wrong sign: those that could be physical,
-    /// for less work where none is.
+    /// The orbits of `family` at a point that are `wanted`, into `found`.
     ///
     /// # Errors
     /// As [`Finder::find`].
-    pub fn find_candidates(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
-        self.search(model, family, Wanted::Candidates, found)
-    }
-
-    fn search(
+    pub fn search(
         &mut self,
         model: &Model,
         family: Family,
         wanted: Wanted,
         found: &mut Found,
     ) -> Result<(), BreatherError> {
-        let all = wanted == Wanted::All;
         found.orbits.clear();
-        (found.none, found.unresolved, found.exhausted) = (None, 0, 0);
+        (found.none, found.unresolved, found.exhausted, found.left_out) = (None, 0, 0, 0);
         found.completeness = Completeness::ClosedForm;
         self.zeros.clear();
+        self.rises.clear();
         self.plane.clear();
         let conservative = model.is_conservative();
         if !conservative && model.amplitude() == 0.0 {
@@ -154,10 +166,13 @@ impl Finder {
         let cosine = model.force().cosine_amplitude().map(|_| steady.reach());
         self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
         let (response, motion) = (&self.response, &mut self.motion);
-        let (zeros, plane) = (&mut self.zeros, &mut self.plane);
-        let (mut failure, mut singular) = (None, false);
+        let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
+        let radiation = if wanted.candidates() && conservative { Radiation::of(response) } else { None };
+        let (mut failure, mut singular, mut refused) = (None, false, 0);
         let mut add = |draft: Draft| {
-            if wanted == Wanted::Candidates && !draft.is_right_signed() {
+            let radiates = || radiation.is_some_and(|radiation| !radiation.allows(&draft));
+            if wanted.candidates() && (!draft.is_right_signed() || radiates()) {
+                refused += 1;
                 return;
             }
             match Orbit::assemble(model, response, motion, draft.clone()) {
@@ -172,8 +187,13 @@ impl Finder {
         let outcome = match (family, cosine) {
             (Family::DoubleSided, _) if conservative => conservative::double_sided(model, response).map(|draft| {
                 add(draft);
-                if all {
-                    conservative::double_sided_asymmetric(model, response, zeros, &mut add);
+                if let Some(radiation) = &radiation {
+                    rises.set(response, radiation);
+                }
+                match wanted {
+                    Wanted::All => asymmetric::all(model, response, zeros, &mut add),
+                    Wanted::Candidates => asymmetric::candidates(model, response, rises, zeros, &mut add),
+                    Wanted::Symmetric | Wanted::SymmetricCandidates => {}
                 }
             }),
             (Family::SingleSided, _) if conservative => conservative::single_sided(model, response).map(&mut add),
@@ -204,18 +224,19 @@ impl Finder {
         }
         found.unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
         found.exhausted = self.zeros.exhausted + self.plane.exhausted;
+        found.left_out = if wanted == Wanted::SymmetricCandidates { self.rises.places() } else { 0 };
         // A zero without an orbit of finite numbers.
         let lost = singular
             || found.none == Some(NoBreather::Singular)
-            || found.orbits.len() < self.zeros.simple.len() + self.plane.simple.len()
-            || (found.orbits.is_empty() && found.none.is_none());
+            || found.orbits.len() + refused < self.zeros.simple.len() + self.plane.simple.len()
+            || (found.orbits.len() + refused == 0 && found.none.is_none());
         found.completeness = match (self.zeros.intervals, self.plane.boxes) {
             _ if found.unresolved + found.exhausted > 0 || lost => Completeness::NotEstablished,
             (0, 0) => Completeness::ClosedForm,
             (intervals, 0) => Completeness::Enclosures { intervals },
             (_, boxes) => Completeness::BranchAndPrune { boxes },
         };
-        if all {
+        if wanted == Wanted::All {
             found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
         }
         Ok(())

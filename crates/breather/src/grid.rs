@@ -20,7 +20,7 @@ use crate::polynomial::{ORDER, Polynomial};
 use crate::window::Watched;
 
 /// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
-const INTERVAL: f64 = 0.5;
+pub(crate) const INTERVAL: f64 = 0.5;
 
 /// Intervals at least: the ends are looked at in a way of their own.
 const FEWEST: usize = 4;
@@ -140,19 +140,10 @@ impl Grid {
         }
     }
 
-    /// What an interval does to each mode: cos Ωh, sin Ωh/Ω and Ω sin Ωh.
+    /// What an interval does to each mode.
     fn turns<const G: usize>(&self) -> [[f64x4; 3]; G] {
-        let step = f64x4::splat(self.step);
-        std::array::from_fn(|i| {
-            let frequency = self.frequencies.get(i).map_or(f64x4::ZERO, |group| f64x4::from(*group));
-            let x = frequency * step;
-            let square = x * x;
-            let series = |coefficients: [f64; 8]| {
-                coefficients.into_iter().rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(c))
-            };
-            let sin_over = step * series(SINC);
-            [series(COSINE), sin_over, frequency * frequency * sin_over]
-        })
+        let frequency = |i: usize| self.frequencies.get(i).map_or(f64x4::ZERO, |group| f64x4::from(*group));
+        std::array::from_fn(|i| turn(frequency(i), f64x4::splat(self.step)))
     }
 
     /// Bounds of each mass's own. With c = γh²/8 the largest moduli R_n of accelerations on the whole flight obey
@@ -304,6 +295,17 @@ impl Grid {
         }
         Polynomial { coefficients }
     }
+}
+
+/// cos Ωh, sin Ωh/Ω and Ω sin Ωh, for Ωh up to [`INTERVAL`].
+pub(crate) fn turn(frequency: f64x4, step: f64x4) -> [f64x4; 3] {
+    let x = frequency * step;
+    let square = x * x;
+    let series = |coefficients: [f64; 8]| {
+        coefficients.into_iter().rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(c))
+    };
+    let sin_over = step * series(SINC);
+    [series(COSINE), sin_over, frequency * frequency * sin_over]
 }
 
 /// Displacement and velocity of the modes at the first node.

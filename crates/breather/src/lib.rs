@@ -11,7 +11,8 @@
 //! | `orbit` | [`Orbit`], [`Impact`], [`Family`] |
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
 //! | `completeness` | [`Completeness`]: how a list of orbits is known to be all |
-//! | `conservative`, `forced_single`, `forced_double`, `two_impacts` | the families |
+//! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
+//! | `radiation` | a bound on what a physical orbit can radiate |
 //! | `forced_harmonics`, `harmonic_impacts` | the forced ones under several harmonics |
 //! | `motion` | [`Motion`]: every mass at any time |
 //! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
@@ -39,6 +40,7 @@
 //! ```
 
 mod admissibility;
+mod asymmetric;
 mod bordered;
 mod branch;
 mod completeness;
@@ -60,6 +62,7 @@ mod patch;
 mod planar_roots;
 mod polish;
 mod polynomial;
+mod radiation;
 mod reduction;
 mod roots;
 mod two_impacts;
@@ -71,6 +74,6 @@ pub use branch::{Branch, BranchError, BranchPoint};
 pub use completeness::Completeness;
 pub use condition::{Condition, ImpactError};
 pub use error::{BreatherError, NoBreather};
-pub use finder::{Finder, Found, breathers, condition};
+pub use finder::{Finder, Found, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Impact, Orbit};

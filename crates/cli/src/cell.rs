@@ -1,6 +1,6 @@
 //! One cell of a map: a parameter point and what lives there.
 
-use vibrochain_breather::{BreatherError, Family, Finder, Found, Orbit};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, Orbit, Wanted};
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::Model;
 
@@ -9,12 +9,28 @@ use vibrochain_lattice::Model;
 pub struct Task {
     /// Families to look for: double-sided, single-sided.
     pub families: Vec<Family>,
+    /// Whether conservative double-sided orbits with φ ≠ T/2 are left out.
+    pub symmetric: bool,
     /// Whether stability is wanted; existence alone is cheaper.
     pub stability: bool,
     /// From which growth an orbit counts as unstable.
     pub tolerance: Tolerance,
     /// Whether the modes that have collided are wanted, of conservative orbits.
     pub collisions: bool,
+}
+
+/// What a scene calls the double-sided family without conservative orbits with φ ≠ T/2.
+pub const SYMMETRIC: &str = "double-sided-symmetric";
+
+impl Task {
+    /// The families as a scene names them.
+    pub fn family_names(&self) -> impl Iterator<Item = &'static str> + '_ {
+        let name = |family: &Family| match family {
+            Family::DoubleSided if self.symmetric => SYMMETRIC,
+            family => family.name(),
+        };
+        self.families.iter().map(name)
+    }
 }
 
 /// Existence and stability in one word, the `class` column.
@@ -80,6 +96,8 @@ pub enum Status {
     Ok,
     /// A harmonic meets a mode: no periodic motion is defined.
     Resonance,
+    /// Computed, but orbits that the scene leaves out could live here.
+    Incomplete,
     /// Computed, but two orbits may have merged closer than rounding can tell (a fold), or the search for solutions was
     /// cut short (hundreds of them at very low frequency).
     Unresolved,
@@ -98,9 +116,10 @@ pub enum Status {
 
 impl Status {
     /// All of them, in the order of summaries.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Ok,
         Self::Resonance,
+        Self::Incomplete,
         Self::Unresolved,
         Self::Marginal,
         Self::NotConverged,
@@ -114,6 +133,7 @@ impl Status {
         match self {
             Self::Ok => "ok",
             Self::Resonance => "resonance",
+            Self::Incomplete => "incomplete",
             Self::Unresolved => "unresolved",
             Self::Marginal => "marginal",
             Self::NotConverged => "not-converged",
@@ -214,9 +234,9 @@ impl Worker {
             collision: None,
         };
         let mut best: Option<Candidate> = None;
+        let wanted = if task.symmetric { Wanted::SymmetricCandidates } else { Wanted::Candidates };
         for &family in &task.families {
-            // Conservative orbits with φ ≠ T/2 are left to `mapgen orbit`: none has been found physical (tests/maps.rs).
-            match self.finder.find_candidates(model, family, &mut self.found) {
+            match self.finder.search(model, family, wanted, &mut self.found) {
                 Ok(()) => {}
                 Err(error) => {
                     let status = Status::of_orbit(&error);
@@ -226,6 +246,9 @@ impl Worker {
             }
             if self.found.unresolved + self.found.exhausted > 0 {
                 cell.status = cell.status.max(Status::Unresolved);
+            }
+            if self.found.left_out > 0 {
+                cell.status = cell.status.max(Status::Incomplete);
             }
             for orbit in &self.found.orbits {
                 let admissibility = match self.finder.quick_admissibility(orbit) {

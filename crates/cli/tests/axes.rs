@@ -70,6 +70,29 @@ fn one_axis_and_six_are_sweeps_as_well() {
 }
 
 #[test]
+fn a_scene_that_leaves_asymmetric_orbits_out_says_where_they_could_be() {
+    // A point with a pair of stable orbits of φ ≠ T/2, and one that every mode is slower than.
+    let text = |family: &str| {
+        format!(
+            "[model]\nsites = 6\ngamma1 = 0.2790465016543734\ngamma2 = 0.13606569615937517\nasymmetry = 0\n[sweep]\n\
+             x = {{ parameter = \"omega\", values = [0.3456359754617771, 1.5] }}\n\
+             [compute]\nfamilies = [\"{family}\"]\nstability = true\n"
+        )
+    };
+    let rows = |family: &str| {
+        let desk = Desk::with_scene(&text(family));
+        desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        assert_eq!(desk.json("map.manifest.json")["compute"]["families"], serde_json::json!([family]));
+        let table = String::from_utf8(desk.read("map.csv")).unwrap();
+        table.lines().skip(1).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let (all, symmetric) = (rows("double-sided"), rows("double-sided-symmetric"));
+    assert!(all[0].contains(",stable-double,") && all[0].ends_with(",2,ok"), "{all:?}");
+    assert!(symmetric[0].contains(",none,") && symmetric[0].ends_with(",0,incomplete"), "{symmetric:?}");
+    assert!(all[1] == symmetric[1] && all[1].ends_with(",1,ok"), "{all:?} {symmetric:?}");
+}
+
+#[test]
 fn wrong_axes() {
     let long = ["1e-3"; 3].join(", ");
     for (sweep, told) in [

@@ -364,6 +364,20 @@ impl ImpulseResponse {
         KernelJet { value, slope, curvature, third }
     }
 
+    /// Σ b_k² cos(2πkn/M)/(Ω_k² − w²) for each n of `sites`: how far a force cos wt at site 0 makes site n swing. Infinite where w meets
+    /// a mode.
+    pub fn driven<const N: usize>(&self, sites: [usize; N], frequency: f64) -> [f64; N] {
+        let mut shapes = sites.map(|site| self.cosines.shapes(site));
+        let mut sums = [0.0; N];
+        for (mode, weight) in self.frequencies.iter().zip(&self.weights) {
+            let term = weight / ((mode - frequency) * (mode + frequency));
+            for (sum, shape) in sums.iter_mut().zip(&mut shapes) {
+                *sum += term * shape.next().unwrap_or_default();
+            }
+        }
+        sums
+    }
+
     /// K_n(t) for 0 ≤ `t` ≤ T (other times are folded into the period).
     ///
     /// For γ₁ = 0 the uniform mode's static part is infinite and left out: K_n is then defined up to a constant

@@ -46,6 +46,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
     let mut worker = Worker::new(21);
     let task = |stability| Task {
         families: vec![Family::DoubleSided, Family::SingleSided],
+        symmetric: false,
         stability,
         tolerance: Tolerance::Rounding,
         collisions: false,

@@ -13,9 +13,12 @@ const RADIUS: &[&str] = &["spectral radius"];
 pub(super) const STATEMENTS: &[Evidence] = &[
     Evidence {
         title: "\"φ = π/ω by orthogonality\" (conservative, double-sided)",
-        prose: "Unique only if every mode lies below ω. Otherwise χ₃(φ) = 0 may have more roots; those found are not \
-                physical.",
-        commands: &["orbit --family double-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega .42 --asymmetry .4"],
+        prose: "Unique only if every mode lies below ω. Otherwise χ₃(φ) = 0 may have more roots. At the paper's parameters they \
+                are not physical; on short rings at low frequency some are, and stable.",
+        commands: &[
+            "orbit --family double-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega .42 --asymmetry .4",
+            "orbit --family double-sided --sites 3 --gamma1 .14 --gamma2 .25 --omega .55 --asymmetry 0",
+        ],
         quoted: &["solutions,", "phi", "physical"],
     },
     Evidence {

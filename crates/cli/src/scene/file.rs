@@ -10,7 +10,7 @@ use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC};
 
 use super::tolerance_from;
-use crate::cell::Task;
+use crate::cell::{SYMMETRIC, Task};
 use crate::error::CliError;
 use crate::parameter::Parameter;
 use crate::scene::axis::{Axis, MAX_POINTS, Values};
@@ -206,22 +206,28 @@ impl Source<'_> {
     }
 
     pub(super) fn task(&self, table: &ComputeTable) -> Result<Task, CliError> {
-        let mut families = Vec::new();
+        let (mut families, mut symmetric) = (Vec::new(), false);
         for name in table.families.get_ref() {
             let family = match name.get_ref().as_str() {
                 "double-sided" => Family::DoubleSided,
+                SYMMETRIC => {
+                    symmetric = true;
+                    Family::DoubleSided
+                }
                 "single-sided" => Family::SingleSided,
                 "period-doubled" => {
                     let message = "period-doubled orbits have no class on a map: leave them out here and look at single points with `mapgen orbit --family period-doubled`";
                     return Err(self.error(name.span(), message));
                 }
                 other => {
-                    let message = format!("`{other}` is not a family: give \"double-sided\", \"single-sided\" or both");
+                    let message = format!(
+                        "`{other}` is not a family: give \"double-sided\" (or \"{SYMMETRIC}\"), \"single-sided\" or both"
+                    );
                     return Err(self.error(name.span(), message));
                 }
             };
             if families.contains(&family) {
-                return Err(self.error(name.span(), format!("{} is given twice: remove one", name.get_ref())));
+                return Err(self.error(name.span(), format!("{} is given twice: remove one", family.name())));
             }
             families.push(family);
         }
@@ -246,6 +252,6 @@ impl Source<'_> {
         if let Some(span) = asked.filter(|_| !table.stability).map(Spanned::span) {
             return Err(self.error(span, "collisions need stability = true: unstable orbits come from them"));
         }
-        Ok(Task { families, stability: table.stability, tolerance, collisions: asked.is_some() })
+        Ok(Task { families, symmetric, stability: table.stability, tolerance, collisions: asked.is_some() })
     }
 }

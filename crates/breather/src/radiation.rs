@@ -1,0 +1,86 @@
+//! What a physical orbit can radiate: a bound that rules orbits out before their motion is looked at.
+//!
+//! The impacts of an orbit drive the ring at the harmonics of its frequency. With
+//!
+//! ```text
+//! P̂_j = |Σ_i P_i e^{ijωt_i}| ,      G_n(w) = Σ_k b_k² cos(2πkn/M) / (Ω_k² − w²)
+//! ```
+//!
+//! the j-th Fourier coefficient of mass n has the modulus P̂_j |G_n(jω)|/T. A mass that stays inside its gap has |u_n − a| ≤ 1,
+//! and such a function no coefficient beyond the mean of |cos|, 2/π, for j ≥ 1. So a physical orbit without force has
+//!
+//! ```text
+//! P̂_j ≤ L_j = (2/π) T / |G_n(jω)|      for all n and j ≥ 1.
+//! ```
+//!
+//! It says nothing where no harmonic meets the band, and much where one does: there every mass swings along.
+
+use std::f64::consts::{FRAC_2_PI, PI};
+
+use vibrochain_lattice::ImpulseResponse;
+
+use crate::orbit::Draft;
+
+/// Harmonics looked at. The first ones that meet the band carry most; others would only cost time.
+const HARMONICS: usize = 8;
+
+/// What rounding can make of a sum of impulses that cancel, relative to their moduli, with a lot to spare.
+const ROUNDING: f64 = 1e-12;
+
+/// L_j for j = 1, 2, …, those in reach of the band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Radiation {
+    limits: [f64; HARMONICS],
+    count: usize,
+    omega: f64,
+}
+
+impl Radiation {
+    /// The limits for orbits without force of one impact site; `None` where all modes are slower than the orbit, so that
+    /// nothing is radiated.
+    pub(crate) fn of(response: &ImpulseResponse) -> Option<Self> {
+        let (omega, top) = (response.omega(), response.frequencies().last().copied().unwrap_or_default());
+        if top < omega {
+            return None;
+        }
+        // A wave in a ring stands, with a crest opposite to where it is driven.
+        let opposite = response.sites() / 2;
+        let mut limits = [0.0; HARMONICS];
+        let count = HARMONICS.min((top / omega).ceil() as usize);
+        for (j, limit) in (1..).zip(&mut limits[..count]) {
+            let [near, far] = response.driven([0, opposite], f64::from(j) * omega);
+            *limit = FRAC_2_PI * response.period() / near.abs().max(far.abs());
+        }
+        Some(Self { limits, count, omega })
+    }
+
+    /// Whether an orbit with these impacts can be physical, as far as this bound goes.
+    pub(crate) fn allows(&self, draft: &Draft) -> bool {
+        let total: f64 = draft.impacts.iter().map(|impact| impact.3.abs()).sum();
+        // e^{ijωt} of each impact, from j to j + 1 by one product.
+        let mut sums = [[0.0; 2]; HARMONICS];
+        for &(_, _, time, impulse) in &draft.impacts {
+            let (sin, cos) = (self.omega * time).sin_cos();
+            let mut wave = [impulse, 0.0];
+            for sum in &mut sums[..self.count] {
+                wave = [wave[0] * cos - wave[1] * sin, wave[1] * cos + wave[0] * sin];
+                (sum[0], sum[1]) = (sum[0] + wave[0], sum[1] + wave[1]);
+            }
+        }
+        let moduli = sums.iter().map(|[re, im]| re.hypot(*im) - ROUNDING * total);
+        moduli.zip(&self.limits).take(self.count).all(|(modulus, limit)| modulus <= *limit)
+    }
+
+    /// The least D = K₀(φ) − K₀(0) with which a double-sided orbit whose φ lies between the turns `from` and `to` (parts of a
+    /// period) can be physical. Its half impulses have the mean 1/(2D) and, of one sign, P̂_j ≥ (2/D)|sin jωφ/2|.
+    pub(crate) fn least_rise(&self, from: f64, to: f64) -> f64 {
+        let least = |(j, limit): (u32, &f64)| {
+            let [from, to] = [from, to].map(|turns| f64::from(j) * turns);
+            // The sine of jωφ/2 vanishes at whole jφ/T and has one crest in between.
+            let sine =
+                if from.floor() == to.floor() { (PI * from).sin().abs().min((PI * to).sin().abs()) } else { 0.0 };
+            2.0 * sine / limit
+        };
+        (1..).zip(&self.limits[..self.count]).map(least).fold(0.0, f64::max)
+    }
+}

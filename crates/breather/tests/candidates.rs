@@ -1,0 +1,56 @@
+//! What a map looks at against the full lists: no physical orbit may be missing, and few others be left.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use vibrochain_breather::{Family, Finder, Found, Orbit, Wanted};
+use vibrochain_lattice::{Chain, Model};
+
+/// A ring without force, slow enough for harmonics to meet the band.
+fn random_model(random: &mut fastrand::Rng) -> Model {
+    let sites = if random.u8(..4) == 0 { random.usize(13..80) } else { random.usize(1..13) };
+    let mut uniform = |from: f64, to: f64| from + (to - from) * random.f64();
+    let (gamma1, gamma2) = (uniform(-0.05, 0.6).max(0.0), uniform(0.0, 0.3));
+    let omega = uniform(0.2, 1.2) * (gamma1 + 4.0 * gamma2).sqrt();
+    let asymmetry = uniform(-0.6, 0.9).max(0.0);
+    Model::conservative(Chain::new(sites, gamma1, gamma2).unwrap(), omega, asymmetry).unwrap()
+}
+
+/// The impacts' times and impulses.
+fn impacts(orbit: &Orbit) -> Vec<(f64, f64)> {
+    orbit.impacts().iter().map(|impact| (impact.time, impact.impulse)).collect()
+}
+
+#[test]
+fn no_physical_conservative_orbit_is_missed() {
+    let mut random = fastrand::Rng::with_seed(13);
+    let (mut finder, mut found) = (Finder::new(6), Found::default());
+    let (mut listed, mut looked_at, mut physical, mut asymmetric) = (0, 0, 0, 0);
+    for _ in 0..6000 {
+        let model = random_model(&mut random);
+        for family in [Family::DoubleSided, Family::SingleSided] {
+            let mut orbits = |wanted: Wanted, count: &mut usize| {
+                if finder.search(&model, family, wanted, &mut found).is_err() {
+                    return Vec::new();
+                }
+                *count += found.orbits.len();
+                let mut orbits = found.orbits.clone();
+                orbits.retain(|orbit| finder.admissibility(orbit).unwrap().is_physical());
+                orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
+                orbits
+            };
+            let all = orbits(Wanted::All, &mut listed);
+            let candidates = orbits(Wanted::Candidates, &mut looked_at);
+            assert_eq!(all.len(), candidates.len(), "{model:?} {family:?}");
+            for (one, other) in all.iter().zip(&candidates) {
+                for ((time, impulse), (its_time, its_impulse)) in impacts(one).into_iter().zip(impacts(other)) {
+                    assert!((time - its_time).abs() < 1e-9 * model.period(), "{model:?}");
+                    assert!((impulse - its_impulse).abs() < 1e-7 * impulse.abs(), "{model:?}");
+                }
+            }
+            physical += all.len();
+            asymmetric += all.iter().filter(|orbit| orbit.phi().is_some_and(|phi| phi != 0.5 * model.period())).count();
+        }
+    }
+    assert!(physical > 1000 && asymmetric > 100, "{physical} {asymmetric}");
+    // The bounds are worth their while: most of what is listed is not looked at.
+    assert!(looked_at - physical < (listed - physical) / 4, "{listed} {looked_at} {physical}");
+}
