@@ -3,7 +3,7 @@
 use std::fmt;
 
 use thiserror::Error;
-use vibrochain_lattice::{ParameterError, Resonance};
+use vibrochain_lattice::{ParameterError, Resonance, Short};
 
 /// Why a request could not be computed. "There is no such breather" is not among these: it is an answer, see
 /// [`NoBreather`].
@@ -72,7 +72,7 @@ impl fmt::Display for NoBreather {
                 )
             }
             Self::ForceTooWeak { threshold } => {
-                write!(f, "the force is too weak: this family needs an amplitude of at least {threshold}")
+                write!(f, "the force is too weak: this family needs an amplitude of at least {}", Short(*threshold))
             }
             Self::NoPhase => write!(f, "no phase of the force meets the conditions at the impacts"),
             Self::Singular => write!(f, "the conditions at the impacts are singular here"),

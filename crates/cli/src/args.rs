@@ -14,7 +14,7 @@ use crate::sweep::ShardFlag;
     name = "mapgen",
     version,
     about,
-    after_help = "Everything is dimensionless: unit masses, barriers at asymmetry ± 1.\nExit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 130 interrupted by Ctrl-C or SIGTERM."
+    after_help = "Everything is dimensionless: unit masses, barriers at asymmetry ± 1.\nFiles appear whole or not at all; `-` is standard output (words then go to standard error), pipes and devices are written to directly, links are followed.\nExit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 130 interrupted by Ctrl-C or SIGTERM."
 )]
 pub struct Cli {
     /// What to do.
@@ -66,8 +66,8 @@ says how to go on and ends with exit code 130; killed, it goes on from there as 
 pub struct SweepArgs {
     /// Scene file (TOML), see scenes/.
     pub scene: PathBuf,
-    /// Table to write (CSV; named .csv.gz or .csv.zst, compressed; named .parquet, by columns); a manifest is written beside it. With --shard: folder
-    /// of chunks.
+    /// Table to write (.csv; .csv.gz or .csv.zst, compressed; .parquet, by columns); a manifest is written beside it. `-` is
+    /// standard output, which has no manifest and keeps no chunks. With --shard: folder of chunks.
     #[arg(long, value_name = "FILE", required_unless_present = "dry_run")]
     pub out: Option<PathBuf>,
     /// Go on with the chunks that an interrupted run has left, or start afresh where there are none.
@@ -113,8 +113,8 @@ pub struct PictureArgs {
 pub struct MergeArgs {
     /// Folder of chunks, the --out of `mapgen sweep --shard`.
     pub folder: PathBuf,
-    /// Table to write (CSV; named .csv.gz or .csv.zst, compressed; named .parquet, by columns), the same to the byte as that of an undivided sweep; a
-    /// manifest is written beside it.
+    /// Table to write (.csv; .csv.gz or .csv.zst, compressed; .parquet, by columns), the same to the byte as that of an
+    /// undivided sweep; a manifest is written beside it. `-` is standard output, which has no manifest.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Pictures of the table.

@@ -2,7 +2,9 @@
 
 use std::fmt;
 use std::io::{self, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
+#[cfg(unix)]
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, OnceLock};
 
 use crate::error::CliError;
@@ -39,26 +41,71 @@ impl Console<'_> {
         }
     }
 
+    /// As [`Console::print`], unless a file of the command is standard output (`taken`): words do not belong into a table or
+    /// a picture, they are then remarks.
+    ///
+    /// # Errors
+    /// As [`Console::print`].
+    pub fn answer(&mut self, text: &str, taken: bool) -> Result<(), CliError> {
+        if !taken {
+            return self.print(text);
+        }
+        self.remark(text.trim_end());
+        Ok(())
+    }
+
     /// A remark for people. With nobody left to read it, it is no reason to fail.
     pub fn remark(&mut self, text: &str) {
         let _ = writeln!(self.err, "{text}");
     }
 }
 
-/// The flag that Ctrl-C and SIGTERM raise. A process has one handler of signals, so it has one such flag: the first call
-/// installs it, later ones hand out the same.
+/// Raised by signals; or why it cannot be.
+static FLAG: OnceLock<Result<Arc<AtomicBool>, String>> = OnceLock::new();
+
+/// The flag that Ctrl-C, SIGTERM and SIGHUP raise. A process has one handler of signals, so it has one such flag: the first
+/// call installs it, later ones hand out the same. A signal that is ignored already, as SIGHUP under `nohup`, stays so.
 ///
 /// # Errors
 /// [`CliError::Computation`] if the handler cannot be installed.
 pub fn ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
-    static FLAG: OnceLock<Result<Arc<AtomicBool>, String>> = OnceLock::new();
     let flag = FLAG.get_or_init(|| {
         let flag = Arc::new(AtomicBool::new(false));
-        let raised = Arc::clone(&flag);
-        let installed = ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed));
+        let installed = listen(&flag);
         installed.map(|()| flag).map_err(|error| format!("cannot listen for Ctrl-C: {error}"))
     });
     flag.clone().map_err(CliError::Computation)
+}
+
+/// Whether that flag has been raised; nobody raises it before somebody has asked for it.
+#[cfg(unix)]
+pub(crate) fn is_stopped() -> bool {
+    matches!(FLAG.get(), Some(Ok(flag)) if flag.load(Ordering::Relaxed))
+}
+
+#[cfg(unix)]
+fn listen(flag: &Arc<AtomicBool>) -> io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let ignored = std::fs::read_to_string("/proc/self/status").map_or(0, |status| ignored_signals(&status));
+    for signal in [SIGHUP, SIGINT, SIGTERM] {
+        if ignored >> (signal - 1) & 1 == 0 {
+            signal_hook::flag::register(signal, Arc::clone(flag))?;
+        }
+    }
+    Ok(())
+}
+
+/// The signals that a process ignores, as Linux tells them: the first in the lowest bit. Elsewhere nobody tells.
+#[cfg(unix)]
+fn ignored_signals(status: &str) -> u64 {
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}
+
+#[cfg(not(unix))]
+fn listen(flag: &Arc<AtomicBool>) -> Result<(), ctrlc::Error> {
+    let raised = Arc::clone(flag);
+    ctrlc::set_handler(move || raised.store(true, std::sync::atomic::Ordering::Relaxed))
 }
 
 /// Makes a write beyond the limit on the size of files (`ulimit -f`) an error like that of a full disk; unasked, the system
@@ -79,6 +126,21 @@ mod tests {
     fn one_process_may_run_many_commands() {
         let (first, second) = (ctrl_c().unwrap(), ctrl_c().unwrap());
         assert!(Arc::ptr_eq(&first, &second) && !first.load(Ordering::Relaxed));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn ignored_signals_are_read_bit_by_bit() {
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+        let set = |mask: &str| {
+            let status = format!("Name:\tmapgen\nSigBlk:\t0000000000000001\nSigIgn:\t{mask}\nSigCgt:\t4002\n");
+            let ignored = ignored_signals(&status);
+            [SIGHUP, SIGINT, SIGTERM].map(|signal| ignored >> (signal - 1) & 1 == 1)
+        };
+        assert_eq!(set("0000000000001000"), [false; 3]);
+        assert_eq!(set("0000000000001001"), [true, false, false]);
+        assert_eq!(set("0000000000004002"), [false, true, true]);
+        assert_eq!((ignored_signals(""), ignored_signals("SigIgn:\tx\n")), (0, 0));
     }
 
     #[test]

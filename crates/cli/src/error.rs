@@ -1,6 +1,6 @@
 //! What ends a run early, and with which exit code.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 use vibrochain_lattice::ParameterError;
@@ -26,6 +26,12 @@ pub enum CliError {
     /// The same, with what is finished, and how to go on.
     #[error("interrupted: {0}")]
     Paused(String),
+    /// The same, while nobody was reading a pipe.
+    #[error("interrupted: {} was not read", .0.display())]
+    Halted(PathBuf),
+    /// Whoever read standard output has seen enough (`| head`), which is no failure.
+    #[error("standard output is not read any more")]
+    Unread,
 }
 
 impl CliError {
@@ -35,7 +41,8 @@ impl CliError {
             Self::Usage(error) => u8::try_from(error.exit_code()).unwrap_or(2),
             Self::Request(_) => 2,
             Self::Computation(_) => 1,
-            Self::Interrupted | Self::Stopped | Self::Paused(_) => 130,
+            Self::Interrupted | Self::Stopped | Self::Paused(_) | Self::Halted(_) => 130,
+            Self::Unread => 0,
         }
     }
 

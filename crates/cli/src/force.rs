@@ -1,7 +1,7 @@
 //! Forces of several harmonics on the command line and in files.
 
 use serde_json::{Value, json};
-use vibrochain_lattice::{Force, Harmonic, Model};
+use vibrochain_lattice::{Force, Harmonic, Model, Short};
 
 /// Reads a force as `--force` gives it, `number:amplitude[:phase]` for each harmonic, with commas between.
 ///
@@ -36,7 +36,8 @@ fn harmonic(text: &str) -> Result<Harmonic, String> {
 
 /// The force as `--force` takes it.
 pub fn listed(force: &Force) -> String {
-    let one = |harmonic: &Harmonic| format!("{}:{}:{}", harmonic.number, harmonic.amplitude, harmonic.phase);
+    let one =
+        |harmonic: &Harmonic| format!("{}:{}:{}", harmonic.number, Short(harmonic.amplitude), Short(harmonic.phase));
     force.harmonics().iter().map(one).collect::<Vec<_>>().join(",")
 }
 

@@ -7,7 +7,8 @@
 //! | `args` | the command line |
 //! | `parameter`, `force`, `scene` | points of the parameter space, forces of several harmonics, scene files |
 //! | `cell`, `sweep` | one cell; all cells, in chunks that outlive the process |
-//! | `table`, `table_file`, `columnar`, `manifest`, `pictures`, `output` | the files a sweep writes |
+//! | `table`, `table_file`, `columnar`, `manifest`, `pictures` | the files a sweep writes |
+//! | `destination`, `output`, `stream`, `csv_file` | where a file goes, whole or as it comes; tables of other commands |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `plot` | pictures (feature `plot`) |
 //! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
@@ -24,6 +25,8 @@ pub mod cell;
 #[cfg(feature = "parquet")]
 mod columnar;
 pub mod console;
+mod csv_file;
+mod destination;
 pub mod errata;
 pub mod error;
 mod estimate;
@@ -51,6 +54,7 @@ mod report;
 pub mod scene;
 pub mod simulate_command;
 pub mod start;
+mod stream;
 #[cfg(feature = "plot")]
 pub mod stripes;
 pub mod sweep;

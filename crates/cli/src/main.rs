@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     let mut console = Console { out: &mut out, err: &mut err, progress, interrupt: &ctrl_c };
     let result = program::run(std::env::args_os(), &mut console);
     match &result {
-        Ok(()) => {}
+        Ok(()) | Err(CliError::Unread) => {}
         // clap knows where help and complaints go, and whether in colour. With both streams closed there is nobody left to
         // tell; the exit code remains.
         Err(CliError::Usage(error)) => {

@@ -1,15 +1,18 @@
 //! `mapgen merge`: a folder of chunks → table, manifest, pictures.
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use vibrochain_lattice::Short;
 
 use crate::args::MergeArgs;
 use crate::console::Console;
+use crate::destination::{distinct, name_within};
 use crate::error::CliError;
-use crate::output::{Output, distinct};
+use crate::output::Output;
 use crate::pictures::Pictures;
 use crate::report::report;
 use crate::sweep::{Assembly, Fault, Plan, Store, Unassembled};
-use crate::sweep_command::{manifest_path, quoted, write_manifest};
+use crate::sweep_command::{manifest_path, place, quoted, write_manifest};
+use crate::table_file::Form;
 
 /// The most runs of missing chunks that are named.
 const MOST_NAMED: usize = 12;
@@ -20,17 +23,25 @@ const MOST_NAMED: usize = 12;
 /// [`CliError`].
 pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let plan = Store::plan(&args.folder)?;
-    let manifest_file = manifest_path(&args.out);
+    let manifest_file = place(&args.out)?.map(|_| manifest_path(&args.out));
     let wanted = &args.pictures;
-    distinct(&[
-        ("the folder of chunks", Some(&args.folder)),
-        ("--out", Some(&args.out)),
-        ("the manifest of --out", Some(&manifest_file)),
+    let outputs = [
+        ("--out", Some(args.out.as_path())),
+        ("the manifest of --out", manifest_file.as_deref()),
         ("--png", wanted.png.as_deref()),
         ("--svg", wanted.svg.as_deref()),
-    ])?;
-    // Both fail early where they cannot be written.
-    Output::create(&manifest_file)?;
+    ];
+    distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?;
+    for (flag, path) in outputs {
+        let Some(path) = path else { continue };
+        if name_within(&args.folder, path).is_some_and(|name| Store::owns(&name)) {
+            let message = format!("{flag} and a chunk are the same file, {}: name another", path.display());
+            return Err(CliError::Request(message));
+        }
+    }
+    Form::of(&args.out)?;
+    // All fail early where they cannot be written.
+    manifest_file.as_deref().map(Output::create).transpose()?;
     let mut pictures = Pictures::plan(wanted, &plan.scene)?;
     let mut assembly = Assembly::begin(&plan, &args.out, &mut pictures)?;
     let stop = (console.interrupt)()?;
@@ -49,7 +60,9 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         Err(Unassembled::Chunk(chunk, fault)) => return Err(incomplete(args, &plan, &[(chunk, fault)])),
     };
     assembly.into_table().commit()?;
-    write_manifest(&manifest_file, &plan, &summary, None)?;
+    if let Some(file) = &manifest_file {
+        write_manifest(file, &plan, &summary, None)?;
+    }
     pictures.finish()?;
     if !args.quiet {
         console.remark(&report(&plan.scene, &summary, None));
@@ -76,7 +89,7 @@ fn incomplete(args: &MergeArgs, plan: &Plan, faults: &[(u64, Fault)]) -> CliErro
             lines.push(format!("  and {} more", bad.len() - MOST_NAMED));
         }
     }
-    let threshold = plan.threshold.map_or_else(String::new, |threshold| format!(" --threshold {threshold}"));
+    let threshold = plan.threshold.map_or_else(String::new, |threshold| format!(" --threshold {}", Short(threshold)));
     let (scene, folder) = (quoted(&plan.scene_file), quoted(&args.folder));
     lines.push(format!("make them with: mapgen sweep {scene} --out {folder}{threshold} --shard 0/1 --resume"));
     lines.push("(or with the shards of before, each with --resume: what is finished is not computed again)".to_owned());

@@ -5,15 +5,15 @@ use std::path::Path;
 use vibrochain_breather::Finder;
 use vibrochain_floquet::multiplier_modes;
 
+use crate::csv_file::CsvFile;
 use crate::error::CliError;
 use crate::orbit_command::Solution;
-use crate::output::Output;
 
 const HEADER: [&str; 6] = ["solution", "real", "imaginary", "modulus", "argument", "mode"];
 
 /// The file under way.
 pub(crate) struct MultiplierFile {
-    writer: csv::Writer<Output>,
+    file: CsvFile,
 }
 
 impl MultiplierFile {
@@ -22,7 +22,7 @@ impl MultiplierFile {
     /// # Errors
     /// [`CliError::Request`] if it cannot be written.
     pub(crate) fn create(path: &Path) -> Result<Self, CliError> {
-        Ok(Self { writer: csv::Writer::from_writer(Output::create(path)?) })
+        Ok(Self { file: CsvFile::create("--multipliers", path, HEADER)? })
     }
 
     /// Writes a row for each multiplier, by falling modulus; solutions are counted from 1, as in the printed list.
@@ -30,8 +30,6 @@ impl MultiplierFile {
     /// # Errors
     /// [`CliError::Computation`] if the disk refuses.
     pub(crate) fn finish(mut self, solutions: &[Solution], finder: &mut Finder) -> Result<(), CliError> {
-        let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not write: {error}"));
-        self.writer.write_record(HEADER).map_err(|error| failed(&error))?;
         for (i, solution) in solutions.iter().enumerate() {
             // What could not be computed is told elsewhere.
             let Ok(stability) = &solution.stability else { continue };
@@ -46,9 +44,9 @@ impl MultiplierFile {
                     z.im.atan2(z.re).to_string(),
                     mode.map_or(String::new(), |mode| mode.to_string()),
                 ];
-                self.writer.write_record(record).map_err(|error| failed(&error))?;
+                self.file.row(record)?;
             }
         }
-        self.writer.into_inner().map_err(|error| failed(&error.into_error()))?.commit()
+        self.file.finish()
     }
 }

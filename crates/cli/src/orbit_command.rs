@@ -9,6 +9,7 @@ use vibrochain_lattice::{MAX_SITES, Model};
 
 use crate::args::{FamilyName, ModelArgs, OrbitArgs};
 use crate::console::Console;
+use crate::destination::distinct;
 use crate::error::CliError;
 use crate::force;
 use crate::multiplier_file::MultiplierFile;
@@ -63,6 +64,14 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         None => Tolerance::Rounding,
         Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
     };
+    let taken = distinct(
+        &[],
+        &[
+            ("--multipliers", args.multipliers.as_deref()),
+            ("--plot", args.plot.as_deref()),
+            ("--all-plots", args.all_plots.as_deref()),
+        ],
+    )?;
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let plot = Plot::open(args)?;
     let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
@@ -85,7 +94,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     } else {
         text(&model, family, &solutions, &found)
     };
-    console.print(&text)?;
+    console.answer(&text, taken)?;
     if let Some(file) = file {
         file.finish(&solutions, &mut finder)?;
     }
@@ -370,6 +379,7 @@ mod with_plot {
     use vibrochain_breather::Motion;
 
     use super::{CliError, Console, OrbitArgs, Solution};
+    use crate::destination::{name_within, promises_folder};
     use crate::orbit_plots;
     use crate::output::Output;
     use crate::plot::{Format, OrbitPanels, open, orbit_picture};
@@ -389,7 +399,14 @@ mod with_plot {
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
             let format = if args.svg { Format::Svg } else { Format::Png };
+            if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
+                && name_within(folder, plot).is_some_and(|name| orbit_plots::is_own(&name))
+            {
+                let message = format!("--plot {} is a name that --all-plots uses: name another", plot.display());
+                return Err(CliError::Request(message));
+            }
             let all = args.all_plots.as_deref().map(|folder| {
+                promises_folder("--all-plots", folder)?;
                 std::fs::create_dir_all(folder)
                     .map_err(|error| CliError::file("cannot make folder", folder, &error))?;
                 Ok::<_, CliError>((format, folder.to_owned()))

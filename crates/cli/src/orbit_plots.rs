@@ -9,6 +9,7 @@
 //! | `solution-K-eigenvector` | the perturbation that belongs to the leading multiplier |
 //! | `solution-K-decay` | distance from the uniform motion, site by site, on a logarithmic axis |
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use vibrochain_breather::{BreatherError, Finder, Motion, Orbit};
@@ -35,6 +36,14 @@ fn computation(error: impl std::fmt::Display) -> CliError {
     CliError::Computation(error.to_string())
 }
 
+/// Begins the names of all files here.
+const NAME: &str = "solution-";
+
+/// Whether a name may be that of a file here.
+pub(crate) fn is_own(name: &OsStr) -> bool {
+    name.to_string_lossy().starts_with(NAME)
+}
+
 /// Writes the pictures of solution number `number`. Without stability those of multipliers and eigenvector are left out.
 ///
 /// # Errors
@@ -52,7 +61,7 @@ pub(crate) fn write(
         let columns = panes.len();
         let picture = Curves { title: title.clone(), panes, columns, pane };
         let bytes = curves_picture(&picture, format).map_err(computation)?;
-        Output::create(&folder.join(format!("solution-{number}-{name}.{ending}")))?.finish_with(&bytes)
+        Output::create(&folder.join(format!("{NAME}{number}-{name}.{ending}")))?.finish_with(&bytes)
     };
     save("profile", (960, 480), vec![profile(orbit).map_err(computation)?])?;
     let (trace, phase) = flights(orbit).map_err(computation)?;

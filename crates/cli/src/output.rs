@@ -1,5 +1,5 @@
 //! Files that appear whole or not at all: written beside their destination under a temporary name, flushed to disk,
-//! renamed.
+//! renamed. What is no plain file is written to as it is.
 
 use std::fmt;
 use std::fs;
@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+use crate::destination::{Destination, promises};
 use crate::error::CliError;
+use crate::stream::{Halted, Stream};
 
 /// How names of temporary files end.
 pub(crate) const TEMPORARY: &str = ".part";
@@ -28,54 +30,103 @@ pub fn settle_names(path: &Path) {
     }
 }
 
-/// A file under way. Dropped before [`Output::commit`], it leaves nothing behind.
+/// Where the bytes of an output go.
+#[derive(Debug)]
+enum Sink {
+    /// A temporary file, to be put in its place.
+    Temporary {
+        file: NamedTempFile,
+        place: PathBuf,
+        /// Whether anything but a plain file in that place is somebody else's.
+        careful: bool,
+    },
+    Stream(Stream),
+}
+
+/// A file under way. Dropped before [`Output::commit`], it leaves nothing behind but what a pipe or a device has got already.
 #[derive(Debug)]
 pub struct Output {
-    file: NamedTempFile,
+    sink: Sink,
     /// What the system has not got yet, less than a piece.
     held: Vec<u8>,
+    /// As it was named.
     path: PathBuf,
 }
 
 impl Output {
     /// Opens the temporary file, so that an impossible destination is known before the work starts. Missing folders are
-    /// made.
+    /// made, links followed. `-`, pipes and devices are opened with the first byte.
     ///
     /// # Errors
     /// [`CliError::Request`] if the destination cannot be written.
     pub fn create(path: &Path) -> Result<Self, CliError> {
-        if path.file_name().is_none() {
-            return Err(CliError::Request(format!("cannot write {}: it names no file", path.display())));
-        }
-        if path.is_dir() {
-            return Err(CliError::Request(format!("cannot write {}: it is a folder; name a file", path.display())));
-        }
-        fs::create_dir_all(folder_of(path)).map_err(|error| CliError::file("cannot write", path, &error))?;
-        Self::beside(path)
+        let cannot = |error: io::Error| CliError::file("cannot write", path, &error);
+        let sink = match Destination::of(path)? {
+            Destination::Plain(place) => {
+                fs::create_dir_all(folder_of(&place)).map_err(cannot)?;
+                return Self::temporary(path, place, true);
+            }
+            Destination::StandardOutput => Stream::to_standard_output(),
+            Destination::Direct(path) => Stream::to(&path).map_err(cannot)?,
+        };
+        Ok(Self { sink: Sink::Stream(sink), held: Vec::new(), path: path.to_owned() })
     }
 
-    /// As [`Output::create`], in a folder that must be there.
+    /// As [`Output::create`], for a document in Markdown.
+    ///
+    /// # Errors
+    /// As [`Output::create`]; also for a name that promises something else.
+    pub(crate) fn document(flag: &str, path: &Path) -> Result<Self, CliError> {
+        promises(flag, path, "a document in Markdown", &["md", "markdown", "txt"])?;
+        Self::create(path)
+    }
+
+    /// As [`Output::create`], in a folder that must be there, and in the place of whatever has this very name.
     ///
     /// # Errors
     /// As [`Output::create`].
     pub fn beside(path: &Path) -> Result<Self, CliError> {
+        Self::temporary(path, path.to_owned(), false)
+    }
+
+    fn temporary(path: &Path, place: PathBuf, careful: bool) -> Result<Self, CliError> {
         let mut builder = tempfile::Builder::new();
-        let prefix = format!(".{}.", path.file_name().unwrap_or_default().to_string_lossy());
+        let prefix = format!(".{}.", place.file_name().unwrap_or_default().to_string_lossy());
         builder.prefix(&prefix).suffix(TEMPORARY);
         // Temporary files are private by default; results are shared like any file, within the umask.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder_of(path));
+        let file = builder.tempfile_in(folder_of(&place));
         let file = file.map_err(|error| CliError::file("cannot write", path, &error))?;
-        Ok(Self { file, held: Vec::new(), path: path.to_owned() })
+        Ok(Self { sink: Sink::Temporary { file, place, careful }, held: Vec::new(), path: path.to_owned() })
     }
 
     /// The error of a write that failed.
     pub fn unwritten(&self, error: &io::Error) -> CliError {
-        CliError::Computation(format!("could not write {}: {error}", self.path.display()))
+        self.failed("write", error)
     }
 
-    /// The destination.
+    /// What a failure means here: who reads standard output may have seen enough, and who waits for a reader may be told to
+    /// stop.
+    fn failed(&self, what: &str, error: &io::Error) -> CliError {
+        let standard_output = matches!(&self.sink, Sink::Stream(stream) if stream.is_standard_output());
+        match error.kind() {
+            io::ErrorKind::BrokenPipe if standard_output => CliError::Unread,
+            _ if error.get_ref().is_some_and(|inner| inner.is::<Halted>()) => CliError::Halted(self.path.clone()),
+            _ if standard_output => CliError::Computation(format!("could not {what} to standard output: {error}")),
+            _ => CliError::Computation(format!("could not {what} {}: {error}", self.path.display())),
+        }
+    }
+
+    /// As [`Output::unwritten`], of a table's row.
+    pub fn without_row(&self, error: csv::Error) -> CliError {
+        match error.into_kind() {
+            csv::ErrorKind::Io(error) => self.unwritten(&error),
+            other => CliError::Computation(format!("could not write {}: {other:?}", self.path.display())),
+        }
+    }
+
+    /// The destination, as it was named.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -85,9 +136,18 @@ impl Output {
     /// # Errors
     /// [`CliError::Computation`] if the disk refuses; the destination is then as it was before.
     pub fn commit(mut self) -> Result<(), CliError> {
-        self.settle()?;
-        let Self { file, path, .. } = self;
-        file.persist(&path).map(|_| ()).map_err(|error| unfinished(&path, &error.error))
+        match self.settle() {
+            // All has been done for a reader who does not want the rest.
+            Err(CliError::Unread) => return Ok(()),
+            settled => settled?,
+        }
+        let Self { sink: Sink::Temporary { file, place, careful }, path, .. } = self else { return Ok(()) };
+        // It may have become something else since.
+        if careful && fs::symlink_metadata(&place).is_ok_and(|found| !found.is_file()) {
+            let message = format!("could not finish {}: it is no plain file any more", path.display());
+            return Err(CliError::Computation(message));
+        }
+        file.persist(&place).map(|_| ()).map_err(|error| unfinished(&path, &error.error))
     }
 
     /// As [`Output::commit`], but leaves a file that is already there as it is, and tells so by `false`.
@@ -101,9 +161,9 @@ impl Output {
 
     /// As [`Output::commit_new`], but does not wait for the disk: for a file that can be made again.
     pub(crate) fn place_new(mut self) -> Result<bool, CliError> {
-        self.hand_over().map_err(|error| unfinished(&self.path, &error))?;
-        let Self { file, path, .. } = self;
-        match file.persist_noclobber(&path) {
+        self.hand_over().map_err(|error| self.failed("finish", &error))?;
+        let Self { sink: Sink::Temporary { file, place, .. }, path, .. } = self else { return Ok(true) };
+        match file.persist_noclobber(&place) {
             Ok(_) => Ok(true),
             Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
             Err(error) => Err(unfinished(&path, &error.error)),
@@ -115,14 +175,22 @@ impl Output {
     /// # Errors
     /// [`CliError::Computation`] if the disk refuses.
     pub(crate) fn settle(&mut self) -> Result<(), CliError> {
-        let settled = self.hand_over().and_then(|()| self.file.as_file().sync_all());
-        settled.map_err(|error| unfinished(&self.path, &error))
+        let settled = self.hand_over().and_then(|()| match &mut self.sink {
+            Sink::Temporary { file, .. } => file.as_file().sync_all(),
+            // Also without a byte: a reader waits for the end.
+            Sink::Stream(stream) => stream.flush(),
+        });
+        settled.map_err(|error| self.failed("finish", &error))
     }
 
     /// Hands to the system what is held.
     fn hand_over(&mut self) -> io::Result<()> {
         while !self.held.is_empty() {
-            match self.file.write(&self.held) {
+            let written = match &mut self.sink {
+                Sink::Temporary { file, .. } => file.write(&self.held),
+                Sink::Stream(stream) => stream.write(&self.held),
+            };
+            match written {
                 Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
                 // After a failure the rest is still to be written, and no byte of it twice.
                 Ok(count) => drop(self.held.drain(..count)),
@@ -138,8 +206,11 @@ impl Output {
     /// # Errors
     /// As [`Output::commit`].
     pub fn finish_with(mut self, content: &[u8]) -> Result<(), CliError> {
-        self.write_all(content).map_err(|error| self.unwritten(&error))?;
-        self.commit()
+        match self.write_all(content).map_err(|error| self.unwritten(&error)) {
+            // As where it is committed.
+            Err(CliError::Unread) => Ok(()),
+            written => written.and_then(|()| self.commit()),
+        }
     }
 }
 
@@ -167,8 +238,12 @@ impl Write for Output {
         Ok(())
     }
 
+    /// A stream keeps its piece: who drops a writer flushes it, and that alone must not wait for a reader.
     fn flush(&mut self) -> io::Result<()> {
-        self.hand_over()
+        match self.sink {
+            Sink::Temporary { .. } => self.hand_over(),
+            Sink::Stream(_) => Ok(()),
+        }
     }
 }
 
@@ -189,30 +264,6 @@ pub(crate) fn remove_abandoned(path: &Path) {
             let _ = fs::remove_file(entry.path());
         }
     }
-}
-
-/// Makes sure that no two of the files a command reads or writes are the same. Each comes with the flag that named it.
-///
-/// # Errors
-/// [`CliError::Request`] naming both flags.
-pub fn distinct(files: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
-    // A file that does not exist yet is known by its folder.
-    let resolved = |path: &Path| match (path.canonicalize(), path.parent(), path.file_name()) {
-        (Ok(whole), _, _) => whole,
-        (Err(_), Some(folder), Some(name)) => {
-            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-            folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(name)
-        }
-        _ => path.to_owned(),
-    };
-    let given: Vec<_> = files.iter().filter_map(|(flag, path)| path.map(|path| (flag, path, resolved(path)))).collect();
-    for (i, (flag, path, place)) in given.iter().enumerate() {
-        if let Some((other, _, _)) = given[..i].iter().find(|(_, _, earlier)| earlier == place) {
-            let message = format!("{other} and {flag} are the same file, {}: name another", path.display());
-            return Err(CliError::Request(message));
-        }
-    }
-    Ok(())
 }
 
 /// A number in the fewest digits that read back the same, with an exponent where it would be a row of zeros.
@@ -279,6 +330,24 @@ mod tests {
             output.commit().unwrap();
             assert!(fs::read(&path).unwrap() == text, "{size}");
         }
+    }
+
+    /// Hours may pass between the two.
+    #[cfg(unix)]
+    #[test]
+    fn what_has_become_no_plain_file_since_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, other) = (folder.path().join("map.csv"), folder.path().join("other"));
+        fs::write(&other, "other").unwrap();
+        let output = Output::create(&path).unwrap();
+        std::os::unix::fs::symlink(&other, &path).unwrap();
+        let told = output.finish_with(b"table").unwrap_err().to_string();
+        assert!(told.ends_with("map.csv: it is no plain file any more"), "{told}");
+        assert!(path.is_symlink() && fs::read(&other).unwrap() == b"other");
+        // A chunk's place is the program's own.
+        Output::beside(&path).unwrap().finish_with(b"chunk").unwrap();
+        assert!(!path.is_symlink() && fs::read(&path).unwrap() == b"chunk" && fs::read(&other).unwrap() == b"other");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
     #[test]

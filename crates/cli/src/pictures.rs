@@ -36,6 +36,7 @@ mod with_pictures {
             let mut files = Vec::new();
             for (path, format) in [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg)] {
                 let Some(path) = path else { continue };
+                format.promised(path)?;
                 if scene.plane().is_none() {
                     let axes = scene.axes.len();
                     let message = format!("pictures need two axes, the scene has {axes}: leave out --png and --svg");

@@ -7,8 +7,8 @@ use vibrochain_eventsim::{Event, Simulation, Time};
 use vibrochain_lattice::Model;
 
 use crate::args::SimulateArgs;
+use crate::csv_file::CsvFile;
 use crate::error::CliError;
-use crate::output::Output;
 use crate::start::Start;
 
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.
@@ -17,14 +17,9 @@ pub(crate) fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
     periods as f64 * orbit.model().period() + time.offset() + start
 }
 
-fn unwritable(path: &Path, error: &dyn std::fmt::Display) -> CliError {
-    CliError::Computation(format!("could not write {}: {error}", path.display()))
-}
-
 /// `time,site,barrier,velocity_before,velocity_after,kind`, one row a mass.
 pub(crate) struct ImpactTable {
-    writer: csv::Writer<Output>,
-    path: std::path::PathBuf,
+    file: CsvFile,
     start: f64,
     /// The first row that could not be written; the simulation cannot stop for it at once.
     pub(crate) failure: Option<CliError>,
@@ -32,10 +27,8 @@ pub(crate) struct ImpactTable {
 
 impl ImpactTable {
     pub(crate) fn open(path: &Path, start: f64) -> Result<Self, CliError> {
-        let mut writer = csv::Writer::from_writer(Output::create(path)?);
         let header = ["time", "site", "barrier", "velocity_before", "velocity_after", "kind"];
-        writer.write_record(header).map_err(|error| unwritable(path, &error))?;
-        Ok(Self { writer, path: path.to_owned(), start, failure: None })
+        Ok(Self { file: CsvFile::create("--impacts", path, header)?, start, failure: None })
     }
 
     pub(crate) fn write(&mut self, event: &Event) {
@@ -47,20 +40,19 @@ impl ImpactTable {
             event.velocity_after.to_string(),
             event.kind.name().to_owned(),
         ];
-        if let Err(error) = self.writer.write_record(row) {
-            self.failure.get_or_insert(unwritable(&self.path, &error));
+        if let Err(error) = self.file.row(row) {
+            self.failure.get_or_insert(error);
         }
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
-        self.writer.into_inner().map_err(|error| unwritable(&self.path, error.error()))?.commit()
+        self.file.finish()
     }
 }
 
 /// `time,displacement_0,…,velocity_0,…`, one row a sample.
 pub(crate) struct Trajectory {
-    writer: csv::Writer<Output>,
-    path: std::path::PathBuf,
+    file: CsvFile,
     start: f64,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -69,22 +61,21 @@ pub(crate) struct Trajectory {
 impl Trajectory {
     pub(crate) fn open(path: &Path, start: f64, model: &Model) -> Result<Self, CliError> {
         let sites = model.chain().sites();
-        let mut writer = csv::Writer::from_writer(Output::create(path)?);
         let columns = |name: &'static str| (0..sites).map(move |n| format!("{name}_{n}"));
         let header = std::iter::once("time".to_owned()).chain(columns("displacement")).chain(columns("velocity"));
-        writer.write_record(header).map_err(|error| unwritable(path, &error))?;
-        Ok(Self { writer, path: path.to_owned(), start, displacement: vec![0.0; sites], velocity: vec![0.0; sites] })
+        let file = CsvFile::create("--trajectory", path, header)?;
+        Ok(Self { file, start, displacement: vec![0.0; sites], velocity: vec![0.0; sites] })
     }
 
     pub(crate) fn write(&mut self, simulation: &Simulation) -> Result<(), CliError> {
         simulation.read(&mut self.displacement, &mut self.velocity);
         let time = self.start + simulation.time().to_f64();
         let row = std::iter::once(&time).chain(&self.displacement).chain(&self.velocity).map(f64::to_string);
-        self.writer.write_record(row).map_err(|error| unwritable(&self.path, &error))
+        self.file.row(row)
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
-        self.writer.into_inner().map_err(|error| unwritable(&self.path, error.error()))?.commit()
+        self.file.finish()
     }
 }
 
@@ -99,7 +90,8 @@ mod with_plot {
     use vibrochain_eventsim::Simulation;
     use vibrochain_lattice::Model;
 
-    use super::{CliError, Output, SimulateArgs, Start, orbit_time};
+    use super::{CliError, SimulateArgs, Start, orbit_time};
+    use crate::output::Output;
     use crate::plot::{Format, RunPicture, open, run_picture};
 
     /// Columns of the space–time picture.

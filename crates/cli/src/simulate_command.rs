@@ -8,13 +8,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use vibrochain_breather::{Finder, Found, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Tolerance, stability};
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Model, Short};
 
 use crate::args::{Direction, SimulateArgs};
 use crate::console::Console;
+use crate::destination::distinct;
 use crate::error::CliError;
 use crate::orbit_command::{family, model};
-use crate::output::distinct;
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::start::{Start, leading_mode_at};
 
@@ -44,12 +44,14 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         );
         CliError::Request(message)
     })?;
-    distinct(&[
-        ("--state", args.state.as_deref()),
-        ("--impacts", args.impacts.as_deref()),
-        ("--trajectory", args.trajectory.as_deref()),
-        ("--plot", args.plot.as_deref()),
-    ])?;
+    let taken = distinct(
+        &[("--state", args.state.as_deref())],
+        &[
+            ("--impacts", args.impacts.as_deref()),
+            ("--trajectory", args.trajectory.as_deref()),
+            ("--plot", args.plot.as_deref()),
+        ],
+    )?;
     let (start, orbit) = starting_point(args, &model)?;
     let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
@@ -104,7 +106,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         let distance = deviation(orbit, &simulation, start.time)?;
         let _ = writeln!(text, "largest distance from the orbit at the end: {distance:.3e}");
     }
-    console.print(&text)?;
+    console.answer(&text, taken)?;
     match report.outcome {
         _ if stopped => Err(CliError::Stopped),
         Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
@@ -159,7 +161,7 @@ fn starting_point(args: &SimulateArgs, model: &Model) -> Result<(Start, Option<O
     let mut start = Start::on(&orbit)?;
     if let Some(size) = args.perturb {
         if !size.is_finite() {
-            return Err(CliError::Request(format!("--perturb {size} is out of range: give a finite size")));
+            return Err(CliError::Request(format!("--perturb {} is out of range: give a finite size", Short(size))));
         }
         match args.direction {
             Direction::Random => start.perturb_at_random(model, size, args.seed),

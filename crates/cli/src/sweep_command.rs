@@ -1,29 +1,43 @@
 //! `mapgen sweep`: scene → plan → chunks → files → summary.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use rayon::ThreadPool;
+use vibrochain_lattice::Short;
 
 use crate::args::SweepArgs;
+use crate::cell::Cell;
 use crate::console::Console;
+use crate::destination::{Destination, distinct, promises_folder};
 use crate::error::CliError;
 use crate::estimate::estimate;
 use crate::manifest::{Effort, Run, manifest};
-use crate::output::{Output, distinct, remove_abandoned, settle_names};
+use crate::output::{Output, remove_abandoned, settle_names};
 use crate::pictures::Pictures;
 use crate::report::{report, speed};
 use crate::sweep::{
-    Assembly, Claim, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, Worked, Writer, work,
+    Assembly, Claim, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, Worked, Writer,
+    blocks, rows, work,
 };
-use crate::table_file::{TableFile, stem};
+use crate::table_file::{Form, TableFile, stem};
 
 /// The most threads that may be asked for.
 const MAX_THREADS: usize = 1024;
 
-/// Where the manifest of a table goes: map.csv, map.csv.gz and map → map.manifest.json, map.5 → map.5.manifest.json.
+/// The plain file that a table's name leads to; none where it is written to as it comes, and can have neither a manifest beside
+/// it nor chunks.
+pub(crate) fn place(table: &Path) -> Result<Option<PathBuf>, CliError> {
+    Ok(match Destination::of(table)? {
+        Destination::Plain(place) => Some(place),
+        Destination::StandardOutput | Destination::Direct(_) => None,
+    })
+}
+
+/// Where the manifest of a table goes: map.csv, map.csv.gz and map → map.manifest.json.
 pub(crate) fn manifest_path(table: &Path) -> PathBuf {
     let name = table.file_name().unwrap_or_default().to_string_lossy().into_owned();
     table.with_file_name(format!("{}.manifest.json", stem(&name)))
@@ -50,6 +64,9 @@ pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     };
     let pool = threads(args.threads.or(given))?;
     if args.dry_run {
+        if let (Some(out), None) = (&args.out, shard) {
+            Form::of(out)?;
+        }
         let stop = (console.interrupt)()?;
         let estimate = estimate(&plan, shard.unwrap_or(Shard::WHOLE), pool.current_num_threads(), &stop)?;
         return console.print(&estimate);
@@ -81,16 +98,20 @@ struct Computed<'a, 'b> {
 
 impl SweepRun<'_> {
     fn whole(&self, out: &Path, console: &mut Console<'_>) -> Result<(), CliError> {
+        let Some(place) = place(out)? else { return self.streamed(out, console) };
         let (manifest_file, parts) = (manifest_path(out), parts_path(out));
         let wanted = &self.args.pictures;
-        distinct(&[
-            ("the scene", Some(&self.args.scene)),
-            ("--out", Some(out)),
-            ("the manifest of --out", Some(&manifest_file)),
-            ("the folder of chunks", Some(&parts)),
-            ("--png", wanted.png.as_deref()),
-            ("--svg", wanted.svg.as_deref()),
-        ])?;
+        distinct(
+            &[("the scene", Some(&self.args.scene))],
+            &[
+                ("--out", Some(out)),
+                ("the manifest of --out", Some(&manifest_file)),
+                ("the folder of chunks", Some(&parts)),
+                ("--png", wanted.png.as_deref()),
+                ("--svg", wanted.svg.as_deref()),
+            ],
+        )?;
+        Form::of(out)?;
         // Destinations first: an impossible one should not cost a computation.
         drop(TableFile::create(out, &self.plan.scene)?);
         Output::create(&manifest_file)?;
@@ -132,10 +153,16 @@ impl SweepRun<'_> {
         if let Err(error) = finish() {
             // If it does not fit either, it is not among those that are told to be finished.
             let _ = last.map(Writer::place);
-            return Err(self.failed(&error, &store, Shard::WHOLE));
+            return Err(match error {
+                CliError::Halted(path) => {
+                    let (name, kept) = (path.display(), self.kept(&store, Shard::WHOLE));
+                    CliError::Paused(format!("{name} was not read; {kept}"))
+                }
+                error => self.failed(&error, &store, Shard::WHOLE),
+            });
         }
         // The table's name must be on the disk before the chunks are not.
-        settle_names(out);
+        settle_names(&place);
         let folder = store.folder().to_owned();
         if !store.remove() {
             console.remark(&format!("{} holds other files and was left, without its chunks", folder.display()));
@@ -144,6 +171,59 @@ impl SweepRun<'_> {
             console.remark(&report(&self.plan.scene, &summary, Some(&effort)));
         }
         Ok(())
+    }
+
+    /// A table that goes to standard output, a pipe or a device: nothing is kept of it.
+    fn streamed(&self, out: &Path, console: &mut Console<'_>) -> Result<(), CliError> {
+        let name = out.display();
+        if self.args.resume {
+            let message =
+                format!("--resume has nothing to go on with: --out {name} is no plain file, no chunks are kept");
+            return Err(CliError::Request(message));
+        }
+        let wanted = &self.args.pictures;
+        let taken = distinct(
+            &[("the scene", Some(&self.args.scene))],
+            &[("--out", Some(out)), ("--png", wanted.png.as_deref()), ("--svg", wanted.svg.as_deref())],
+        )?;
+        let scene = &self.plan.scene;
+        let mut pictures = Pictures::plan(wanted, scene)?;
+        let stop = (console.interrupt)()?;
+        let mut table = Assembly::begin(self.plan, out, &mut pictures)?;
+        // Two kinds of lines on one terminal are none.
+        let bar = progress(self.plan.cells(), 0, console.progress && !self.args.quiet && !taken);
+        let started = Instant::now();
+        let made = |range: Range<u64>, cells: &[Cell]| {
+            bar.inc(range.end - range.start);
+            rows(scene, range, cells)
+        };
+        let job = Job { scene, pool: self.pool, stop: &stop };
+        let ended = blocks(&job, &[0..self.plan.cells()], made, |block| {
+            table.rows(&block.made.map_err(CliError::Computation)?)
+        });
+        bar.finish_and_clear();
+        let summary = match ended {
+            Ended::Complete(summary) => summary,
+            Ended::Stopped => {
+                return Err(CliError::Paused(format!("{name} has got a part of the table, nothing else was kept")));
+            }
+            Ended::Failed(error) => return Err(error),
+        };
+        let effort = self.effort(&summary, started);
+        table.into_table().commit()?;
+        pictures.finish()?;
+        if !self.args.quiet {
+            console.remark(&report(scene, &summary, Some(&effort)));
+        }
+        Ok(())
+    }
+
+    fn effort(&self, summary: &Summary, started: Instant) -> Effort {
+        Effort {
+            threads: self.pool.current_num_threads(),
+            computed_cells: summary.cells(),
+            wall_seconds: started.elapsed().as_secs_f64(),
+        }
     }
 
     /// Makes the table of all chunks.
@@ -168,7 +248,10 @@ impl SweepRun<'_> {
     }
 
     fn shard(&self, folder: &Path, shard: Shard, console: &mut Console<'_>) -> Result<(), CliError> {
-        distinct(&[("the scene", Some(&self.args.scene)), ("--out", Some(folder))])?;
+        if !folder.exists() {
+            promises_folder("--out", folder)?;
+        }
+        distinct(&[("the scene", Some(&self.args.scene))], &[("--out", Some(folder))])?;
         let stop = (console.interrupt)()?;
         let store = Store::open(folder, self.plan, Claim::Share)?;
         let there = store.present()?;
@@ -211,14 +294,7 @@ impl SweepRun<'_> {
         let Worked { ended, grown } = work(&job, self.plan, store, &todo.chunks, |cells| bar.inc(cells), along);
         bar.finish_and_clear();
         match ended {
-            Ended::Complete(summary) => {
-                let effort = Effort {
-                    threads: self.pool.current_num_threads(),
-                    computed_cells: summary.cells(),
-                    wall_seconds: started.elapsed().as_secs_f64(),
-                };
-                Ok(Computed { effort, summary, grown })
-            }
+            Ended::Complete(summary) => Ok(Computed { effort: self.effort(&summary, started), summary, grown }),
             Ended::Stopped => Err(CliError::Paused(self.kept(store, shard))),
             Ended::Failed(error) => Err(self.failed(&error, store, shard)),
         }
@@ -253,7 +329,7 @@ impl SweepRun<'_> {
         if pictures.palette != Default::default() {
             words.push("--palette paper".to_owned());
         }
-        words.extend(self.args.threshold.map(|threshold| format!("--threshold {threshold}")));
+        words.extend(self.args.threshold.map(|threshold| format!("--threshold {}", Short(threshold))));
         words.extend(self.args.threads.map(|threads| format!("--threads {threads}")));
         words.extend(self.args.shard.map(|shard| format!("--shard {shard}")));
         words.push("--resume".to_owned());

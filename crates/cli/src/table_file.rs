@@ -5,15 +5,45 @@ use std::path::Path;
 
 #[cfg(feature = "parquet")]
 use crate::columnar::Columns;
+use crate::destination::ending;
 use crate::error::CliError;
 use crate::output::Output;
 use crate::scene::Scene;
 
-/// Endings of compressed tables.
-const COMPRESSED: [&str; 2] = [".gz", ".zst"];
+/// The forms of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// `.csv`, or no ending.
+    Plain,
+    /// `.csv.gz`
+    Gzip,
+    /// `.csv.zst`
+    Zstd,
+    /// `.parquet`
+    Columns,
+}
 
-/// Ending of tables by columns.
-const PARQUET: &str = ".parquet";
+impl Form {
+    /// What the end of its name says, in small letters or capitals.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] for an ending that no table has.
+    pub(crate) fn of(path: &Path) -> Result<Self, CliError> {
+        let (form, inner) = match ending(path).as_deref() {
+            Some("parquet") => return Ok(Self::Columns),
+            Some("gz") => (Self::Gzip, path.with_extension("")),
+            Some("zst") => (Self::Zstd, path.with_extension("")),
+            _ => (Self::Plain, path.to_owned()),
+        };
+        if ending(&inner).is_none_or(|end| end == "csv") {
+            return Ok(form);
+        }
+        let name = path.display();
+        Err(CliError::Request(format!(
+            "--out {name}: the kind of table is not known; end the name in .csv, .csv.gz, .csv.zst or .parquet"
+        )))
+    }
+}
 
 /// Level of gzip: larger ones take several times as long for a hundredth of the size.
 #[cfg(feature = "compress")]
@@ -40,21 +70,22 @@ pub(crate) enum TableFile {
 
 /// The name of a table without the endings that tell its form: map.csv.gz → map.
 pub(crate) fn stem(name: &str) -> &str {
-    let name = COMPRESSED.iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
-    name.strip_suffix(".csv").or(name.strip_suffix(PARQUET)).unwrap_or(name)
+    let without = |name: &'_ str, ends: &[&str]| {
+        let (stem, end) = name.rsplit_once('.').filter(|(stem, _)| !stem.is_empty())?;
+        ends.iter().any(|known| end.eq_ignore_ascii_case(known)).then_some(stem.len())
+    };
+    let name = without(name, &["gz", "zst"]).map_or(name, |length| &name[..length]);
+    without(name, &["csv", "parquet"]).map_or(name, |length| &name[..length])
 }
 
 impl TableFile {
     /// As [`Output::create`].
     pub(crate) fn create(path: &Path, scene: &Scene) -> Result<Self, CliError> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if name.ends_with(PARQUET) {
-            return Self::by_columns(path, scene);
+        match Form::of(path)? {
+            Form::Plain => Output::create(path).map(Self::Plain),
+            Form::Columns => Self::by_columns(path, scene),
+            form => Self::compressed(path, form),
         }
-        let Some(end) = COMPRESSED.into_iter().find(|end| name.ends_with(end)) else {
-            return Output::create(path).map(Self::Plain);
-        };
-        Self::compressed(path, end)
     }
 
     #[cfg(feature = "parquet")]
@@ -67,14 +98,14 @@ impl TableFile {
 
     #[cfg(not(feature = "parquet"))]
     fn by_columns(path: &Path, _: &Scene) -> Result<Self, CliError> {
-        let message = format!("{}: {PARQUET} needs a build with the feature `parquet`", path.display());
+        let message = format!("{}: .parquet needs a build with the feature `parquet`", path.display());
         Err(CliError::Request(message))
     }
 
     #[cfg(feature = "compress")]
-    fn compressed(path: &Path, end: &str) -> Result<Self, CliError> {
+    fn compressed(path: &Path, form: Form) -> Result<Self, CliError> {
         let output = Output::create(path)?;
-        if end == ".gz" {
+        if form == Form::Gzip {
             return Ok(Self::Gzip(flate2::write::GzEncoder::new(output, flate2::Compression::new(GZIP_LEVEL))));
         }
         let cannot = |error: io::Error| CliError::Computation(format!("cannot compress {}: {error}", path.display()));
@@ -84,22 +115,26 @@ impl TableFile {
     }
 
     #[cfg(not(feature = "compress"))]
-    fn compressed(path: &Path, end: &str) -> Result<Self, CliError> {
-        let message = format!("{}: {end} needs a build with the feature `compress`", path.display());
+    fn compressed(path: &Path, _: Form) -> Result<Self, CliError> {
+        let message = format!("{}: compression needs a build with the feature `compress`", path.display());
         Err(CliError::Request(message))
+    }
+
+    fn output(&self) -> &Output {
+        match self {
+            Self::Plain(output) => output,
+            #[cfg(feature = "compress")]
+            Self::Gzip(encoder) => encoder.get_ref(),
+            #[cfg(feature = "compress")]
+            Self::Zstd(encoder) => encoder.get_ref(),
+            #[cfg(feature = "parquet")]
+            Self::Columns(columns) => columns.output(),
+        }
     }
 
     /// As [`Output::unwritten`].
     pub(crate) fn unwritten(&self, error: &io::Error) -> CliError {
-        match self {
-            Self::Plain(output) => output.unwritten(error),
-            #[cfg(feature = "compress")]
-            Self::Gzip(encoder) => encoder.get_ref().unwritten(error),
-            #[cfg(feature = "compress")]
-            Self::Zstd(encoder) => encoder.get_ref().unwritten(error),
-            #[cfg(feature = "parquet")]
-            Self::Columns(columns) => columns.output().unwritten(error),
-        }
+        self.output().unwritten(error)
     }
 
     /// Writes what the compression has held back, and as [`Output::commit`].
@@ -147,13 +182,43 @@ impl Write for TableFile {
 
 #[cfg(test)]
 mod tests {
-    use super::stem;
+    use std::path::Path;
+
+    use super::{Form, stem};
+
+    #[test]
+    fn the_end_of_a_name_is_the_form_of_its_table_and_promises_nothing_else() {
+        for (names, form) in [
+            (&["map", "map.csv", "MAP.CSV", "-", ".csv", "folder.h5/map"][..], Form::Plain),
+            (&["map.csv.gz", "map.gz", "x.CSV.GZ", "x.csv.Gz"], Form::Gzip),
+            (&["map.csv.zst", "x.Csv.ZST"], Form::Zstd),
+            (&["map.parquet", "map.PARQUET"], Form::Columns),
+        ] {
+            names.iter().for_each(|name| assert_eq!(Form::of(Path::new(name)).unwrap(), form, "{name}"));
+        }
+        for name in
+            ["map.h5", "map.json", "map.h5.gz", "map.parquet.zst", "map.csv.bz2", "map.5", "map.csv.part", "m.gz.gz"]
+        {
+            let error = Form::of(Path::new(name)).unwrap_err();
+            assert!(error.exit_code() == 2 && error.to_string().contains("end the name in .csv"), "{error}");
+        }
+    }
 
     #[test]
     fn the_manifest_of_every_form_has_the_name_of_the_table() {
-        for name in ["map", "map.csv", "map.csv.gz", "map.csv.zst", "map.gz", "map.parquet"] {
+        for name in [
+            "map",
+            "map.csv",
+            "map.csv.gz",
+            "map.csv.zst",
+            "map.gz",
+            "map.parquet",
+            "map.CSV.GZ",
+            "map.Csv",
+            "map.PARQUET",
+        ] {
             assert_eq!(stem(name), "map");
         }
-        assert_eq!(stem("map.5"), "map.5");
+        assert_eq!((stem("map.5"), stem(".csv"), stem("a.b.csv")), ("map.5", ".csv", "a.b"));
     }
 }

@@ -46,7 +46,7 @@ const LONG: u64 = 1000;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let file = args.out.as_deref().map(Output::create).transpose()?;
+    let file = args.out.as_deref().map(|path| Output::document("--out", path)).transpose()?;
     let mut table = String::from(HEADING);
     for point in POINTS {
         for line in rows(point)? {

@@ -206,6 +206,10 @@ impl Input {
                 scene = mutator.pick(&SCENES).as_bytes().to_vec();
                 let more = *mutator.pick(&SWEEPS);
                 let mut words = words(SWEEP);
+                if more.contains("--shard") {
+                    // A folder is not named as a file is.
+                    words.iter_mut().filter(|word| **word == "map.csv").for_each(|word| *word = "parts");
+                }
                 words.extend(more.split(' ').skip(1));
                 mutator.line(&words)
             }

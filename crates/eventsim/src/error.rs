@@ -1,7 +1,7 @@
 //! What can be wrong with the request for a simulation.
 
 use thiserror::Error;
-use vibrochain_lattice::Barrier;
+use vibrochain_lattice::{Barrier, Short};
 
 /// A state that no simulation can start from. What happens later is an [`Outcome`](crate::Outcome), never an error.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -27,7 +27,7 @@ pub enum StateError {
         value: f64,
     },
     /// A mass starts outside its gap.
-    #[error("site {site} starts at {value}, {excess:e} beyond its {} barrier: give a number from {low} to {high}", .barrier.name())]
+    #[error("site {site} starts at {}, {excess:e} beyond its {} barrier: give a number from {low} to {high}", Short(*value), .barrier.name())]
     OutsideGap {
         /// The mass.
         site: usize,

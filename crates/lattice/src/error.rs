@@ -1,10 +1,30 @@
 //! What can be wrong with a request to this layer.
 
+use std::fmt;
+
 use thiserror::Error;
+
+/// A number as messages show it: in the fewest digits that read back the same, with an exponent where it would be a row of
+/// zeros.
+///
+/// ```
+/// use vibrochain_lattice::Short;
+/// assert_eq!(format!("{} {} {} {}", Short(-0.4), Short(3.0), Short(1e300), Short(2e-9)), "-0.4 3 1e300 2e-9");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Short(pub f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = format!("{:?}", self.0);
+        // A whole number comes with a fraction of zero.
+        f.write_str(text.strip_suffix(".0").unwrap_or(&text))
+    }
+}
 
 /// A parameter outside its range.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{name} = {value} is out of range: give {requirement}")]
+#[error("{name} = {} is out of range: give {requirement}", Short(*value))]
 pub struct ParameterError {
     /// The parameter's name, as in the command line and the scene files.
     pub name: &'static str,
@@ -40,8 +60,10 @@ impl Resonance {
             );
         }
         format!(
-            "resonance: harmonic {harmonic} of omega = {omega} meets mode {mode} (frequency {frequency}), {distance:e} \
-             away; move omega, gamma1 or gamma2 off it"
+            "resonance: harmonic {harmonic} of omega = {} meets mode {mode} (frequency {}), {distance:e} away; move omega, \
+             gamma1 or gamma2 off it",
+            Short(*omega),
+            Short(*frequency)
         )
     }
 }

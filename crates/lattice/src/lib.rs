@@ -56,7 +56,7 @@ mod spectrum;
 mod transform;
 
 pub use decay::{Decay, decay, far_field, harmonic_response};
-pub use error::{LatticeError, ParameterError, Resonance};
+pub use error::{LatticeError, ParameterError, Resonance, Short};
 pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use impulse::{ImpulseResponse, KernelJet};
 pub use parameter::Parameter;

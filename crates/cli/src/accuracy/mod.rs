@@ -37,6 +37,7 @@ use crate::accuracy::meter::Meter;
 use crate::accuracy::table::Table;
 use crate::args::{AccuracyArgs, SuiteName};
 use crate::console::Console;
+use crate::destination::promises_folder;
 use crate::error::CliError;
 use crate::output::Output;
 
@@ -75,10 +76,7 @@ const LEAN: &str = "lean.md";
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    if args.out.is_file() {
-        let name = args.out.display();
-        return Err(CliError::Request(format!("--out {name} is a file: name a folder")));
-    }
+    promises_folder("--out", &args.out)?;
     let chosen = SUITES.iter().filter(|(name, _)| args.suite.is_empty() || args.suite.contains(name));
     let chosen: Vec<&Suite> = chosen.map(|(_, suite)| *suite).collect();
     // Destinations first: an impossible one should not cost a computation.

@@ -39,7 +39,7 @@ fn computation(error: impl std::fmt::Display) -> CliError {
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &ErrataArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let file = args.out.as_deref().map(Output::create).transpose()?;
+    let file = args.out.as_deref().map(|path| Output::document("--out", path)).transpose()?;
     let mut text = format!("{}{VERSION}{}", PREFACE.0, PREFACE.1);
     for correction in formulas::corrections()?.into_iter().chain(matrices::corrections()?) {
         let Correction { place, printed, holds, measure, errors } = correction;

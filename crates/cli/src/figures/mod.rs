@@ -28,11 +28,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::FiguresArgs;
 use crate::console::Console;
+use crate::destination::{distinct, promises_folder};
 use crate::error::CliError;
 use crate::figures::document::Document;
 use crate::figures::drawn::Drawn;
 use crate::figures::scene::{FigureScene, Kind};
-use crate::output::{Output, distinct};
+use crate::output::Output;
 use crate::plot::Format;
 
 /// Runs the subcommand.
@@ -40,11 +41,8 @@ use crate::plot::Format;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &FiguresArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    if args.out.is_file() {
-        let name = args.out.display();
-        return Err(CliError::Request(format!("--out {name} is a file: name a folder")));
-    }
-    distinct(&[("--out", Some(&args.out)), ("--document", args.document.as_deref())])?;
+    promises_folder("--out", &args.out)?;
+    distinct(&[], &[("--out", Some(&args.out)), ("--document", args.document.as_deref())])?;
     let entries = match &args.scenes {
         Some(folder) => library::folder(folder)?,
         None => library::built_in(),
@@ -52,7 +50,7 @@ pub fn run(args: &FiguresArgs, console: &mut Console<'_>) -> Result<(), CliError
     let chosen = library::chosen(entries, &args.only)?;
     let scenes = chosen.iter().map(scene::parse).collect::<Result<Vec<_>, _>>()?;
     // Destinations first: an impossible one should not cost a computation.
-    let document_file = args.document.as_deref().map(Output::create).transpose()?;
+    let document_file = args.document.as_deref().map(|path| Output::document("--document", path)).transpose()?;
     let files = chosen.iter().map(|entry| Files::open(&args.out, &entry.id)).collect::<Result<Vec<_>, _>>()?;
     let pool = rayon::ThreadPoolBuilder::new()
         .build()

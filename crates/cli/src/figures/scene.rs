@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 use vibrochain_breather::Family;
-use vibrochain_lattice::{MAX_SITES, Model};
+use vibrochain_lattice::{MAX_SITES, Model, Short};
 
 use crate::error::CliError;
 use crate::figures::library::Entry;
@@ -155,14 +155,14 @@ pub(super) fn parse(entry: &Entry) -> Result<FigureScene, CliError> {
             })?;
             let (from, to, points) = (over.from, over.to, over.points);
             if !(from.is_finite() && to.is_finite() && from < to && (2..=MOST).contains(&points)) {
-                let range = format!("from = {from}, to = {to}, points = {points}");
+                let range = format!("from = {}, to = {}, points = {points}", Short(from), Short(to));
                 return Err(wrong(format!("{range}: give finite values with from < to and 2 to {MOST} points")));
             }
             (title, family, Kind::Solutions { over: parameter, from, to, points })
         }
         FigureTable::Comparison { title, family, perturb, periods, shown, late } => {
             if !(perturb.is_finite() && perturb > 0.0) {
-                return Err(wrong(format!("perturb = {perturb} is out of range: give a finite size above 0")));
+                return Err(wrong(format!("perturb = {} is out of range: give a finite size above 0", Short(perturb))));
             }
             if shown < 1 || periods < shown || periods > MOST_PERIODS {
                 let range = format!("shown = {shown}, periods = {periods}");

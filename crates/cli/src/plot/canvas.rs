@@ -10,6 +10,7 @@ use plotters::prelude::{BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingA
 use plotters::style::{FontStyle, register_font};
 use thiserror::Error;
 
+use crate::destination::{Destination, promises};
 use crate::error::CliError;
 use crate::output::Output;
 
@@ -42,6 +43,33 @@ impl Format {
             _ => None,
         }
     }
+
+    /// As the end of the name that `flag` gives says; what has no ending and is no plain file gets a PNG.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] for another ending, or a plain file without one.
+    pub(crate) fn asked(flag: &str, path: &Path) -> Result<Self, CliError> {
+        if let Some(format) = Self::of(path) {
+            return Ok(format);
+        }
+        if path.extension().is_none() && !matches!(Destination::of(path)?, Destination::Plain(_)) {
+            return Ok(Self::Png);
+        }
+        let name = path.display();
+        let advice = "the kind of picture is not known; end the name in .png or .svg";
+        Err(CliError::Request(format!("{flag} {name}: {advice}")))
+    }
+
+    /// Makes sure that a name given to the flag of this format, --png or --svg, promises nothing else.
+    ///
+    /// # Errors
+    /// [`CliError::Request`].
+    pub(crate) fn promised(self, path: &Path) -> Result<(), CliError> {
+        match self {
+            Self::Png => promises("--png", path, "a picture of pixels", &["png"]),
+            Self::Svg => promises("--svg", path, "a picture of vectors", &["svg"]),
+        }
+    }
 }
 
 /// Opens the file of a picture that was asked for with --plot; its ending says what kind it is.
@@ -50,11 +78,7 @@ impl Format {
 /// [`CliError::Request`] for another ending, or a place that cannot be written.
 pub(crate) fn open(path: Option<&Path>) -> Result<Option<(Format, Output)>, CliError> {
     let Some(path) = path else { return Ok(None) };
-    let format = Format::of(path).ok_or_else(|| {
-        let name = path.display();
-        CliError::Request(format!("--plot {name}: the kind of picture is not known; end the name in .png or .svg"))
-    })?;
-    Ok(Some((format, Output::create(path)?)))
+    Ok(Some((Format::asked("--plot", path)?, Output::create(path)?)))
 }
 
 /// A drawing that does not care which kind of file it ends up in.
@@ -70,6 +94,11 @@ fn font() {
         // The font is part of the program: that it can be read is checked by the tests.
         let _ = register_font("sans-serif", FontStyle::Normal, include_bytes!("../../assets/DejaVuSans.ttf"));
     });
+}
+
+/// Whether XML 1.0 knows a character, however it is written; a title from a scene may hold any.
+fn is_of_xml(c: char) -> bool {
+    matches!(c, '\t' | '\n' | '\r' | ' '..='\u{fffd}' | '\u{10000}'..)
 }
 
 /// The bytes of a picture.
@@ -101,7 +130,38 @@ pub(crate) fn render(
                 area.present().map_err(PlotError::from)?;
             }
             // Cells keep their edges at any magnification.
-            Ok(text.replace("<image ", "<image image-rendering=\"pixelated\" ").into_bytes())
+            let text = text.replace("<image ", "<image image-rendering=\"pixelated\" ");
+            Ok(text.replace(|c| !is_of_xml(c), "\u{fffd}").into_bytes())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use plotters::element::Text;
+    use plotters::prelude::IntoFont;
+
+    use super::*;
+
+    struct Words(String);
+
+    impl Drawing for Words {
+        fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
+            area.draw(&Text::new(self.0.clone(), (20, 20), ("sans-serif", 20).into_font())).map_err(PlotError::from)
+        }
+    }
+
+    #[test]
+    fn whatever_a_title_holds_its_picture_is_xml() {
+        // All characters below the surrogates, with those that mean something to XML, and a few beyond.
+        let most: String =
+            (0..0xd800_u32).chain([0xe000, 0xfffd, 0xfffe, 0xffff, 0x1_f600]).filter_map(char::from_u32).collect();
+        let svg = String::from_utf8(render(&Words(most), Format::Svg, (100, 100)).unwrap()).unwrap();
+        let forbidden = |c: char| (c < ' ' && !"\t\n\r".contains(c)) || c == '\u{fffe}' || c == '\u{ffff}';
+        assert!(svg.contains("γ") && svg.contains("&lt;") && !svg.contains(forbidden));
+        // All of the first 32 but three, and two more.
+        assert!(svg.matches('\u{fffd}').count() >= 29 + 2);
+        assert_eq!(svg.matches("<text").count(), 1);
+        assert!(!render(&Words("\u{7}\u{0}\u{1b}[31m".to_owned()), Format::Png, (100, 100)).unwrap().is_empty());
     }
 }

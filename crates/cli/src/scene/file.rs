@@ -7,7 +7,7 @@ use serde::Deserialize;
 use toml::Spanned;
 use vibrochain_breather::Family;
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC};
+use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC, Short};
 
 use super::tolerance_from;
 use crate::cell::{SYMMETRIC, Task};
@@ -168,7 +168,8 @@ impl Source<'_> {
         })?;
         let (from, to) = (*from_value.get_ref(), *to_value.get_ref());
         if !from.is_finite() || !to.is_finite() || from >= to {
-            let message = format!("from = {from}, to = {to} is not a range: give finite values with from < to");
+            let message =
+                format!("from = {}, to = {} is not a range: give finite values with from < to", Short(from), Short(to));
             return Err(self.error(from_value.span(), message));
         }
         let spacing = table.spacing.as_ref();
@@ -176,7 +177,8 @@ impl Source<'_> {
             "linear" => Values::Linear { from, to, points },
             "log" if from > 0.0 => Values::Logarithmic { from, to, points },
             "log" => {
-                let message = format!("from = {from} has no logarithm: give a positive one with spacing = \"log\"");
+                let message =
+                    format!("from = {} has no logarithm: give a positive one with spacing = \"log\"", Short(from));
                 return Err(self.error(from_value.span(), message));
             }
             other => {
@@ -193,13 +195,15 @@ impl Source<'_> {
             return Err(self.error(list.span(), format!("values has {count} numbers: give 1 to {MAX_POINTS}")));
         }
         if let Some(value) = list.get_ref().iter().find(|value| !value.get_ref().is_finite()) {
-            return Err(self.error(value.span(), format!("{} is out of range: give finite values", value.get_ref())));
+            return Err(
+                self.error(value.span(), format!("{} is out of range: give finite values", Short(*value.get_ref())))
+            );
         }
         let mut sorted: Vec<_> = list.get_ref().iter().collect();
         // Equal ones in the order of the file, so that the second is the one pointed at.
         sorted.sort_by(|a, b| (a.get_ref() + 0.0).total_cmp(&(b.get_ref() + 0.0)));
         if let Some(pair) = sorted.windows(2).find(|pair| pair[0].get_ref() == pair[1].get_ref()) {
-            let message = format!("{} is listed twice: remove one", pair[1].get_ref());
+            let message = format!("{} is listed twice: remove one", Short(*pair[1].get_ref()));
             return Err(self.error(pair[1].span(), message));
         }
         Ok(Values::List(list.get_ref().iter().map(|value| *value.get_ref()).collect()))

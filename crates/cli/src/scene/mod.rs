@@ -7,6 +7,7 @@ use std::path::Path;
 
 use toml::Spanned;
 use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::Short;
 
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
 pub(crate) use crate::scene::file::Source;
@@ -215,6 +216,6 @@ pub fn tolerance_from(threshold: f64) -> Result<Tolerance, String> {
     if threshold.is_finite() && threshold >= 0.0 {
         Ok(Tolerance::Growth(threshold))
     } else {
-        Err(format!("threshold = {threshold} is out of range: give a finite growth per period of 0 or more"))
+        Err(format!("threshold = {} is out of range: give a finite growth per period of 0 or more", Short(threshold)))
     }
 }

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::ThreadPool;
 use vibrochain_floquet::Mechanism;
+use vibrochain_lattice::Short;
 
 use crate::cell::Class;
 use crate::error::CliError;
@@ -70,7 +71,7 @@ fn read(request: &Request, path: &Path) -> Result<Vec<Tile>, CliError> {
             // Written in digits that read back the same.
             if field.parse::<f64>() != Ok(value) {
                 let name = parameter.name();
-                return Err(wrong(format!("line {line} has {name} = {field} where this scene has {value}")));
+                return Err(wrong(format!("line {line} has {name} = {field} where this scene has {}", Short(value))));
             }
         }
         let word = |column: usize| record.get(column).unwrap_or_default();

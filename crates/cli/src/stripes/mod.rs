@@ -17,8 +17,9 @@ mod request;
 
 use crate::args::StripesArgs;
 use crate::console::Console;
+use crate::destination::distinct;
 use crate::error::CliError;
-use crate::output::{Output, distinct};
+use crate::output::Output;
 use crate::plot::{MapLine, MapPicture, Palette, Tile, map_with_lines};
 use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
@@ -31,12 +32,10 @@ use crate::stripes::request::Request;
 /// [`CliError`].
 pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let request = Request::read(args)?;
-    distinct(&[
-        ("the scene", Some(&args.scene)),
-        ("--map", args.map.as_deref()),
-        ("--out", Some(&args.out)),
-        ("--csv", args.csv.as_deref()),
-    ])?;
+    let taken = distinct(
+        &[("the scene", Some(&args.scene)), ("--map", args.map.as_deref())],
+        &[("--out", Some(&args.out)), ("--csv", args.csv.as_deref())],
+    )?;
     // Destinations first: an impossible one should not cost a computation.
     let picture = Output::create(&args.out)?;
     let csv = args.csv.as_deref().map(Output::create).transpose()?;
@@ -60,7 +59,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     )
     .map_err(|error| CliError::Computation(error.to_string()))?;
     picture.finish_with(&bytes)?;
-    console.print(&text)
+    console.answer(&text, taken)
 }
 
 /// What is known of a tile's orbit: its family.

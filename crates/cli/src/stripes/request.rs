@@ -1,6 +1,7 @@
 //! What `mapgen stripes` is asked for, checked.
 
 use crate::args::StripesArgs;
+use crate::destination::promises;
 use crate::error::CliError;
 use crate::parameter::Parameter;
 use crate::plot::Format;
@@ -39,10 +40,10 @@ impl Request {
     /// # Errors
     /// [`CliError::Request`].
     pub(super) fn read(args: &StripesArgs) -> Result<Self, CliError> {
-        let format = Format::of(&args.out).ok_or_else(|| {
-            let name = args.out.display();
-            CliError::Request(format!("--out {name}: the kind of picture is not known; end the name in .png or .svg"))
-        })?;
+        let format = Format::asked("--out", &args.out)?;
+        if let Some(table) = &args.csv {
+            promises("--csv", table, "a table as plain CSV", &["csv"])?;
+        }
         let scene = Scene::read(&args.scene)?;
         let name = args.scene.display();
         let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));

@@ -32,7 +32,7 @@ pub use crate::sweep::engine::{Block, Ended, Job, blocks};
 pub use crate::sweep::plan::Plan;
 pub use crate::sweep::shard::{Shard, ShardFlag};
 pub(crate) use crate::sweep::store::{Claim, Store};
-pub(crate) use crate::sweep::work::{Grown, Todo, Worked, work};
+pub(crate) use crate::sweep::work::{Grown, Todo, Worked, rows, work};
 
 /// Counts of a finished sweep.
 #[derive(Debug, Clone, Default, PartialEq)]

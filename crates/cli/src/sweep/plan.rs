@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::Short;
 use xxhash_rust::xxh3::xxh3_128;
 
 use crate::error::CliError;
@@ -114,7 +115,7 @@ impl Plan {
             let place = scene_file.display();
             if scene.task.tolerance != Tolerance::Rounding {
                 let message =
-                    format!("threshold is given twice, as --threshold {threshold} and in {place}: remove one");
+                    format!("threshold is given twice, as --threshold {} and in {place}: remove one", Short(threshold));
                 return Err(CliError::Request(message));
             }
             if !scene.task.stability {

@@ -144,6 +144,11 @@ impl Store {
         folder.join(file_name(chunk))
     }
 
+    /// Whether such a folder keeps files of this name.
+    pub(crate) fn owns(name: &OsStr) -> bool {
+        name == PLAN || number(name).is_some()
+    }
+
     /// Starts a chunk.
     pub(crate) fn writer(&self, plan: &Plan, chunk: u64) -> Result<Writer, CliError> {
         Writer::new(&Self::path(&self.folder, chunk), plan, chunk)
@@ -175,7 +180,7 @@ impl Store {
         for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
             let name = entry.file_name();
             let temporary = name.to_string_lossy().starts_with('.') && name.to_string_lossy().ends_with(TEMPORARY);
-            if name == PLAN || number(&name).is_some() || temporary {
+            if Self::owns(&name) || temporary {
                 // What cannot be removed keeps the folder, which is told.
                 let _ = fs::remove_file(entry.path());
             }

@@ -1,14 +1,28 @@
 //! Computes the chunks that are missing.
 
+use std::ops::Range;
+
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
+use crate::cell::Cell;
 use crate::error::CliError;
+use crate::scene::Scene;
 use crate::sweep::chunk::{Fault, Writer};
 use crate::sweep::{Assembly, Ended, Job, Plan, Shard, Store, blocks};
 use crate::table::Table;
 
 /// Room for a row: more than most have.
 const ROW: usize = 112;
+
+/// The rows of some cells.
+///
+/// # Errors
+/// What could not be made a row of.
+pub(crate) fn rows(scene: &Scene, range: Range<u64>, cells: &[Cell]) -> Result<Vec<u8>, String> {
+    let mut table = Table::new(scene, Vec::with_capacity(ROW * cells.len()));
+    let written = table.write_all(scene, range, cells).map_err(|error| error.to_string());
+    written.and_then(|()| table.finish().map_err(|error| error.to_string()))
+}
 
 /// What there is to do for a shard.
 #[derive(Debug)]
@@ -104,10 +118,8 @@ pub(crate) fn work<'a, 'b>(
         job,
         &parts,
         |range, cells| {
-            let mut table = Table::new(job.scene, Vec::with_capacity(ROW * cells.len()));
             tick(range.end - range.start);
-            let written = table.write_all(job.scene, range, cells).map_err(|error| error.to_string());
-            written.and_then(|()| table.finish().map_err(|error| error.to_string()))
+            rows(job.scene, range, cells)
         },
         |block| {
             let rows = block.made.map_err(CliError::Computation)?;

@@ -27,7 +27,7 @@ mod watch;
 use nalgebra::Complex;
 use thiserror::Error;
 use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit};
-use vibrochain_lattice::{Parameter, Resonance};
+use vibrochain_lattice::{Parameter, Resonance, Short};
 
 pub use handover::{HandedOver, Handover};
 
@@ -162,7 +162,8 @@ pub struct Answer {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LocateError {
     /// The range does not hold the start, or a parameter is out of range.
-    #[error("{} = {start} is not between {from} and {to}: start inside the range that is searched", free.name())]
+    #[error("{} = {} is not between {} and {}: start inside the range that is searched",
+        free.name(), Short(*start), Short(*from), Short(*to))]
     Range {
         /// The free parameter.
         free: Parameter,

@@ -1,0 +1,47 @@
+//! Tables of numbers that commands leave beside their answers.
+
+use std::path::Path;
+
+use crate::destination::promises;
+use crate::error::CliError;
+use crate::output::Output;
+
+/// A table under way.
+pub(crate) struct CsvFile {
+    writer: csv::Writer<Output>,
+}
+
+impl CsvFile {
+    /// Opens the file that `flag` names, and writes the names of the columns.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] if it cannot be written, or is named as something else; those of [`CsvFile::row`].
+    pub(crate) fn create<T: AsRef<[u8]>>(
+        flag: &str,
+        path: &Path,
+        header: impl IntoIterator<Item = T>,
+    ) -> Result<Self, CliError> {
+        promises(flag, path, "a table as plain CSV", &["csv"])?;
+        let mut file = Self { writer: csv::Writer::from_writer(Output::create(path)?) };
+        file.row(header)?;
+        Ok(file)
+    }
+
+    /// Writes a row.
+    ///
+    /// # Errors
+    /// As [`Output::unwritten`].
+    pub(crate) fn row<T: AsRef<[u8]>>(&mut self, row: impl IntoIterator<Item = T>) -> Result<(), CliError> {
+        self.writer.write_record(row).map_err(|error| self.writer.get_ref().without_row(error))
+    }
+
+    /// Puts the table in its place.
+    ///
+    /// # Errors
+    /// As [`Output::commit`].
+    pub(crate) fn finish(mut self) -> Result<(), CliError> {
+        self.writer.flush().map_err(|error| self.writer.get_ref().unwritten(&error))?;
+        // What could not be written has been told; nothing is left to write.
+        self.writer.into_inner().map_err(|error| CliError::Computation(error.to_string()))?.commit()
+    }
+}

@@ -1,0 +1,521 @@
+//! Outputs that are not plain files, names that promise something else, and files that have two uses.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+#[path = "support/desk.rs"]
+mod desk;
+
+use std::fs;
+use std::os::unix::fs::{FileTypeExt, symlink};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use desk::{Desk, SCENE, signal};
+
+const POINT: &str = "--sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
+
+/// More than a pipe and the program hold together, and seconds of work.
+fn large() -> String {
+    SCENE.replace("points = 300", "points = 6000")
+}
+
+/// 1200 cells with stability, and the same as chunks.
+fn small() -> Desk {
+    let scene = SCENE.replace("points = 1600", "points = 40").replace("points = 300", "points = 30");
+    let desk = Desk::with_scene(&scene.replace("families", "stability = true\nfamilies"));
+    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    fs::create_dir(desk.path("elsewhere")).unwrap();
+    desk
+}
+
+/// Every option that names a file, as FILE in a line, and an ending that it may have.
+fn options() -> Vec<(String, &'static str)> {
+    let orbit = format!("orbit --family double-sided {POINT}");
+    let simulate = format!("simulate --family double-sided {POINT} --periods 3 --samples 8");
+    let mut all = vec![
+        ("sweep scene.toml --out FILE --quiet".to_owned(), "csv"),
+        ("merge parts --out FILE --quiet".to_owned(), "csv"),
+        (format!("{orbit} --multipliers FILE"), "csv"),
+        (format!("{simulate} --impacts FILE"), "csv"),
+        (format!("{simulate} --trajectory FILE"), "csv"),
+    ];
+    if cfg!(feature = "plot") {
+        all.extend([
+            ("sweep scene.toml --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
+            ("sweep scene.toml --out elsewhere/map.csv --svg FILE --quiet".to_owned(), "svg"),
+            ("merge parts --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
+            (format!("{orbit} --plot FILE"), "png"),
+            (format!("{simulate} --plot FILE"), "png"),
+            ("stripes scene.toml --out FILE".to_owned(), "png"),
+            ("stripes scene.toml --out elsewhere/lines.png --csv FILE".to_owned(), "csv"),
+            ("figures --only 3 --out elsewhere/figures --document FILE".to_owned(), "md"),
+        ]);
+    }
+    if cfg!(feature = "compress") {
+        all.push(("sweep scene.toml --out FILE --quiet".to_owned(), "csv.gz"));
+    }
+    all
+}
+
+impl Desk {
+    /// What a line writes into a plain file, which is then removed.
+    fn expected(&self, line: &str, ending: &str) -> Vec<u8> {
+        let name = format!("expected.{ending}");
+        self.run(&line.replace("FILE", &name)).with(0, &[]);
+        let bytes = self.read(&name);
+        assert!(bytes.len() > 100, "{line}");
+        fs::remove_file(self.path(&name)).unwrap();
+        let _ = fs::remove_file(self.path("expected.manifest.json"));
+        bytes
+    }
+
+    fn raw(&self, line: &str) -> Output {
+        self.command(line).output().unwrap()
+    }
+
+    fn pipe(&self, name: &str) {
+        assert!(Command::new("mkfifo").arg(self.path(name)).status().unwrap().success());
+    }
+
+    fn is_pipe(&self, name: &str) -> bool {
+        fs::symlink_metadata(self.path(name)).unwrap().file_type().is_fifo()
+    }
+}
+
+/// A document names itself.
+fn same(document: &[u8], expected: &[u8], name: &str, ending: &str) -> bool {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace(&format!("--document {name}"), "--document");
+    match ending {
+        "md" => text(document) == String::from_utf8_lossy(expected).replace("--document expected.md", "--document"),
+        _ => document == expected,
+    }
+}
+
+#[test]
+fn standard_output_takes_any_one_file_and_words_go_elsewhere() {
+    let desk = small();
+    for (line, ending) in options() {
+        let expected = desk.expected(&line, ending);
+        let before = desk.names(".");
+        // Without an ending a table is plain, and --plot a PNG.
+        if ending == "csv.gz" {
+            continue;
+        }
+        let ran = desk.raw(&line.replace("FILE", "-"));
+        assert_eq!(ran.status.code(), Some(0), "{line} {ran:?}");
+        assert!(same(&ran.stdout, &expected, "-", ending), "{line}");
+        assert_eq!(desk.names("."), before, "{line}");
+        // By its other names, and by a link: from there a regular file is not put in its place either.
+        for name in ["/proc/self/fd/1", "/dev/fd/1", "link"] {
+            let _ = fs::remove_file(desk.path("link"));
+            symlink("/proc/self/fd/1", desk.path("link")).unwrap();
+            let shown = line.replace("FILE", name);
+            let ran = desk.shell(&format!("{{ echo before; mapgen {shown} 2>words; echo after; }} > got"));
+            ran.with(0, &[]);
+            let got = desk.read("got");
+            let inner = got.strip_prefix(b"before\n").and_then(|rest| rest.strip_suffix(b"after\n"));
+            assert!(same(inner.unwrap(), &expected, name, ending), "{shown}");
+            ["got", "words", "link"].iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
+            assert_eq!(desk.names("."), before, "{shown}");
+        }
+    }
+}
+
+#[test]
+fn pipes_are_written_to_and_stay_pipes() {
+    let desk = small();
+    for (line, ending) in options() {
+        let expected = desk.expected(&line, ending);
+        let name = format!("pipe.{ending}");
+        desk.pipe(&name);
+        // By a link as well.
+        symlink(&name, desk.path(&format!("link.{ending}"))).unwrap();
+        let mut before = desk.names(".");
+        for name in [name.clone(), format!("link.{ending}")] {
+            let line = line.replace("FILE", &name);
+            let ran = desk.shell(&format!("timeout 60 cat {name} > got 2>&1 & mapgen {line} && wait")).with(0, &[]);
+            assert!(same(&desk.read("got"), &expected, &name, ending), "{line} {ran:?}");
+            fs::remove_file(desk.path("got")).unwrap();
+            assert_eq!(desk.names("."), before, "{line}");
+            assert!(desk.is_pipe(&format!("pipe.{ending}")));
+        }
+        // As the shell's `>(…)` has it: an open pipe without a name of its own.
+        let numbered = line.replace("FILE", "/dev/fd/3");
+        if !ending.ends_with("gz") {
+            desk.shell(&format!("{{ mapgen {numbered} 3>&1 >/dev/null 2>&1 | cat > got; }}")).with(0, &[]);
+            assert!(same(&desk.read("got"), &expected, "/dev/fd/3", ending), "{numbered}");
+            // An open file: what is in it is somebody's.
+            desk.shell(&format!("echo first > got; mapgen {numbered} 3>>got >/dev/null 2>&1")).with(0, &[]);
+            assert!(same(desk.read("got").strip_prefix(b"first\n").unwrap(), &expected, "/dev/fd/3", ending));
+            fs::remove_file(desk.path("got")).unwrap();
+        }
+        fs::remove_file(desk.path(&name)).unwrap();
+        fs::remove_file(desk.path(&format!("link.{ending}"))).unwrap();
+        before.retain(|left| *left != name && *left != format!("link.{ending}"));
+        assert_eq!(desk.names("."), before);
+    }
+}
+
+/// Devices of our own in a folder of our own, where the machine lets us make them: nothing may happen to those in /dev.
+#[test]
+fn devices_are_written_to_and_stay_devices() {
+    let desk = small();
+    let made = |name: &str, minor: &str| {
+        let path = desk.path(name);
+        let made = Command::new("mknod").arg(&path).args(["c", "1", minor]).output();
+        made.is_ok_and(|made| made.status.success()) && fs::OpenOptions::new().write(true).open(path).is_ok()
+    };
+    if !(made("null", "3") && made("full", "7")) {
+        eprintln!("skipped: no device may be made here");
+        return;
+    }
+    symlink("null", desk.path("link")).unwrap();
+    let before = desk.names(".");
+    for (line, _) in options() {
+        for name in ["null", "link"] {
+            desk.run(&line.replace("FILE", name)).with(0, &[]);
+        }
+        desk.run(&line.replace("FILE", "full")).with(1, &["full: No space left on device"]);
+        // A sweep whose picture alone has failed keeps its chunks.
+        let _ = fs::remove_dir_all(desk.path("elsewhere/map.csv.parts"));
+        assert_eq!(desk.names("."), before, "{line}");
+        for name in ["null", "full"] {
+            assert!(fs::symlink_metadata(desk.path(name)).unwrap().file_type().is_char_device());
+        }
+        assert!(fs::symlink_metadata(desk.path("link")).unwrap().is_symlink());
+    }
+    // They take any number of files.
+    desk.run("sweep scene.toml --out null --png null --svg link --quiet").with(0, &[]);
+}
+
+#[test]
+fn links_are_followed_also_to_what_is_yet_to_be_made() {
+    let desk = small();
+    fs::create_dir(desk.path("target")).unwrap();
+    for (line, ending) in options() {
+        let expected = desk.expected(&line, ending);
+        // Two links, of which the second is relative to its own folder; the target is old, or missing, folder and all.
+        symlink(format!("elsewhere/second.{ending}"), desk.path(&format!("first.{ending}"))).unwrap();
+        for target in ["target/old", "target/new", "missing/new"] {
+            let target = format!("{target}.{ending}");
+            let second = desk.path(&format!("elsewhere/second.{ending}"));
+            let _ = fs::remove_file(&second);
+            symlink(format!("../{target}"), &second).unwrap();
+            if target.contains("old") {
+                fs::write(desk.path(&target), "old").unwrap();
+            }
+            let name = format!("first.{ending}");
+            desk.run(&line.replace("FILE", &name)).with(0, &[]);
+            assert!(same(&desk.read(&target), &expected, &name, ending), "{line} {target}");
+            assert!(desk.path(&name).is_symlink() && second.is_symlink(), "{line} {target}");
+            fs::remove_file(desk.path(&target)).unwrap();
+        }
+        assert!(desk.names("target").is_empty() && desk.names("missing").is_empty(), "{line}");
+        // The manifest goes by the name that was given.
+        let manifest = fs::remove_file(desk.path("first.manifest.json")).is_ok();
+        assert_eq!(manifest, line.contains("--out FILE --quiet"), "{line}");
+        fs::remove_dir(desk.path("missing")).unwrap();
+        // A ring of links leads nowhere.
+        let second = desk.path(&format!("elsewhere/second.{ending}"));
+        fs::remove_file(&second).unwrap();
+        symlink(format!("../first.{ending}"), &second).unwrap();
+        desk.run(&line.replace("FILE", &format!("first.{ending}"))).with(2, &["cannot write first."]);
+        fs::remove_file(&second).unwrap();
+        fs::remove_file(desk.path(&format!("first.{ending}"))).unwrap();
+    }
+}
+
+#[test]
+fn folders_are_refused_before_anything_is_computed() {
+    let desk = Desk::with_scene(&large().replace("families", "stability = true\nfamilies"));
+    desk.run("sweep scene.toml --out parts --shard 46/2000 --quiet").with(0, &[]);
+    fs::create_dir(desk.path("elsewhere")).unwrap();
+    symlink("elsewhere", desk.path("link")).unwrap();
+    let before = desk.names(".");
+    let mut asked = 0;
+    for (line, _) in options() {
+        for name in [".", "..", "/", "elsewhere", "elsewhere/", "link", "newdir/", "newdir/.", "newdir/new/"] {
+            desk.run(&line.replace("FILE", name)).with(2, &["cannot write"]);
+            assert_eq!(desk.names("."), before, "{line} {name}");
+            asked += 1;
+        }
+    }
+    assert!(asked > 50);
+}
+
+#[test]
+fn endings_that_promise_something_else_are_refused() {
+    let desk = small();
+    let before = (desk.names("."), desk.names("elsewhere"));
+    let mut asked = 0;
+    for (line, ending) in options() {
+        let others = ["csv", "csv.gz", "png", "svg", "jpg", "md", "json", "h5", "toml", "PDF", "5"];
+        // A table may be compressed, a picture of --plot and of stripes have either form.
+        let either = |other: &str| match ending {
+            _ if other == ending => true,
+            "csv" | "csv.gz" if line.contains("--out FILE --quiet") => other.starts_with("csv"),
+            "png" if !line.contains("--png") => other == "svg",
+            _ => false,
+        };
+        for other in others.into_iter().filter(|other| !either(other)) {
+            let name = format!("map.{other}");
+            desk.run(&line.replace("FILE", &name)).with(2, &[&name, "end the name in ."]);
+            asked += 1;
+        }
+    }
+    let orbit = format!("orbit --family double-sided {POINT} --all-plots");
+    let mut folders = vec![
+        ("sweep scene.toml --shard 0/1 --out map.csv".to_owned(), "--out map.csv ends as a file does: name a folder"),
+        ("sweep scene.toml --shard 0/1 --out -".to_owned(), "--out - is standard output: name a folder"),
+        ("sweep scene.toml --shard 0/1 --out scene.toml".to_owned(), "the scene and --out"),
+    ];
+    if cfg!(feature = "plot") {
+        folders.extend([
+            (format!("{orbit} a.png"), "--all-plots a.png ends as a file does"),
+            (format!("{orbit} -"), "--all-plots - is standard output"),
+            ("figures --only 3 --out figures.svg".to_owned(), "--out figures.svg ends as a file does"),
+        ]);
+    }
+    if cfg!(feature = "accuracy") {
+        folders.push(("accuracy --quick --out docs.md".to_owned(), "--out docs.md ends as a file does"));
+    }
+    for (line, told) in folders {
+        desk.run(&line).with(2, &[told]);
+    }
+    for line in ["validate --out table.csv", "errata --out table.json"] {
+        desk.run(line).with(2, &["a document in Markdown is written here"]);
+    }
+    assert_eq!((desk.names("."), desk.names("elsewhere")), before);
+    assert!(asked > 60);
+}
+
+#[test]
+fn capitals_are_as_good_as_small_letters() {
+    let desk = small();
+    for (line, ending) in options() {
+        let expected = desk.expected(&line, ending);
+        let name = format!("MAP.{}", ending.to_uppercase());
+        desk.run(&line.replace("FILE", &name)).with(0, &[]);
+        assert!(same(&desk.read(&name), &expected, &name, ending), "{line}");
+        let manifest = fs::remove_file(desk.path("MAP.manifest.json")).is_ok();
+        assert_eq!(manifest, line.contains("--out FILE --quiet"), "{line}");
+        fs::remove_file(desk.path(&name)).unwrap();
+    }
+}
+
+#[test]
+fn no_file_has_two_uses_by_whatever_names() {
+    let desk = small();
+    let state = r#"{"displacement":[0,0,0,0,0,0],"velocity":[0.5,0,0,0,0,0]}"#;
+    fs::write(desk.path("state.csv"), state).unwrap();
+    fs::copy(desk.path("scene.toml"), desk.path("scene.csv")).unwrap();
+    symlink("scene.csv", desk.path("link.csv")).unwrap();
+    symlink("elsewhere", desk.path("folder")).unwrap();
+    symlink("elsewhere/absent.csv", desk.path("dangling.csv")).unwrap();
+    desk.pipe("pipe.csv");
+    let before = (desk.names("."), desk.names("elsewhere"), desk.names("parts"));
+    let orbit = format!("orbit --family double-sided {POINT}");
+    let simulate = format!("simulate --state state.csv {POINT} --amplitude .1 --restitution .9");
+    let mut cases = vec![
+        ("sweep scene.csv --out new/../scene.csv".to_owned(), "the scene and --out"),
+        ("sweep scene.csv --out link.csv".to_owned(), "the scene and --out"),
+        ("sweep scene.toml --out new/../scene.toml".to_owned(), "the scene and --out"),
+        ("sweep link.csv --out ./scene.csv".to_owned(), "the scene and --out"),
+        ("sweep scene.csv --shard 0/2 --out parts/../scene.csv".to_owned(), "the scene and --out"),
+        ("merge parts --out parts/000000.chunk".to_owned(), "--out and a chunk are the same file"),
+        (format!("{simulate} --impacts new/../state.csv"), "--state and --impacts"),
+        (format!("{simulate} --impacts folder/a.csv --trajectory elsewhere/a.csv"), "--impacts and --trajectory"),
+        (format!("{simulate} --impacts dangling.csv --trajectory folder/absent.csv"), "--impacts and --trajectory"),
+        (format!("{simulate} --impacts - --trajectory -"), "--impacts and --trajectory"),
+        (format!("{simulate} --impacts pipe.csv --trajectory ./pipe.csv"), "--impacts and --trajectory"),
+    ];
+    if cfg!(feature = "plot") {
+        cases.extend([
+            ("sweep scene.toml --out - --png -".to_owned(), "--out and --png"),
+            ("sweep scene.toml --out map.csv --png - --svg /proc/self/fd/1".to_owned(), "--png and --svg"),
+            ("sweep scene.toml --out map --png map".to_owned(), "--out and --png"),
+            ("sweep scene.toml --out map.csv --png map.csv.parts".to_owned(), "the folder of chunks and --png"),
+            ("merge parts --out map --svg new/../map".to_owned(), "--out and --svg"),
+            ("stripes scene.csv --out elsewhere/a.png --csv folder/../scene.csv".to_owned(), "the scene and --csv"),
+            ("stripes scene.toml --map scene.csv --out a.png --csv link.csv".to_owned(), "--map and --csv"),
+            ("stripes scene.toml --out - --csv -".to_owned(), "--out and --csv"),
+            (format!("{orbit} --multipliers - --plot -"), "--multipliers and --plot"),
+            (format!("{orbit} --multipliers pipe.csv --plot pipe.csv"), "--multipliers and --plot"),
+            (format!("{orbit} --plot pics --all-plots pics"), "--plot and --all-plots"),
+            (
+                format!("{orbit} --plot new/../pics/solution-1-trace.png --all-plots pics"),
+                "a name that --all-plots uses",
+            ),
+            ("figures --only 3 --out figures --document new/../figures".to_owned(), "--out and --document"),
+        ]);
+    }
+    for (line, told) in cases {
+        desk.run(&line).with(2, &[told]);
+        assert_eq!((desk.names("."), desk.names("elsewhere"), desk.names("parts")), before, "{line}");
+    }
+    assert_eq!(desk.read("state.csv"), state.as_bytes());
+    assert!(desk.is_pipe("pipe.csv") && desk.read("scene.csv") == desk.read("scene.toml"));
+    // A chunk may be reached by a name that promises a table.
+    symlink("parts/000000.chunk", desk.path("chunk.csv")).unwrap();
+    let chunk = desk.read("parts/000000.chunk");
+    desk.run("merge parts --out chunk.csv").with(2, &["--out and a chunk are the same file"]);
+    assert!(desk.read("parts/000000.chunk") == chunk);
+    // The same names are fine where nothing meets, and so is a table beside the chunks.
+    desk.run("merge parts --out parts/map.csv --quiet").with(0, &[]);
+}
+
+#[test]
+fn a_table_that_goes_elsewhere_keeps_nothing() {
+    let desk = small();
+    let before = desk.names(".");
+    let ran = desk.run("sweep scene.toml --out -").with(0, &["1200 cells (40 × 30)"]);
+    assert_eq!(ran.out.lines().count(), 1201);
+    let told = "--resume has nothing to go on with: --out - is no plain file";
+    desk.run("sweep scene.toml --out - --resume").with(2, &[told]);
+    let merged = desk.run("merge parts --out -").with(0, &["1200 cells"]);
+    assert!(merged.out == ran.out && desk.names(".") == before);
+}
+
+#[test]
+fn a_reader_that_goes_away_ends_the_work() {
+    let desk = Desk::with_scene(&large());
+    // Of standard output it has seen enough.
+    let begun = Instant::now();
+    let ran = desk.shell("{ mapgen sweep scene.toml --out -; echo code $? >&2; } | head -n 1").with(0, &["code 0\n"]);
+    assert_eq!(ran.out, "gamma2,omega,class,mechanism,spectral_radius,margin,solutions,status\n");
+    assert_eq!(ran.err, "code 0\n");
+    // Of a pipe with a name somebody wanted all.
+    desk.pipe("pipe");
+    let line = "head -n 1 pipe > got & mapgen sweep scene.toml --out pipe --quiet";
+    desk.shell(line).with(1, &["error: could not write pipe: Broken pipe"]);
+    assert!(desk.is_pipe("pipe") && begun.elapsed() < Duration::from_secs(120));
+    let state = r#"{"displacement":[0,0,0,0,0,0],"velocity":[0.5,0,0,0,0,0]}"#;
+    fs::write(desk.path("state.json"), state).unwrap();
+    let simulate = format!("mapgen simulate --state state.json {POINT} --periods 1000000 --trajectory -");
+    let ran = desk.shell(&format!("{{ {simulate}; echo code $? >&2; }} | head -n 2")).with(0, &["code 0\n"]);
+    assert_eq!((ran.out.lines().count(), ran.err.as_str()), (2, "code 0\n"));
+    assert_eq!(desk.names("."), ["got", "pipe", "scene.toml", "state.json"]);
+}
+
+#[test]
+fn a_signal_is_heard_while_nobody_reads() {
+    let desk = Desk::with_scene(&large());
+    desk.pipe("pipe");
+    let wait = |child: std::process::Child| {
+        std::thread::sleep(Duration::from_millis(1500));
+        signal(child, "TERM")
+    };
+    // Nobody has come.
+    wait(desk.start("sweep scene.toml --out pipe --quiet")).with(130, &["interrupted"]);
+    // Somebody has, and does not read.
+    let mut reader = Command::new("sh");
+    reader.current_dir(desk.path(".")).args(["-c", "exec sleep 100 < pipe"]);
+    let mut reader = reader.spawn().unwrap();
+    let ran = wait(desk.start("sweep scene.toml --out pipe --quiet"));
+    reader.kill().unwrap();
+    reader.wait().unwrap();
+    ran.with(130, &["interrupted"]);
+    // The same for standard output.
+    let mut command = desk.command("sweep scene.toml --out - --quiet");
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let unread = child.stdout.take();
+    wait(child).with(130, &["interrupted"]);
+    drop(unread);
+    assert_eq!(desk.names("."), ["pipe", "scene.toml"]);
+    assert!(desk.is_pipe("pipe"));
+}
+
+/// As under `nohup`, and as in the background of a script.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_that_is_ignored_at_the_start_stays_so() {
+    for (name, line) in [
+        ("HUP", "sweep scene.toml --out map.csv --quiet"),
+        ("INT", "sweep scene.toml --out map.csv --quiet"),
+        ("HUP", "sweep scene.toml --out map.csv.parts --shard 0/1 --quiet"),
+    ] {
+        let desk = Desk::with_scene(&large());
+        let program = assert_cmd::cargo::cargo_bin("mapgen");
+        let mut command = Command::new("sh");
+        let script = format!("trap '' {name}; exec {} {line}", program.display());
+        command.current_dir(desk.path(".")).args(["-c", &script]).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        desk.await_chunks(&mut child, "map.csv.parts", 2);
+        let (id, seen) = (child.id().to_string(), desk.chunks("map.csv.parts"));
+        assert!(Command::new("kill").args([&format!("-{name}"), &id]).status().unwrap().success());
+        desk.await_chunks(&mut child, "map.csv.parts", seen + 3);
+        assert!(child.try_wait().unwrap().is_none(), "{name} ended it");
+        signal(child, "TERM").with(130, &["interrupted"]);
+    }
+}
+
+#[test]
+fn numbers_out_of_range_are_told_in_few_digits() {
+    let desk = Desk::with_scene(SCENE);
+    let point = |from: &str, to: &str| format!("orbit --family double-sided {}", POINT.replacen(from, to, 1));
+    let forced = format!("{POINT} --restitution .9");
+    let mut lines = vec![
+        point("--gamma1 .2", "--gamma1 1e300"),
+        point("--gamma1 .2", "--gamma1=-1e300"),
+        point("--gamma2 .1", "--gamma2=-1e-300"),
+        point("--omega 1.5", "--omega 1e300"),
+        point("--asymmetry .4", "--asymmetry=-1e-300"),
+        format!("orbit --family double-sided {forced} --force 1:-1e300"),
+        format!("orbit --family double-sided {forced} --amplitude=-1e300"),
+        format!("orbit --family double-sided {POINT} --threshold=-1e300"),
+        format!("locate --event fold --free gamma2 --family double-sided {POINT} --from 1e-300 --to 2e-300"),
+    ];
+    let scenes = [
+        ("gamma1 = 0.2", "gamma1 = -1e300"),
+        ("from = 0.4, to = 3.0", "from = 1e300, to = 3.0"),
+        ("from = 0.0, to = 0.3, points = 300", "values = [1e300, 1e300]"),
+        ("[compute]", "[compute]\nstability = true\nthreshold = -1e300"),
+    ];
+    for (i, (from, to)) in scenes.into_iter().enumerate() {
+        assert!(SCENE.contains(from));
+        fs::write(desk.path(&format!("{i}.toml")), SCENE.replacen(from, to, 1)).unwrap();
+        lines.push(format!("sweep {i}.toml --out map.csv"));
+    }
+    for line in lines {
+        let ran = desk.run(&line).with(2, &[]);
+        assert!(ran.err.contains("e300") || ran.err.contains("e-300"), "{ran:?}");
+        assert!(!ran.err.contains(&"0".repeat(30)), "{ran:?}");
+    }
+}
+
+/// The script that submits a sweep to Slurm, with a scheduler of its own that runs everything at once.
+#[test]
+fn names_with_blanks_and_quotes_reach_the_tasks_of_a_job_array() {
+    let (scene, map) = ("a 'scene', $HOME.toml", "bob's \"map\" \\ $(x).csv");
+    let desk = small();
+    fs::rename(desk.path("scene.toml"), desk.path(scene)).unwrap();
+    let scheduler = r#"#!/bin/sh
+for word; do
+    case $word in
+        --wrap=*) sh -c "${word#--wrap=}" >> "$LOG" 2>&1 || exit 1; echo 2; exit 0 ;;
+        --array=0-1) array=yes ;;
+    esac
+done
+[ "$array" = yes ] || exit 1
+while [ "${1#-}" != "$1" ]; do shift; done
+for task in 0 1; do
+    SLURM_ARRAY_TASK_ID=$task SLURM_ARRAY_TASK_MIN=0 SLURM_ARRAY_TASK_MAX=1 bash "$@" >> "$LOG" 2>&1 || exit 1
+done
+echo 1
+"#;
+    fs::create_dir(desk.path("bin")).unwrap();
+    fs::write(desk.path("bin/sbatch"), scheduler).unwrap();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scripts/slurm-sweep.sbatch");
+    fs::copy(script, desk.path("submit")).unwrap();
+    let quoted = |name: &str| format!("'{}'", name.replace('\'', r"'\''"));
+    let line = format!(
+        "chmod +x bin/sbatch; export LOG=\"$PWD/log\" PATH=\"$PWD/bin:$PATH\"; bash submit {} {} 2 --time=1",
+        quoted(scene),
+        quoted(map)
+    );
+    let ran = desk.shell(&line);
+    let log = fs::read_to_string(desk.path("log")).unwrap_or_default();
+    assert!(ran.code == Some(0) && ran.out.ends_with("array 1 of 2 tasks, merge 2\n"), "{ran:?} {log}");
+    desk.run("merge parts --out expected.csv --quiet").with(0, &[]);
+    assert!(desk.read(map) == desk.read("expected.csv"), "{log}");
+}
