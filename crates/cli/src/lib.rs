@@ -8,6 +8,7 @@
 //! | `parameter`, `force`, `scene` | points of the parameter space, forces of several harmonics, scene files |
 //! | `cell`, `sweep` | one cell; all cells, in chunks that outlive the process |
 //! | `table`, `table_file`, `columnar`, `manifest`, `pictures`, `output` | the files a sweep writes |
+//! | `text`, `threads` | text from outside, read and shown; threads to compute on |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `plot` | pictures (feature `plot`) |
 //! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
@@ -57,4 +58,6 @@ pub mod sweep;
 pub mod sweep_command;
 pub mod table;
 mod table_file;
+mod text;
+mod threads;
 pub mod validate_command;

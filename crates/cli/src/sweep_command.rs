@@ -12,16 +12,15 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::estimate::estimate;
 use crate::manifest::{Effort, Run, manifest};
-use crate::output::{Output, distinct, remove_abandoned, settle_names};
+use crate::output::{Output, distinct, settle_names};
 use crate::pictures::Pictures;
 use crate::report::{report, speed};
 use crate::sweep::{
     Assembly, Claim, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, Worked, Writer, work,
 };
 use crate::table_file::{TableFile, stem};
-
-/// The most threads that may be asked for.
-const MAX_THREADS: usize = 1024;
+use crate::text::is_obeyed;
+use crate::threads::threads;
 
 /// Where the manifest of a table goes: map.csv, map.csv.gz and map → map.manifest.json, map.5 → map.5.manifest.json.
 pub(crate) fn manifest_path(table: &Path) -> PathBuf {
@@ -98,17 +97,12 @@ impl SweepRun<'_> {
         let stop = (console.interrupt)()?;
         let claim = if self.args.resume { Claim::Resume } else { Claim::Fresh };
         let store = Store::open(&parts, self.plan, claim)?;
-        // The folder of chunks is locked: nobody else writes these.
-        [Some(out), Some(&manifest_file), wanted.png.as_deref(), wanted.svg.as_deref()]
-            .into_iter()
-            .flatten()
-            .for_each(remove_abandoned);
         let along = if store.present()?.is_empty() {
             // Where nothing is finished nothing is lost by an early end.
             match Assembly::begin(self.plan, out, &mut pictures) {
                 Ok(assembly) => Some(assembly),
                 Err(error) => {
-                    store.remove();
+                    store.remove(self.plan);
                     return Err(error);
                 }
             }
@@ -134,10 +128,11 @@ impl SweepRun<'_> {
             let _ = last.map(Writer::place);
             return Err(self.failed(&error, &store, Shard::WHOLE));
         }
+        drop(last);
         // The table's name must be on the disk before the chunks are not.
         settle_names(out);
         let folder = store.folder().to_owned();
-        if !store.remove() {
+        if !store.remove(self.plan) {
             console.remark(&format!("{} holds other files and was left, without its chunks", folder.display()));
         }
         if !self.args.quiet {
@@ -202,7 +197,9 @@ impl SweepRun<'_> {
         along: Option<Assembly<'a, 'b>>,
     ) -> Result<Computed<'a, 'b>, CliError> {
         let job = Job { scene: &self.plan.scene, pool: self.pool, stop };
-        let todo = Todo::of(&job, self.plan, store, shard)?;
+        let Some(todo) = Todo::of(&job, self.plan, store, shard)? else {
+            return Err(CliError::Paused(self.kept(store, shard)));
+        };
         todo.damaged.iter().for_each(|remark| console.remark(remark));
         let cells = |chunk: &u64| self.plan.range(*chunk).count() as u64;
         let left: u64 = todo.chunks.iter().map(cells).sum();
@@ -261,11 +258,24 @@ impl SweepRun<'_> {
     }
 }
 
-/// A path as a shell reads it.
+/// A path as a shell reads it, without a character that a terminal would obey.
 pub(crate) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = |c: char| c.is_alphanumeric() || "/._-+=:,@".contains(c);
-    if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+    let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));
+    if !text.is_empty() && text.chars().all(plain) {
+        return text;
+    }
+    if !text.chars().any(is_obeyed) {
+        return quoted(&text);
+    }
+    // Each byte of such a character in octal, which every shell of today knows.
+    let word = |c: char| match c {
+        c if is_obeyed(c) => c.to_string().bytes().map(|byte| format!("\\{byte:03o}")).collect(),
+        '\\' | '\'' => format!("\\{c}"),
+        c => c.to_string(),
+    };
+    format!("$'{}'", text.chars().map(word).collect::<String>())
 }
 
 /// Writes the manifest of a table.
@@ -286,19 +296,6 @@ pub(crate) fn write_manifest(
     };
     let text = format!("{:#}\n", manifest(&about));
     Output::create(path)?.finish_with(text.as_bytes())
-}
-
-fn threads(asked: Option<usize>) -> Result<ThreadPool, CliError> {
-    if let Some(threads) = asked
-        && !(1..=MAX_THREADS).contains(&threads)
-    {
-        let message = format!("--threads {threads} is out of range: give a whole number from 1 to {MAX_THREADS}");
-        return Err(CliError::Request(message));
-    }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(asked.unwrap_or(0))
-        .build()
-        .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))
 }
 
 fn progress(cells: u64, finished: u64, wanted: bool) -> ProgressBar {

@@ -34,6 +34,7 @@ use crate::figures::drawn::Drawn;
 use crate::figures::scene::{FigureScene, Kind};
 use crate::output::{Output, distinct};
 use crate::plot::Format;
+use crate::threads::threads;
 
 /// Runs the subcommand.
 ///
@@ -54,9 +55,7 @@ pub fn run(args: &FiguresArgs, console: &mut Console<'_>) -> Result<(), CliError
     // Destinations first: an impossible one should not cost a computation.
     let document_file = args.document.as_deref().map(Output::create).transpose()?;
     let files = chosen.iter().map(|entry| Files::open(&args.out, &entry.id)).collect::<Result<Vec<_>, _>>()?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .build()
-        .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))?;
+    let pool = threads(None)?;
 
     let stop = (console.interrupt)()?;
     let bar = progress(scenes.len(), console.progress);
