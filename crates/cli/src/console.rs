@@ -8,6 +8,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, OnceLock};
 
 use crate::error::CliError;
+use crate::text::printable;
 
 /// The surroundings of a run. The program's are the terminal and its Ctrl-C; a test brings its own.
 pub struct Console<'a> {
@@ -54,9 +55,10 @@ impl Console<'_> {
         Ok(())
     }
 
-    /// A remark for people. With nobody left to read it, it is no reason to fail.
+    /// A remark for people, who may be shown names and words from files of others. With nobody left to read it, it is no
+    /// reason to fail.
     pub fn remark(&mut self, text: &str) {
-        let _ = writeln!(self.err, "{text}");
+        let _ = writeln!(self.err, "{}", printable(text));
     }
 }
 

@@ -9,6 +9,7 @@ use crate::error::CliError;
 use crate::report::grid;
 use crate::sweep::{Plan, Shard};
 use crate::table::{Table, columns};
+use crate::threads::cores;
 
 /// The most cells computed.
 const SAMPLE: u64 = 400;
@@ -79,7 +80,7 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicB
         let Shard { index, count } = shard;
         line("shard", format!("{index}/{count}: {} chunks, {of_shard} cells", shard.chunks(plan).count()));
     }
-    let wall = per_cell * of_shard as f64 / threads as f64;
+    let wall = per_cell * of_shard as f64 / threads.min(cores()) as f64;
     line("time", format!("about {} on {threads} threads, {:.3e} s per cell and core", duration(wall), per_cell));
     let bytes = per_row * cells as f64;
     line("disk", format!("about {} for the table, as much again for the chunks until it is whole", size(bytes)));
@@ -88,7 +89,7 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicB
 }
 
 /// A time in a unit that people can grasp.
-fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     let units = [(86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")];
     match units.iter().find(|(unit, _)| seconds >= 2.0 * unit) {
         Some((unit, name)) => format!("{:.1} {name}", seconds / unit),

@@ -9,6 +9,7 @@
 //! | `cell`, `sweep` | one cell; all cells, in chunks that outlive the process |
 //! | `table`, `table_file`, `columnar`, `manifest`, `pictures` | the files a sweep writes |
 //! | `destination`, `output`, `stream`, `csv_file` | where a file goes, whole or as it comes; tables of other commands |
+//! | `text`, `threads` | text from outside, read and shown; threads to compute on |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `plot` | pictures (feature `plot`) |
 //! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
@@ -61,4 +62,6 @@ pub mod sweep;
 pub mod sweep_command;
 pub mod table;
 mod table_file;
+mod text;
+mod threads;
 pub mod validate_command;

@@ -1,7 +1,5 @@
 //! Lines of text that comes in pieces.
 
-use std::io;
-
 /// Cuts bytes that come in pieces into lines.
 #[derive(Debug, Default)]
 pub(crate) struct Lines {
@@ -13,7 +11,7 @@ impl Lines {
     ///
     /// # Errors
     /// Those of `each`.
-    pub(crate) fn take(&mut self, bytes: &[u8], mut each: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
+    pub(crate) fn take<E>(&mut self, bytes: &[u8], mut each: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
         for piece in bytes.split_inclusive(|&byte| byte == b'\n') {
             match piece.strip_suffix(b"\n") {
                 None => self.begun.extend_from_slice(piece),
@@ -26,6 +24,11 @@ impl Lines {
             }
         }
         Ok(())
+    }
+
+    /// Whether all that came was whole lines.
+    pub(crate) fn ended(&self) -> bool {
+        self.begun.is_empty()
     }
 }
 
@@ -41,10 +44,11 @@ mod tests {
             for piece in text.chunks(size) {
                 let taken = lines.take(piece, |line| {
                     seen.push(String::from_utf8(line.to_vec()).unwrap());
-                    Ok(())
+                    Ok::<_, ()>(())
                 });
                 assert!(taken.is_ok());
             }
+            assert!(lines.ended());
             assert_eq!(seen, ["one,1", "", "two,2", "three,3"], "{size}");
         }
     }

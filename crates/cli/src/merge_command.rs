@@ -13,6 +13,7 @@ use crate::report::report;
 use crate::sweep::{Assembly, Fault, Plan, Store, Unassembled};
 use crate::sweep_command::{manifest_path, place, quoted, write_manifest};
 use crate::table_file::Form;
+use crate::threads::threads;
 
 /// The most runs of missing chunks that are named.
 const MOST_NAMED: usize = 12;
@@ -23,6 +24,7 @@ const MOST_NAMED: usize = 12;
 /// [`CliError`].
 pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let plan = Store::plan(&args.folder)?;
+    let pool = threads(None)?;
     let manifest_file = place(&args.out)?.map(|_| manifest_path(&args.out));
     let wanted = &args.pictures;
     let outputs = [
@@ -46,10 +48,11 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let mut assembly = Assembly::begin(&plan, &args.out, &mut pictures)?;
     let stop = (console.interrupt)()?;
 
-    let faults: Vec<(u64, Fault)> = (0..plan.chunks())
-        .into_par_iter()
-        .filter_map(|chunk| Store::check(&args.folder, &plan, chunk).err().map(|fault| (chunk, fault)))
-        .collect();
+    let check = |chunk| Store::check(&args.folder, &plan, chunk, &stop).err().map(|fault| (chunk, fault));
+    let faults: Vec<(u64, Fault)> = pool.install(|| (0..plan.chunks()).into_par_iter().filter_map(check).collect());
+    if faults.iter().any(|(_, fault)| matches!(fault, Fault::Stopped)) {
+        return Err(CliError::Interrupted);
+    }
     if !faults.is_empty() {
         return Err(incomplete(args, &plan, &faults));
     }

@@ -1,10 +1,12 @@
 //! Files that appear whole or not at all: written beside their destination under a temporary name, flushed to disk,
 //! renamed. What is no plain file is written to as it is.
 
+use std::ffi::OsStr;
 use std::fmt;
-use std::fs;
+use std::fs::{self, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use tempfile::NamedTempFile;
 
@@ -13,7 +15,13 @@ use crate::error::CliError;
 use crate::stream::{Halted, Stream};
 
 /// How names of temporary files end.
-pub(crate) const TEMPORARY: &str = ".part";
+const TEMPORARY: &str = ".part";
+
+/// Letters between the name of the destination and that end, drawn at random.
+const RANDOM: usize = 6;
+
+/// From which age on a temporary file is nobody's any more where the file system has no locks to tell it by.
+const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
 /// Bytes handed to the system at a time. In whole pieces of this size, at multiples of it, a file costs half the time that it
 /// costs in pieces of a few pages: the system caches and flushes it in larger units.
@@ -64,6 +72,7 @@ impl Output {
         let sink = match Destination::of(path)? {
             Destination::Plain(place) => {
                 fs::create_dir_all(folder_of(&place)).map_err(cannot)?;
+                remove_abandoned(&place);
                 return Self::temporary(path, place, true);
             }
             Destination::StandardOutput => Stream::to_standard_output(),
@@ -92,13 +101,17 @@ impl Output {
     fn temporary(path: &Path, place: PathBuf, careful: bool) -> Result<Self, CliError> {
         let mut builder = tempfile::Builder::new();
         let prefix = format!(".{}.", place.file_name().unwrap_or_default().to_string_lossy());
-        builder.prefix(&prefix).suffix(TEMPORARY);
+        builder.prefix(&prefix).suffix(TEMPORARY).rand_bytes(RANDOM);
         // Temporary files are private by default; results are shared like any file, within the umask.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder_of(&place));
-        let file = file.map_err(|error| CliError::file("cannot write", path, &error))?;
-        Ok(Self { sink: Sink::Temporary { file, place, careful }, held: Vec::new(), path: path.to_owned() })
+        loop {
+            let file = builder.tempfile_in(folder_of(&place));
+            let file = file.map_err(|error| CliError::file("cannot write", path, &error))?;
+            if is_kept(&file) {
+                return Ok(Self { sink: Sink::Temporary { file, place, careful }, held: Vec::new(), path: path.to_owned() });
+            }
+        }
     }
 
     /// The error of a write that failed.
@@ -251,18 +264,55 @@ fn unfinished(path: &Path, error: &io::Error) -> CliError {
     CliError::Computation(format!("could not finish {}: {error}", path.display()))
 }
 
-/// Removes the temporary files of a destination that killed processes have left. For who alone writes there.
-pub(crate) fn remove_abandoned(path: &Path) {
-    let Some(name) = path.file_name() else { return };
-    let prefix = format!(".{}.", name.to_string_lossy());
-    for entry in fs::read_dir(folder_of(path)).into_iter().flatten().flatten() {
-        let found = entry.file_name().to_string_lossy().into_owned();
-        // Just what `tempfile` puts between: map.csv must not take what is map.csv.gz's.
-        let middle = found.strip_prefix(&prefix).and_then(|rest| rest.strip_suffix(TEMPORARY));
-        if middle.is_some_and(|middle| !middle.contains('.')) {
-            // What cannot be removed does no harm.
-            let _ = fs::remove_file(entry.path());
+/// Locks a temporary file, as a sign that somebody is writing it, for as long as it is open. Tells whether it is still there:
+/// who removes abandoned files may have met it in between.
+fn is_kept(file: &NamedTempFile) -> bool {
+    match file.as_file().try_lock() {
+        Ok(()) => file.path().exists(),
+        Err(TryLockError::WouldBlock) => false,
+        // A file system without locks.
+        Err(TryLockError::Error(_)) => true,
+    }
+}
+
+/// The name of the file that a temporary one of this name was to become.
+fn destination(name: &str) -> Option<&str> {
+    let (destination, random) = name.strip_prefix('.')?.strip_suffix(TEMPORARY)?.rsplit_once('.')?;
+    let drawn = random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    drawn.then_some(destination)
+}
+
+/// Whether the process that wrote a temporary file has ended without a word.
+fn is_abandoned(entry: &fs::DirEntry) -> bool {
+    // No link, FIFO or folder of such a name is ours.
+    if !entry.file_type().is_ok_and(|kind| kind.is_file()) {
+        return false;
+    }
+    let Ok(file) = fs::File::options().write(true).open(entry.path()) else { return false };
+    match file.try_lock() {
+        Ok(()) => true,
+        Err(TryLockError::WouldBlock) => false,
+        Err(TryLockError::Error(_)) => {
+            let age = file.metadata().and_then(|about| about.modified()).ok().and_then(|time| time.elapsed().ok());
+            age.is_some_and(|age| age > ABANDONED)
         }
+    }
+}
+
+/// Removes a temporary file, if it is one, and nobody writes it any more, and `is_ours` knows its destination. Tells whether
+/// it did.
+pub(crate) fn remove_if_abandoned(entry: &fs::DirEntry, is_ours: impl Fn(&str) -> bool) -> bool {
+    let name = entry.file_name();
+    destination(&name.to_string_lossy()).is_some_and(is_ours)
+        && is_abandoned(entry)
+        && fs::remove_file(entry.path()).is_ok()
+}
+
+/// Removes the temporary files of a destination that killed processes have left. What cannot be removed does no harm.
+fn remove_abandoned(path: &Path) {
+    let Some(name) = path.file_name().map(OsStr::to_string_lossy) else { return };
+    for entry in fs::read_dir(folder_of(path)).into_iter().flatten().flatten() {
+        remove_if_abandoned(&entry, |destination| destination == name);
     }
 }
 
@@ -348,6 +398,34 @@ mod tests {
         Output::beside(&path).unwrap().finish_with(b"chunk").unwrap();
         assert!(!path.is_symlink() && fs::read(&path).unwrap() == b"chunk" && fs::read(&other).unwrap() == b"other");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn what_the_dead_have_left_is_removed_and_nothing_that_anybody_writes_or_owns() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.csv");
+        let names = || -> Vec<String> {
+            let entries = fs::read_dir(folder.path()).unwrap();
+            let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+            names.sort();
+            names
+        };
+        // Another destination's, and what is only named a little like one.
+        let others =
+            [".map.csv.aB3d5.part", ".map.csv.aB3d567.part", ".map.csv.aB-d56.part", ".map.csv.gz.aB3d56.part"];
+        others.iter().for_each(|name| fs::write(folder.path().join(name), "").unwrap());
+        fs::create_dir(folder.path().join(".map.csv.folder.part")).unwrap();
+        let expected = names();
+        fs::write(folder.path().join(".map.csv.aB3d56.part"), "half").unwrap();
+        let mut first = Output::create(&path).unwrap();
+        assert_eq!(names().len(), expected.len() + 1);
+        first.write_all(b"first").unwrap();
+        // A second writer does the first no harm.
+        Output::create(&path).unwrap().finish_with(b"second").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+        first.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        assert_eq!(names(), [expected, vec!["map.csv".to_owned()]].concat());
     }
 
     #[test]

@@ -9,15 +9,13 @@ pub(crate) use without_pictures::Pictures;
 mod with_pictures {
     use std::path::PathBuf;
 
-    use vibrochain_floquet::Mechanism;
-
     use crate::args::{PaletteName, PictureArgs};
     use crate::cell::Class;
     use crate::error::CliError;
     use crate::output::Output;
     use crate::plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
     use crate::scene::Scene;
-    use crate::table::class_column;
+    use crate::table::{MECHANISMS, class_column};
 
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures<'a> {
@@ -70,13 +68,12 @@ mod with_pictures {
             if !is_shown(self.scene, number) {
                 return;
             }
-            let mechanisms = [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker];
             let mut fields = row.split(|&byte| byte == b',').skip(self.class_column);
             let class = fields.next().unwrap_or_default();
             let mechanism = fields.next().unwrap_or_default();
             self.tiles.push(Tile {
                 class: Class::ALL.into_iter().find(|known| known.name().as_bytes() == class),
-                mechanism: mechanisms.into_iter().find(|known| known.name().as_bytes() == mechanism),
+                mechanism: MECHANISMS.into_iter().find(|known| known.name().as_bytes() == mechanism),
             });
         }
 

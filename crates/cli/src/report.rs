@@ -4,6 +4,7 @@ use crate::cell::{Class, Status};
 use crate::manifest::Effort;
 use crate::scene::Scene;
 use crate::sweep::Summary;
+use crate::threads::cores;
 
 /// "400 × 300": the points of the axes.
 pub(crate) fn grid(scene: &Scene) -> String {
@@ -28,7 +29,26 @@ pub(crate) fn report(scene: &Scene, summary: &Summary, effort: Option<&Effort>) 
 
 /// How fast it went.
 pub(crate) fn speed(effort: &Effort) -> String {
+    speed_on(effort, cores())
+}
+
+/// The same, on a machine of so many cores.
+fn speed_on(effort: &Effort, cores: usize) -> String {
     let Effort { threads, computed_cells, wall_seconds } = *effort;
-    let per_cell = wall_seconds * 1e6 * threads as f64 / computed_cells.max(1) as f64;
+    // Threads that share a core do not each have one.
+    let per_cell = wall_seconds * 1e6 * threads.min(cores) as f64 / computed_cells.max(1) as f64;
     format!("{wall_seconds:.3} s on {threads} threads, {per_cell:.2} µs per cell and core")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_beyond_the_cores_make_no_cell_dearer() {
+        let told = |threads| speed_on(&Effort { threads, computed_cells: 1_000_000, wall_seconds: 1.5 }, 2);
+        assert_eq!(told(1), "1.500 s on 1 threads, 1.50 µs per cell and core");
+        assert_eq!(told(2), "1.500 s on 2 threads, 3.00 µs per cell and core");
+        assert_eq!(told(200), "1.500 s on 200 threads, 3.00 µs per cell and core");
+    }
 }

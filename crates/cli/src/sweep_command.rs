@@ -16,7 +16,7 @@ use crate::destination::{Destination, distinct, promises_folder};
 use crate::error::CliError;
 use crate::estimate::estimate;
 use crate::manifest::{Effort, Run, manifest};
-use crate::output::{Output, remove_abandoned, settle_names};
+use crate::output::{Output, settle_names};
 use crate::pictures::Pictures;
 use crate::report::{report, speed};
 use crate::sweep::{
@@ -24,9 +24,8 @@ use crate::sweep::{
     blocks, rows, work,
 };
 use crate::table_file::{Form, TableFile, stem};
-
-/// The most threads that may be asked for.
-const MAX_THREADS: usize = 1024;
+use crate::text::is_obeyed;
+use crate::threads::threads;
 
 /// The plain file that a table's name leads to; none where it is written to as it comes, and can have neither a manifest beside
 /// it nor chunks.
@@ -119,17 +118,12 @@ impl SweepRun<'_> {
         let stop = (console.interrupt)()?;
         let claim = if self.args.resume { Claim::Resume } else { Claim::Fresh };
         let store = Store::open(&parts, self.plan, claim)?;
-        // The folder of chunks is locked: nobody else writes these.
-        [Some(out), Some(&manifest_file), wanted.png.as_deref(), wanted.svg.as_deref()]
-            .into_iter()
-            .flatten()
-            .for_each(remove_abandoned);
         let along = if store.present()?.is_empty() {
             // Where nothing is finished nothing is lost by an early end.
             match Assembly::begin(self.plan, out, &mut pictures) {
                 Ok(assembly) => Some(assembly),
                 Err(error) => {
-                    store.remove();
+                    store.remove(self.plan);
                     return Err(error);
                 }
             }
@@ -161,10 +155,11 @@ impl SweepRun<'_> {
                 error => self.failed(&error, &store, Shard::WHOLE),
             });
         }
+        drop(last);
         // The table's name must be on the disk before the chunks are not.
         settle_names(&place);
         let folder = store.folder().to_owned();
-        if !store.remove() {
+        if !store.remove(self.plan) {
             console.remark(&format!("{} holds other files and was left, without its chunks", folder.display()));
         }
         if !self.args.quiet {
@@ -285,7 +280,9 @@ impl SweepRun<'_> {
         along: Option<Assembly<'a, 'b>>,
     ) -> Result<Computed<'a, 'b>, CliError> {
         let job = Job { scene: &self.plan.scene, pool: self.pool, stop };
-        let todo = Todo::of(&job, self.plan, store, shard)?;
+        let Some(todo) = Todo::of(&job, self.plan, store, shard)? else {
+            return Err(CliError::Paused(self.kept(store, shard)));
+        };
         todo.damaged.iter().for_each(|remark| console.remark(remark));
         let cells = |chunk: &u64| self.plan.range(*chunk).count() as u64;
         let left: u64 = todo.chunks.iter().map(cells).sum();
@@ -337,11 +334,24 @@ impl SweepRun<'_> {
     }
 }
 
-/// A path as a shell reads it.
+/// A path as a shell reads it, without a character that a terminal would obey.
 pub(crate) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = |c: char| c.is_alphanumeric() || "/._-+=:,@".contains(c);
-    if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+    let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));
+    if !text.is_empty() && text.chars().all(plain) {
+        return text;
+    }
+    if !text.chars().any(is_obeyed) {
+        return quoted(&text);
+    }
+    // Each byte of such a character in octal, which every shell of today knows.
+    let word = |c: char| match c {
+        c if is_obeyed(c) => c.to_string().bytes().map(|byte| format!("\\{byte:03o}")).collect(),
+        '\\' | '\'' => format!("\\{c}"),
+        c => c.to_string(),
+    };
+    format!("$'{}'", text.chars().map(word).collect::<String>())
 }
 
 /// Writes the manifest of a table.
@@ -362,19 +372,6 @@ pub(crate) fn write_manifest(
     };
     let text = format!("{:#}\n", manifest(&about));
     Output::create(path)?.finish_with(text.as_bytes())
-}
-
-fn threads(asked: Option<usize>) -> Result<ThreadPool, CliError> {
-    if let Some(threads) = asked
-        && !(1..=MAX_THREADS).contains(&threads)
-    {
-        let message = format!("--threads {threads} is out of range: give a whole number from 1 to {MAX_THREADS}");
-        return Err(CliError::Request(message));
-    }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(asked.unwrap_or(0))
-        .build()
-        .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))
 }
 
 fn progress(cells: u64, finished: u64, wanted: bool) -> ProgressBar {

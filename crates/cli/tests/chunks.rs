@@ -7,7 +7,7 @@ mod desk;
 use std::fs;
 use std::time::Duration;
 
-use desk::{CHUNK_CELLS, CHUNKS, Desk, SCENE, undisturbed};
+use desk::{BESIDE, CHUNK_CELLS, CHUNKS, Desk, SCENE, undisturbed};
 
 const SWEEP: &str = "sweep scene.toml --out map.csv --quiet";
 
@@ -19,43 +19,63 @@ fn with_all_chunks() -> Desk {
     desk
 }
 
+/// What stands in the place of a chunk or of the plan and is no file is told at once: nothing waits for a FIFO, or counts a
+/// folder as a chunk.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_neither_read_nor_counted_nor_replaced() {
+    let desk = with_all_chunks();
+    for name in ["000003.chunk", "plan.json", "lock"] {
+        let place = desk.path(&format!("map.csv.parts/{name}"));
+        let aside = desk.path("aside");
+        fs::rename(&place, &aside).unwrap();
+        for kind in ["mkfifo", "mkdir"] {
+            desk.shell(&format!("{kind} map.csv.parts/{name}")).with(0, &[]);
+            let is_lock = name == "lock";
+            let (code, told) = match name {
+                "lock" => (0, ""),
+                "plan.json" => (2, "map.csv.parts is no folder of chunks: cannot read plan.json: it is no plain file"),
+                _ => (1, "map.csv.parts/000003.chunk: it cannot be read: it is no plain file"),
+            };
+            desk.shell("timeout 60 mapgen merge map.csv.parts --out other.csv").with(code, &[told]);
+            for line in ["--out map.csv --resume", "--out map.csv", "--out map.csv.parts --shard 0/2 --resume"] {
+                let told = format!("{name}{}", if is_lock { ": it is no plain file" } else { "" });
+                let unasked = line == "--out map.csv" && name == "plan.json";
+                let told = if unasked { "map.csv.parts holds 15 chunks of an unfinished sweep" } else { &told };
+                let told = if name == "plan.json" && !unasked { "plan.json: it is no plain file" } else { told };
+                desk.shell(&format!("timeout 60 mapgen sweep scene.toml {line}")).with(2, &[told]);
+            }
+            desk.shell(&format!("rm -r map.csv.parts/{name}")).with(0, &[]);
+        }
+        fs::rename(&aside, &place).unwrap();
+        assert_eq!(desk.names("map.csv.parts").len(), CHUNKS as usize + BESIDE);
+    }
+    desk.run(&format!("{SWEEP} --resume")).with(0, &[]);
+    assert_eq!(desk.json("map.manifest.json")["computed_cells"], 0);
+}
+
+/// Files of others behind a link are not a sweep's to remove.
+#[cfg(unix)]
+#[test]
+fn a_link_in_the_place_of_the_folder_is_refused() {
+    let desk = with_all_chunks();
+    fs::rename(desk.path("map.csv.parts"), desk.path("kept")).unwrap();
+    std::os::unix::fs::symlink("kept", desk.path("map.csv.parts")).unwrap();
+    for line in [SWEEP.to_owned(), format!("{SWEEP} --resume")] {
+        desk.run(&line).with(2, &["map.csv.parts is a link, where a sweep makes a folder", "remove the link"]);
+        assert_eq!(desk.names("kept").len(), CHUNKS as usize + BESIDE);
+    }
+    fs::rename(desk.path("kept"), desk.path("elsewhere")).unwrap();
+    desk.run(SWEEP).with(2, &["map.csv.parts is a link"]);
+    fs::rename(desk.path("elsewhere"), desk.path("kept")).unwrap();
+    // Shares are nobody's to remove, wherever they are kept.
+    desk.run("sweep scene.toml --out map.csv.parts --shard 0/1 --resume").with(0, &[]);
+    assert_eq!(desk.names("."), ["kept", "map.csv.parts", "scene.toml"]);
+}
+
 /// Cells of a chunk.
 fn cells(chunk: u64) -> u64 {
     CHUNK_CELLS.min(480_000 - chunk * CHUNK_CELLS)
-}
-
-#[cfg(unix)]
-#[test]
-fn killed_at_thirty_random_moments_it_ends_in_the_same_bytes() {
-    let expected = undisturbed(SCENE);
-    let desk = Desk::with_scene(SCENE);
-    let mut rng = fastrand::Rng::with_seed(7);
-    let (mut killed, mut met, mut whole) = (0, [false; 2], 0);
-    while killed < 30 {
-        let mut child = desk.start(&format!("{SWEEP} --threads {} --resume", rng.u8(1..3)));
-        std::thread::sleep(Duration::from_micros(rng.u64(1000..150_000)));
-        // What is killed may have ended by itself; then the next run starts afresh.
-        if child.try_wait().unwrap().is_none() {
-            killed += 1;
-            met[0] |= (1..CHUNKS as usize).contains(&desk.chunks("map.csv.parts"));
-            met[1] |= desk.names(".").len() > 1;
-            child.kill().unwrap();
-        }
-        let ended = child.wait_with_output().unwrap();
-        if ended.status.success() {
-            assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
-            whole += 1;
-        }
-        // A table that is there is whole, whenever the process died.
-        if desk.path("map.csv").exists() {
-            assert!(desk.read("map.csv") == expected);
-            fs::remove_file(desk.path("map.csv")).unwrap();
-        }
-    }
-    assert!(met == [true; 2], "{met:?} {whole}");
-    desk.run(&format!("{SWEEP} --resume")).with(0, &[]);
-    assert!(desk.read("map.csv") == expected);
-    assert!(!desk.path("map.csv.parts").exists());
 }
 
 #[test]
@@ -90,14 +110,16 @@ fn damaged_chunks_and_no_others_are_computed_again() {
         // One that is missing, one under the number of another, and what a killed process leaves.
         fs::remove_file(desk.path("map.csv.parts/000007.chunk")).unwrap();
         fs::copy(desk.path("map.csv.parts/000001.chunk"), desk.path("map.csv.parts/000009.chunk")).unwrap();
-        fs::write(desk.path("map.csv.parts/.000007.chunk.Xy12.part"), "half").unwrap();
+        fs::write(desk.path("map.csv.parts/.000007.chunk.Xy12aB.part"), "half").unwrap();
         let refused = desk.run("merge map.csv.parts --out other.csv");
-        refused.with(1, &["1 of 15 chunks are missing in map.csv.parts: 7", "2 of 15", "000003.chunk", told]);
+        let misplaced = "000009.chunk: it is chunk 1 of this sweep under another's name";
+        let missing = "1 of 15 chunks are missing in map.csv.parts: 7";
+        refused.with(1, &[missing, "2 of 15", "000003.chunk", told, misplaced]);
         assert!(!desk.path("other.csv").exists());
 
-        fs::remove_file(desk.path("map.csv.parts/000009.chunk")).unwrap();
-        let ran = desk.run(&format!("{SWEEP} --resume")).with(0, &["000003.chunk", told, "computing it again"]);
-        assert_eq!(ran.err.lines().count(), 1);
+        let again = ["000003.chunk", told, "computing it again", misplaced];
+        let ran = desk.run(&format!("{SWEEP} --resume")).with(0, &again);
+        assert_eq!(ran.err.lines().count(), 2);
         assert!(desk.read("map.csv") == expected);
         assert_eq!(desk.json("map.manifest.json")["computed_cells"], 3 * CHUNK_CELLS);
         assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
@@ -212,7 +234,7 @@ mod signals {
             let chunks = desk.chunks("map.csv.parts");
             assert!(chunks >= 3 && ran.err.contains(&format!("{chunks} of 293 chunks")), "{ran:?}");
             // Nothing half-written is left, and no table.
-            assert_eq!(desk.names("map.csv.parts").len(), chunks + 1);
+            assert_eq!(desk.names("map.csv.parts").len(), chunks + BESIDE);
             assert_eq!(desk.names("."), ["map.csv.parts", "scene.toml"]);
         }
     }
@@ -283,6 +305,57 @@ mod signals {
         signal(child, "TERM").with(130, &["go on with"]);
     }
 
+    /// A lock needs only to be opened: whoever may not write in the folder may not open it.
+    #[test]
+    fn who_may_only_read_holds_up_no_sweep() {
+        use std::os::unix::fs::PermissionsExt;
+        let desk = with_all_chunks();
+        let lock = desk.path("map.csv.parts/lock");
+        for (folder, file) in [(0o755, 0o600), (0o775, 0o660), (0o777, 0o666)] {
+            fs::set_permissions(desk.path("map.csv.parts"), fs::Permissions::from_mode(folder)).unwrap();
+            desk.run("sweep scene.toml --out map.csv.parts --shard 0/1 --resume").with(0, &[]);
+            assert_eq!(lock.metadata().unwrap().permissions().mode() & 0o777, file);
+        }
+        // All that others may open.
+        let held: Vec<_> = ["plan.json", "000000.chunk", "."]
+            .map(|name| fs::File::open(desk.path("map.csv.parts").join(name)).unwrap())
+            .into_iter()
+            .inspect(|file| file.lock().unwrap())
+            .collect();
+        desk.run(&format!("{SWEEP} --resume")).with(0, &[]);
+        drop(held);
+        assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+    }
+
+    #[test]
+    fn of_racing_resumes_each_ends_well_or_is_told_who_is_at_work() {
+        let scene = SCENE.replace("points = 300", "points = 45");
+        let expected = undisturbed(&scene);
+        let desk = Desk::with_scene(&scene);
+        // Each begins again as soon as it has ended, so that ends meet beginnings.
+        let race = || {
+            let (mut done, mut refused) = (0, 0);
+            while done < 8 {
+                let ran = desk.run(&format!("{SWEEP} --resume --threads 1"));
+                if ran.code == Some(0) {
+                    assert_eq!(ran.err, "");
+                    done += 1;
+                } else {
+                    ran.with(2, &["another mapgen is at work in map.csv.parts (it holds map.csv.parts/lock"]);
+                    refused += 1;
+                }
+            }
+            refused
+        };
+        let refused: u32 = std::thread::scope(|scope| {
+            let racers = [(); 3].map(|()| scope.spawn(race));
+            racers.into_iter().map(|racer| racer.join().unwrap()).sum()
+        });
+        assert!(refused > 10, "{refused}");
+        assert!(desk.read("map.csv") == expected);
+        assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+    }
+
     #[test]
     fn two_processes_with_the_same_shard_do_each_other_no_harm() {
         let expected = undisturbed(SCENE);
@@ -294,6 +367,6 @@ mod signals {
         }
         desk.run("merge parts --out map.csv --quiet").with(0, &[]);
         assert!(desk.read("map.csv") == expected);
-        assert_eq!(desk.names("parts").len() as u64, CHUNKS + 1);
+        assert_eq!(desk.names("parts").len(), CHUNKS as usize + BESIDE);
     }
 }

@@ -10,7 +10,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-use desk::{CHUNK_CELLS, CHUNKS, Desk, Ran, SCENE, undisturbed};
+use desk::{BESIDE, CHUNK_CELLS, CHUNKS, Desk, Ran, SCENE, undisturbed};
 
 const SWEEP: &str = "mapgen sweep scene.toml --out map.csv --quiet --threads 1";
 
@@ -49,7 +49,7 @@ fn a_chunk_that_does_not_fit_is_not_there_and_those_before_it_are() {
     let limit = (sizes[0] as usize).next_multiple_of(512);
     let refused = sizes.iter().position(|&size| size > limit as u64).unwrap();
     limited(&desk, SWEEP, limit).with(1, &["File too large", &format!("{refused} of 15 chunks are finished")]);
-    assert_eq!(desk.names("map.csv.parts").len(), refused + 1);
+    assert_eq!(desk.names("map.csv.parts").len(), refused + BESIDE);
     limited(&desk, &format!("{SWEEP} --resume"), limit).with(1, &[&format!("{refused} of 15 chunks are finished")]);
     desk.shell(&format!("{SWEEP} --resume")).with(0, &[]);
     assert!(desk.read("map.csv") == undisturbed(SCENE));
@@ -85,7 +85,7 @@ fn a_full_disk() {
     let unmounted = Command::new("umount").arg(&disk).status();
     assert!(larger.unwrap().success() && unmounted.unwrap().success());
     ran.with(1, &["No space left on device", &format!("{kept} of 15 chunks are finished, in disk/map.csv.parts")]);
-    assert!(kept > 0 && names.len() == kept + 1, "{names:?}");
+    assert!(kept > 0 && names.len() == kept + BESIDE, "{names:?}");
     resumed.with(0, &[]);
     assert!(table.unwrap() == undisturbed(SCENE));
 }
@@ -135,24 +135,24 @@ fn a_folder_that_may_only_be_read_is_told_and_what_is_in_it_is_left() {
     let desk = Desk::with_scene(SCENE);
     desk.run("sweep scene.toml --out closed/parts --shard 0/2 --quiet").with(0, &[]);
     let chunks = desk.chunks("closed/parts");
+    // The lock is its owner's, until the folder is everybody's.
     for folder in ["closed/parts", "closed"] {
         fs::set_permissions(desk.path(folder), fs::Permissions::from_mode(0o555)).unwrap();
     }
+    let share = "sweep scene.toml --out closed/parts --shard 1/2 --resume";
+    bound(&desk, share).with(2, &["cannot write closed/parts/lock: Permission denied"]);
+    fs::set_permissions(desk.path("closed/parts/lock"), fs::Permissions::from_mode(0o666)).unwrap();
     for (line, code, told) in [
         ("sweep scene.toml --out closed/map.csv", 2, "cannot write closed/map.csv: Permission denied"),
-        ("sweep scene.toml --out closed --shard 0/1", 2, "cannot write closed/plan.json: Permission denied"),
+        ("sweep scene.toml --out closed --shard 0/1", 2, "cannot write closed/lock: Permission denied"),
         ("sweep scene.toml --out closed/new --shard 0/1", 2, "cannot make the folder closed/new: Permission denied"),
-        (
-            "sweep scene.toml --out closed/parts --shard 1/2 --resume",
-            1,
-            "cannot write closed/parts/000001.chunk: Permission denied",
-        ),
+        (share, 1, "cannot write closed/parts/000001.chunk: Permission denied"),
         ("merge closed/parts --out closed/map.csv", 2, "cannot write closed/map.manifest.json: Permission denied"),
     ] {
         let ran = bound(&desk, line).with(code, &[told]);
         assert!(code == 2 || ran.err.contains("0 of 7 chunks are finished, in closed/parts"), "{ran:?}");
         assert_eq!(desk.names("closed"), ["parts"], "{line}");
-        assert_eq!(desk.names("closed/parts").len(), chunks + 1, "{line}");
+        assert_eq!(desk.names("closed/parts").len(), chunks + BESIDE, "{line}");
     }
     // Nor is anything amiss but the permissions.
     for folder in ["closed", "closed/parts"] {
@@ -182,5 +182,41 @@ fn a_folder_that_vanishes_midway_is_told() {
         let ran = desk.run("merge map.csv.parts --out other.csv").with(1, &[&format!("{} of 293", 293 - chunks)]);
         assert!(!ran.err.contains("not sound"), "{ran:?}");
         fs::remove_dir_all(desk.path("map.csv.parts")).unwrap();
+    }
+}
+
+#[test]
+fn what_a_killed_process_left_of_a_file_is_removed_by_who_writes_it_next() {
+    let desk = Desk::with_scene(&SCENE.replace("points = 300", "points = 3"));
+    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let abandoned = [".map.csv.aB3d56.part", ".map.manifest.json.aB3d56.part"];
+    let others = [".map.csv.zst.aB3d56.part", ".notes.part", ".map.csv.part"];
+    others.iter().for_each(|name| fs::write(desk.path(name), "mine").unwrap());
+    for line in ["merge parts --out map.csv --quiet", "sweep scene.toml --out map.csv --quiet"] {
+        abandoned.iter().for_each(|name| fs::write(desk.path(name), "half").unwrap());
+        // Somebody is writing this one.
+        let held = fs::File::create(desk.path(".map.csv.xY7z89.part")).unwrap();
+        held.lock().unwrap();
+        desk.run(line).with(0, &[]);
+        let hidden: Vec<_> = desk.names(".").into_iter().filter(|name| name.starts_with('.')).collect();
+        assert_eq!(hidden, [".map.csv.part", ".map.csv.xY7z89.part", ".map.csv.zst.aB3d56.part", ".notes.part"]);
+        fs::remove_file(desk.path(".map.csv.xY7z89.part")).unwrap();
+    }
+}
+
+/// Stacks larger than any address space: no thread can be started.
+#[cfg(all(target_os = "linux", target_pointer_width = "64"))]
+#[test]
+fn threads_that_cannot_start_are_told() {
+    let desk = Desk::with_scene(SCENE);
+    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let mut lines = vec!["merge parts --out map.csv", "sweep scene.toml --out map.csv", "sweep scene.toml --dry-run"];
+    if cfg!(feature = "plot") {
+        lines.push("figures --out figures --only 9");
+    }
+    for line in lines {
+        let ran = desk.command(line).env("RUST_MIN_STACK", (1_u64 << 47).to_string()).output().unwrap();
+        Ran::from(ran).with(1, &["error: cannot start ", " threads: "]);
+        assert!(!desk.path("map.csv").exists() && !desk.path("map.csv.parts").exists());
     }
 }

@@ -2,7 +2,9 @@
 //! ends with exit code 0, 1 or 2, says why, and never tells a number that is none. Every input follows from the seed and
 //! its own number.
 //!
-//! `MUTATIONS` (how many), `MUTATIONS_SEED` and `MUTATIONS_WORK` (0: nothing is computed) make longer campaigns:
+//! A few hundred of them, of all commands, are run by the real program under a limit of memory and of time.
+//!
+//! `MUTATIONS` (how many), `MUTATIONS_LIMITED` (how many under limits), `MUTATIONS_SEED` and `MUTATIONS_WORK` (0: nothing is computed) make longer campaigns:
 //!
 //! ```sh
 //! MUTATIONS=1000000 MUTATIONS_SEED=7 MUTATIONS_WORK=0 cargo test -p vibrochain-cli --test mutations hundred
@@ -149,6 +151,34 @@ const LINES: [&str; 14] = [
     "mapgen validate --out validation.md",
 ];
 
+/// A map that stripes are drawn over.
+const STRIPES: &str = r#"title = "stripes"
+[model]
+sites = 5
+gamma1 = 0.2
+asymmetry = 0.4
+[sweep]
+x = { parameter = "omega", from = 0.7, to = 3.0, points = 9 }
+y = { parameter = "gamma2", from = 0.05, to = 0.3, points = 5 }
+[compute]
+families = ["double-sided"]
+stability = true
+"#;
+
+/// Commands that are run under limits alone: some of them take seconds.
+const MORE_LINES: [&str; 10] = [
+    "mapgen locate --event grazing --free omega --from .9 --to 1.1 --family single-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1 --asymmetry .4",
+    "mapgen locate --json --event fold --free amplitude --family double-sided --sites 2 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
+    "mapgen stripes scene.toml --out stripes.png --csv stripes.csv",
+    "mapgen stripes scene.toml --out stripes.svg --all",
+    "mapgen sweep scene.toml --out map.csv --png map.png --svg map.svg --threads 2",
+    "mapgen merge parts --out map.csv --png map.png",
+    "mapgen orbit --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --all-plots plots --multipliers multipliers.csv",
+    "mapgen simulate --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --periods 3 --plot run.png --samples 9",
+    "mapgen figures --out figures --only 3",
+    "mapgen accuracy --out accuracy --quick --suite kernels",
+];
+
 /// What sweeps may be asked besides.
 const SWEEPS: [&str; 6] = [
     " --threshold 0.01",
@@ -237,6 +267,22 @@ impl Input {
             }
         };
         Self { scene, state, parts, line }
+    }
+
+    /// Of any command.
+    fn of_all_commands(seed: u64, number: u64) -> Self {
+        let mut input = Self::new(seed, number);
+        let mut mutator = Mutator::new(seed.wrapping_add(number.wrapping_mul(0x9e37_79b9_7f4a_7c15)));
+        if mutator.rng.bool() {
+            let words: Vec<&str> = mutator.pick(&MORE_LINES).split(' ').collect();
+            input.line = if mutator.rng.bool() { mutator.line(&words) } else { mutator.valid_line(&words) };
+            if mutator.rng.bool() {
+                input.scene = mutator.file(STRIPES);
+            }
+        }
+        // No process can be given such a word.
+        input.line.retain(|word| !word.as_encoded_bytes().contains(&0));
+        input
     }
 
     fn tell(&self) -> String {
@@ -353,7 +399,10 @@ fn mapgen(line: &[OsString], stopped: bool) -> Outcome {
     let (code, message) = match &result {
         Ok(()) => (0, String::new()),
         Err(CliError::Usage(error)) => (error.exit_code() as u8, error.render().to_string()),
-        Err(error) => (error.exit_code(), format!("error: {error}\n")),
+        Err(error) => {
+            console.remark(&format!("error: {error}"));
+            (error.exit_code(), String::new())
+        }
     };
     Outcome { code, out: String::from_utf8(out).unwrap(), message: String::from_utf8(err).unwrap() + &message }
 }
@@ -472,6 +521,76 @@ fn a_hundred_thousand_damaged_requests() {
         for (ran, least) in ran.iter().flatten().zip(least.iter().flatten()) {
             assert!(ran >= least, "{ran} of {least}");
         }
+    }
+}
+
+/// Requests that are run under limits.
+const LIMITED: u64 = 240;
+
+/// Address space of a run, in KiB: a gigabyte and a half, threads and all.
+const MEMORY: u64 = 3 << 19;
+
+/// Processor time of a run, in seconds: much more than any takes that can be told to be short, and a moment of the others.
+const SECONDS: [u64; 2] = [30, 1];
+
+/// How the real program ended within these limits; nothing if its time was up.
+#[cfg(unix)]
+fn limited(line: &[OsString], seconds: u64) -> Result<Option<Outcome>, String> {
+    use std::os::unix::process::ExitStatusExt;
+    let ran = std::process::Command::new("sh")
+        .args(["-c", &format!("ulimit -v {MEMORY}; ulimit -t {seconds}; exec \"$0\" \"$@\"")])
+        .arg(assert_cmd::cargo::cargo_bin("mapgen"))
+        .args(&line[1..])
+        .stdin(std::process::Stdio::null())
+        .output()
+        .map_err(|error| error.to_string())?;
+    let told = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    // SIGKILL and SIGXCPU: whose time is up gets either.
+    match (ran.status.code(), ran.status.signal()) {
+        (_, Some(9 | 24)) => Ok(None),
+        (Some(code), _) if told(&ran.stderr).contains("panicked at") => Err(format!("{code}: {}", told(&ran.stderr))),
+        (Some(code @ (0..=2 | 130)), _) => {
+            Ok(Some(Outcome { code: code as u8, out: told(&ran.stdout), message: told(&ran.stderr) }))
+        }
+        _ => Err(format!("{}: {}", ran.status, told(&ran.stderr))),
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn requests_of_all_commands_keep_within_memory_and_time() {
+    let (count, seed) = (setting("MUTATIONS_LIMITED", LIMITED), setting("MUTATIONS_SEED", SEED));
+    let desk = Desk::new();
+    let (mut ended, mut cut, mut wrong) = ([0_u64; 3], 0, Vec::new());
+    for number in 0..count {
+        for entry in fs::read_dir(desk.folder.path()).unwrap().flatten() {
+            if entry.file_type().unwrap().is_file() {
+                fs::remove_file(entry.path()).unwrap();
+            }
+        }
+        let input = Input::of_all_commands(seed, number);
+        desk.lay_out(&input);
+        let short = plan(&input.line, WORK) == Plan::Whole;
+        match limited(&input.line, SECONDS[usize::from(!short)]) {
+            Ok(Some(outcome)) => {
+                if let Some(count) = ended.get_mut(usize::from(outcome.code)) {
+                    *count += 1;
+                }
+                let complaint = complaints(&outcome, false);
+                if !complaint.is_empty() {
+                    wrong.push(format!("input {number}: {complaint}{outcome:?}\n{}", input.tell()));
+                }
+            }
+            Ok(None) if short => wrong.push(format!("input {number}: out of time\n{}", input.tell())),
+            Ok(None) => cut += 1,
+            Err(how) => wrong.push(format!("input {number}: {how}\n{}", input.tell())),
+        }
+    }
+    println!("{count} requests of seed {seed}: exit codes 0, 1, 2 {ended:?}, {cut} cut short");
+    let shown: Vec<_> = wrong.iter().take(6).cloned().collect();
+    assert!(wrong.is_empty(), "{} requests went wrong:\n{}", wrong.len(), shown.join("\n=====\n"));
+    if count == LIMITED {
+        assert!(ended[0] > 20 && ended[1] > 2 && ended[2] > 60, "{ended:?} {cut}");
     }
 }
 

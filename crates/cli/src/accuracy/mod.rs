@@ -40,6 +40,7 @@ use crate::console::Console;
 use crate::destination::promises_folder;
 use crate::error::CliError;
 use crate::output::Output;
+use crate::threads::threads;
 
 /// One suite: what it compares, in words, and how it is run.
 struct Suite {
@@ -103,7 +104,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut broken = None;
     if let Some(file) = extremes_file {
         meter.enter("extremes");
-        let report = Report::run(&meter, args.quick)?;
+        let report = Report::run(&meter, &threads(None)?, args.quick)?;
         document.sections.push(extreme_section(&report));
         broken = report.broken().map(|(count, row)| format!("{count} promises are broken, the first: {row:?}"));
         file.finish_with(&report.csv()?)?;

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::CliError;
+use crate::scene::MAX_BYTES;
+use crate::text::read_text;
 
 macro_rules! built_in {
     ($($id:literal),* $(,)?) => {
@@ -51,8 +53,7 @@ pub(super) fn folder(folder: &Path) -> Result<Vec<Entry>, CliError> {
         let path = item.map_err(|error| failed(&error))?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let Some(id) = name.strip_prefix("figure-").and_then(|name| name.strip_suffix(".toml")) else { continue };
-        let text =
-            std::fs::read_to_string(&path).map_err(|error| CliError::file("cannot read scene", &path, &error))?;
+        let text = read_text("scene", &path, MAX_BYTES)?;
         entries.push(Entry { id: id.to_owned(), path, text });
     }
     if entries.is_empty() {

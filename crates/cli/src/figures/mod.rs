@@ -35,6 +35,7 @@ use crate::figures::drawn::Drawn;
 use crate::figures::scene::{FigureScene, Kind};
 use crate::output::Output;
 use crate::plot::Format;
+use crate::threads::threads;
 
 /// Runs the subcommand.
 ///
@@ -52,9 +53,7 @@ pub fn run(args: &FiguresArgs, console: &mut Console<'_>) -> Result<(), CliError
     // Destinations first: an impossible one should not cost a computation.
     let document_file = args.document.as_deref().map(|path| Output::document("--document", path)).transpose()?;
     let files = chosen.iter().map(|entry| Files::open(&args.out, &entry.id)).collect::<Result<Vec<_>, _>>()?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .build()
-        .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))?;
+    let pool = threads(None)?;
 
     let stop = (console.interrupt)()?;
     let bar = progress(scenes.len(), console.progress);

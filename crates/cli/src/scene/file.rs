@@ -14,6 +14,7 @@ use crate::cell::{SYMMETRIC, Task};
 use crate::error::CliError;
 use crate::parameter::Parameter;
 use crate::scene::axis::{Axis, MAX_POINTS, Values};
+use crate::text::{clipped, excerpt};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -104,6 +105,12 @@ pub(super) struct ComputeTable {
     pub(super) collisions: Option<Spanned<bool>>,
 }
 
+/// Characters shown of a line: a terminal's width.
+const SHOWN: usize = 80;
+
+/// The most characters of a message, which may quote a word of the file.
+const MOST_TOLD: usize = 400;
+
 /// A scene's text, for errors that point into it.
 pub(crate) struct Source<'a> {
     pub(crate) path: &'a Path,
@@ -116,14 +123,14 @@ impl Source<'_> {
         let before = self.text.get(..start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
-        let shown = self.text.lines().nth(line - 1).unwrap_or_default();
+        let (shown, indent) = excerpt(self.text.lines().nth(line - 1).unwrap_or_default(), column - 1, SHOWN);
         let width = line.to_string().len();
         CliError::Request(format!(
-            "{}:{line}:{column}: {message}\n{line} | {shown}\n{:width$} | {:indent$}^",
+            "{}:{line}:{column}: {}\n{line} | {shown}\n{:width$} | {:indent$}^",
             self.path.display(),
+            clipped(&message.to_string(), MOST_TOLD),
             "",
             "",
-            indent = column - 1
         ))
     }
 

@@ -16,9 +16,13 @@ use crate::cell::Task;
 use crate::error::CliError;
 use crate::parameter::{Parameter, Point};
 use crate::scene::file::File;
+use crate::text::read_text;
 
 /// The most cells of one sweep.
 pub const MAX_CELLS: u64 = 1_000_000_000_000;
+
+/// The most bytes of a scene's file: 200 000 values in all their digits, which take 200 MB while they are checked.
+pub(crate) const MAX_BYTES: u64 = 4 << 20;
 
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,11 +41,10 @@ impl Scene {
     /// Reads and checks a scene file.
     ///
     /// # Errors
-    /// [`CliError::Request`], pointing at the line: a file that cannot be read, unknown or missing keys, a parameter
+    /// [`CliError::Request`], pointing at the line: a file that cannot be read or is too long, unknown or missing keys, a parameter
     /// given twice or not at all, a value out of range.
     pub fn read(path: &Path) -> Result<Self, CliError> {
-        let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read scene", path, &error))?;
-        Self::parse(path, &text)
+        Self::parse(path, &read_text("scene", path, MAX_BYTES)?)
     }
 
     /// Checks a scene's text; `path` is for messages.

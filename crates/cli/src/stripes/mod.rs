@@ -25,6 +25,7 @@ use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
 use crate::stripes::lines::{Line, joined, rows, table};
 use crate::stripes::request::Request;
+use crate::threads::threads;
 
 /// Runs the subcommand.
 ///
@@ -40,9 +41,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let picture = Output::create(&args.out)?;
     let csv = args.csv.as_deref().map(Output::create).transpose()?;
     let stop = (console.interrupt)()?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .build()
-        .map_err(|error| CliError::Computation(format!("cannot start threads: {error}")))?;
+    let pool = threads(None)?;
     let tiles = cells(&request, args.map.as_deref(), &pool, &stop)?;
     let rows = rows(&request, &tiles, &pool, &stop)?;
     let text = evidence(&request, &tiles, &rows);

@@ -1,8 +1,9 @@
 //! The table of a sweep, of rows that come in order: as they are computed, or from chunks. It holds none of them.
 
+use std::convert::Infallible;
 use std::io::Write;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use crate::error::CliError;
 use crate::lines::Lines;
@@ -63,7 +64,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
             // It has nothing to fail at.
             let _ = self.lines.take(rows, |line| {
                 self.pictures.row(line);
-                Ok(())
+                Ok::<_, Infallible>(())
             });
         }
         self.table.write_all(rows).map_err(|error| self.table.unwritten(&error))
@@ -76,12 +77,10 @@ impl<'a, 'b> Assembly<'a, 'b> {
     pub(crate) fn chunks(&mut self, plan: &Plan, folder: &Path, stop: &AtomicBool) -> Result<Summary, Unassembled> {
         let mut total = Summary::default();
         for chunk in 0..plan.chunks() {
-            if stop.load(Ordering::Relaxed) {
-                return Err(Unassembled::Stopped);
-            }
             let path = Store::path(folder, chunk);
-            match read(&path, plan, chunk, |rows| self.rows(rows).map_err(Trouble::Table)) {
+            match read(&path, plan, chunk, stop, |rows| self.rows(rows).map_err(Trouble::Table)) {
                 Ok(summary) => total.add(&summary),
+                Err(Trouble::Fault(Fault::Stopped)) => return Err(Unassembled::Stopped),
                 Err(Trouble::Fault(fault)) => return Err(Unassembled::Chunk(chunk, fault)),
                 Err(Trouble::Table(error)) => return Err(Unassembled::Table(error)),
             }

@@ -8,9 +8,10 @@
 //! ```
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use xxhash_rust::xxh3::Xxh3;
 
@@ -18,6 +19,11 @@ use crate::error::CliError;
 use crate::output::Output;
 use crate::sweep::plan::FORMAT;
 use crate::sweep::{Plan, Summary};
+use crate::table::Reader;
+use crate::text::open_plain;
+
+/// Enough for the first line.
+const HEAD: u64 = 256;
 
 /// Enough for the last two lines.
 const TAIL: u64 = 1024;
@@ -33,9 +39,13 @@ pub(crate) enum Fault {
     /// It cannot be read.
     Unreadable(io::Error),
     /// Its bytes are not those that were written.
-    Damaged(&'static str),
+    Damaged(String),
     /// It is sound, but of another sweep.
     Foreign,
+    /// It is sound and of this sweep, but another chunk.
+    Misplaced(u64),
+    /// Nothing is known: the stop flag was raised.
+    Stopped,
 }
 
 impl std::fmt::Display for Fault {
@@ -45,6 +55,8 @@ impl std::fmt::Display for Fault {
             Self::Unreadable(error) => write!(f, "it cannot be read: {error}"),
             Self::Damaged(how) => write!(f, "it is damaged: {how}"),
             Self::Foreign => f.write_str("it belongs to another sweep"),
+            Self::Misplaced(chunk) => write!(f, "it is chunk {chunk} of this sweep under another's name"),
+            Self::Stopped => f.write_str("it was not read"),
         }
     }
 }
@@ -55,9 +67,20 @@ impl From<io::Error> for Fault {
     }
 }
 
+fn damaged(how: &str) -> Fault {
+    Fault::Damaged(how.to_owned())
+}
+
 fn first_line(plan: &Plan, chunk: u64) -> String {
     let Range { start, end } = plan.range(chunk);
     format!("vibrochain-chunk {FORMAT} {:032x} chunk {chunk} cells {start}..{end}\n", plan.identity)
+}
+
+/// The chunk of this sweep that begins with this line.
+fn chunk_of(plan: &Plan, first: &[u8]) -> Option<u64> {
+    let words = std::str::from_utf8(first).ok()?.split(' ').collect::<Vec<_>>();
+    let chunk = words.get(4)?.parse().ok().filter(|chunk| (0..plan.chunks()).contains(chunk))?;
+    (first_line(plan, chunk).as_bytes() == first).then_some(chunk)
 }
 
 fn listed(counts: &[u64]) -> String {
@@ -81,7 +104,7 @@ fn read_summary(line: &str) -> Option<Summary> {
     };
     read(classes, &mut summary.classes)?;
     read(statuses, &mut summary.statuses)?;
-    summary.worst_residual = residual.parse().ok()?;
+    summary.worst_residual = residual.parse().ok().filter(|residual: &f64| residual.is_finite())?;
     Some(summary)
 }
 
@@ -153,70 +176,93 @@ impl<R: Read> Read for Hashed<R> {
     }
 }
 
-/// Hands the rows of a chunk to `take`, some bytes at a time, and then tells whether they can be trusted. What `take` has
-/// got must be thrown away if not.
+/// Hands the rows of a chunk to `take`, some bytes at a time, and then tells whether they are those that were written. What
+/// `take` has got must be thrown away if not.
 pub(crate) fn read<E: From<Fault>>(
     path: &Path,
     plan: &Plan,
     chunk: u64,
+    stop: &AtomicBool,
     mut take: impl FnMut(&[u8]) -> Result<(), E>,
 ) -> Result<Summary, E> {
-    let (mut file, tail) = open(path)?;
-    let length = tail.length;
-    let mut reader = Hashed { inner: BufReader::new((&mut file).take(length - CHECKSUM)), hash: Box::default() };
-    let first = first_line(plan, chunk);
-    let mut found = vec![0; first.len().min((length - CHECKSUM) as usize)];
-    reader.read_exact(&mut found).map_err(Fault::from)?;
-    // An honest chunk of another sweep has another first line, a damaged one may have anything.
-    let foreign = found != first.as_bytes();
-    let summary = read_summary(&tail.summary);
-    let rows = (length - CHECKSUM - found.len() as u64).checked_sub(tail.summary.len() as u64);
-    let mut left = if foreign { 0 } else { rows.unwrap_or(0) };
-    let mut buffer = vec![0; 1 << 16];
-    while left > 0 {
-        let some = reader.by_ref().take(left).read(&mut buffer).map_err(Fault::from)?;
-        if some == 0 {
-            return Err(Fault::Damaged("it is cut short").into());
+    let Opened { file, first, tail } = open(path)?;
+    let mut reader = Hashed { inner: BufReader::new(file), hash: Box::default() };
+    let found = chunk_of(plan, &first);
+    let ours = found == Some(chunk);
+    // An honest chunk of another sweep has another first line, a damaged one may have anything: its rows are read for the
+    // checksum alone.
+    let before = tail.start.checked_sub(first.len() as u64).ok_or_else(|| damaged("it is cut short"))?;
+    for (mut left, rows) in [(first.len() as u64, false), (before, ours), (tail.summary.len() as u64, false)] {
+        let mut buffer = vec![0; (1 << 16).min(left as usize)];
+        while left > 0 {
+            if stop.load(Ordering::Relaxed) {
+                return Err(Fault::Stopped.into());
+            }
+            let some = reader.by_ref().take(left).read(&mut buffer).map_err(Fault::from)?;
+            if some == 0 {
+                return Err(damaged("it is cut short").into());
+            }
+            if rows {
+                take(&buffer[..some])?;
+            }
+            left -= some as u64;
         }
-        take(&buffer[..some])?;
-        left -= some as u64;
     }
-    io::copy(&mut reader, &mut io::sink()).map_err(Fault::from)?;
     if tail.checksum != format!("checksum {:032x}\n", reader.hash.digest128()) {
-        return Err(Fault::Damaged("its checksum is wrong").into());
-    }
-    if foreign {
-        return Err(Fault::Foreign.into());
+        return Err(damaged("its checksum is wrong").into());
     }
     let range = plan.range(chunk);
-    match summary {
-        Some(summary) if summary.cells() == range.end - range.start => Ok(summary),
-        _ => Err(Fault::Damaged("its counts are wrong").into()),
+    match (found, read_summary(&tail.summary)) {
+        (Some(other), _) if other != chunk => Err(Fault::Misplaced(other).into()),
+        (None, _) => Err(Fault::Foreign.into()),
+        (_, Some(summary)) if summary.cells() == range.end - range.start => Ok(summary),
+        _ => Err(damaged("its counts are wrong").into()),
     }
 }
 
-/// Tells whether a chunk can be trusted.
-pub(crate) fn check(path: &Path, plan: &Plan, chunk: u64) -> Result<Summary, Fault> {
-    read(path, plan, chunk, |_| Ok(()))
+/// Reads a chunk through, row by row, and tells whether it can be trusted.
+pub(crate) fn check(path: &Path, plan: &Plan, chunk: u64, stop: &AtomicBool) -> Result<Summary, Fault> {
+    let mut rows = Reader::new(&plan.scene, plan.range(chunk));
+    // A checksum that is wrong says more than the row that it was wrong in.
+    let mut wrong = Ok(());
+    let summary = read(path, plan, chunk, stop, |some| {
+        if wrong.is_ok() {
+            wrong = rows.take(some);
+        }
+        Ok::<_, Fault>(())
+    })?;
+    wrong.and_then(|()| rows.finish(&summary)).map_err(Fault::Damaged)?;
+    Ok(summary)
+}
+
+/// A chunk's file, and what stands at its two ends.
+struct Opened {
+    file: File,
+    /// The line that says what it is, or what stands in its place.
+    first: Vec<u8>,
+    tail: Tail,
 }
 
 /// The end of a chunk's file.
 struct Tail {
-    length: u64,
+    /// Where it begins.
+    start: u64,
     /// The line with the counts, or what stands in its place.
     summary: String,
     checksum: String,
 }
 
-fn open(path: &Path) -> Result<(File, Tail), Fault> {
-    let mut file = File::open(path)?;
+fn open(path: &Path) -> Result<Opened, Fault> {
+    let mut file = open_plain(path)?;
     let length = file.metadata()?.len();
     if length == 0 {
-        return Err(Fault::Damaged("it is empty"));
+        return Err(damaged("it is empty"));
     }
     if length <= CHECKSUM {
-        return Err(Fault::Damaged("it is cut short"));
+        return Err(damaged("it is cut short"));
     }
+    let mut first = Vec::new();
+    BufReader::new((&mut file).take(HEAD.min(length - CHECKSUM))).read_until(b'\n', &mut first)?;
     file.seek(SeekFrom::Start(length.saturating_sub(TAIL)))?;
     let mut end = Vec::new();
     (&mut file).take(TAIL).read_to_end(&mut end)?;
@@ -224,33 +270,62 @@ fn open(path: &Path) -> Result<(File, Tail), Fault> {
     let split = end.len().saturating_sub(CHECKSUM as usize);
     let checksum = String::from_utf8_lossy(&end[split..]).into_owned();
     if !checksum.starts_with("checksum ") {
-        return Err(Fault::Damaged("it does not end as it should"));
+        return Err(damaged("it does not end as it should"));
     }
     let before = &end[..split];
     let line = before.strip_suffix(b"\n").unwrap_or(before);
-    let start = line.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-    let summary = String::from_utf8_lossy(&before[start..]).into_owned();
-    Ok((file, Tail { length, summary, checksum }))
+    let at = line.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+    // Nothing but text is ever written: what is none has another checksum, whatever it is read as.
+    let summary = String::from_utf8(before[at..].to_vec()).map_err(|_| damaged("its counts are no text"))?;
+    let start = length - CHECKSUM - summary.len() as u64;
+    Ok(Opened { file, first, tail: Tail { start, summary, checksum } })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    #[test]
+    fn another_chunk_of_the_same_sweep_is_called_what_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let (plan, path) = (plan_of("from = 0.4, to = 3.0, points = 100000"), folder.path().join("chunk"));
+        assert_eq!(plan.chunks(), 4);
+        Writer::new(&path, &plan, 3).unwrap().finish().unwrap();
+        assert!(matches!(check(&path, &plan, 1), Err(Fault::Misplaced(3))));
+    }
+
     fn plan() -> Plan {
+        plan_of("values = [0.5, 0.7, 1.1]")
+    }
+
+    fn plan_of(axis: &str) -> Plan {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.toml");
         let text = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
             x = { parameter = \"omega\", values = [0.5, 0.7, 1.1] }\ny = { parameter = \"gamma2\", values = [0.1] }\n\
             [compute]\nfamilies = [\"double-sided\"]\n";
-        std::fs::write(&path, text).unwrap();
+        std::fs::write(&path, text.replace("values = [0.5, 0.7, 1.1]", axis)).unwrap();
         Plan::read(&path, None).unwrap()
     }
 
+    const ROWS: [&str; 3] =
+        ["0.1,0.5,double,,,0.25,1,ok\n", "0.1,0.7,double,,,,1,ok\n", "0.1,1.1,double,,,1e-7,1,ok\n"];
+
     fn summary(cells: u64) -> Summary {
         let mut summary = Summary { worst_residual: 0.1 + 0.2, ..Summary::default() };
-        (summary.classes[1], summary.statuses[0]) = (cells, cells);
+        (summary.classes[5], summary.statuses[0]) = (cells, cells);
         summary
+    }
+
+    fn check(path: &Path, plan: &Plan, chunk: u64) -> Result<Summary, Fault> {
+        super::check(path, plan, chunk, &AtomicBool::new(false))
+    }
+
+    /// Writes a chunk of these rows.
+    fn write(path: &Path, plan: &Plan, rows: &str, summary: &Summary) {
+        let mut writer = Writer::new(path, plan, 0).unwrap();
+        writer.rows(rows.as_bytes(), summary).unwrap();
+        writer.finish().unwrap();
     }
 
     #[test]
@@ -258,24 +333,42 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (plan, path) = (plan(), folder.path().join("chunk"));
         let mut writer = Writer::new(&path, &plan, 0).unwrap();
-        writer.rows(b"one\ntwo\n", &summary(2)).unwrap();
-        writer.rows(b"three\n", &summary(1)).unwrap();
+        writer.rows(ROWS[..2].concat().as_bytes(), &summary(2)).unwrap();
+        writer.rows(ROWS[2].as_bytes(), &summary(1)).unwrap();
         writer.finish().unwrap();
         let mut rows = Vec::new();
-        let read = read(&path, &plan, 0, |some| {
+        let read = read(&path, &plan, 0, &AtomicBool::new(false), |some| {
             rows.extend_from_slice(some);
             Ok::<_, Fault>(())
         });
-        assert_eq!((read.unwrap(), rows.as_slice()), (summary(3), b"one\ntwo\nthree\n".as_slice()));
+        assert_eq!((read.unwrap(), rows.as_slice()), (summary(3), ROWS.concat().as_bytes()));
+        assert_eq!(check(&path, &plan, 0).unwrap(), summary(3));
+        assert!(matches!(super::check(&path, &plan, 0, &AtomicBool::new(true)), Err(Fault::Stopped)));
+    }
+
+    #[test]
+    fn rows_that_are_none_are_seen_whatever_the_checksum_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let (plan, path) = (plan(), folder.path().join("chunk"));
+        for (rows, counted, told) in [
+            (ROWS.concat().replace("0.25", "NaN"), 3, "it is damaged: row 1: its margin is `NaN`"),
+            (ROWS[..2].concat(), 3, "it is damaged: it has 2 rows for 3 cells"),
+            (ROWS.concat() + ROWS[2], 3, "it is damaged: it has more rows than its 3 cells"),
+            ([ROWS[1], ROWS[0], ROWS[2]].concat(), 3, "row 1: it is of the cell at 0.7 and not at 0.5"),
+            (ROWS.concat().replace("double", "single"), 3, "its counts are not those of its rows"),
+            (ROWS.concat(), 2, "its counts are wrong"),
+        ] {
+            write(&path, &plan, &rows, &summary(counted));
+            let fault = check(&path, &plan, 0).unwrap_err().to_string();
+            assert!(fault.contains(told), "{fault}");
+        }
     }
 
     #[test]
     fn no_change_of_a_single_bit_and_no_cut_goes_unseen() {
         let folder = tempfile::tempdir().unwrap();
         let (plan, path) = (plan(), folder.path().join("chunk"));
-        let mut writer = Writer::new(&path, &plan, 0).unwrap();
-        writer.rows(b"one\ntwo\nthree\n", &summary(3)).unwrap();
-        writer.finish().unwrap();
+        write(&path, &plan, &ROWS.concat(), &summary(3));
         let whole = std::fs::read(&path).unwrap();
         for bit in 0..8 * whole.len() {
             let mut flipped = whole.clone();
@@ -298,9 +391,7 @@ mod tests {
     fn a_sound_chunk_of_another_sweep_is_told_from_a_damaged_one() {
         let folder = tempfile::tempdir().unwrap();
         let (mut plan, path) = (plan(), folder.path().join("chunk"));
-        let mut writer = Writer::new(&path, &plan, 0).unwrap();
-        writer.rows(b"one\n", &summary(3)).unwrap();
-        writer.finish().unwrap();
+        write(&path, &plan, &ROWS.concat(), &summary(3));
         plan.identity ^= 1;
         assert!(matches!(check(&path, &plan, 0), Err(Fault::Foreign)));
     }

@@ -12,7 +12,11 @@ use xxhash_rust::xxh3::xxh3_128;
 
 use crate::error::CliError;
 use crate::manifest::{REVISION, VERSION, scene_parts, target};
-use crate::scene::{Scene, tolerance_from};
+use crate::scene::{MAX_BYTES, Scene, tolerance_from};
+use crate::text::{clipped, read_text};
+
+/// How the file of every plan begins.
+pub(crate) const PLAN_BEGINS: &[u8] = b"{\n  \"program\": \"mapgen\"";
 
 /// The form of chunks and of the plan beside them.
 pub(crate) const FORMAT: u32 = 1;
@@ -104,8 +108,7 @@ impl Plan {
     /// # Errors
     /// [`CliError::Request`]: those of [`Scene::read`]; a threshold that is given twice, or that nothing needs.
     pub fn read(scene_file: &Path, threshold: Option<f64>) -> Result<Self, CliError> {
-        let text = std::fs::read_to_string(scene_file);
-        let text = text.map_err(|error| CliError::file("cannot read scene", scene_file, &error))?;
+        let text = read_text("scene", scene_file, MAX_BYTES)?;
         Self::new(scene_file, text, threshold, Maker::this())
     }
 
@@ -216,6 +219,9 @@ impl Plan {
     }
 }
 
+/// Characters shown of a value that differs: a list may have a hundred thousand numbers.
+const MOST_SHOWN: usize = 80;
+
 /// Lists the values that differ, by the path of their keys.
 fn compare(path: &str, here: &Value, there: &Value, list: &mut Vec<String>) {
     let none = Map::new();
@@ -231,7 +237,10 @@ fn compare(path: &str, here: &Value, there: &Value, list: &mut Vec<String>) {
         }
         _ if here == there => {}
         _ => {
-            let value = |value: &Value| if value.is_null() { "absent".to_owned() } else { value.to_string() };
+            let value = |value: &Value| match value {
+                Value::Null => "absent".to_owned(),
+                value => clipped(&value.to_string(), MOST_SHOWN).into_owned(),
+            };
             list.push(format!("{path} is {} there, {} here", value(there), value(here)));
         }
     }

@@ -86,16 +86,18 @@ impl Shard {
         let count = number(&get, "SLURM_ARRAY_TASK_COUNT")?;
         // Without a step, the one that the count asks for.
         let step = step.or(count.and_then(|count| span.checked_div(count.saturating_sub(1)))).unwrap_or(1).max(1);
-        let last = span / step;
-        let whole = span.is_multiple_of(step) && count.is_none_or(|count| count == last + 1);
-        if !whole || task < least || task > most || !(task - least).is_multiple_of(step) {
-            let count = count.map_or_else(String::new, |count| format!("{count} of them, "));
-            let message = format!(
-                "the job array has gaps (task {task}; {count}from {least} to {most} in steps of {step}): number its tasks evenly, as in `sbatch --array=0-7` or `1-15:2`, or give --shard i/n"
-            );
-            return Err(CliError::Request(message));
+        let tasks = (span / step).checked_add(1).filter(|&tasks| count.is_none_or(|count| count == tasks));
+        let even = (least..=most).contains(&task) && span.is_multiple_of(step) && (task - least).is_multiple_of(step);
+        match tasks.filter(|_| even) {
+            Some(count) => Ok(Self { index: (task - least) / step, count }),
+            None => {
+                let count = count.map_or_else(String::new, |count| format!("{count} of them, "));
+                let message = format!(
+                    "the job array has gaps (task {task}; {count}from {least} to {most} in steps of {step}): number its tasks evenly, as in `sbatch --array=0-7` or `1-15:2`, or give --shard i/n"
+                );
+                Err(CliError::Request(message))
+            }
         }
-        Ok(Self { index: (task - least) / step, count: last + 1 })
     }
 
     /// Threads a Slurm task is given, if it says so.
@@ -148,6 +150,9 @@ mod tests {
             (9, 1, 7, Some(7), Some(1)),
             (5, 7, 1, Some(7), Some(1)),
             (7, 1, 7, Some(0), Some(1)),
+            // More tasks than can be counted.
+            (5, 0, u64::MAX, None, None),
+            (5, 0, u64::MAX, Some(u64::MAX), Some(1)),
         ] {
             let error = slurm(id, least, most, count, step).unwrap_err();
             assert!(error.exit_code() == 2 && error.to_string().contains("gaps"), "{error}");

@@ -3,17 +3,32 @@
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::SystemTime;
 
 use crate::error::CliError;
-use crate::output::{Output, TEMPORARY};
+use crate::estimate::duration;
+use crate::output::{Output, remove_if_abandoned};
+use crate::scene::MAX_BYTES;
 use crate::sweep::chunk::{Fault, Writer, check};
+use crate::sweep::plan::PLAN_BEGINS;
 use crate::sweep::{Plan, Summary};
+use crate::text::open_plain;
 
 const PLAN: &str = "plan.json";
 
 const CHUNK: &str = "chunk";
+
+/// The file that is locked. It holds nothing.
+const LOCK: &str = "lock";
+
+/// How often a folder that goes away while it is being taken is made again.
+const PATIENCE: u32 = 100;
+
+/// The most bytes of a plan: the text of the longest scene, quoted, where a quotation mark takes two, and a little besides.
+const MAX_PLAN: u64 = 2 * MAX_BYTES + (1 << 16);
 
 /// What a process means to do in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,8 +45,8 @@ pub(crate) enum Claim {
 #[derive(Debug)]
 pub(crate) struct Store {
     folder: PathBuf,
-    /// The plan, locked while this lives.
-    plan: Option<File>,
+    /// The locked file; it is free again when the process ends, however that ends.
+    lock: File,
 }
 
 impl Store {
@@ -41,44 +56,72 @@ impl Store {
     /// [`CliError::Request`]: the folder cannot be made, is that of another sweep, holds chunks and the claim is
     /// [`Claim::Fresh`], or another process has it. [`CliError::Computation`] if the plan cannot be written.
     pub(crate) fn open(folder: &Path, plan: &Plan, claim: Claim) -> Result<Self, CliError> {
-        if folder.exists() && !folder.is_dir() {
-            let message = format!("{} is a file, where a folder of chunks would be: remove it", folder.display());
+        let place = folder.display();
+        if claim != Claim::Share && folder.is_symlink() {
+            let message = format!(
+                "{place} is a link, where a sweep makes a folder of chunks and removes it when it is done: remove the link, or name another --out"
+            );
             return Err(CliError::Request(message));
         }
-        let new = !folder.exists();
-        fs::create_dir_all(folder).map_err(|error| CliError::file("cannot make the folder", folder, &error))?;
-        let mut store = Self { folder: folder.to_owned(), plan: None };
-        let opened = store.take(plan, claim);
-        if new && opened.is_err() {
-            // Only if empty: whoever else has written there in the meantime keeps it.
-            let _ = fs::remove_dir(folder);
+        if folder.exists() && !folder.is_dir() {
+            return Err(CliError::Request(format!("{place} is a file, where a folder of chunks would be: remove it")));
         }
-        opened.map(|lock| {
-            store.plan = lock;
-            store
-        })
+        let new = !folder.exists();
+        let store = Self::locked(folder, claim)?;
+        let taken = store.take(plan, claim);
+        // Whoever else has come there in the meantime keeps it.
+        if new && taken.is_err() && store.lock.try_lock().is_ok() {
+            store.leave();
+        }
+        taken.map(|()| store)
     }
 
-    fn take(&self, plan: &Plan, claim: Claim) -> Result<Option<File>, CliError> {
+    /// Makes the folder, if it is not there, and locks it, if the file system can.
+    fn locked(folder: &Path, claim: Claim) -> Result<Self, CliError> {
+        let path = folder.join(LOCK);
+        for _ in 0..PATIENCE {
+            fs::create_dir_all(folder).map_err(|error| CliError::file("cannot make the folder", folder, &error))?;
+            let lock = match open_lock(folder, &path) {
+                // Whoever had the folder has just removed it.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                opened => opened.map_err(|error| CliError::file("cannot write", &path, &error))?,
+            };
+            let locked = if claim == Claim::Share { lock.try_lock_shared() } else { lock.try_lock() };
+            match locked {
+                Err(TryLockError::WouldBlock) => return Err(at_work(folder, &path, &lock)),
+                // Without locks two processes there only do the work twice.
+                Ok(()) | Err(TryLockError::Error(_)) => {}
+            }
+            // A file that has been removed since it was opened is no lock: whoever comes next would lock another.
+            if is_still_at(&lock, &path) {
+                // Its time is there to be told to others, no more.
+                let _ = lock.set_modified(SystemTime::now());
+                return Ok(Self { folder: folder.to_owned(), lock });
+            }
+        }
+        let place = folder.display();
+        Err(CliError::Request(format!("{place} is made and removed by other processes all the time: stop them first")))
+    }
+
+    fn take(&self, plan: &Plan, claim: Claim) -> Result<(), CliError> {
         let place = self.folder.display();
-        let chunks = self.present()?.len();
+        let entries = self.entries()?;
+        if let Some((chunk, _)) = entries.iter().find(|(_, plain)| !plain) {
+            let path = Self::path(&self.folder, *chunk);
+            let message = format!("{} is no plain file, where a chunk would be: remove it", path.display());
+            return Err(CliError::Request(message));
+        }
+        let chunks = entries.len();
         if claim == Claim::Fresh && chunks > 0 {
             let message = format!(
                 "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or remove the folder to start afresh"
             );
             return Err(CliError::Request(message));
         }
-        let mut lock = self.lock(claim)?;
-        if claim != Claim::Share && chunks == 0 && lock.is_some() {
-            // Nobody's work: the plan of a sweep that got nowhere binds nobody.
-            match Self::plan(&self.folder) {
-                Ok(other) if plan.differences(&other).is_none() => return Ok(lock),
-                _ => Output::beside(&self.folder.join(PLAN))?.finish_with(plan.to_json().as_bytes())?,
-            }
-            return self.lock(claim);
-        }
-        if lock.is_none() {
-            let mut file = Output::beside(&self.folder.join(PLAN))?;
+        let path = self.folder.join(PLAN);
+        let new = path.symlink_metadata().is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
+        if new {
+            let mut file = Output::beside(&path)?;
             io::Write::write_all(&mut file, plan.to_json().as_bytes()).map_err(|error| file.unwritten(&error))?;
             // Another process may have been faster; what counts is what is there now. Whoever is alone need not wait for the
             // disk before there is a chunk.
@@ -87,10 +130,16 @@ impl Store {
             } else {
                 file.place_new()?
             };
-            lock = self.lock(claim)?;
+        } else if claim != Claim::Share && chunks == 0 {
+            // Nobody's work: the plan of a sweep that got nowhere binds nobody, whether or not it can be read.
+            match Self::plan(&self.folder) {
+                Ok(other) if plan.differences(&other).is_none() => return Ok(()),
+                Err(error) if !is_of_mapgen(&path) => return Err(error),
+                _ => return Output::beside(&path)?.finish_with(plan.to_json().as_bytes()),
+            }
         }
         match plan.differences(&Self::plan(&self.folder)?) {
-            None => Ok(lock),
+            None => Ok(()),
             Some(told) => {
                 let message = format!("{place} belongs to {told}; name another --out, or remove the folder");
                 Err(CliError::Request(message))
@@ -98,24 +147,12 @@ impl Store {
         }
     }
 
-    /// Locks the plan, if it is there and the file system can; ends with the process, however that ends.
-    fn lock(&self, claim: Claim) -> Result<Option<File>, CliError> {
-        let Ok(file) = File::open(self.folder.join(PLAN)) else { return Ok(None) };
-        let locked = if claim == Claim::Share { file.try_lock_shared() } else { file.try_lock() };
-        match locked {
-            Err(TryLockError::WouldBlock) => {
-                let place = self.folder.display();
-                Err(CliError::Request(format!("another mapgen is at work in {place}: wait for it, or stop it first")))
-            }
-            // A file system without locks: two processes there only do the work twice.
-            Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(file)),
-        }
-    }
-
     /// The plan in a folder of chunks.
     pub(crate) fn plan(folder: &Path) -> Result<Plan, CliError> {
         let path = folder.join(PLAN);
-        let text = fs::read_to_string(&path).map_err(|error| {
+        let mut text = String::new();
+        let read = open_plain(&path).and_then(|file| file.take(MAX_PLAN).read_to_string(&mut text));
+        read.map_err(|error| {
             let message = format!("{} is no folder of chunks: cannot read {PLAN}: {error}", folder.display());
             CliError::Request(message)
         })?;
@@ -129,7 +166,7 @@ impl Store {
     /// Sees to it that the disk has the plan, where the system can do so: before it has the first chunk. One that is lost
     /// all the same is made again.
     pub(crate) fn settle_plan(&self) {
-        if let Some(plan) = &self.plan {
+        if let Ok(plan) = File::open(self.folder.join(PLAN)) {
             let _ = plan.sync_all();
         }
     }
@@ -159,34 +196,108 @@ impl Store {
     /// # Errors
     /// [`CliError::Request`] if the folder cannot be read.
     pub(crate) fn present(&self) -> Result<BTreeSet<u64>, CliError> {
+        Ok(self.entries()?.into_iter().filter_map(|(chunk, plain)| plain.then_some(chunk)).collect())
+    }
+
+    /// What is named like a chunk, and whether it is a file.
+    fn entries(&self) -> Result<Vec<(u64, bool)>, CliError> {
         let unreadable = |error: io::Error| CliError::file("cannot read", &self.folder, &error);
-        let mut chunks = BTreeSet::new();
+        let mut entries = Vec::new();
         // One list for all: on the file systems of clusters each name takes a message.
         for entry in fs::read_dir(&self.folder).map_err(unreadable)? {
-            let name = entry.map_err(unreadable)?.file_name();
-            chunks.extend(number(&name));
+            let entry = entry.map_err(unreadable)?;
+            let Some(chunk) = number(&entry.file_name()) else { continue };
+            let kind = entry.file_type().map_err(unreadable)?;
+            entries.push((chunk, kind.is_file() || kind.is_symlink() && entry.path().is_file()));
         }
-        Ok(chunks)
+        Ok(entries)
     }
 
     /// Reads a chunk through and tells whether it can be trusted.
-    pub(crate) fn check(folder: &Path, plan: &Plan, chunk: u64) -> Result<Summary, Fault> {
-        check(&Self::path(folder, chunk), plan, chunk)
+    pub(crate) fn check(folder: &Path, plan: &Plan, chunk: u64, stop: &AtomicBool) -> Result<Summary, Fault> {
+        check(&Self::path(folder, chunk), plan, chunk, stop)
     }
 
-    /// Removes what was written there, also by processes that were killed, and the folder unless it holds anything else.
-    /// Tells whether it is gone.
-    pub(crate) fn remove(self) -> bool {
+    /// Removes what sweeps of `plan` have written there, also those that were killed, and the folder unless it holds anything
+    /// else. Tells whether it does not.
+    pub(crate) fn remove(self, plan: &Plan) -> bool {
+        let ours = |name: &OsStr| name == PLAN || number(name).is_some_and(|chunk| chunk < plan.chunks());
+        let mut others = false;
         for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
             let name = entry.file_name();
-            let temporary = name.to_string_lossy().starts_with('.') && name.to_string_lossy().ends_with(TEMPORARY);
-            if Self::owns(&name) || temporary {
-                // What cannot be removed keeps the folder, which is told.
-                let _ = fs::remove_file(entry.path());
-            }
+            let removed = if ours(&name) {
+                fs::remove_file(entry.path()).is_ok()
+            } else {
+                name == LOCK || remove_if_abandoned(&entry, |destination| ours(OsStr::new(destination)))
+            };
+            others |= !removed;
         }
-        fs::remove_dir(&self.folder).is_ok()
+        self.leave();
+        !others
     }
+
+    /// Removes the lock and, if that was all, the folder. Whoever waits for it may be faster and have it at once.
+    fn leave(&self) {
+        let _ = fs::remove_file(self.folder.join(LOCK));
+        let _ = fs::remove_dir(&self.folder);
+    }
+}
+
+/// Opens the file to lock, and makes it if it is not there. Whoever may write in the folder may open it and nobody else: a
+/// lock needs no more than that, and somebody who may only read could otherwise hold up a sweep for ever.
+fn open_lock(folder: &Path, path: &Path) -> io::Result<File> {
+    if path.symlink_metadata().is_ok_and(|about| !about.is_file()) {
+        return Err(io::Error::other("it is no plain file"));
+    }
+    let mut options = File::options();
+    options.read(true).write(true).create(true).truncate(false);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+        let file = options.mode(0o600).open(path)?;
+        let writers = folder.metadata()?.permissions().mode() & 0o222;
+        // Another user's file keeps the permissions that it has.
+        let _ = file.set_permissions(fs::Permissions::from_mode(0o600 | writers | writers << 1));
+        Ok(file)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = folder;
+        options.open(path)
+    }
+}
+
+/// Whether a file that was opened still has its name.
+fn is_still_at(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let place = |about: fs::Metadata| (about.dev(), about.ino());
+        matches!((file.metadata().map(place), path.metadata().map(place)), (Ok(held), Ok(named)) if held == named)
+    }
+    #[cfg(not(unix))]
+    {
+        // Where a file that is open cannot be removed.
+        let _ = file;
+        path.exists()
+    }
+}
+
+/// Tells that somebody else has the folder.
+fn at_work(folder: &Path, path: &Path, lock: &File) -> CliError {
+    let taken = lock.metadata().and_then(|about| about.modified()).ok().and_then(|time| time.elapsed().ok());
+    let since = taken.map_or_else(String::new, |age| format!(", for {}", duration(age.as_secs_f64())));
+    let (place, path) = (folder.display(), path.display());
+    let message =
+        format!("another mapgen is at work in {place} (it holds {path}{since}): wait for it, or stop it first");
+    CliError::Request(message)
+}
+
+/// Whether a file that cannot be read as a plan was begun as one: what a crash of the system leaves of it may be empty.
+fn is_of_mapgen(path: &Path) -> bool {
+    let mut begun = Vec::new();
+    let read = open_plain(path).and_then(|file| file.take(PLAN_BEGINS.len() as u64).read_to_end(&mut begun));
+    read.is_ok() && PLAN_BEGINS.starts_with(&begun)
 }
 
 fn file_name(chunk: u64) -> String {
@@ -225,7 +336,7 @@ mod tests {
         }
         // Chunks that are sound, but of that version: without their plan they are refused one by one.
         Store::open(&folder, &there, Claim::Share).unwrap().writer(&there, 0).unwrap().finish().unwrap();
-        assert!(matches!(Store::check(&folder, &here, 0), Err(Fault::Foreign)));
+        assert!(matches!(Store::check(&folder, &here, 0, &AtomicBool::new(false)), Err(Fault::Foreign)));
     }
 
     #[test]
@@ -235,16 +346,70 @@ mod tests {
         fs::write(&scene, TEXT).unwrap();
         let plan = Plan::read(&scene, None).unwrap();
         fs::create_dir(&folder).unwrap();
-        let others = ["+00001.chunk", "0000001.chunk", "notes.txt", "old.chunk"];
+        let others = [
+            "+00001.chunk",
+            ".000001.chunk.aB3d56.part",
+            ".film.aB3d56.part",
+            ".film.part",
+            "0000001.chunk",
+            "old.chunk",
+        ];
         others.iter().for_each(|name| fs::write(folder.join(name), "mine").unwrap());
         let store = Store::open(&folder, &plan, Claim::Fresh).unwrap();
-        fs::write(Store::path(&folder, 1), "a chunk").unwrap();
-        assert_eq!(store.present().unwrap(), BTreeSet::from([1]));
-        assert!(!store.remove());
+        // This sweep has one chunk: there is no second.
+        fs::write(Store::path(&folder, 1), "mine").unwrap();
+        fs::write(Store::path(&folder, 0), "a chunk").unwrap();
+        fs::write(folder.join(".000000.chunk.aB3d56.part"), "half a chunk").unwrap();
+        assert_eq!(store.present().unwrap(), BTreeSet::from([0, 1]));
+        assert!(!store.remove(&plan));
         let mut left: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         left.sort_unstable();
-        assert_eq!(left, others);
-        others.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
-        assert!(Store::open(&folder, &plan, Claim::Resume).unwrap().remove() && !folder.exists());
+        assert_eq!(left, [&others[..5], &["000001.chunk", "old.chunk"]].concat());
+        left.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
+        assert!(Store::open(&folder, &plan, Claim::Resume).unwrap().remove(&plan) && !folder.exists());
+    }
+
+    #[test]
+    fn a_plan_that_is_not_ours_is_left_and_what_a_crash_leaves_of_ours_is_not() {
+        let desk = tempfile::tempdir().unwrap();
+        let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
+        fs::write(&scene, TEXT).unwrap();
+        let plan = Plan::read(&scene, None).unwrap();
+        fs::create_dir(&folder).unwrap();
+        let whole = plan.to_json();
+        for (text, is_ours) in [
+            ("", true),
+            (&whole[..9], true),
+            (&whole[..200], true),
+            (&whole[..], true),
+            ("{}", false),
+            ("a plan", false),
+        ] {
+            fs::write(folder.join(PLAN), text).unwrap();
+            for claim in [Claim::Fresh, Claim::Resume] {
+                assert_eq!(Store::open(&folder, &plan, claim).is_ok(), is_ours, "{text}");
+            }
+            let expected = if is_ours { &whole[..] } else { text };
+            assert_eq!(fs::read_to_string(folder.join(PLAN)).unwrap(), expected);
+        }
+    }
+
+    #[test]
+    fn a_lock_that_was_removed_is_none() {
+        let desk = tempfile::tempdir().unwrap();
+        let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
+        fs::write(&scene, TEXT).unwrap();
+        let plan = Plan::read(&scene, None).unwrap();
+        let first = Store::open(&folder, &plan, Claim::Fresh).unwrap();
+        let told = Store::open(&folder, &plan, Claim::Share).unwrap_err().to_string();
+        assert!(told.contains("another mapgen is at work in ") && told.contains("parts/lock, for 0."), "{told}");
+        fs::remove_file(folder.join(LOCK)).unwrap();
+        assert!(!is_still_at(&first.lock, &folder.join(LOCK)));
+        // Two shares get along, and keep a whole sweep out.
+        drop(first);
+        let shares = [(); 2].map(|()| Store::open(&folder, &plan, Claim::Share).unwrap());
+        assert!(Store::open(&folder, &plan, Claim::Resume).is_err());
+        drop(shares);
+        assert!(Store::open(&folder, &plan, Claim::Resume).unwrap().remove(&plan) && !folder.exists());
     }
 }

@@ -36,16 +36,16 @@ pub(crate) struct Todo {
 }
 
 impl Todo {
-    /// Looks at every chunk of the shard that is there.
+    /// Looks at every chunk of the shard that is there. Nothing if the stop flag is raised before that is done.
     ///
     /// # Errors
     /// [`CliError::Request`] for a chunk of another sweep.
-    pub(crate) fn of(job: &Job<'_>, plan: &Plan, store: &Store, shard: Shard) -> Result<Self, CliError> {
+    pub(crate) fn of(job: &Job<'_>, plan: &Plan, store: &Store, shard: Shard) -> Result<Option<Self>, CliError> {
         let mut todo = Self { chunks: Vec::new(), damaged: Vec::new(), finished_cells: 0 };
         let there = store.present()?;
         let chunks: Vec<u64> = shard.chunks(plan).collect();
         let check = |&chunk: &u64| match there.contains(&chunk) {
-            true => Store::check(store.folder(), plan, chunk),
+            true => Store::check(store.folder(), plan, chunk, job.stop),
             false => Err(Fault::Missing),
         };
         let checked: Vec<_> = job.pool.install(|| chunks.par_iter().map(check).collect());
@@ -63,12 +63,13 @@ impl Todo {
                     );
                     return Err(CliError::Request(message));
                 }
+                Err(Fault::Stopped) => return Ok(None),
                 Err(Fault::Missing) => {}
                 Err(fault) => todo.damaged.push(format!("{}: {fault}; computing it again", path.display())),
             }
             todo.chunks.push(chunk);
         }
-        Ok(todo)
+        Ok(Some(todo))
     }
 }
 
@@ -168,6 +169,33 @@ mod tests {
     use crate::sweep::Claim;
 
     #[test]
+    fn a_flag_that_is_raised_while_chunks_are_checked_is_heard() {
+        let desk = tempfile::tempdir().unwrap();
+        let scene = desk.path().join("scene.toml");
+        let text = "[model]\nsites = 1\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
+            x = { parameter = \"omega\", from = 0.5, to = 3.0, points = 100 }\n\
+            y = { parameter = \"gamma2\", values = [0.1] }\n[compute]\nfamilies = [\"double-sided\"]\n";
+        std::fs::write(&scene, text).unwrap();
+        let plan = Plan::read(&scene, None).unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
+        let todo = |stop| {
+            Todo::of(
+                &Job { scene: &plan.scene, pool: &pool, stop: &AtomicBool::new(stop) },
+                &plan,
+                &store,
+                Shard::WHOLE,
+            )
+        };
+        assert_eq!(todo(true).unwrap().unwrap().chunks, [0]);
+        std::fs::write(Store::path(store.folder(), 0), "a chunk that is long enough to be one, but for its checksum")
+            .unwrap();
+        assert_eq!(todo(false).unwrap().unwrap().damaged.len(), 1);
+        store.writer(&plan, 0).unwrap().finish().unwrap();
+        assert!(todo(true).unwrap().is_none());
+    }
+
+    #[test]
     fn a_table_grows_along_only_with_every_chunk() {
         let desk = tempfile::tempdir().unwrap();
         let (scene, out) = (desk.path().join("scene.toml"), desk.path().join("map.csv"));
@@ -191,7 +219,7 @@ mod tests {
             // The last chunk waits for the table it might not be needed after.
             assert_eq!(store.present().unwrap().len(), some.len() - usize::from(grows));
             drop(worked.grown);
-            assert!(store.remove());
+            assert!(store.remove(&plan));
         }
     }
 }

@@ -16,7 +16,7 @@ pub(crate) struct Outcome {
 
 /// Keys of JSON answers whose value may be missing; errors are where no bound is known, and the amplitude where the force
 /// is a list.
-const OPTIONAL: [&str; 23] = [
+const OPTIONAL: [&str; 24] = [
     "amplitude",
     "residual",
     "phi",
@@ -32,6 +32,8 @@ const OPTIONAL: [&str; 23] = [
     "resolution",
     "impulse_error",
     "time_error",
+    // Of located events that nothing branches off from.
+    "branching",
     // How a list is complete, if it is.
     "by",
     // Of conservative orbits alone, and where rounding leaves them.

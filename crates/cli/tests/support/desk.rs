@@ -26,6 +26,9 @@ families = ["double-sided", "single-sided"]
 pub(crate) const CHUNKS: u64 = 15;
 pub(crate) const CHUNK_CELLS: u64 = 32_768;
 
+/// Files in a folder of chunks that are none: the plan and the lock.
+pub(crate) const BESIDE: usize = 2;
+
 /// The least of three chunks' worth of work for a slow machine's patience.
 const PATIENCE: Duration = Duration::from_secs(60);
 

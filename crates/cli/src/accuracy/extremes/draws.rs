@@ -111,7 +111,7 @@ impl Tally {
     }
 }
 
-/// Checks `count` draws of the sequence that begins at `seed`, in parallel.
+/// Checks `count` draws of the sequence that begins at `seed`, on all threads of the pool it is called in.
 ///
 /// # Errors
 /// As [`draw`].

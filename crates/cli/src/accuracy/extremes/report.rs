@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use rayon::ThreadPool;
+
 use super::cases::{CORNERS, Effort, rows};
 use super::checks::Row;
 use super::draws::{Tally, check_draws};
@@ -31,7 +33,7 @@ pub(crate) struct Report {
 
 impl Report {
     /// Checks everything; `quick` for a look.
-    pub(crate) fn run(surroundings: &impl Surroundings, quick: bool) -> Result<Self, CliError> {
+    pub(crate) fn run(surroundings: &impl Surroundings, pool: &ThreadPool, quick: bool) -> Result<Self, CliError> {
         let effort = if quick { Effort::QUICK } else { Effort::FULL };
         let mut report = Self::default();
         for corner in &CORNERS {
@@ -42,7 +44,7 @@ impl Report {
         let parts = 100;
         for part in 0..parts {
             surroundings.at(&format!("random points, {part} %"))?;
-            let tally = check_draws(SEED + part * draws / parts, draws / parts)?;
+            let tally = pool.install(|| check_draws(SEED + part * draws / parts, draws / parts))?;
             report.tally = std::mem::take(&mut report.tally).join(tally);
         }
         Ok(report)

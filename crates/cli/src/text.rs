@@ -1,0 +1,115 @@
+//! Text that comes from outside: read no further than it may be long, shown without what a terminal would obey.
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use crate::error::CliError;
+
+/// Reads a file of text of at most `most` bytes; `what` it is, for messages.
+///
+/// # Errors
+/// [`CliError::Request`] for a file that cannot be read, or is longer.
+pub(crate) fn read_text(what: &str, path: &Path, most: u64) -> Result<String, CliError> {
+    let failed = |error: &io::Error| CliError::file(&format!("cannot read {what}"), path, error);
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(|error| failed(&error))?;
+    if bytes.len() as u64 > most {
+        let message = format!("{what} {} has more than the {most} bytes that it may have", path.display());
+        return Err(CliError::Request(message));
+    }
+    String::from_utf8(bytes).map_err(|error| failed(&io::Error::new(io::ErrorKind::InvalidData, error.utf8_error())))
+}
+
+/// Opens a file to read, and nothing else: a FIFO would keep its reader waiting for ever.
+///
+/// # Errors
+/// Those of the system; one in its words for a folder, a FIFO or a device.
+pub(crate) fn open_plain(path: &Path) -> io::Result<File> {
+    if !path.metadata()?.is_file() {
+        return Err(io::Error::other("it is no plain file"));
+    }
+    File::open(path)
+}
+
+/// A text of more than `most` characters without its middle.
+pub(crate) fn clipped(text: &str, most: usize) -> Cow<'_, str> {
+    if text.chars().count() <= most {
+        return text.into();
+    }
+    let half = most / 2;
+    let end: Vec<char> = text.chars().rev().take(half).collect();
+    text.chars().take(most - half).chain(['…']).chain(end.into_iter().rev()).collect::<String>().into()
+}
+
+/// Whether a terminal would obey a character instead of showing it, or show others in another order because of it.
+pub(crate) fn is_obeyed(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// A text of several lines with all that a terminal would obey written out.
+pub(crate) fn printable(text: &str) -> Cow<'_, str> {
+    let harmless = |c: char| c == '\n' || !is_obeyed(c);
+    if text.chars().all(harmless) {
+        return text.into();
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if harmless(c) { shown.push(c) } else { shown.extend(c.escape_unicode()) }
+    }
+    shown.into()
+}
+
+/// Up to `most` characters about the `place`-th of a line, each of the width of one, and where among them the place is.
+pub(crate) fn excerpt(line: &str, place: usize, most: usize) -> (String, usize) {
+    let first = place.saturating_sub(most / 2);
+    let mut rest = line.chars().skip(first);
+    let mut shown: String = rest.by_ref().take(most).map(|c| if is_obeyed(c) { '\u{fffd}' } else { c }).collect();
+    if rest.next().is_some() {
+        shown.push('…');
+    }
+    if first == 0 { (shown, place) } else { (format!("…{shown}"), place - first + 1) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_terminal_would_obey_is_written_out() {
+        assert_eq!(printable("γ₁ = 1\n\"é\""), "γ₁ = 1\n\"é\"");
+        assert_eq!(printable("a\u{1b}[2Jb\r\t\u{202e}c\u{9b}"), r"a\u{1b}[2Jb\u{d}\u{9}\u{202e}c\u{9b}");
+    }
+
+    #[test]
+    fn the_place_is_in_the_excerpt_wherever_it_is_in_the_line() {
+        let line: String = (0..1000_u32).filter_map(|i| char::from_u32(0x4e00 + i)).collect();
+        for place in 0..=line.chars().count() {
+            let (shown, at) = excerpt(&line, place, 80);
+            assert_eq!(shown.chars().nth(at).filter(|&c| c != '…'), line.chars().nth(place), "{place}");
+            assert!(shown.chars().count() <= 82 && at <= 41);
+        }
+        assert_eq!(excerpt("a\tb\u{1b}", 2, 80), ("a\u{fffd}b\u{fffd}".to_owned(), 2));
+        assert_eq!((clipped("αβγ", 3), clipped("αβγδε", 3)), ("αβγ".into(), "αβ…ε".into()));
+    }
+
+    #[test]
+    fn what_is_too_long_or_no_text_is_refused_and_what_just_fits_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("text");
+        for (bytes, told) in
+            [(&b"12345678"[..], None), (b"123456789", Some("more than the 8 bytes")), (b"\xff", Some("utf-8"))]
+        {
+            std::fs::write(&path, bytes).unwrap();
+            match (read_text("scene", &path, 8), told) {
+                (Ok(text), None) => assert_eq!(text.as_bytes(), bytes),
+                (Err(error), Some(told)) => {
+                    assert!(error.to_string().contains(told) && error.exit_code() == 2, "{error}");
+                }
+                (read, _) => panic!("{read:?}"),
+            }
+        }
+        assert_eq!(open_plain(folder.path()).unwrap_err().to_string(), "it is no plain file");
+    }
+}
