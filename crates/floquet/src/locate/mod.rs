@@ -162,7 +162,7 @@ pub struct Answer {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LocateError {
     /// The range does not hold the start, or a parameter is out of range.
-    #[error("{} = {start} is not between {from} and {to}: start inside the range that is searched", free.name())]
+    #[error("{} = {start} is not in a range from {from} to {to}: search a range with from < to around the start", free.name())]
     Range {
         /// The free parameter.
         free: Parameter,
