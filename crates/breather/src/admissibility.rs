@@ -2,7 +2,9 @@
 //! strictly inside the gap, for the whole period: decided by bounds, not by samples.
 //!
 //! The distance of a mass to a barrier is smallest at a turning point, v̇_n = 0 (impacts of the mass itself aside, where
-//! it is 0 by definition). The smallest distance of all is the margin. How it is found is in `watch`.
+//! it is 0 by definition). The smallest distance of all is the margin. The turning points of the mass that is hit count
+//! like all others, by the nearer barrier: where it bounces lower than the middle of the gap, the margin is at most the
+//! height of its bounce. How it is found is in `watch`.
 
 use vibrochain_lattice::Barrier;
 
@@ -33,7 +35,7 @@ pub enum Obstruction {
         barrier: Barrier,
         /// When, within the period.
         time: f64,
-        /// By how much.
+        /// By how much; 0 where it just touches.
         excess: f64,
     },
 }
@@ -45,6 +47,9 @@ impl std::fmt::Display for Obstruction {
                 f,
                 "impact {impact} (site {site}, t = {time}) has the wrong sign: the mass would leave its barrier at velocity {velocity_before} before being hit"
             ),
+            Self::Crossing { site, barrier, time, excess } if *excess <= 0.0 => {
+                write!(f, "site {site} touches the {} barrier at t = {time}", barrier.name())
+            }
             Self::Crossing { site, barrier, time, excess } => {
                 write!(f, "site {site} is {excess} beyond the {} barrier at t = {time}", barrier.name())
             }
@@ -55,8 +60,9 @@ impl std::fmt::Display for Obstruction {
 /// The answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Admissibility {
-    /// Smallest distance left between any mass and a barrier at a turning point; negative if a mass crosses. `None`
-    /// if an impact has the wrong sign, which makes distances moot.
+    /// Smallest distance left between any mass and a barrier at a turning point, the top of a bounce included; negative if
+    /// a mass crosses. `None` if an impact has the wrong sign, which makes distances moot, and of a mass alone that flies
+    /// from barrier to barrier without turning.
     pub margin: Option<f64>,
     /// What is in the way, if anything.
     pub obstruction: Option<Obstruction>,
@@ -89,4 +95,39 @@ impl Admissibility {
 pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
     let mut motion = Motion::of(orbit)?;
     Watch::default().check(orbit, &mut motion, Depth::Worst)
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Chain, Model};
+
+    use super::*;
+    use crate::{Family, breathers};
+
+    /// One mass on a spring, hit at −1 + a once a period: u = C cos √γ₁(t − T/2) with C cos(√γ₁ T/2) = a − 1, top at C.
+    #[test]
+    fn the_margin_of_a_mass_that_bounces_alone_is_the_height_of_its_bounce_or_what_is_left_above() {
+        let mut seen = [0, 0];
+        for step in 0..60 {
+            let (gamma1, a, omega): (f64, f64, f64) = (0.2, 0.4, 0.46 + 0.05 * f64::from(step));
+            let model = Model::conservative(Chain::new(1, gamma1, 0.0).unwrap(), omega, a).unwrap();
+            let top = (a - 1.0) / (gamma1.sqrt() * std::f64::consts::PI / omega).cos();
+            let height = top - (a - 1.0);
+            for orbit in &breathers(&model, Family::SingleSided).unwrap().orbits {
+                let found = admissibility(orbit).unwrap();
+                if let Some(margin) = found.margin {
+                    assert!((margin - height.min(2.0 - height)).abs() < 1e-13, "{omega}: {margin} {height}");
+                    seen[usize::from(height < 1.0)] += 1;
+                }
+            }
+        }
+        assert!(seen[0] >= 3 && seen[1] >= 20, "{seen:?}");
+    }
+
+    #[test]
+    fn a_touch_is_called_one_and_no_number_is_minus_zero() {
+        let crossing = |excess| Obstruction::Crossing { site: 3, barrier: Barrier::Upper, time: 1.5, excess };
+        assert_eq!(crossing(0.0 - 0.0).to_string(), "site 3 touches the upper barrier at t = 1.5");
+        assert_eq!(crossing(0.25).to_string(), "site 3 is 0.25 beyond the upper barrier at t = 1.5");
+    }
 }

@@ -93,7 +93,8 @@ impl Watch {
             self.by_windows(orbit, motion, depth, horizon, &mut closest)?;
         }
         let (site, barrier, time) = (closest.site, closest.barrier, closest.time);
-        let crossing = Obstruction::Crossing { site, barrier, time, excess: -closest.distance };
+        // From 0, so that a touch is 0 beyond its barrier and not −0.
+        let crossing = Obstruction::Crossing { site, barrier, time, excess: 0.0 - closest.distance };
         let found = closest.distance.is_finite();
         Ok(Admissibility {
             margin: found.then_some(closest.distance),

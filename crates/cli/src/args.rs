@@ -1,10 +1,12 @@
 //! The command line.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use vibrochain_lattice::Force;
 
+use crate::numbers::{real, whole};
 use crate::parameter::Parameter;
 use crate::sweep::ShardFlag;
 
@@ -14,12 +16,30 @@ use crate::sweep::ShardFlag;
     name = "mapgen",
     version,
     about,
-    after_help = "Everything is dimensionless: unit masses, barriers at asymmetry ± 1.\nFiles appear whole or not at all; `-` is standard output (words then go to standard error), pipes and devices are written to directly, links are followed.\nExit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 130 interrupted by Ctrl-C or SIGTERM."
+    after_help = "Everything is dimensionless: unit masses, barriers at asymmetry ± 1.\n\
+                  Files appear whole or not at all; `-` is standard output (words then go to standard error), pipes and \
+                  devices are written to directly, links are followed.\n\
+                  Exit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 3 the point has no \
+                  answer (a resonance, a grazing impact), 130 interrupted by Ctrl-C or SIGTERM."
 )]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+}
+
+impl Cli {
+    /// Reads a command line, its own name first. A number may begin with a point, as in `-.5`, which clap takes for a flag.
+    ///
+    /// # Errors
+    /// What clap finds wrong with it; or it asks for help or the version.
+    pub fn read(arguments: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let whole = |argument: OsString| match argument.to_str().and_then(|text| text.strip_prefix("-.")) {
+            Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => format!("-0.{rest}").into(),
+            _ => argument,
+        };
+        Self::try_parse_from(arguments.into_iter().map(whole))
+    }
 }
 
 /// The subcommands.
@@ -60,8 +80,8 @@ pub enum PaletteName {
 /// Arguments of `mapgen sweep`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A sweep keeps the chunks it has finished in FILE.parts until the table is whole. Interrupted by Ctrl-C or SIGTERM it
-says how to go on and ends with exit code 130; killed, it goes on from there as well, with --resume."
+    after_help = "A sweep keeps the chunks it has finished in FILE.parts until the table is whole. Interrupted by Ctrl-C or SIGTERM \
+                  it says how to go on and ends with exit code 130; killed, it goes on from there as well, with --resume."
 )]
 pub struct SweepArgs {
     /// Scene file (TOML), see scenes/.
@@ -84,10 +104,10 @@ pub struct SweepArgs {
     #[command(flatten)]
     pub pictures: PictureArgs,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
-    #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
     /// Threads to use [default: all cores; with --shard slurm, SLURM_CPUS_PER_TASK].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// No progress bar and no summary.
     #[arg(long, short)]
@@ -128,9 +148,10 @@ pub struct MergeArgs {
 /// Arguments of `mapgen stripes`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A line is where two modes of the ring, as the breather shifts them, have frequencies that sum to a harmonic of ω. It is
-labelled k,l,j: mode k lies between Ω_k and Ω_{k+1} of the bare ring. Printed is the share of unstable cells within one cell of
-a line, beside that of stable cells, of differences of two modes, and of sums and differences of the bare ring's frequencies."
+    after_help = "A line is where two modes of the ring, as the breather shifts them, have frequencies that sum to a harmonic of \
+                  ω. It is labelled k,l,j: mode k lies between Ω_k and Ω_{k+1} of the bare ring. Printed is the share of \
+                  unstable cells within one cell of a line, beside that of stable cells, of differences of two modes, and of \
+                  sums and differences of the bare ring's frequencies."
 )]
 pub struct StripesArgs {
     /// Scene file (TOML) of a conservative map with x = omega and y = gamma2.
@@ -164,29 +185,29 @@ pub enum FamilyName {
 #[derive(Debug, Args)]
 pub struct ModelArgs {
     /// Number of masses on the ring (the paper's N + 1).
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub sites: i64,
     /// On-site stiffness γ₁.
-    #[arg(long, value_name = "γ₁", allow_negative_numbers = true)]
+    #[arg(long, value_name = "γ₁", value_parser = real, allow_negative_numbers = true)]
     pub gamma1: f64,
     /// Coupling stiffness γ₂.
-    #[arg(long, value_name = "γ₂", allow_negative_numbers = true)]
+    #[arg(long, value_name = "γ₂", value_parser = real, allow_negative_numbers = true)]
     pub gamma2: f64,
     /// Frequency ω of the force, and of the map.
-    #[arg(long, value_name = "ω", allow_negative_numbers = true)]
+    #[arg(long, value_name = "ω", value_parser = real, allow_negative_numbers = true)]
     pub omega: f64,
     /// Centre a of the gap, 0 ≤ a < 1.
-    #[arg(long, value_name = "a", allow_negative_numbers = true)]
+    #[arg(long, value_name = "a", value_parser = real, allow_negative_numbers = true)]
     pub asymmetry: f64,
     /// Amplitude A of the force A cos ω(t+ψ) [default: no force].
-    #[arg(long, value_name = "A", group = "driving", requires = "restitution", allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", group = "driving", requires = "restitution", value_parser = real, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Force of several odd harmonics, instead of --amplitude: number:amplitude:phase of each, as in 1:0.1:0,3:0.03:1.57
     /// for 0.1 cos ω(t+ψ) + 0.03 cos(3ω(t+ψ) + 1.57).
     #[arg(long, value_name = "J:A:θ,…", group = "driving", requires = "restitution", value_parser = crate::force::parse)]
     pub force: Option<Force>,
     /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
-    #[arg(long, value_name = "e", requires = "driving", allow_negative_numbers = true)]
+    #[arg(long, value_name = "e", value_parser = real, allow_negative_numbers = true)]
     pub restitution: Option<f64>,
 }
 
@@ -216,7 +237,7 @@ pub struct OrbitArgs {
     #[arg(long, requires = "all_plots")]
     pub svg: bool,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
-    #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
 }
 
@@ -268,8 +289,8 @@ impl From<FreeName> for Parameter {
 /// Arguments of `mapgen locate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both ways,
-to the ends of the range or its own; every event on it is an answer, and so is that there is none."
+    after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both \
+                  ways, to the ends of the range or its own; every event on it is an answer, and so is that there is none."
 )]
 pub struct LocateArgs {
     /// What to look for.
@@ -279,16 +300,16 @@ pub struct LocateArgs {
     #[arg(long, value_enum)]
     pub free: FreeName,
     /// Least value of the free parameter [default: half its start; asymmetry 0, restitution 0.05].
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub from: Option<f64>,
     /// Largest value of the free parameter [default: twice its start; asymmetry 0.99, restitution 1].
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub to: Option<f64>,
     /// Family of breathers.
     #[arg(long, value_enum)]
     pub family: FamilyName,
     /// Which of several solutions to start from, numbered as `mapgen orbit` lists them [default: the first physical one].
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub solution: Option<usize>,
     /// The model.
     #[command(flatten)]
@@ -310,36 +331,38 @@ pub enum Direction {
 
 /// Arguments of `mapgen simulate`.
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("start").args(["family", "state"]).required(true))]
 pub struct SimulateArgs {
     /// Start on a breather of this family, in the flight before its impact at t = 0.
-    #[arg(long, value_enum, required_unless_present = "state", conflicts_with = "state")]
+    #[arg(long, value_enum)]
     pub family: Option<FamilyName>,
-    /// Start from a state, JSON {"displacement":[…],"velocity":[…]}, at t = 0.
+    /// Start from a state, JSON {"displacement":[…],"velocity":[…]}, at t = 0. A mass at rest on a barrier leaves it if
+    /// springs and force pull it inward; if not, it rests there (event stick at t = 0) until they do.
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,
     /// Phase ψ of the force at t = 0, as a time; with --state [default: 0].
-    #[arg(long, value_name = "ψ", requires = "state", allow_negative_numbers = true)]
+    #[arg(long, value_name = "ψ", requires = "state", value_parser = real, allow_negative_numbers = true)]
     pub psi: Option<f64>,
     /// Which of several solutions, numbered as `mapgen orbit` lists them [default: the first physical one].
-    #[arg(long, value_name = "K", conflicts_with = "state", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", conflicts_with = "state", value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub solution: Option<usize>,
     /// The model.
     #[command(flatten)]
     pub model: ModelArgs,
     /// Perturb the start: largest change of a displacement, or of a velocity over ω.
-    #[arg(long, value_name = "SIZE", conflicts_with = "state", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SIZE", conflicts_with = "state", value_parser = real, allow_negative_numbers = true)]
     pub perturb: Option<f64>,
     /// Direction of the perturbation.
     #[arg(long, value_enum, default_value_t, requires = "perturb")]
     pub direction: Direction,
     /// Seed of a random perturbation.
-    #[arg(long, default_value_t = 1, requires = "perturb", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, requires = "perturb", value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Periods of the force to simulate.
-    #[arg(long, value_name = "P", default_value_t = 20, allow_negative_numbers = true)]
-    pub periods: u64,
+    /// Periods of the force to simulate, whole or not.
+    #[arg(long, value_name = "P", default_value_t = 20.0, value_parser = real, allow_negative_numbers = true)]
+    pub periods: f64,
     /// Stop after this many impacts.
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub max_impacts: Option<u64>,
     /// Table of all events (CSV): time, site, barrier, velocity_before, velocity_after, kind (impact, stick, release).
     #[arg(long, value_name = "FILE")]
@@ -348,7 +371,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "FILE")]
     pub trajectory: Option<PathBuf>,
     /// Samples a period of tables and pictures.
-    #[arg(long, value_name = "S", default_value_t = 64, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 64, value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub samples: u64,
     /// Picture of the run, .png or .svg: the impacting mass over the analytic orbit, all masses in space and time.
     #[arg(long, value_name = "FILE")]

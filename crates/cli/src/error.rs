@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
-use vibrochain_lattice::ParameterError;
+use vibrochain_breather::{BranchError, BreatherError};
+use vibrochain_floquet::{FloquetError, LocateError};
+use vibrochain_lattice::{ParameterError, Resonance};
 
 /// A failed run.
 #[derive(Debug, Error)]
@@ -17,12 +19,12 @@ pub enum CliError {
     /// The computation could not be completed; exit code 1.
     #[error("{0}")]
     Computation(String),
+    /// The point has no answer: on a resonance no periodic motion is defined, at a grazing impact no stability; exit code 3.
+    #[error("{0}")]
+    IllPosed(String),
     /// Stopped by Ctrl-C or SIGTERM; exit code 130.
     #[error("interrupted: nothing was written")]
     Interrupted,
-    /// The same, with what was done until then on disk.
-    #[error("interrupted: the files hold the run up to here")]
-    Stopped,
     /// The same, with what is finished, and how to go on.
     #[error("interrupted: {0}")]
     Paused(String),
@@ -35,13 +37,15 @@ pub enum CliError {
 }
 
 impl CliError {
-    /// 0 done, 1 the computation could not be completed, 2 the request is wrong; 130 interrupted, as shells have it.
+    /// 0 done, 1 the computation could not be completed, 2 the request is wrong, 3 the point has no answer; 130 interrupted,
+    /// as shells have it.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(error) => u8::try_from(error.exit_code()).unwrap_or(2),
             Self::Request(_) => 2,
             Self::Computation(_) => 1,
-            Self::Interrupted | Self::Stopped | Self::Paused(_) | Self::Halted(_) => 130,
+            Self::IllPosed(_) => 3,
+            Self::Interrupted | Self::Paused(_) | Self::Halted(_) => 130,
             Self::Unread => 0,
         }
     }
@@ -50,10 +54,58 @@ impl CliError {
     pub fn file(what: &str, path: &Path, error: &std::io::Error) -> Self {
         Self::Request(format!("{what} {}: {error}", path.display()))
     }
+
+    /// A failure of the mathematics with what it was about in front.
+    pub fn about(self, what: impl std::fmt::Display) -> Self {
+        match self {
+            Self::Computation(message) => Self::Computation(format!("{what}: {message}")),
+            Self::IllPosed(message) => Self::IllPosed(format!("{what}: {message}")),
+            other => other,
+        }
+    }
 }
 
 impl From<ParameterError> for CliError {
     fn from(error: ParameterError) -> Self {
         Self::Request(error.to_string())
+    }
+}
+
+impl From<Resonance> for CliError {
+    fn from(error: Resonance) -> Self {
+        Self::IllPosed(error.to_string())
+    }
+}
+
+impl From<BreatherError> for CliError {
+    fn from(error: BreatherError) -> Self {
+        match error {
+            BreatherError::Resonance(resonance) => resonance.into(),
+            BreatherError::Parameter(parameter) => parameter.into(),
+            BreatherError::TooStiff { .. } | BreatherError::Impact { .. } => Self::Computation(error.to_string()),
+        }
+    }
+}
+
+impl From<FloquetError> for CliError {
+    fn from(error: FloquetError) -> Self {
+        match error {
+            FloquetError::Breather(breather) => breather.into(),
+            FloquetError::Grazing { .. } => Self::IllPosed(error.to_string()),
+            FloquetError::NotConverged { .. } | FloquetError::InDoubt { .. } | FloquetError::TooLarge { .. } => {
+                Self::Computation(error.to_string())
+            }
+        }
+    }
+}
+
+impl From<LocateError> for CliError {
+    fn from(error: LocateError) -> Self {
+        match error {
+            LocateError::Range { .. } | LocateError::NoForce { .. } => Self::Request(error.to_string()),
+            LocateError::Floquet(floquet) => floquet.into(),
+            LocateError::Branch(BranchError::Breather(breather)) => breather.into(),
+            LocateError::Branch(_) | LocateError::NoMultiplier => Self::Computation(error.to_string()),
+        }
     }
 }

@@ -90,8 +90,9 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicB
 
 /// A time in a unit that people can grasp.
 pub(crate) fn duration(seconds: f64) -> String {
-    let units = [(86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")];
+    let units = [(31_557_600.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")];
     match units.iter().find(|(unit, _)| seconds >= 2.0 * unit) {
+        Some((unit, name)) if seconds / unit >= 1e6 => format!("{:.0e} {name}", seconds / unit),
         Some((unit, name)) => format!("{:.1} {name}", seconds / unit),
         None => format!("{seconds:.1} s"),
     }
@@ -113,6 +114,7 @@ mod tests {
     #[test]
     fn units() {
         assert_eq!([30.0, 150.0, 7300.0, 1e6].map(duration), ["30.0 s", "2.5 minutes", "2.0 hours", "11.6 days"]);
+        assert_eq!([1e9, 1e99].map(duration), ["31.7 years", "3e91 years"]);
         assert_eq!([12.0, 1500.0, 7.04e10].map(size), ["12 bytes", "1.5 kB", "70.4 GB"]);
     }
 }

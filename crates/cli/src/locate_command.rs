@@ -4,9 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Found, Orbit};
-use vibrochain_floquet::{
-    Answer, End, Event, HandedOver, LocateError, Located, Mechanism, Search, Sign, Verdict, locate,
-};
+use vibrochain_floquet::{Answer, End, Event, HandedOver, Located, Mechanism, Search, Sign, Verdict, locate};
 use vibrochain_lattice::{Model, Parameter};
 
 use crate::args::{EventName, LocateArgs};
@@ -44,10 +42,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let mut search = Search::new(&start.orbit, event(args.event), free);
     search.from = args.from.unwrap_or(search.from);
     search.to = args.to.unwrap_or(search.to);
-    let answer = locate(&start.orbit, &search).map_err(|error| match error {
-        LocateError::Range { .. } | LocateError::NoForce { .. } => CliError::Request(error.to_string()),
-        _ => CliError::Computation(error.to_string()),
-    })?;
+    let answer = locate(&start.orbit, &search)?;
     let text = if args.json {
         format!("{:#}\n", as_json(&start, &search, &answer))
     } else {
@@ -56,17 +51,33 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     console.print(&text)
 }
 
+/// The range that is searched must hold the start; what does not is told by its flag.
+fn around(args: &LocateArgs, model: &Model) -> Result<(), CliError> {
+    let free = Parameter::from(args.free);
+    let start = model.get(free);
+    let here = format!("{} = {start}, where the search starts", free.name());
+    let message = match (args.from, args.to) {
+        (Some(from), Some(to)) if from >= to => {
+            format!("--from {from} is not below --to {to}: give a range around {here}")
+        }
+        (Some(from), _) if from > start => format!("--from {from} is above {here}: give at most that"),
+        (_, Some(to)) if to < start => format!("--to {to} is below {here}: give at least that"),
+        _ => return Ok(()),
+    };
+    Err(CliError::Request(message))
+}
+
 /// The solution asked for, physical or not; otherwise the first physical one.
 fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
-    let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
     for (flag, value) in [("--from", args.from), ("--to", args.to)] {
         let Some(value) = value else { continue };
         // In the range of the parameter, told before any work.
         model.with(Parameter::from(args.free), value).map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
     }
+    around(args, model)?;
     let mut finder = Finder::new(model.chain().sites());
     let mut found = Found::default();
-    finder.find(model, family(args.family), &mut found).map_err(|error| computation(&error))?;
+    finder.find(model, family(args.family), &mut found)?;
     let count = found.orbits.len();
     if let Some(reason) = found.none {
         return Err(CliError::Computation(format!("no orbit to start from: {reason}")));
@@ -78,7 +89,7 @@ fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
     for (i, orbit) in found.orbits.into_iter().enumerate() {
         let wanted = match args.solution {
             Some(number) => number == i + 1,
-            None => finder.admissibility(&orbit).map_err(|error| computation(&error))?.is_physical(),
+            None => finder.admissibility(&orbit)?.is_physical(),
         };
         if wanted {
             return Ok(Start { orbit, number: i + 1, count });

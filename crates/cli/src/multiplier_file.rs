@@ -33,8 +33,7 @@ impl MultiplierFile {
         for (i, solution) in solutions.iter().enumerate() {
             // What could not be computed is told elsewhere.
             let Ok(stability) = &solution.stability else { continue };
-            let modes = multiplier_modes(&solution.orbit, finder, &stability.multipliers)
-                .map_err(|error| CliError::Computation(error.to_string()))?;
+            let modes = multiplier_modes(&solution.orbit, finder, &stability.multipliers)?;
             for (z, mode) in stability.multipliers.iter().zip(modes) {
                 let record = [
                     (i + 1).to_string(),

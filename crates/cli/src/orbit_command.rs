@@ -74,15 +74,14 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     )?;
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let plot = Plot::open(args)?;
-    let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
     let mut finder = Finder::new(model.chain().sites());
     let mut analyser = Analyser::default();
     let mut found = Found::default();
-    finder.find(&model, family, &mut found).map_err(|error| computation(&error))?;
+    finder.find(&model, family, &mut found)?;
     let mut solutions = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {
-        let admissibility = finder.admissibility(&orbit).map_err(|error| computation(&error))?;
-        let condition = finder.condition(&orbit).map_err(|error| computation(&error))?;
+        let admissibility = finder.admissibility(&orbit)?;
+        let condition = finder.condition(&orbit)?;
         let stability = analyser.stability(&orbit, &mut finder, tolerance);
         let leading = stability.as_ref().ok().map(|stability| stability.verdict).filter(|v| v.mechanism.is_some());
         let modes = OrbitModes::of(&orbit, &mut finder, leading.map(|verdict| verdict.leading));
@@ -100,7 +99,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     }
     plot.finish(&solutions, console)?;
     match solutions.iter().find_map(|solution| solution.stability.as_ref().err()) {
-        Some(error) => Err(CliError::Computation(format!("stability could not be computed: {error}"))),
+        Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),
         None => Ok(()),
     }
 }
@@ -423,10 +422,9 @@ mod with_plot {
                 console.remark(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
             }
             let Some((format, file)) = self.one else { return Ok(()) };
-            let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
             let mut panels = Vec::new();
             for (i, solution) in solutions.iter().enumerate().take(MOST) {
-                panels.push(panel(i, solution).map_err(|error| computation(&error))?);
+                panels.push(panel(i, solution)?);
             }
             if panels.is_empty() {
                 // The answer has been printed; that there is nothing to draw is not a failure.
@@ -434,7 +432,7 @@ mod with_plot {
                 console.remark(&format!("nothing to plot: there is no solution, {path} was not written"));
                 return Ok(());
             }
-            let bytes = orbit_picture(&panels, format).map_err(|error| computation(&error))?;
+            let bytes = orbit_picture(&panels, format).map_err(|error| CliError::Computation(error.to_string()))?;
             file.finish_with(&bytes)
         }
     }

@@ -63,11 +63,11 @@ pub(crate) fn write(
         let bytes = curves_picture(&picture, format).map_err(computation)?;
         Output::create(&folder.join(format!("{NAME}{number}-{name}.{ending}")))?.finish_with(&bytes)
     };
-    save("profile", (960, 480), vec![profile(orbit).map_err(computation)?])?;
-    let (trace, phase) = flights(orbit).map_err(computation)?;
+    save("profile", (960, 480), vec![profile(orbit)?])?;
+    let (trace, phase) = flights(orbit)?;
     save("trace", (960, 480), vec![trace])?;
     save("phase", (960, 560), vec![phase])?;
-    save("decay", (960, 520), vec![decay_pane(orbit).map_err(computation)?])?;
+    save("decay", (960, 520), vec![decay_pane(orbit)?])?;
     if let Some(stability) = stability {
         save("multipliers", (960, 760), vec![multipliers(stability)])?;
         save("eigenvector", (660, 480), eigenvector(orbit, stability.verdict.leading)?)?;
@@ -236,7 +236,7 @@ fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliErr
     let mode = match FloquetMode::of(orbit, &mut finder, leading) {
         Ok(mode) => Some(mode),
         // The secular form does not know it: by a dense matrix.
-        Err(_) => leading_modes(orbit, 1).map_err(computation)?.pop(),
+        Err(_) => leading_modes(orbit, 1)?.pop(),
     };
     let Some(mode) = mode else { return Ok(Vec::new()) };
     let turning = mode.multiplier.im != 0.0;

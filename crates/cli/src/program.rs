@@ -2,8 +2,6 @@
 
 use std::ffi::OsString;
 
-use clap::Parser;
-
 use crate::args::{Cli, Command};
 use crate::console::Console;
 use crate::error::CliError;
@@ -26,7 +24,7 @@ use crate::{errata, locate_command, merge_command, orbit_command, simulate_comma
 /// # Ok::<(), vibrochain_cli::error::CliError>(())
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<'_>) -> Result<(), CliError> {
-    match &Cli::try_parse_from(arguments)?.command {
+    match &Cli::read(arguments)?.command {
         Command::Sweep(args) => sweep_command::run(args, console),
         Command::Merge(args) => merge_command::run(args, console),
         Command::Orbit(args) => orbit_command::run(args, console),

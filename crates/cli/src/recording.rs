@@ -91,14 +91,15 @@ mod with_plot {
     use vibrochain_lattice::Model;
 
     use super::{CliError, SimulateArgs, Start, orbit_time};
+    use crate::field::FieldWriter;
     use crate::output::Output;
     use crate::plot::{Format, RunPicture, open, run_picture};
 
-    /// Columns of the space–time picture.
-    const COLUMNS: u64 = 1000;
-
     /// Periods at the end of the run of which the impacting mass is shown.
-    const SHOWN: u64 = 8;
+    const SHOWN: f64 = 8.0;
+
+    /// Points of its trace at most: some for every pixel.
+    const POINTS: f64 = 8000.0;
 
     /// Collects what the picture needs, and no more of a long run.
     pub(crate) struct Plot(Option<Collected>);
@@ -106,12 +107,17 @@ mod with_plot {
     struct Collected {
         format: Format,
         file: Output,
-        picture: RunPicture,
+        title: String,
+        barriers: (f64, f64),
+        periods: f64,
+        simulated: Vec<(f64, f64)>,
+        analytic: Vec<(f64, f64)>,
+        field: FieldWriter,
         orbit: Option<(Orbit, Motion)>,
         home: usize,
         start: f64,
+        /// Samples from one point of the trace to the next.
         stride: u64,
-        from_period: u64,
         seen: u64,
         scratch: (Vec<f64>, Vec<f64>),
     }
@@ -124,8 +130,7 @@ mod with_plot {
             start: &Start,
         ) -> Result<Self, CliError> {
             let Some((format, file)) = open(args.plot.as_deref())? else { return Ok(Self(None)) };
-            let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose();
-            let motion = motion.map_err(|error| CliError::Computation(error.to_string()))?;
+            let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
             let sites = model.chain().sites();
             let force = crate::force::caption(model);
             let title = format!(
@@ -136,24 +141,19 @@ mod with_plot {
                 model.omega(),
                 model.asymmetry()
             );
-            let picture = RunPicture {
-                title,
-                barriers: (model.asymmetry() - 1.0, model.asymmetry() + 1.0),
-                simulated: Vec::new(),
-                analytic: Vec::new(),
-                columns: Vec::new(),
-                periods: args.periods as f64,
-            };
-            let samples = args.periods * args.samples;
             Ok(Self(Some(Collected {
                 format,
                 file,
-                picture,
+                title,
+                barriers: (model.asymmetry() - 1.0, model.asymmetry() + 1.0),
+                periods: args.periods,
+                simulated: Vec::new(),
+                analytic: Vec::new(),
+                field: FieldWriter::new(model.chain(), args.periods, args.samples),
                 home: orbit.and_then(Orbit::impact_site).unwrap_or(0),
                 orbit: motion,
                 start: start.time,
-                stride: samples.div_ceil(COLUMNS).max(1),
-                from_period: args.periods.saturating_sub(SHOWN),
+                stride: ((SHOWN * args.samples as f64 / POINTS) as u64).max(1),
                 seen: 0,
                 scratch: (vec![0.0; sites], vec![0.0; sites]),
             })))
@@ -166,31 +166,31 @@ mod with_plot {
         pub(crate) fn see(&mut self, simulation: &Simulation) {
             let Some(collected) = &mut self.0 else { return };
             let time = simulation.time();
-            let (column, trace) = (collected.seen % collected.stride == 0, time.periods() >= collected.from_period);
+            let periods = time.periods() as f64 + time.part();
+            let trace = periods >= collected.periods - SHOWN - 1e-9 && collected.seen.is_multiple_of(collected.stride);
             collected.seen += 1;
-            if !(column || trace) {
-                return;
+            if trace || collected.field.wants() {
+                simulation.read(&mut collected.scratch.0, &mut collected.scratch.1);
             }
-            simulation.read(&mut collected.scratch.0, &mut collected.scratch.1);
             let u = &collected.scratch.0;
-            if column {
-                collected.picture.columns.push(u.clone());
-            }
+            collected.field.see(u, periods);
             if trace {
-                let periods = time.periods() as f64 + time.part();
-                collected.picture.simulated.push((periods, u.get(collected.home).copied().unwrap_or(0.0)));
+                collected.simulated.push((periods, u.get(collected.home).copied().unwrap_or(0.0)));
                 if let Some((orbit, motion)) = &mut collected.orbit {
                     let now = motion.at(collected.home, orbit_time(orbit, time, collected.start));
-                    collected.picture.analytic.push((periods, now.displacement));
+                    collected.analytic.push((periods, now.displacement));
                 }
             }
         }
 
         pub(crate) fn finish(self) -> Result<(), CliError> {
-            let Some(collected) = self.0 else { return Ok(()) };
-            let bytes = run_picture(&collected.picture, collected.format)
-                .map_err(|error| CliError::Computation(error.to_string()))?;
-            collected.file.finish_with(&bytes)
+            let Some(Collected { format, file, title, barriers, periods, simulated, analytic, field, .. }) = self.0
+            else {
+                return Ok(());
+            };
+            let picture = RunPicture { title, barriers, simulated, analytic, field: field.finish(), periods };
+            let bytes = run_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
+            file.finish_with(&bytes)
         }
     }
 }

@@ -2,9 +2,7 @@
 
 use std::fmt::Write as _;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use vibrochain_breather::{Finder, Found, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Tolerance, stability};
@@ -15,17 +13,19 @@ use crate::console::Console;
 use crate::destination::distinct;
 use crate::error::CliError;
 use crate::orbit_command::{family, model};
+use crate::output::Number;
+use crate::pace::{self, Pace};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::start::{Start, leading_mode_at};
-
-/// Steps of a run that writes no samples: often enough for a progress bar and Ctrl-C.
-const STEPS: u64 = 400;
 
 /// Samples that may be asked for in all; more would be centuries of work.
 const MAX_STEPS: u64 = 1 << 48;
 
-/// Windows of flight between two looks at the stop flag: some milliseconds of work.
-const FLIGHTS: u64 = 20_000;
+/// Windows of flight that a run may need at least, impacts aside; of a single mass 1e15 are some three years.
+const MAX_WINDOWS: f64 = 1e15;
+
+/// Flights of single masses between two looks at the stop flag: some tens of milliseconds of work.
+const FLIGHTS: usize = 100_000;
 
 /// Runs the subcommand.
 ///
@@ -37,13 +37,17 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         let message = format!("--samples {} is out of range: give a whole number from 1 to 1000000", args.samples);
         return Err(CliError::Request(message));
     }
-    let steps = args.periods.checked_mul(args.samples).filter(|steps| *steps <= MAX_STEPS).ok_or_else(|| {
+    let periods = args.periods;
+    if !(periods >= 0.0 && periods.is_finite()) {
+        return Err(CliError::Request(format!("--periods {periods} is out of range: give a number from 0")));
+    }
+    if periods * args.samples as f64 > MAX_STEPS as f64 {
         let message = format!(
-            "--periods {} with {} samples each is out of range: give at most {MAX_STEPS} samples in all",
-            args.periods, args.samples
+            "--periods {periods} with {} samples each is out of range: give at most {MAX_STEPS} samples in all",
+            args.samples
         );
-        CliError::Request(message)
-    })?;
+        return Err(CliError::Request(message));
+    }
     let taken = distinct(
         &[("--state", args.state.as_deref())],
         &[
@@ -55,6 +59,16 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let (start, orbit) = starting_point(args, &model)?;
     let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
+    let end = Time::new(&model, periods.trunc() as u64, periods.fract());
+    let windows = simulation.least_windows(end);
+    if windows > MAX_WINDOWS && args.max_impacts.is_none() {
+        return Err(CliError::Request(format!(
+            "--periods {periods} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
+            Number(model.omega()),
+            // Half of it, so that the one digit is not rounded beyond the limit.
+            0.5 * periods / windows * MAX_WINDOWS
+        )));
+    }
 
     let mut impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time)).transpose()?;
     let mut trajectory =
@@ -62,11 +76,12 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut plot = Plot::open(args, &model, orbit.as_ref(), &start)?;
     let stop = (console.interrupt)()?;
 
-    // Samples a period if somebody wants them, otherwise a step of whole periods.
-    let sampled = trajectory.is_some() || plot.is_wanted();
-    let (per_period, total, stride) =
-        if sampled { (args.samples, steps, 1) } else { (1, args.periods, args.periods.div_ceil(STEPS).max(1)) };
-    let bar = progress(args.periods, console);
+    // Samples if somebody wants them, the last one at the end; otherwise the end alone.
+    let samples = if trajectory.is_some() || plot.is_wanted() { args.samples } else { 0 };
+    let sampled = (periods * samples as f64) as u64;
+    let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
+    let mut pace = Pace::new(periods, args.max_impacts, console);
+    let portion = (FLIGHTS / model.chain().sites()).max(1) as u64;
     let mut counts = Counts::default();
     let mut report = simulation.run(&Limits::until(Time::new(&model, 0, 0.0)), |event| counts.see(event, &mut impacts));
     let mut step = 0_u64;
@@ -77,25 +92,28 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         if let Some(error) = impacts.as_mut().and_then(|table| table.failure.take()) {
             return Err(error);
         }
-        bar.set_position(report.time.periods());
         if stopped || report.outcome != Outcome::TimeReached || step >= total {
             break;
         }
-        step = (step + stride).min(total);
-        let time = Time::new(&model, step / per_period, (step % per_period) as f64 / per_period as f64);
+        step += 1;
+        let time = if step > sampled {
+            end
+        } else {
+            Time::new(&model, step / samples, (step % samples) as f64 / samples as f64)
+        };
         // In portions of work, so that Ctrl-C is heard however long a period takes.
         loop {
             let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
-            let limits = Limits { until: Some(time), impacts: left, flights: FLIGHTS, ..Limits::default() };
+            let limits = Limits { until: Some(time), impacts: left, flights: portion, ..Limits::default() };
             report = simulation.run(&limits, |event| counts.see(event, &mut impacts));
             stopped = stop.load(Ordering::Relaxed);
+            pace.see(&report, console);
             if stopped || report.outcome != Outcome::WorkLimit {
                 break;
             }
-            bar.set_position(report.time.periods());
         }
     }
-    bar.finish_and_clear();
+    pace.finish();
 
     // What was simulated is kept, however the run ended.
     impacts.map_or(Ok(()), ImpactTable::finish)?;
@@ -108,7 +126,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     }
     console.answer(&text, taken)?;
     match report.outcome {
-        _ if stopped => Err(CliError::Stopped),
+        _ if stopped => Err(interrupted(args, &simulation)),
         Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
         Outcome::Cascade { site, barrier, bounces } => Err(CliError::Computation(format!(
             "site {site} has met the {} barrier {bounces} times in a cascade that does not end: with restitution 1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1",
@@ -128,14 +146,13 @@ fn starting_point(args: &SimulateArgs, model: &Model) -> Result<(Start, Option<O
     let Some(name) = args.family else {
         return Err(CliError::Request("nothing to start from: give --family or --state FILE".to_owned()));
     };
-    let computation = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
     let mut finder = Finder::new(model.chain().sites());
     let mut found = Found::default();
-    finder.find(model, family(name), &mut found).map_err(|error| computation(&error))?;
+    finder.find(model, family(name), &mut found)?;
     let count = found.orbits.len();
     let mut chosen = None;
     for (i, orbit) in found.orbits.drain(..).enumerate() {
-        let physical = finder.admissibility(&orbit).map_err(|error| computation(&error))?.is_physical();
+        let physical = finder.admissibility(&orbit)?.is_physical();
         if args.solution.map_or(physical, |number| number == i + 1) {
             chosen = Some((orbit, physical));
             break;
@@ -166,12 +183,12 @@ fn starting_point(args: &SimulateArgs, model: &Model) -> Result<(Start, Option<O
         match args.direction {
             Direction::Random => start.perturb_at_random(model, size, args.seed),
             Direction::Unstable => {
-                let verdict = stability(&orbit, Tolerance::Rounding).map_err(|error| computation(&error))?.verdict;
+                let verdict = stability(&orbit, Tolerance::Rounding)?.verdict;
                 if verdict.stable {
                     let message = "--direction unstable: this breather is stable, it has no such direction; use --direction random";
                     return Err(CliError::Request(message.to_owned()));
                 }
-                let mode = leading_mode_at(&orbit, start.time).map_err(|error| computation(&error))?;
+                let mode = leading_mode_at(&orbit, start.time)?;
                 start.perturb_along(model, size, &mode);
             }
         }
@@ -181,25 +198,24 @@ fn starting_point(args: &SimulateArgs, model: &Model) -> Result<(Start, Option<O
 
 /// Largest distance of any mass from the orbit, now.
 fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, CliError> {
-    let mut motion = Motion::of(orbit).map_err(|error| CliError::Computation(error.to_string()))?;
+    let mut motion = Motion::of(orbit)?;
     motion.at(0, orbit_time(orbit, simulation.time(), start));
     let state = simulation.state();
     let masses = state.displacement.iter().enumerate();
     Ok(masses.map(|(n, u)| (u - motion.site(n).displacement).abs()).fold(0.0, f64::max))
 }
 
-fn progress(periods: u64, console: &Console<'_>) -> ProgressBar {
-    if !console.progress {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(periods);
-    if let Ok(style) =
-        ProgressStyle::with_template("{bar:32} {percent:>3}%  {human_pos}/{human_len} periods  {eta} left")
-    {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
+/// What is there of a run that was interrupted.
+fn interrupted(args: &SimulateArgs, simulation: &Simulation) -> CliError {
+    let time = simulation.time();
+    let files = [&args.impacts, &args.trajectory, &args.plot].into_iter().flatten();
+    let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
+    let kept = match files.as_slice() {
+        [] => "no file was asked for".to_owned(),
+        [one] => format!("{one} holds the run up to there"),
+        several => format!("{} hold the run up to there", several.join(", ")),
+    };
+    CliError::Paused(format!("the run ends after {} of {} periods; {kept}", pace::periods(time), args.periods))
 }
 
 /// Events seen.
@@ -226,10 +242,10 @@ impl Counts {
             Outcome::WorkLimit => "limit on work reached",
         };
         format!(
-            "{how} after {:.6} periods ({} events)\n\
+            "{how} after {} periods ({} events)\n\
              impacts {}, sticks {}, releases {}\n\
              windows of flight {}, restarts {}, bounds {}, masses watched {}, refinements {}\n",
-            time.periods() as f64 + time.part(),
+            pace::periods(time),
             self.events,
             work.impacts,
             work.sticks,

@@ -11,6 +11,7 @@ use vibrochain_floquet::{Complex, FloquetError, leading_modes};
 use vibrochain_lattice::{Model, Propagator, Spectrum};
 
 use crate::error::CliError;
+use crate::numbers::plain;
 
 /// Displacements and velocities, and what is needed to place them in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,9 +37,9 @@ impl Start {
     /// On an orbit, before its first impact.
     ///
     /// # Errors
-    /// [`CliError::Computation`] if the orbit's motion is not defined.
+    /// [`CliError::IllPosed`] if the orbit's motion is not defined.
     pub fn on(orbit: &Orbit) -> Result<Self, CliError> {
-        let mut motion = Motion::of(orbit).map_err(|error| CliError::Computation(error.to_string()))?;
+        let mut motion = Motion::of(orbit)?;
         let last = orbit.impacts().last().map_or(0.0, |impact| impact.time);
         let time = 0.5 * (last - orbit.period());
         motion.at(0, time);
@@ -55,7 +56,7 @@ impl Start {
         let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read state", path, &error))?;
         let state: StateFile = serde_json::from_str(&text).map_err(|error| {
             let form = r#"give {"displacement":[…],"velocity":[…]}, one number a mass in each"#;
-            CliError::Request(format!("{}: {error}; {form}", path.display()))
+            CliError::Request(format!("{}: {}; {form}", path.display(), plain(&error.to_string())))
         })?;
         Ok(Self { displacement: state.displacement, velocity: state.velocity, psi, time: 0.0 })
     }

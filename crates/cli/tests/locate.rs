@@ -79,7 +79,7 @@ fn no_event_is_an_answer_and_a_wrong_range_is_not() {
         .assert()
         .success()
         .stdout(contains("no grazing between amplitude = 0.16 and 0.17"));
-    let outside = "amplitude = 0.165 is not between 0.2 and 0.3: start inside";
+    let outside = "--from 0.2 is above amplitude = 0.165, where the search starts";
     locate("--event fold --free amplitude --from .2 --to .3", DOUBLING).assert().code(2).stderr(contains(outside));
     locate("--event fold --free restitution --to 1.5", DOUBLING)
         .assert()

@@ -1,5 +1,5 @@
 //! A hundred thousand damaged scenes, states and command lines, each run in this process: whatever is asked, the program
-//! ends with exit code 0, 1 or 2, says why, and never tells a number that is none. Every input follows from the seed and
+//! ends with exit code 0, 1, 2 or 3, says why, and never tells a number that is none. Every input follows from the seed and
 //! its own number.
 //!
 //! A few hundred of them, of all commands, are run by the real program under a limit of memory and of time.
@@ -23,7 +23,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use clap::Parser;
 use tempfile::TempDir;
 use vibrochain_cli::args::{Cli, Command};
 use vibrochain_cli::console::Console;
@@ -320,7 +319,7 @@ fn windows(model: &Model, all: bool) -> f64 {
 /// How much of a command is affordable. What cannot be parsed is always run whole: it costs nothing.
 fn plan(line: &[OsString], work: f64) -> Plan {
     let of = |cost: f64, otherwise: Plan| if cost <= work { Plan::Whole } else { otherwise };
-    match Cli::try_parse_from(line).map(|cli| cli.command) {
+    match Cli::read(line.iter().cloned()).map(|cli| cli.command) {
         Err(_) => Plan::Whole,
         Ok(Command::Sweep(args)) => {
             let Ok(scene) = Scene::read(&args.scene) else { return Plan::Whole };
@@ -355,7 +354,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             if args.plot.is_some() || sites * windows(&model, true) > work {
                 return Plan::Parameters;
             }
-            let periods = args.periods as f64;
+            let periods = args.periods;
             let sampled = if args.trajectory.is_some() { args.samples as f64 } else { 1.0 };
             // Impacts of a mass that is thrown from barrier to barrier.
             let fastest = args.state.as_deref().map_or(0.0, fastest).max(model.amplitude() / model.omega());

@@ -350,7 +350,7 @@ fn a_map_names_the_modes_that_have_collided() {
         assert.code(2).stderr(contains(message).and(contains("scene.toml:")));
     };
     wrong("stability = true", "collisions = true", "collisions need stability = true");
-    wrong("stability = true", "stability = true\ncollisions = 1", "expected a boolean");
+    wrong("stability = true", "stability = true\ncollisions = 1", "integer `1` is not true or false");
     let forced = "[compute]\ncollisions = true";
     let text = SCENE.replace("sites = 6", "sites = 6\nforcing = { amplitude = 0.1, restitution = 0.9 }");
     let scene = desk.scene(&text.replace("[compute]", forced));

@@ -73,7 +73,7 @@ impl Engine {
     }
 
     fn strike(&mut self, contact: &Due, changes: &mut Vec<Change>) {
-        let &Due { site, barrier, release } = contact;
+        let &Due { site, barrier, release, .. } = contact;
         if release {
             return;
         }
@@ -92,11 +92,12 @@ impl Engine {
     }
 
     fn part(&mut self, contact: &Due, changes: &mut Vec<Change>) {
-        let &Due { site, barrier, release } = contact;
+        let &Due { site, barrier, release, pull } = contact;
         let still = |kind, delay| Change { site, barrier, before: 0.0, after: 0.0, kind, delay };
         if release {
-            // Its force is zero now, and was positive before.
-            if let Some((order, false)) = self.ring.tendency(&self.units, &self.force, site, barrier, 3) {
+            // Its force is zero now, and was positive before; or zero, too, until a far neighbour set out.
+            let tendency = self.ring.tendency(&self.units, &self.force, site, barrier, 3);
+            if let Some((order, false)) = tendency.or(pull.map(|order| (order, false))) {
                 self.ring.leave(site, barrier, order);
                 self.work.releases += 1;
                 changes.push(still(EventKind::Release, 0.0));

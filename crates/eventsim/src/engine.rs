@@ -69,6 +69,8 @@ pub(crate) struct Due {
     pub(crate) barrier: Barrier,
     /// It is the release of a mass at rest.
     pub(crate) release: bool,
+    /// Of a release right at the start of a series, the order of the derivative that pulls the mass off.
+    pub(crate) pull: Option<u8>,
 }
 
 /// The ring in flight.
@@ -162,15 +164,23 @@ impl Engine {
         self.units.force(self.clock.offset() + after + self.psi, &mut self.force);
     }
 
+    /// The longest window of any order.
+    pub(crate) fn longest_window(&self) -> f64 {
+        self.horizons.into_iter().fold(0.0, f64::max)
+    }
+
     /// Order and horizon of the next window: least cost a unit of time at the present rate of events.
-    fn choose_order(&mut self) -> (usize, f64) {
+    ///
+    /// A mass that leaves a barrier with a derivative of high order needs a series that has it: `least` orders.
+    fn choose_order(&mut self, least: u8) -> (usize, f64) {
         if self.fastest > self.horizons_for {
             self.horizons_for = 2.0 * self.fastest;
             self.horizons = self.units.horizons(self.horizons_for);
         }
         let (sites, rate) = (self.ring.sites() as f64, self.event_rate);
         let mut best = (f64::INFINITY, ORDERS[0], self.horizons[0]);
-        for (&order, &horizon) in ORDERS.iter().zip(&self.horizons) {
+        let enough = |order: usize| order >= usize::from(least);
+        for (&order, &horizon) in ORDERS.iter().zip(&self.horizons).filter(|(order, _)| enough(**order)) {
             let k = order as f64;
             // Every event restarts the ring, and the rest of the window is lost …
             let used = if rate * horizon > 1e-9 { -(-rate * horizon).exp_m1() / rate } else { horizon };
@@ -190,7 +200,10 @@ impl Engine {
     /// Expands and bounds the whole ring from the base.
     pub(crate) fn begin_window(&mut self) {
         self.work.windows += 1;
-        let (order, longest) = self.choose_order();
+        self.soft.clear();
+        self.ring.soft_departures(&mut self.soft);
+        let least = self.soft.iter().map(|(_, order)| *order).max().unwrap_or(0);
+        let (order, longest) = self.choose_order(least);
         // Windows of varying length, so that the rounding errors of their weights do not add up.
         let horizon = longest * (1.0 - self.spread().abs() / 64.0);
         self.horizon = horizon;
@@ -206,8 +219,6 @@ impl Engine {
         }
         let stride = self.rows.stride;
         self.rows.data[stride + 1..][..sites].copy_from_slice(&self.ring.v);
-        self.soft.clear();
-        self.ring.soft_departures(&mut self.soft);
         let resting = std::mem::take(&mut self.ring.resting);
         for &n in &resting {
             self.watch_rest(n, order);
@@ -347,7 +358,8 @@ impl Engine {
                     first = Some(entry.key);
                     last = entry.key + SIMULTANEOUS * entry.key.max(1.0);
                 }
-                self.due.push(Due { site: n, barrier, release: matches!(watch.kind, Kind::Rest(_)) });
+                let release = matches!(watch.kind, Kind::Rest(_));
+                self.due.push(Due { site: n, barrier, release, pull: watch.first_pull() });
                 continue;
             }
             let next = self.queue.peek().map_or(last, |e| e.key.min(last));

@@ -47,8 +47,11 @@ fn split(a: f64) -> (f64, f64) {
 }
 
 impl Weights {
+    /// Those of no time at all: a displacement stays what it is.
     pub(crate) fn zero() -> Self {
-        Self { high: [0.0; MAX_ORDER + 1], low: [0.0; TWO_WORDS] }
+        let mut high = [0.0; MAX_ORDER + 1];
+        high[0] = 1.0;
+        Self { high, low: [0.0; TWO_WORDS] }
     }
 
     /// The weights up to `order`, to working precision.

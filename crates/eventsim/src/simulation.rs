@@ -177,6 +177,21 @@ impl Simulation {
         self.engine.work
     }
 
+    /// Windows of flight from now to `until` that no luck can spare: so many of the longest kind. Impacts make more of them.
+    ///
+    /// ```
+    /// use vibrochain_eventsim::{Simulation, Time};
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::conservative(Chain::new(1, 1.0, 0.0)?, 1e-50, 0.0)?;
+    /// let simulation = Simulation::new(&model, 0.0, &[0.0], &[0.5])?;
+    /// assert!(simulation.least_windows(Time::new(&model, 1, 0.0)) > 1e49);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn least_windows(&self, until: Time) -> f64 {
+        let left = self.engine.clock.until(until.periods(), until.offset() * self.engine.units.scale) - self.now;
+        left.max(0.0) / self.engine.longest_window()
+    }
+
     /// The barrier on which mass `site` rests now; `None` if it flies (or does not exist).
     pub fn resting(&self, site: usize) -> Option<Barrier> {
         match self.engine.ring.contact.get(site) {

@@ -27,6 +27,11 @@ use vibrochain_lattice::Barrier;
 /// Rounding of a series relative to its terms, and of a step relative to the time: see the module's text.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// Steps after which the bound of the second derivative is taken over twice the time gone by instead of the whole window, and
+/// no step is longer than that time: a mass that leaves its barrier with next to no acceleration and is pressed back at
+/// once returns in 1e-15 of a window, and is not reached in the steps that the window's bound allows. Others take two or three steps.
+const PATIENCE: u32 = 64;
+
 /// Distance to the first root of f + f′d − B d²/2 for f ≥ 0 (a negative f is rounding, and counts as 0); infinite if
 /// there is none ahead.
 pub(crate) fn safe_step(f: f64, slope: f64, bend: f64) -> f64 {
@@ -113,6 +118,8 @@ pub(crate) struct Watch {
     bend_down: f64,
     /// Rounding of the force on a mass at rest.
     margin: f64,
+    /// Steps so far.
+    steps: u32,
 }
 
 impl Watch {
@@ -139,6 +146,7 @@ impl Watch {
             bend_up: 0.0,
             bend_down: 0.0,
             margin: 0.0,
+            steps: 0,
         };
         watch.bend();
         if let Contact::Leaving(barrier, m) = contact
@@ -175,6 +183,7 @@ impl Watch {
             bend_up: 0.0,
             bend_down: 0.0,
             margin,
+            steps: 0,
         }
     }
 
@@ -208,12 +217,25 @@ impl Watch {
     }
 
     fn bend(&mut self) {
+        (self.bend_up, self.bend_down) = self.bends(self.horizon);
+    }
+
+    /// Bounds of the second derivative and of its negative from 0 to `end`.
+    fn bends(&self, end: f64) -> (f64, f64) {
         let mut second = [0.0; MAX_ORDER + 1];
         for k in 2..=self.order {
             second[k - 2] = (k * (k - 1)) as f64 * self.c[k];
         }
-        let (up, down) = bound::polynomial(&second[..=self.order - 2], self.horizon);
-        (self.bend_up, self.bend_down) = (up, -down);
+        let (up, down) = bound::polynomial(&second[..=self.order - 2], end);
+        (up, -down)
+    }
+
+    /// If the contact at the very start of the series is the end of a rest, the order of the first derivative of the
+    /// displacement that pulls the mass off; those before it vanish.
+    pub(crate) fn first_pull(&self) -> Option<u8> {
+        let m = self.c[..=self.order].iter().position(|&c| c != 0.0)?;
+        let released = matches!(self.kind, Kind::Rest(_)) && self.tau == 0.0 && self.c[m] < 0.0;
+        released.then_some(m as u8 + 2)
     }
 
     /// Value and slope at `tau`.
@@ -236,18 +258,24 @@ impl Watch {
         }
         let (x, slope) = self.value();
         let t = self.tau;
+        self.steps = self.steps.saturating_add(1);
+        let (mut bend_up, mut bend_down, mut reach) = (self.bend_up, self.bend_down, f64::INFINITY);
+        if self.steps > PATIENCE && t > 0.0 {
+            (bend_up, bend_down) = self.bends(2.0 * t);
+            reach = t;
+        }
         let (step, barrier) = match self.kind {
             Kind::Rest(barrier) => {
                 if t == 0.0 && x <= 0.0 {
                     self.hit = Some(barrier);
                     return Step::Hit;
                 }
-                (side(x, slope, self.bend_down, self.margin, t), barrier)
+                (side(x, slope, bend_down, self.margin, t), barrier)
             }
             Kind::Flight => {
                 let margin = ROUNDING * (self.c[0].abs() + (self.c[1].abs() + self.c[2].abs() * t) * t);
-                let up = side(self.upper - x, -slope, self.bend_up, margin, t);
-                let down = side(x - self.lower, slope, self.bend_down, margin, t);
+                let up = side(self.upper - x, -slope, bend_up, margin, t);
+                let down = side(x - self.lower, slope, bend_down, margin, t);
                 match (up, down) {
                     (Side::Contact(d), _) => (Side::Contact(d), Barrier::Upper),
                     (_, Side::Contact(d)) => (Side::Contact(d), Barrier::Lower),
@@ -263,7 +291,7 @@ impl Watch {
                 Step::Hit
             }
             Side::Ahead(d) => {
-                self.tau = t + d;
+                self.tau = t + d.min(reach);
                 if self.tau > self.horizon { Step::Clear } else { Step::Later }
             }
         }

@@ -48,11 +48,11 @@ pub(super) fn draw(
     let orbit = &solved.orbit;
     let home = orbit.impact_site().unwrap_or(0);
     let mut start = Start::on(orbit)?;
-    let mode = leading_mode_at(orbit, start.time).map_err(computation)?;
+    let mode = leading_mode_at(orbit, start.time)?;
     start.perturb_along(model, perturb, &mode);
     let mut simulation =
         Simulation::new(model, start.psi, &start.displacement, &start.velocity).map_err(computation)?;
-    let mut motion = Motion::of(orbit).map_err(computation)?;
+    let mut motion = Motion::of(orbit)?;
 
     let mut sheet = Sheet::new(&["time", "simulated", "analytic", "distance"])?;
     let (mut first, mut last, mut distances) = (Window::default(), Window::default(), Vec::new());

@@ -62,12 +62,11 @@ pub fn run(args: &FiguresArgs, console: &mut Console<'_>) -> Result<(), CliError
     for ((entry, scene), files) in chosen.iter().zip(&scenes).zip(files) {
         bar.set_message(format!("figure {}", entry.id));
         if stop.load(Ordering::Relaxed) {
-            return Err(interrupted(&names));
+            return Err(interrupted(&names, &args.out));
         }
         let drawn = compute(scene, &pool, &stop).map_err(|error| match error {
-            CliError::Interrupted => interrupted(&names),
-            CliError::Computation(message) => CliError::Computation(format!("figure {}: {message}", entry.id)),
-            other => other,
+            CliError::Interrupted => interrupted(&names, &args.out),
+            other => other.about(format!("figure {}", entry.id)),
         })?;
         document.add(&entry.id, scene, &drawn.findings);
         files.write(&args.out, &entry.id, drawn)?;
@@ -82,9 +81,13 @@ pub fn run(args: &FiguresArgs, console: &mut Console<'_>) -> Result<(), CliError
     Ok(())
 }
 
-/// Figures that are done stay; the one under way is not begun on disk.
-fn interrupted(done: &[String]) -> CliError {
-    if done.is_empty() { CliError::Interrupted } else { CliError::Stopped }
+/// Figures that are done stay; the one under way is not begun on disk, nor is the document.
+fn interrupted(done: &[String], folder: &Path) -> CliError {
+    if done.is_empty() {
+        return CliError::Interrupted;
+    }
+    let plural = if done.len() == 1 { "figure" } else { "figures" };
+    CliError::Paused(format!("{plural} {} written to {}, no others", done.join(", "), folder.display()))
 }
 
 fn compute(scene: &FigureScene, pool: &rayon::ThreadPool, stop: &AtomicBool) -> Result<Drawn, CliError> {
@@ -140,5 +143,21 @@ impl Files {
             file.finish_with(&bytes)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interruption_speaks_of_figures_that_are_there() {
+        let told = |done: &[&str]| {
+            let names: Vec<String> = done.iter().map(|name| (*name).to_owned()).collect();
+            interrupted(&names, Path::new("out")).to_string()
+        };
+        assert_eq!(told(&[]), "interrupted: nothing was written");
+        assert_eq!(told(&["3"]), "interrupted: figure 3 written to out, no others");
+        assert_eq!(told(&["3", "9"]), "interrupted: figures 3, 9 written to out, no others");
     }
 }

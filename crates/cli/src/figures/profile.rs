@@ -5,7 +5,7 @@ use vibrochain_breather::{Motion, Orbit};
 use crate::error::CliError;
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
-use crate::figures::solve::{COLUMNS, RULE, computation, describe, leading, row};
+use crate::figures::solve::{COLUMNS, RULE, describe, leading, row};
 use crate::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Two instants and their names: the impacts, or the only impact and half a period later.
@@ -29,7 +29,7 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
     let mut profiles: Vec<Vec<Vec<f64>>> = Vec::new();
     for (i, (label, _, model)) in scene.curves.iter().enumerate() {
         let solved = leading(model, scene.family)?;
-        let mut motion = Motion::of(&solved.orbit).map_err(computation)?;
+        let mut motion = Motion::of(&solved.orbit)?;
         let sites = motion.sites() as i64;
         let mut of_curve = Vec::new();
         for (k, (instant, time)) in instants(&solved.orbit).into_iter().enumerate() {

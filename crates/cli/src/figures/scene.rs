@@ -133,13 +133,12 @@ const MOST_PERIODS: u64 = 1_000_000;
 /// [`CliError::Request`], pointing into the file.
 pub(super) fn parse(entry: &Entry) -> Result<FigureScene, CliError> {
     let source = Source { path: &entry.path, text: &entry.text };
-    let pointed = |error: &toml::de::Error| source.error(error.span().unwrap_or(0..0), error.message().trim());
-    let table: toml::Table = toml::from_str(&entry.text).map_err(|error| pointed(&error))?;
+    let table: toml::Table = toml::from_str(&entry.text).map_err(|error| source.unreadable(&error))?;
     if !table.contains_key("figure") {
         return Scene::parse(&entry.path, &entry.text).map(|scene| FigureScene::Map(Box::new(scene)));
     }
     let wrong = |what: String| CliError::Request(format!("{}: {what}", entry.path.display()));
-    let file: File = toml::from_str(&entry.text).map_err(|error| pointed(&error))?;
+    let file: File = toml::from_str(&entry.text).map_err(|error| source.unreadable(&error))?;
     let (title, family, kind) = match file.figure {
         FigureTable::Profile { title, family, reach } => {
             if let Some(reach) = reach.filter(|reach| *reach < 1) {

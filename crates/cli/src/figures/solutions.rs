@@ -9,7 +9,7 @@ use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 use crate::error::CliError;
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
-use crate::figures::solve::{COLUMNS, RULE, Solved, computation, physical, row};
+use crate::figures::solve::{COLUMNS, RULE, Solved, physical, row};
 use crate::figures::trace;
 use crate::forms::{Kernels, Reading, double_sided};
 use crate::parameter::{Parameter, Point};
@@ -79,8 +79,8 @@ fn pane(caption: &str, x: &str, y: &str, scale: Scale, series: Vec<Series>) -> P
 
 /// Both branches of a(φ), and the solutions on them.
 fn asymmetry(model: &Model, solved: &[Solved]) -> Result<(Vec<Series>, Vec<u8>), CliError> {
-    let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega()).map_err(computation)?;
-    let force = model.force_response().map_err(computation)?;
+    let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega())?;
+    let force = model.force_response()?;
     let mut sheet = Sheet::new(&["branch", "phi", "asymmetry"])?;
     let mut all = Vec::new();
     let branches = [(1.0, "branch +", Stroke::Solid(2)), (-1.0, "branch −", Stroke::Dashed(2))];

@@ -23,16 +23,16 @@ pub(super) fn computation(error: impl std::fmt::Display) -> CliError {
 /// All physical orbits of a family, in order of φ.
 ///
 /// # Errors
-/// [`CliError::Computation`].
+/// [`CliError::Computation`], [`CliError::IllPosed`].
 pub(super) fn physical(model: &Model, family: Family) -> Result<Vec<Solved>, CliError> {
     let mut finder = Finder::new(model.chain().sites());
     let (mut analyser, mut found) = (Analyser::default(), Found::default());
-    finder.find(model, family, &mut found).map_err(computation)?;
+    finder.find(model, family, &mut found)?;
     let mut solved = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {
-        let admissibility = finder.admissibility(&orbit).map_err(computation)?;
+        let admissibility = finder.admissibility(&orbit)?;
         if admissibility.is_physical() {
-            let stability = analyser.stability(&orbit, &mut finder, Tolerance::Rounding).map_err(computation)?;
+            let stability = analyser.stability(&orbit, &mut finder, Tolerance::Rounding)?;
             solved.push(Solved { orbit, margin: admissibility.margin, stability });
         }
     }
@@ -42,7 +42,7 @@ pub(super) fn physical(model: &Model, family: Family) -> Result<Vec<Solved>, Cli
 /// The physical orbit of the smallest spectral radius.
 ///
 /// # Errors
-/// [`CliError::Computation`], also if there is none.
+/// As [`physical`]; [`CliError::Computation`] also if there is none.
 pub(super) fn leading(model: &Model, family: Family) -> Result<Solved, CliError> {
     let radius = |solved: &Solved| solved.stability.verdict.spectral_radius;
     physical(model, family)?

@@ -5,7 +5,7 @@ use vibrochain_breather::{Motion, Orbit};
 use crate::error::CliError;
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
-use crate::figures::solve::{COLUMNS, RULE, computation, leading, row};
+use crate::figures::solve::{COLUMNS, RULE, leading, row};
 use crate::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Steps of a trace, a few pixels each.
@@ -13,7 +13,7 @@ const SAMPLES: usize = 240;
 
 /// Time and displacement, velocity of the impacting mass over one period, the impacts among them (there just after).
 pub(super) fn samples(orbit: &Orbit) -> Result<Vec<[f64; 3]>, CliError> {
-    let mut motion = Motion::of(orbit).map_err(computation)?;
+    let mut motion = Motion::of(orbit)?;
     let home = orbit.impact_site().unwrap_or(0);
     let mut times: Vec<f64> = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64 * orbit.period()).collect();
     times.extend(orbit.impacts().iter().map(|impact| impact.time));

@@ -12,6 +12,7 @@ use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC, Short};
 use super::tolerance_from;
 use crate::cell::{SYMMETRIC, Task};
 use crate::error::CliError;
+use crate::numbers::plain;
 use crate::parameter::Parameter;
 use crate::scene::axis::{Axis, MAX_POINTS, Values};
 use crate::text::{clipped, excerpt};
@@ -132,6 +133,11 @@ impl Source<'_> {
             "",
             "",
         ))
+    }
+
+    /// What the reader of TOML says, at the place it says it of.
+    pub(crate) fn unreadable(&self, error: &toml::de::Error) -> CliError {
+        self.error(error.span().unwrap_or(0..0), plain(error.message().trim()))
     }
 
     pub(super) fn force(&self, list: &Spanned<Vec<HarmonicTable>>) -> Result<Force, CliError> {

@@ -71,8 +71,7 @@ impl Scene {
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, CliError> {
         let source = Source { path, text };
-        let file: File =
-            toml::from_str(text).map_err(|error| source.error(error.span().unwrap_or(0..0), error.message().trim()))?;
+        let file: File = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
         let tables = file.sweep.get_ref().axes(&source)?;
         if tables.is_empty() {
             let message = "[sweep] has no axis: give x and y, and any others in the list axes";
@@ -117,6 +116,9 @@ impl Scene {
             && force.is_none()
             && !is_swept(Parameter::Amplitude)
             && !is_swept(Parameter::Restitution);
+        // A restitution of 1 needs no force either.
+        let elastic =
+            forcing.and_then(|forcing| forcing.restitution.as_ref()).is_some_and(|value| *value.get_ref() == 1.0);
         let mut spans = [const { None }; 6];
         for (parameter, value) in given {
             let name = parameter.name();
@@ -143,7 +145,7 @@ impl Scene {
                     *value.get_ref()
                 }
                 (None, Some(axis)) => axis.first(),
-                (None, None) if conservative && parameter == Parameter::Amplitude => 0.0,
+                (None, None) if (conservative || elastic) && parameter == Parameter::Amplitude => 0.0,
                 (None, None) if conservative && parameter == Parameter::Restitution => 1.0,
                 (None, None) => {
                     let message = format!("{name} is missing: set it in {place}, or sweep it");

@@ -85,13 +85,13 @@ pub(crate) fn complaints(outcome: &Outcome, stopped: bool) -> String {
     let mut complain = |text: &str| complaints.push_str(&format!("{text}\n"));
     match outcome.code {
         0 => {}
-        1 | 2 => {
+        1..=3 => {
             let message = outcome.message.trim();
             if message.trim_start_matches("error:").trim().len() < 8 {
                 complain("an exit code without a message");
             }
             // A wrong value of the request is quoted as it was given; a computation quotes numbers.
-            if outcome.code == 1
+            if outcome.code != 2
                 && let Some(word) = unfit_number(message)
             {
                 complain(&format!("`{word}` in a message"));

@@ -162,7 +162,7 @@ pub struct Answer {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LocateError {
     /// The range does not hold the start, or a parameter is out of range.
-    #[error("{} = {} is not between {} and {}: start inside the range that is searched",
+    #[error("{} = {} is not in a range from {} to {}: search a range with from < to around the start",
         free.name(), Short(*start), Short(*from), Short(*to))]
     Range {
         /// The free parameter.

@@ -1,0 +1,117 @@
+//! Masses that start exactly on a barrier, at rest: they leave, or rest there, as what pulls or presses them says; the first
+//! derivative that does not vanish decides, however high.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
+use vibrochain_lattice::{Barrier, Chain, Model, Propagator, Spectrum};
+
+fn run(model: &Model, psi: f64, u: &[f64], v: &[f64], periods: f64) -> (Simulation, Vec<Event>) {
+    let mut simulation = Simulation::new(model, psi, u, v).unwrap();
+    let (report, events) = simulation.collect(&Limits::until(Time::new(model, 0, periods)));
+    // Some hundred impacts at most, of a few steps each: one such start took three thousand million.
+    assert!(report.work.refinements < 50_000, "{:?}", report.work);
+    assert_eq!(report.outcome, Outcome::TimeReached, "{u:?} {v:?} {events:?}");
+    (simulation, events)
+}
+
+/// One mass on either barrier, with or without loss: where the spring's and the force's pull together point, by hand.
+#[test]
+fn the_force_on_it_decides() {
+    let mut seen = [0; 3];
+    for e in [0.3, 1.0] {
+        for barrier in [Barrier::Lower, Barrier::Upper] {
+            for (amplitude, phase) in [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.05, 0.0), (0.05, 0.5), (0.5, 0.25)] {
+                let model = Model::forced(Chain::new(1, 0.2, 0.0).unwrap(), 1.0, 0.2, amplitude, e).unwrap();
+                let (u, psi) = (model.barrier(barrier), phase * model.period());
+                let outward = barrier.sign() * (amplitude * psi.cos() - 0.2 * u);
+                let (simulation, events) = run(&model, psi, &[u], &[0.0], 1e-3);
+                if outward > 0.0 {
+                    assert_eq!(events.len(), 1);
+                    let event = events[0];
+                    assert_eq!((event.kind, event.barrier, event.time.to_f64()), (EventKind::Stick, barrier, 0.0));
+                    assert_eq!((simulation.state().displacement[0], simulation.resting(0)), (u, Some(barrier)));
+                    seen[0] += 1;
+                } else {
+                    // It leaves without an event, and is as far away as its acceleration takes it.
+                    assert!(events.is_empty(), "{events:?}");
+                    let t = simulation.time().to_f64();
+                    let left = barrier.sign() * (u - simulation.state().displacement[0]);
+                    assert!((left / (-0.5 * outward * t * t) - 1.0).abs() < 0.05, "{left} {outward}");
+                    seen[1] += 1;
+                }
+            }
+        }
+    }
+    // Spring and force in balance: the next derivative, −Aω sin ωψ, decides.
+    let model = Model::forced(Chain::new(1, 0.2, 0.0).unwrap(), 1.0, 0.0, 0.5, 0.9).unwrap();
+    for (psi, pressed) in [(0.4_f64.acos(), false), (-(0.4_f64.acos()), true)] {
+        let (simulation, events) = run(&model, psi, &[1.0], &[0.0], 1e-3);
+        assert_eq!(simulation.resting(0).is_some(), pressed, "{psi} {events:?}");
+        seen[2] += 1;
+    }
+    assert_eq!(seen, [4, 20, 2]);
+}
+
+/// Nothing holds a ring whose masses all lie on one barrier, and nothing moves it.
+#[test]
+fn in_balance_for_ever_it_rests_for_ever() {
+    let model = Model::forced(Chain::new(7, 0.0, 0.1).unwrap(), 1.0, 0.3, 0.0, 0.8).unwrap();
+    let u = [model.barrier(Barrier::Lower); 7];
+    let (simulation, events) = run(&model, 0.0, &u, &[0.0; 7], 20.0);
+    assert!(events.len() == 7 && events.iter().all(|e| e.kind == EventKind::Stick && e.time.to_f64() == 0.0));
+    assert_eq!(simulation.state().displacement, u);
+}
+
+/// The same ring with one mass on its way inward: it pulls the others after it, the m-th neighbour with the derivative of
+/// order 2m + 1. As long as none comes back the ring moves as if there were no barriers.
+#[test]
+fn a_far_neighbour_that_leaves_takes_it_along() {
+    let mut compared = 0;
+    for sites in [1, 2, 3, 5, 8, 9, 13, 20, 41, 90] {
+        for barrier in [Barrier::Lower, Barrier::Upper] {
+            let model = Model::forced(Chain::new(sites, 0.0, 0.1).unwrap(), 1.0, 0.3, 0.0, 0.8).unwrap();
+            let (u, mut v) = (vec![model.barrier(barrier); sites], vec![0.0; sites]);
+            v[sites / 2] = -0.1 * barrier.sign();
+            for periods in [0.05, 0.4] {
+                let (simulation, events) = run(&model, 0.0, &u, &v, periods);
+                assert!(events.iter().all(|e| e.kind != EventKind::Impact), "{sites}: {events:?}");
+                let flow = Propagator::new(&Spectrum::new(*model.chain()), simulation.time().to_f64());
+                let (mut u_free, mut v_free) = (vec![0.0; sites], vec![0.0; sites]);
+                flow.apply(&u, &v, &mut u_free, &mut v_free);
+                let state = simulation.state();
+                for n in 0..sites {
+                    let errors = [state.displacement[n] - u_free[n], state.velocity[n] - v_free[n]];
+                    assert!(errors.iter().all(|error| error.abs() < 1e-14), "{sites} {n} {errors:?}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 300, "{compared}");
+}
+
+/// An impact at t = 0 restarts a part of a large ring before any time has passed; the masses at its ends go on moving.
+#[test]
+fn an_impact_at_the_very_start_leaves_the_rest_of_a_moving_ring_alone() {
+    let mut compared = 0;
+    for (sites, hit) in [(1, 0), (5, 2), (63, 0), (64, 63), (90, 40), (200, 0), (200, 100)] {
+        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 1.0, 0.3, 0.0, 0.8).unwrap();
+        let wave = |n: usize, shift: f64| 0.2 * (0.7 * n as f64 + shift).sin();
+        let mut u: Vec<f64> = (0..sites).map(|n| wave(n, 0.0)).collect();
+        let mut v: Vec<f64> = (0..sites).map(|n| wave(n, 1.3)).collect();
+        (u[hit], v[hit]) = (model.barrier(Barrier::Upper), 0.5);
+        let (simulation, events) = run(&model, 0.0, &u, &v, 0.1);
+        assert!(events.len() == 1 && events[0].time.to_f64() == 0.0 && events[0].site == hit, "{events:?}");
+        v[hit] = -0.8 * 0.5;
+        let flow = Propagator::new(&Spectrum::new(*model.chain()), simulation.time().to_f64());
+        let (mut u_free, mut v_free) = (vec![0.0; sites], vec![0.0; sites]);
+        flow.apply(&u, &v, &mut u_free, &mut v_free);
+        let state = simulation.state();
+        for n in 0..sites {
+            let errors = [state.displacement[n] - u_free[n], state.velocity[n] - v_free[n]];
+            assert!(errors.iter().all(|error| error.abs() < 1e-14), "{sites} {n} {errors:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 600, "{compared}");
+}
