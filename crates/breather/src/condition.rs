@@ -3,12 +3,14 @@
 //!
 //! Errors δF of the terms of the equations (`equations`) pass through the inverse of the Jacobian. Those of a mode's
 //! amplitude 1/(2 sin Ω_kT/2), which next to a resonance are by far the largest, are common to all terms of that mode and
-//! are carried as one; the rest is taken with the worst signs, |δx| ≤ |J⁻¹| δF.
+//! are carried as one; the rest is taken with the worst signs, |δx| ≤ |J⁻¹| δF. Masses without coupling have equations that know of no
+//! resonance (`flights`).
 
 use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, WaveTerm};
 
 use crate::equations::{Column, MOST, System, Terms};
+use crate::flights::Flights;
 use crate::motion::Motion;
 use crate::orbit::Orbit;
 
@@ -22,6 +24,9 @@ pub struct ImpactError {
     /// Of the acceleration there.
     pub acceleration: f64,
 }
+
+/// Errors of one origin: what it does to each impact, with signs.
+pub type Together = SmallVec<[ImpactError; 2]>;
 
 /// Distances of an orbit to where it ceases to be determined, and the errors that follow. Dimensionless.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -40,6 +45,9 @@ pub struct Condition {
     pub psi_error: f64,
     /// Estimated errors of the impacts.
     pub impacts: SmallVec<[ImpactError; 2]>,
+    /// The same by origin: what depends on several data of the orbit moves by the sum over these of the moduli, and hardly at all
+    /// where the errors of one origin cancel.
+    pub origins: Vec<Together>,
 }
 
 impl Condition {
@@ -64,12 +72,18 @@ impl Condition {
             fold: None,
             psi_error: 0.0,
             impacts: orbit.impacts().iter().map(|_| ImpactError::default()).collect(),
+            origins: Vec::new(),
         };
+        if let Some(flights) = Flights::of(orbit) {
+            condition.by_flights(orbit, &flights);
+            return condition;
+        }
         let terms = Terms::new(orbit, response);
         let system = terms.system();
         let errors = system.as_ref().map(|system| terms.row_errors(system));
         for i in 0..orbit.impacts().len() {
             let mut error = terms.acceleration_rounding(i, motion);
+            condition.apart(i, ImpactError { acceleration: error, ..ImpactError::default() });
             if let (Some(system), Some(errors)) = (&system, &errors) {
                 error += system.through(&terms.acceleration_gradient(i, system), errors);
             }
@@ -78,11 +92,22 @@ impl Condition {
         if let (Some(system), Some(errors)) = (&system, &errors) {
             condition.fold = Some(system.reciprocal_condition);
             condition.take(&terms, system, &system.spread(errors));
+            let gradients: SmallVec<[Column; 2]> =
+                (0..orbit.impacts().len()).map(|i| terms.acceleration_gradient(i, system)).collect();
+            for (row, error) in errors.iter().enumerate().filter(|(_, error)| **error > 0.0) {
+                let mut rows = [0.0; MOST];
+                rows[row] = *error;
+                let moved = system.solve(&rows);
+                let carried = |gradient: &Column| gradient.iter().zip(&moved).map(|(g, x)| g * x).sum();
+                condition.origins.push(together(system, &moved, gradients.iter().map(carried)));
+            }
         }
         terms.amplitudes(system.as_ref(), &mut condition);
-        for impact in condition.impacts.iter_mut().skip(1) {
+        for i in 1..condition.impacts.len() {
             // A time that symmetry fixes is rounded, too.
-            impact.time += f64::EPSILON * orbit.period();
+            let time = f64::EPSILON * orbit.period();
+            condition.impacts[i].time += time;
+            condition.apart(i, ImpactError { time, ..ImpactError::default() });
         }
         if condition.fold == Some(0.0) {
             condition.lose_all();
@@ -90,28 +115,93 @@ impl Condition {
         condition
     }
 
+    /// An error of one impact that no other one shares.
+    fn apart(&mut self, i: usize, error: ImpactError) {
+        let mut origin: Together = self.impacts.iter().map(|_| ImpactError::default()).collect();
+        origin[i] = error;
+        self.origins.push(origin);
+    }
+
+    /// Errors of an orbit without coupling.
+    fn by_flights(&mut self, orbit: &Orbit, flights: &Flights) {
+        let (model, system) = (orbit.model(), &flights.system);
+        self.fold = Some(system.reciprocal_condition);
+        if system.reciprocal_condition == 0.0 {
+            self.lose_all();
+            return;
+        }
+        let (force, stiffness) = (model.force_wave(), model.chain().gamma1());
+        let jets: SmallVec<[[f64; 4]; 2]> =
+            orbit.impacts().iter().map(|impact| force.jet(impact.time + orbit.psi_or_zero())).collect();
+        let psi = |moved: &Column| system.layout.psi.map_or(0.0, |psi| moved[psi]);
+        for row in 0..system.layout.size {
+            let mut rows = [0.0; MOST];
+            rows[row] = flights.left[row];
+            let moved = system.solve(&rows);
+            let later = |i: usize| psi(&moved) + system.layout.time.filter(|_| i == 1).map_or(0.0, |time| moved[time]);
+            // At a barrier the spring's force is known.
+            self.origins.push(together(system, &moved, jets.iter().enumerate().map(|(i, jet)| jet[1] * later(i))));
+            self.psi_error += psi(&moved).abs();
+        }
+        self.psi_error += UNIT * model.period();
+        for (i, (impact, jet)) in orbit.impacts().iter().zip(&jets).enumerate() {
+            let pull = stiffness * model.barrier(impact.barrier);
+            let turned = impact.time.abs() + orbit.psi_or_zero().abs();
+            let rounding = UNIT * (pull.abs() + force.bound(0) + turned * force.bound(1));
+            let off = (impact.acceleration - (jet[0] - pull)).abs();
+            self.apart(i, ImpactError { acceleration: off + rounding, ..ImpactError::default() });
+            self.apart(i, ImpactError { impulse: UNIT * impact.impulse.abs(), ..ImpactError::default() });
+            if i > 0 {
+                self.apart(i, ImpactError { time: UNIT * orbit.period(), ..ImpactError::default() });
+            }
+        }
+        self.origins.iter().for_each(|origin| add_moduli(&mut self.impacts, origin));
+    }
+
     /// Nothing is known of an orbit whose equations are singular.
     fn lose_all(&mut self) {
         self.psi_error = f64::INFINITY;
-        for impact in &mut self.impacts {
-            *impact = ImpactError { time: f64::INFINITY, impulse: f64::INFINITY, acceleration: f64::INFINITY };
-        }
+        self.impacts.fill(ImpactError { time: f64::INFINITY, impulse: f64::INFINITY, acceleration: f64::INFINITY });
+        self.origins = vec![self.impacts.clone()];
     }
 
     /// Adds errors of the unknowns.
     fn take(&mut self, terms: &Terms<'_>, system: &System, errors: &Column) {
         let rounded = system.impulse_rounding(f64::EPSILON);
-        for (j, impact) in self.impacts.iter_mut().enumerate() {
-            impact.impulse += errors[j] + rounded[j] + UNIT * terms.impulse(j).abs();
+        for j in 0..self.impacts.len() {
+            let impulse = rounded[j] + UNIT * terms.impulse(j).abs();
+            self.impacts[j].impulse += errors[j] + impulse;
+            self.apart(j, ImpactError { impulse, ..ImpactError::default() });
         }
-        if let (Some(time), Some(impact)) = (system.layout.time, self.impacts.get_mut(1)) {
-            impact.time += errors[time] + UNIT * terms.response.period();
+        if let (Some(place), 2..) = (system.layout.time, self.impacts.len()) {
+            let time = UNIT * terms.response.period();
+            self.impacts[1].time += errors[place] + time;
+            self.apart(1, ImpactError { time, ..ImpactError::default() });
         }
         if let Some(psi) = system.layout.psi {
             self.psi_error += errors[psi] + UNIT * terms.orbit.model().period();
         }
     }
 }
+
+/// What a change of the unknowns does to the impacts, with that of their accelerations.
+fn together(system: &System, moved: &Column, accelerations: impl Iterator<Item = f64>) -> Together {
+    let time = |i: usize| system.layout.time.filter(|_| i == 1).map_or(0.0, |time| moved[time]);
+    let error = |(i, acceleration)| ImpactError { time: time(i), impulse: moved[i], acceleration };
+    accelerations.enumerate().map(error).collect()
+}
+
+fn add_moduli(sums: &mut [ImpactError], origin: &[ImpactError]) {
+    for (sum, part) in sums.iter_mut().zip(origin) {
+        sum.time += part.time.abs();
+        sum.impulse += part.impulse.abs();
+        sum.acceleration += part.acceleration.abs();
+    }
+}
+
+/// Modes whose amplitude rounding changes by more than this many of its units are next to a resonance: what they do is carried by
+/// origin. There are few of them, and the others matter little.
+const RESONANT: f64 = 1e3;
 
 /// Digits beyond which a lost one could show in a verdict.
 const DELICATE: f64 = 1e-6;
@@ -198,6 +288,7 @@ impl Terms<'_> {
         let n = self.orbit.impacts().len();
         let gradients: SmallVec<[Column; 2]> =
             (0..n).map(|i| system.map_or([0.0; MOST], |system| self.acceleration_gradient(i, system))).collect();
+        let mut rest = vec![ImpactError::default(); n];
         for k in 0..response.modes() {
             let error = UNIT * response.mode_detuning(k);
             if error == 0.0 {
@@ -226,21 +317,30 @@ impl Terms<'_> {
                 }
             }
             let moved = system.map_or([0.0; MOST], |system| system.solve(&rows));
-            if let Some(system) = system {
-                for (j, impact) in condition.impacts.iter_mut().enumerate() {
-                    impact.impulse += error * moved[j].abs();
-                }
-                if let (Some(time), Some(impact)) = (system.layout.time, condition.impacts.get_mut(1)) {
-                    impact.time += error * moved[time].abs();
-                }
-                if let Some(psi) = system.layout.psi {
-                    condition.psi_error += error * moved[psi].abs();
-                }
+            let carried = |(direct, gradient): (&f64, &Column)| {
+                direct - gradient.iter().zip(&moved).map(|(g, x)| g * x).sum::<f64>()
+            };
+            let accelerations: SmallVec<[f64; 2]> = accelerations.iter().zip(&gradients).map(carried).collect();
+            let origin = Together::from_iter((0..n).map(|i| {
+                let time = system.and_then(|system| system.layout.time).filter(|_| i == 1);
+                let impulse = if system.is_some() { -error * moved[i] } else { 0.0 };
+                let acceleration = error * accelerations[i];
+                ImpactError { time: time.map_or(0.0, |time| -error * moved[time]), impulse, acceleration }
+            }));
+            add_moduli(&mut condition.impacts, &origin);
+            if response.mode_detuning(k) > RESONANT {
+                condition.origins.push(origin);
+            } else {
+                add_moduli(&mut rest, &origin);
             }
-            for ((impact, direct), gradient) in condition.impacts.iter_mut().zip(accelerations).zip(&gradients) {
-                let carried: f64 = gradient.iter().zip(&moved).map(|(g, x)| g * x).sum();
-                impact.acceleration += error * (direct - carried).abs();
+            if let Some(psi) = system.and_then(|system| system.layout.psi) {
+                condition.psi_error += error * moved[psi].abs();
             }
+        }
+        for (i, ImpactError { time, impulse, acceleration }) in rest.into_iter().enumerate() {
+            condition.apart(i, ImpactError { time, ..ImpactError::default() });
+            condition.apart(i, ImpactError { impulse, ..ImpactError::default() });
+            condition.apart(i, ImpactError { acceleration, ..ImpactError::default() });
         }
     }
 

@@ -195,7 +195,7 @@ impl<'a> Terms<'a> {
 }
 
 impl System {
-    fn new(layout: Layout, matrix: [Column; MOST], units: Column) -> Self {
+    pub(crate) fn new(layout: Layout, matrix: [Column; MOST], units: Column) -> Self {
         let n = layout.size;
         let mut left = [[0.0; MOST]; MOST];
         let mut right = [[0.0; MOST]; MOST];

@@ -19,6 +19,7 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
 use crate::conservative::double_sided_draft;
 use crate::error::NoBreather;
 use crate::forced_harmonics;
+use crate::one_mass::OneMass;
 use crate::orbit::{Draft, Family, Source};
 use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
@@ -48,12 +49,9 @@ pub(crate) fn double_sided(
     let edge = half - shortest_flight(response, omega * force.abs());
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
     let symmetric = q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC;
-    if symmetric {
-        problem.zeros(zeros, -edge, -SYMMETRIC_GUARD * half);
-        problem.zeros(zeros, SYMMETRIC_GUARD * half, edge);
-    } else {
-        problem.zeros(zeros, -edge, edge);
-    }
+    let ranges: &[[f64; 2]] =
+        if symmetric { &[[-edge, -SYMMETRIC_GUARD * half], [SYMMETRIC_GUARD * half, edge]] } else { &[[-edge, edge]] };
+    let alone = search(&problem, model, zeros, ranges);
     if !zeros.unresolved.is_empty() {
         zeros.forget();
         return forced_harmonics::double_sided(model, response, steady, zeros, plane, found);
@@ -79,8 +77,30 @@ pub(crate) fn double_sided(
             return Err(NoBreather::ForceTooWeak { threshold });
         }
     }
-    count += zeros.simple.iter().filter_map(|&delta| problem.solution(delta)).map(&mut emit).count();
+    let solution = |&delta: &f64| solution(&problem, alone.as_ref(), delta);
+    count += zeros.simple.iter().filter_map(solution).map(&mut emit).count();
     if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
+}
+
+/// Finds the zeros of E on all ranges. What it leaves open of a mass without coupling is asked once more of the flights' equations, which
+/// know of no resonance; they are returned if the zeros are theirs.
+fn search(problem: &TwoImpacts<'_>, model: &Model, zeros: &mut Zeros, ranges: &[[f64; 2]]) -> Option<OneMass> {
+    ranges.iter().for_each(|[from, to]| problem.zeros(zeros, *from, *to));
+    if zeros.unresolved.len() + zeros.exhausted == 0 {
+        return None;
+    }
+    let alone = OneMass::new(problem.word, model)?;
+    zeros.forget();
+    ranges.iter().for_each(|[from, to]| alone.zeros(zeros, *from, *to));
+    Some(alone)
+}
+
+/// Impulses and phase at a zero that [`search`] has found.
+fn solution(problem: &TwoImpacts<'_>, alone: Option<&OneMass>, delta: f64) -> Option<TwoImpactSolution> {
+    match alone {
+        Some(alone) => problem.with_phase(delta, alone.phase(delta)),
+        None => problem.solution(delta),
+    }
 }
 
 /// θ of the solutions with φ = T/2, where they exist: ωDX + qY = q on the circle X² + Y² = Ã².
@@ -111,13 +131,13 @@ pub(crate) fn period_doubled(
     }
     let problem = TwoImpacts::new(Word::PeriodDoubled, response, omega, a, q, force);
     let half = 0.5 * response.period();
-    problem.zeros(zeros, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD));
+    let alone = search(&problem, model, zeros, &[[SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD)]]);
     if !zeros.unresolved.is_empty() {
         zeros.forget();
         return forced_harmonics::period_doubled(model, response, steady, plane, found);
     }
     let mut count = 0;
-    for solution in zeros.simple.iter().filter_map(|&delta| problem.solution(delta)) {
+    for solution in zeros.simple.iter().filter_map(|&delta| solution(&problem, alone.as_ref(), delta)) {
         let phi = half + solution.delta;
         let net_impulse = solution.static_displacement * response.static_stiffness();
         count += 1;

@@ -4,13 +4,15 @@
 //! |---|---|
 //! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
-//! | impacts at several sites, masses without coupling, and whatever the secular form doubts | dense matrix |
+//! | a mass without coupling | trace and determinant of its 2 × 2 matrix (`alone`) |
+//! | impacts at several sites, and whatever the secular form doubts | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
+use crate::alone;
 use crate::dense::{Dense, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
@@ -120,7 +122,7 @@ impl Analyser {
         orbit: &Orbit,
         finder: &mut Finder,
     ) -> Result<Vec<Complex<f64>>, Failure> {
-        if orbit.impact_site().is_none() || uncoupled(orbit) {
+        if orbit.impact_site().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
             return Err(Doubt::NotReversible.into());
         }
         self.by_secular_function(orbit, finder, Tolerance::Rounding, true).map(|(_, multipliers)| multipliers)
@@ -134,7 +136,10 @@ impl Analyser {
         tolerance: Tolerance,
         thorough: bool,
     ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
-        let secular = !self.dense_only && orbit.impact_site().is_some() && !uncoupled(orbit);
+        if !self.dense_only && uncoupled(orbit) {
+            return alone::verdict(orbit, finder, tolerance, thorough);
+        }
+        let secular = !self.dense_only && orbit.impact_site().is_some();
         let mut doubt = None;
         if secular {
             match self.by_secular_function(orbit, finder, tolerance, thorough) {
@@ -151,8 +156,14 @@ impl Analyser {
             }
         }
         let verdict = self.dense.judge(orbit, finder, tolerance, thorough)?;
+        let method = Method::Dense(doubt);
+        let open = doubt.is_some() && verdict.resolution > 0.0 && (thorough || verdict.marginal);
+        if open && let Some(settled) = self.settled_from_matrix(orbit, finder, tolerance, &verdict)? {
+            let multipliers = if thorough { self.forced.symmetric_multipliers() } else { Vec::new() };
+            return Ok((Verdict { method, ..settled }, multipliers));
+        }
         let multipliers = if thorough { self.dense.multipliers(orbit) } else { Vec::new() };
-        Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
+        Ok((Verdict { method, ..verdict }, multipliers))
     }
 
     fn by_secular_function(
@@ -171,9 +182,6 @@ impl Analyser {
             // Where none leads, one that is there.
             let leading = multipliers.first().filter(|_| verdict.growth() == 0.0).copied();
             return Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers));
-        }
-        if orbit.model().is_conservative() {
-            return Err(Doubt::NotReversible.into());
         }
         let verdict = self.not_reversible(orbit, finder, tolerance, thorough)?;
         Ok((verdict, if thorough { self.forced.symmetric_multipliers() } else { Vec::new() }))

@@ -6,8 +6,9 @@ use vibrochain_breather::{Finder, Orbit};
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::analyser::{Analyser, Failure};
+use crate::error::FloquetError;
 use crate::saltation::saltations;
-use crate::secular::{Doubt, ForcedSecular, Leading, Outcome, excess, meetings};
+use crate::secular::{Doubt, ForcedSecular, Leading, MOST_IMPACTS, Outcome, excess, meetings};
 use crate::verdict::{Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -91,6 +92,33 @@ impl Analyser {
         };
         self.forced.adopt(orbit, &condition, multipliers.into_iter().zip(errors).map(of_multiplier));
         elastic(&mut self.forced, orbit, finder.response_to(orbit)?, tolerance, thorough)
+    }
+
+    /// The verdict on a matrix's eigenvalues after the impacts' equations have settled those that matter: next to a resonance errors of the
+    /// matrix say next to nothing. `None` where the equations know no better.
+    pub(crate) fn settled_from_matrix(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+        by_matrix: &Verdict,
+    ) -> Result<Option<Verdict>, FloquetError> {
+        if orbit.is_reversible() || orbit.impact_site().is_none() || orbit.impacts().len() > MOST_IMPACTS {
+            return Ok(None);
+        }
+        let condition = finder.condition(orbit)?;
+        let reach = self.dense.reach;
+        self.forced.adopt(orbit, &condition, self.dense.values.iter().map(|value| (*value, reach)));
+        let response = finder.response_to(orbit)?;
+        let settled = if orbit.model().loss() == 0.0 {
+            elastic(&mut self.forced, orbit, response, tolerance, false).ok()
+        } else {
+            let leading = self.forced.leading(orbit, response);
+            leading.map(|Leading { place, growth, error }| {
+                settle(self.forced.multipliers().0, place, growth, error, tolerance)
+            })
+        };
+        Ok(settled.filter(|verdict| verdict.resolution < by_matrix.resolution))
     }
 
     pub(crate) fn not_reversible(

@@ -31,6 +31,8 @@ pub(crate) struct Dense {
     rows: (Vec<f64>, Vec<f64>),
     reflector: Reflector,
     pub(crate) values: Vec<Complex<f64>>,
+    /// How far, at most, errors carry any of them.
+    pub(crate) reach: f64,
 }
 
 impl Dense {
@@ -120,11 +122,7 @@ impl Dense {
     }
 }
 
-/// Coupling, relative to γ₁, that does no more than rounding does: modes are one frequency to a few units in the last place.
-const NO_COUPLING: f64 = 32.0 * f64::EPSILON;
-
-/// No coupling that a number could hold: the masses that are not hit swing alone.
+/// The masses that are not hit swing alone.
 pub(crate) fn uncoupled(orbit: &Orbit) -> bool {
-    let chain = orbit.model().chain();
-    orbit.impact_site().is_some() && 4.0 * chain.gamma2() <= NO_COUPLING * chain.gamma1()
+    orbit.impact_site().is_some() && orbit.model().chain().is_uncoupled()
 }

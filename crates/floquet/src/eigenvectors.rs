@@ -31,7 +31,10 @@ impl FloquetMode {
     /// # Errors
     /// [`Doubt`], also for a number that is no multiplier of the orbit.
     pub fn of(orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>) -> Result<Self, Doubt> {
-        let home = orbit.impact_site().filter(|_| !uncoupled(orbit)).ok_or(Doubt::NotReversible)?;
+        let home = orbit
+            .impact_site()
+            .filter(|_| orbit.model().chain().sites() == 1 || !uncoupled(orbit))
+            .ok_or(Doubt::NotReversible)?;
         let response = finder.response_to(orbit).map_err(|_| Doubt::NotReversible)?;
         let shape = ModalShape::new(orbit, response, multiplier)?;
         let (displacement, velocity) = shape.at_sites(orbit.model().chain().sites(), home);

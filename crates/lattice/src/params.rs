@@ -94,6 +94,12 @@ impl Chain {
         self.gamma2
     }
 
+    /// No coupling that a number could hold, or none to couple to: each mass swings alone.
+    pub fn is_uncoupled(&self) -> bool {
+        // Modes are one frequency to a few units in the last place then.
+        self.sites == 1 || 4.0 * self.gamma2 <= 32.0 * f64::EPSILON * self.gamma1
+    }
+
     /// Number of modes even about a site: ⌊M/2⌋ + 1.
     pub fn even_modes(&self) -> usize {
         self.sites / 2 + 1

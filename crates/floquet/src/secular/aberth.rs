@@ -77,8 +77,9 @@ fn doubt(form: &SecularMultipliers, z: C) -> f64 {
 const SWEEPS: usize = 100;
 
 impl Aberth {
-    /// All zeros into `roots`. `angles` are those of the poles on the upper half circle.
-    pub(crate) fn solve(&mut self, form: &SecularMultipliers, angles: &[f64]) -> Result<(), Doubt> {
+    /// All zeros into `roots`. `angles` are those of the poles on the upper half circle. The first `trivial` ones are known to be 1:
+    /// they repel the others and stay.
+    pub(crate) fn solve(&mut self, form: &SecularMultipliers, angles: &[f64], trivial: usize) -> Result<(), Doubt> {
         let Self { roots, errors, settled, angles: sorted, root_re, root_im } = self;
         sorted.clear();
         sorted.extend_from_slice(angles);
@@ -97,14 +98,19 @@ impl Aberth {
             roots.push(C::from_polar(radius, 0.1 * first));
             roots.push(C::from_polar(radius, std::f64::consts::PI - 0.1 * (std::f64::consts::PI - last)));
         }
-        let wanted = 2 * m;
+        let (one, wanted) = (C::new(1.0, 0.0), 2 * m);
+        if trivial > 0 && wanted > 0 {
+            // In the place of the start next to +1.
+            roots.swap(0, wanted - 2);
+            roots.iter_mut().take(trivial).for_each(|root| *root = one);
+        }
         // Those that fill up the last group are too far away to repel.
         fill(root_re, roots.iter().map(|z| z.re), 1e150);
         fill(root_im, roots.iter().map(|z| z.im), 0.0);
         settled.clear();
         settled.resize(wanted, false);
-        let one = C::new(1.0, 0.0);
-        let mut open = wanted;
+        settled.iter_mut().take(trivial).for_each(|settled| *settled = true);
+        let mut open = wanted - trivial.min(wanted);
         for _ in 0..SWEEPS {
             for i in 0..wanted {
                 if settled[i] {
@@ -144,7 +150,8 @@ impl Aberth {
                 break;
             }
         }
-        for z in roots.iter_mut() {
+        errors.resize(trivial.min(wanted), 0.0);
+        for z in roots.iter_mut().skip(trivial) {
             let mut value = evaluate(form, *z);
             let step = value.f / value.slope;
             if step.norm_sqr() <= 1e-14 * z.norm_sqr().max(1e-6) {

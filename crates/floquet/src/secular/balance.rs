@@ -15,6 +15,7 @@
 //! order. As −xᵀK̂y/xᵀK̂′y is a step of Newton's method besides, the multiplier is settled on the way.
 
 use nalgebra::Complex;
+use smallvec::SmallVec;
 use vibrochain_lattice::ImpulseResponse;
 
 use super::forced::MOST_IMPACTS;
@@ -27,7 +28,7 @@ const STEPS: usize = 4;
 /// A pole whose error is not small against its distance is not followed to first order.
 const NEAR: f64 = 1e-2;
 
-/// Errors of the orbit's own data.
+/// Errors of the orbit's own data at one impact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct DataError {
     /// Of κ'.
@@ -35,6 +36,9 @@ pub(crate) struct DataError {
     /// Of the time since the first impact.
     pub(crate) time: f64,
 }
+
+/// Errors of one origin at all impacts, with their signs.
+pub(crate) type Origin = SmallVec<[DataError; 2]>;
 
 /// A multiplier and its error.
 #[derive(Debug, Clone, Copy)]
@@ -113,7 +117,7 @@ impl Balance {
     }
 
     /// The multiplier next to `start`; `None` where first order is not enough.
-    pub(crate) fn settle(&mut self, start: C, data: &[DataError]) -> Option<Settled> {
+    pub(crate) fn settle(&mut self, start: C, data: &[Origin]) -> Option<Settled> {
         let mut z = start;
         for _ in 0..STEPS {
             let (norm, second) = self.null_vectors(z)?;
@@ -287,7 +291,7 @@ impl Balance {
     }
 
     /// The products with the null vectors last found.
-    fn product(&self, z: C, data: &[DataError]) -> Option<Product> {
+    fn product(&self, z: C, data: &[Origin]) -> Option<Product> {
         const EPSILON: f64 = f64::EPSILON;
         let n = self.impacts;
         let mut out =
@@ -296,7 +300,7 @@ impl Balance {
         let outside = z.norm_sqr() >= 1.0;
         let loss = self.even(outside);
         let mut sizes = 0.0;
-        let of_time = data.iter().any(|error| error.time > 0.0);
+        let of_time = data.iter().flatten().any(|error| error.time != 0.0);
         let entries = |v: &[C], i: usize| (v[2 * i], v[2 * i + 1]);
         // Σ|x_u|, Σ|x_v|, the same of y, and over ordered pairs x_u y_u, x_v y_u, x_u y_v, x_v y_v.
         let (mut x, mut y, mut pairs) = ([0.0; 2], [0.0; 2], [0.0; 4]);
@@ -370,11 +374,16 @@ impl Balance {
         }
         // Of adding up.
         out.value_error += EPSILON * (self.modes.len() as f64).sqrt() * sizes;
-        for (i, error) in data.iter().enumerate().take(n) {
-            let (xv, yu) = (self.left[2 * i + 1], self.right[2 * i]);
-            let omega = self.modes.first().map_or(1.0, |mode| mode.frequency / mode.ratio);
-            out.data += (xv * yu).norm() * error.kappa / omega + slides[i].norm() * error.time;
-        }
+        let omega = self.modes.first().map_or(1.0, |mode| mode.frequency / mode.ratio);
+        out.data = data
+            .iter()
+            .map(|origin| {
+                let moves = origin.iter().enumerate().take(n).map(|(i, error)| {
+                    self.left[2 * i + 1] * self.right[2 * i] * (error.kappa / omega) + slides[i] * error.time
+                });
+                moves.sum::<C>().norm()
+            })
+            .sum();
         Some(out)
     }
 }

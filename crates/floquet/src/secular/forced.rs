@@ -72,6 +72,8 @@ pub struct SecularMultipliers {
     sums: Vec<[f64x4; 6]>,
     pub(super) aberth: Aberth,
     pub(super) large: ForcedLarge,
+    /// Number of multipliers that are 1: two without force.
+    pub(super) trivial: usize,
 }
 
 /// What the sums K̂(p_k) need of every mode.
@@ -111,6 +113,7 @@ impl SecularMultipliers {
     /// Times and saltations.
     pub(super) fn take_over(&mut self, orbit: &Orbit) {
         let e = orbit.model().restitution();
+        self.trivial = if orbit.model().is_conservative() { 2 } else { 0 };
         self.times.clear();
         self.times.extend(orbit.impacts().iter().map(|impact| impact.time));
         self.kappas.clear();
@@ -313,19 +316,19 @@ impl SecularMultipliers {
         self.poles().zip(&self.residues).map(|(p, r)| 2.0 * (p.re - r.re)).sum()
     }
 
-    /// All 2m multipliers of the even subspace, in no order, with estimates of their errors. A conservative orbit's trivial
-    /// pair is among them.
+    /// All 2m multipliers of the even subspace, in no order but that a conservative orbit's trivial pair comes first, with estimates of
+    /// their errors.
     ///
     /// # Errors
     /// [`Doubt::Incomplete`] if the iteration does not settle; [`Doubt::Certificate`] if their sum is not the trace.
     pub fn multipliers(&mut self) -> Result<(&[Complex<f64>], &[f64]), Doubt> {
         let trace = self.trace();
         let (roots, errors) = if self.is_large() {
-            self.large.solve()?;
+            self.large.solve(self.trivial)?;
             (&self.large.roots.values, &self.large.roots.errors)
         } else {
             let mut aberth = std::mem::take(&mut self.aberth);
-            let outcome = aberth.solve(self, &self.angles);
+            let outcome = aberth.solve(self, &self.angles, self.trivial);
             self.aberth = aberth;
             outcome?;
             (&self.aberth.roots, &self.aberth.errors)

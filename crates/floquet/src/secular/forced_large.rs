@@ -179,9 +179,9 @@ impl ForcedLarge {
         self.roots.moved(&self.form, &other.form)
     }
 
-    /// All multipliers.
-    pub(crate) fn solve(&mut self) -> Result<(), Doubt> {
-        self.roots.solve(&self.form)
+    /// All multipliers, the first `trivial` of them 1.
+    pub(crate) fn solve(&mut self, trivial: usize) -> Result<(), Doubt> {
+        self.roots.solve(&self.form, trivial)
     }
 }
 

@@ -59,14 +59,19 @@ enum Outcome {
 }
 
 impl CircleRoots {
-    /// All zeros of f.
-    pub(crate) fn solve(&mut self, form: &CircleForm) -> Result<(), Doubt> {
+    /// All zeros of f, of which the first `trivial` are known to be 1.
+    pub(crate) fn solve(&mut self, form: &CircleForm, trivial: usize) -> Result<(), Doubt> {
         let m = form.poles.len();
         let wanted = 2 * m;
         self.list.clear();
         self.found = 0;
         self.heads.clear();
         self.heads.resize(m + 1, NONE);
+        if let Some(last) = form.poles.last() {
+            let tau = C::new(-last.angle, 0.0);
+            let one = Root { place: m - 1, tau, z: C::new(1.0, 0.0), error: 0.0, real: true, before: NONE };
+            (0..trivial).for_each(|_| self.note(m, one));
+        }
         // One start inside each gap, then farther inside.
         for depth in [0.12, 0.8, 3.0] {
             for gap in 0..=m {

@@ -2,12 +2,11 @@
 //! leading one and its rivals settled by the impacts' own equations.
 
 use nalgebra::Complex;
-use smallvec::SmallVec;
-use vibrochain_breather::{Condition, Orbit};
+use vibrochain_breather::{Condition, ImpactError, Orbit};
 use vibrochain_lattice::ImpulseResponse;
 
 use super::aberth::evaluate;
-use super::balance::{Balance, DataError, Settled};
+use super::balance::{Balance, DataError, Origin, Settled};
 use super::doubt::Doubt;
 use super::forced::SecularMultipliers;
 use super::forced_count::OutsideCounter;
@@ -38,7 +37,8 @@ pub struct ForcedSecular {
     /// `balance` is set to the orbit.
     balanced: bool,
     asked: Vec<State>,
-    data: SmallVec<[DataError; 2]>,
+    /// Errors of the orbit's data by origin.
+    data: Vec<Origin>,
     /// A multiplier that is not among the values.
     trivial: Option<Complex<f64>>,
 }
@@ -185,15 +185,18 @@ impl ForcedSecular {
         }
     }
 
-    /// All multipliers of the even subspace, held against the count of those outside the circle where there is one.
+    /// All multipliers of the even subspace but a conservative orbit's trivial pair, held against the count of those outside the circle
+    /// where there is one.
     pub(crate) fn solve(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
         self.multipliers.set(orbit, response)?;
+        // A conservative orbit's trivial pair is known.
+        let trivial = self.multipliers.trivial;
         let (values, errors) = self.multipliers.multipliers()?;
         self.values.clear();
-        self.values.extend_from_slice(values);
+        self.values.extend(values.iter().skip(trivial));
         self.errors.clear();
-        self.errors.extend_from_slice(errors);
-        self.open_all(None);
+        self.errors.extend(errors.iter().skip(trivial));
+        self.open_all((trivial > 0).then_some(Complex::new(1.0, 0.0)));
         // The count takes a pass over the modes for each of them.
         if !self.multipliers.is_large()
             && let Ok(count) = self.counter.count(orbit, response)
@@ -210,7 +213,7 @@ impl ForcedSecular {
         Ok(())
     }
 
-    /// Takes over multipliers of a conservative orbit found by other means, without its trivial pair, to settle them.
+    /// Takes over multipliers found by other means, without a conservative orbit's trivial pair, to settle them.
     pub(crate) fn adopt(
         &mut self,
         orbit: &Orbit,
@@ -224,7 +227,7 @@ impl ForcedSecular {
             self.values.push(value);
             self.errors.push(error);
         }
-        self.open_all(Some(Complex::new(1.0, 0.0)));
+        self.open_all(orbit.model().is_conservative().then_some(Complex::new(1.0, 0.0)));
         self.know_data_of(orbit, condition);
     }
 
@@ -261,23 +264,36 @@ impl ForcedSecular {
     }
 
     fn know_data_of(&mut self, orbit: &Orbit, condition: &Condition) {
+        let kappas = &self.multipliers.kappas;
+        // κ' = −v̈/P; only differences of times count.
+        let of_impact = |(i, known): (usize, &ImpactError)| {
+            let kappa = -(known.acceleration + kappas[i] * known.impulse) / orbit.impacts()[i].impulse;
+            DataError { kappa, time: if i == 0 { 0.0 } else { known.time } }
+        };
         self.data.clear();
-        for (i, (impact, known)) in orbit.impacts().iter().zip(&condition.impacts).enumerate() {
-            let (kappa, impulse) = (self.multipliers.kappas[i].abs(), impact.impulse.abs());
-            // κ' = −v̈/P, and rounded.
-            let kappa = (known.acceleration + kappa * known.impulse) / impulse + 4.0 * f64::EPSILON * kappa;
-            // Only differences of times count.
-            let time = if i == 0 { 0.0 } else { known.time + f64::EPSILON * orbit.period() };
-            self.data.push(DataError { kappa, time });
+        self.data.extend(condition.origins.iter().map(|origin| origin.iter().enumerate().map(of_impact).collect()));
+        // And both are rounded.
+        for (i, kappa) in kappas.iter().enumerate() {
+            let mut origin: Origin = kappas.iter().map(|_| DataError::default()).collect();
+            origin[i].kappa = 4.0 * f64::EPSILON * kappa;
+            self.data.push(origin.clone());
+            origin[i] = DataError { kappa: 0.0, time: if i == 0 { 0.0 } else { f64::EPSILON * orbit.period() } };
+            self.data.push(origin);
         }
     }
 
     /// Errors of the orbit's data by difference quotients, for those that are not settled.
     fn add_differences(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
         let Self { multipliers: form, moved, values, errors, asked, data, .. } = self;
+        let mut worst: Origin = form.kappas.iter().map(|_| DataError::default()).collect();
+        for origin in data.iter() {
+            for (sum, error) in worst.iter_mut().zip(origin) {
+                *sum = DataError { kappa: sum.kappa + error.kappa.abs(), time: sum.time + error.time.abs() };
+            }
+        }
         let (e, q) = (orbit.model().restitution(), orbit.model().loss());
         let top = response.frequencies().iter().copied().fold(response.omega(), f64::max);
-        for (i, DataError { kappa, time }) in data.iter().enumerate() {
+        for (i, DataError { kappa, time }) in worst.iter().enumerate() {
             let kappa_step = STEP * (form.kappas[i].abs() + response.omega());
             for (error, step, of_time) in [(*kappa, kappa_step, false), (*time, STEP / top, true)] {
                 if error == 0.0 {
@@ -295,7 +311,7 @@ impl ForcedSecular {
                 let mut open =
                     errors.iter_mut().zip(asked.iter()).map(|(error, state)| (error, *state != State::Settled));
                 if form.is_large() {
-                    let moves = form.large.moved(&moved.large);
+                    let moves = form.large.moved(&moved.large).into_iter().skip(form.trivial);
                     open.zip(moves).filter(|((_, open), _)| *open).for_each(|((total, _), by)| *total += by * scale);
                     continue;
                 }

@@ -49,6 +49,7 @@ mod verdict;
 mod window;
 
 pub use doubt::Doubt;
+pub(crate) use forced::MOST_IMPACTS;
 pub use forced::SecularMultipliers;
 pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;

@@ -1,0 +1,229 @@
+//! Verdicts where digits are lost, held against many digits: without coupling, for one mass, next to resonances, for impacts that
+//! leave hardly any speed. No error is above its claim, and claims are of use.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use vibrochain_breather::{Family, Finder, Found, breathers};
+use vibrochain_floquet::{Analyser, Method, Tolerance, Verdict};
+use vibrochain_lattice::{Chain, Model, Spectrum};
+use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
+
+/// A small generator of random numbers (splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / u64::MAX as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.unit() * count as f64) as usize % count
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    /// γ₂ = 0
+    Uncoupled,
+    OneMass,
+    /// Ω_k = jω or, for doubled orbits, half of that, up to 1e-10 … 1e-2.
+    Resonance,
+    /// e = 1e-5 … 1e-2
+    Inelastic,
+}
+
+fn model_at(random: &mut Random, place: Place) -> Option<Model> {
+    let sites = if place == Place::OneMass { 1 } else { 1 + random.below(16) };
+    let coupled = !matches!(place, Place::Uncoupled);
+    let chain = Chain::new(sites, random.log(0.02, 1.0), if coupled { random.log(1e-3, 0.5) } else { 0.0 }).ok()?;
+    let mut omega = random.log(0.15, 3.0);
+    if place == Place::Resonance || random.unit() < 0.3 {
+        let spectrum = Spectrum::new(chain);
+        let frequency = spectrum.frequencies()[random.below(spectrum.frequencies().len())];
+        let sign = (random.unit() - 0.5).signum();
+        let half = if random.unit() < 0.3 { 2.0 } else { 1.0 };
+        omega = half * frequency / (1.0 + 5.0 * random.unit()).floor() * (1.0 + sign * random.log(1e-10, 1e-2));
+    }
+    let a = if random.unit() < 0.3 { 0.0 } else { random.between(0.0, 0.9) };
+    let e = match (place, random.unit()) {
+        (Place::Inelastic, _) => random.log(1e-5, 1e-2),
+        (_, unit) if unit < 0.15 => 1.0,
+        _ => random.between(0.05, 0.99),
+    };
+    Model::forced(chain, omega, a, random.log(0.01, 2.0), e).ok()
+}
+
+const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
+
+/// By how much the growth told is off, and what it is; `None` where that is not to be had.
+fn truth_of(orbit: &vibrochain_breather::Orbit, verdict: &Verdict) -> Option<(f64, f64)> {
+    let truth = TrueOrbit::refine(orbit, DEFAULT_BITS).ok()?;
+    let spectrum = TrueSpectrum::new(&truth).ok()?;
+    let (root, _) = spectrum.refine((verdict.leading.re, verdict.leading.im)).ok()?;
+    let growth = root.abs() - 1.0;
+    let off = (&growth - Real::new(verdict.growth(), DEFAULT_BITS)).abs().to_f64();
+    Some((off, growth.to_f64()))
+}
+
+/// How far the growth moves when frequency and stiffness are the next numbers: what nobody can know better.
+fn unavoidable(model: &Model, family: Family, number: usize, growth: f64) -> f64 {
+    let mut analyser = Analyser::default();
+    let chain = model.chain();
+    let next = |x: f64| x * (1.0 + 2.0 * f64::EPSILON);
+    let (e, amplitude, a) = (model.restitution(), model.amplitude(), model.asymmetry());
+    let stiffer = Chain::new(chain.sites(), next(chain.gamma1()), chain.gamma2()).unwrap();
+    let moved = [
+        Model::forced(*chain, next(model.omega()), a, amplitude, e).unwrap(),
+        Model::forced(stiffer, model.omega(), a, amplitude, e).unwrap(),
+    ];
+    let by = |moved: &Model| {
+        let orbits = breathers(moved, family).ok()?.orbits;
+        let orbit = orbits.get(number)?;
+        let verdict = analyser.stability(orbit, &mut Finder::new(1), Tolerance::Rounding).ok()?.verdict;
+        Some((truth_of(orbit, &verdict)?.1 - growth).abs())
+    };
+    // Where there is no such orbit next to it, anything goes.
+    moved.iter().map(by).fold(0.0, |worst, by| by.map_or(f64::INFINITY, |by| worst.max(by)))
+}
+
+fn claims_hold(place: Place, draws: usize) {
+    let (mut finder, mut found, mut analyser) = (Finder::new(1), Found::default(), Analyser::default());
+    let mut random = Random(2026 + place as u64);
+    let (mut compared, mut useless, mut ratios) = (0, 0, Vec::new());
+    for _ in 0..draws {
+        let Some(model) = model_at(&mut random, place) else { continue };
+        let family = FAMILIES[random.below(3)];
+        if finder.find(&model, family, &mut found).is_err() {
+            continue;
+        }
+        for (number, orbit) in found.orbits.iter().enumerate().take(3) {
+            let verdict = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
+            let Some((off, growth)) = truth_of(orbit, &verdict) else { continue };
+            if verdict.resolution == 0.0 {
+                assert!(growth.abs() < 1e-20, "{verdict:?} {growth:e} {model:?}");
+                continue;
+            }
+            compared += 1;
+            assert!(off <= verdict.resolution, "{family:?} {number}: {verdict:?} is off by {off:e}, {model:?}");
+            ratios.push(verdict.resolution / off.max(f64::EPSILON * verdict.spectral_radius));
+            if verdict.marginal && 1e5 * off.max(unavoidable(&model, family, number, growth)) < growth.abs() {
+                println!("{place:?} {family:?} {number}: {verdict:?} is off by {off:e}, {model:?}");
+                useless += 1;
+            }
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let [median, most] = [0.5, 0.95].map(|part| ratios[((ratios.len() - 1) as f64 * part) as usize]);
+    println!(
+        "{place:?}: {compared} orbits, claimed over true error {median:.0} median, {most:.1e} 95 %, {useless} useless"
+    );
+    assert!(compared > draws / 2 && median < 1e3 && 100 * useless <= compared, "{compared} {median} {useless}");
+}
+
+#[test]
+fn claims_without_coupling_hold_and_are_of_use() {
+    claims_hold(Place::Uncoupled, 120);
+}
+
+#[test]
+fn claims_for_one_mass_hold_and_are_of_use() {
+    claims_hold(Place::OneMass, 120);
+}
+
+#[test]
+fn claims_next_to_resonances_hold_and_are_of_use() {
+    claims_hold(Place::Resonance, 80);
+}
+
+#[test]
+fn claims_for_nearly_inelastic_impacts_hold_and_are_of_use() {
+    claims_hold(Place::Inelastic, 80);
+}
+
+/// Growth 0.0368 was known to ±8.3e5, one radius 0.11 was off by six times its claim.
+#[test]
+fn a_mass_alone_knows_its_multipliers() {
+    let chain = Chain::new(21, 0.31371919665975334, 0.0).unwrap();
+    let grazing = Model::forced(chain, 0.18670214574941715, 0.0, 0.031948248020419276, 0.11859907505791802).unwrap();
+    let chain = Chain::new(1, 0.11506801959264537, 0.0).unwrap();
+    let a = 0.43046249897376837;
+    let inelastic = Model::forced(chain, 2.6958983301626254, a, 0.22734984828717428, 0.006105868117388621).unwrap();
+    let mut checked = 0;
+    for (model, family) in [(grazing, Family::DoubleSided), (inelastic, Family::SingleSided)] {
+        let mut finder = Finder::new(1);
+        for orbit in &breathers(&model, family).unwrap().orbits {
+            let verdict = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
+            let Some((off, growth)) = truth_of(orbit, &verdict) else { continue };
+            assert!(off <= verdict.resolution && !verdict.marginal, "{verdict:?} {off:e}");
+            assert!(verdict.resolution < 1e-4 * growth.abs(), "{verdict:?} {growth:e}");
+            checked += 1;
+        }
+    }
+    assert!(checked >= 6, "{checked}");
+}
+
+/// Conservative orbits with φ ≠ T/2, whose trivial pair is split off from the secular function.
+#[test]
+fn conservative_orbits_off_the_middle_have_the_multipliers_of_many_digits() {
+    let mut random = Random(5);
+    let (mut finder, mut found, mut compared, mut unstable) = (Finder::new(1), Found::default(), 0, 0);
+    for _ in 0..60 {
+        let chain = Chain::new(2 + random.below(12), random.log(0.1, 0.5), random.log(0.02, 0.4)).unwrap();
+        let model = Model::conservative(chain, random.log(0.25, 0.6), random.between(0.0, 0.5)).unwrap();
+        if finder.find(&model, Family::DoubleSided, &mut found).is_err() {
+            continue;
+        }
+        let orbits: Vec<_> = found.orbits.iter().filter(|orbit| !orbit.is_reversible()).take(2).collect();
+        for orbit in orbits {
+            let answer = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+            let matrix = Analyser::dense().stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+            assert_eq!(answer.multipliers.len(), matrix.multipliers.len());
+            if answer.verdict.method != Method::Secular {
+                continue;
+            }
+            let Some((off, growth)) = truth_of(orbit, &answer.verdict) else { continue };
+            // One on the circle is there by structure.
+            let claimed = answer.verdict.resolution.max(1e-13);
+            assert!(off <= claimed, "{:?} is off by {off:e}, {model:?}", answer.verdict);
+            compared += 1;
+            unstable += usize::from(growth > 1e-6);
+        }
+    }
+    assert!(compared > 30 && unstable > 5, "{compared} {unstable}");
+}
+
+/// A dense matrix of this ring takes minutes an orbit.
+#[test]
+fn a_large_conservative_ring_needs_no_matrix_off_the_middle() {
+    let model = Model::conservative(Chain::new(4096, 288.87, 1.0).unwrap(), 2.939, 0.05).unwrap();
+    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    finder.find(&model, Family::DoubleSided, &mut found).unwrap();
+    let off_middle: Vec<_> = found.orbits.iter().filter(|orbit| !orbit.is_reversible()).collect();
+    assert!(off_middle.len() >= 2, "{}", off_middle.len());
+    for orbit in off_middle.into_iter().take(2) {
+        let answer = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+        assert_eq!(answer.verdict.method, Method::Secular);
+        assert_eq!(answer.multipliers.len(), 2 * 4096);
+    }
+}
+
+/// One of the two was listed, the search cut short.
+#[test]
+fn lists_of_one_mass_next_to_a_resonance_are_complete() {
+    let chain = Chain::new(1, 0.30540496764251346, 0.0).unwrap();
+    let model = Model::forced(chain, 0.5524666643423982, 0.30107832144728275, 0.04281341566858685, 0.7949065335461892);
+    let found = breathers(&model.unwrap(), Family::PeriodDoubled).unwrap();
+    assert!(found.completeness.is_established() && found.orbits.len() == 2, "{found:?}");
+    assert!(found.orbits.iter().all(|orbit| TrueOrbit::refine(orbit, DEFAULT_BITS).is_ok()));
+}
