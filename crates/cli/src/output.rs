@@ -109,7 +109,11 @@ impl Output {
             let file = builder.tempfile_in(folder_of(&place));
             let file = file.map_err(|error| CliError::file("cannot write", path, &error))?;
             if is_kept(&file) {
-                return Ok(Self { sink: Sink::Temporary { file, place, careful }, held: Vec::new(), path: path.to_owned() });
+                return Ok(Self {
+                    sink: Sink::Temporary { file, place, careful },
+                    held: Vec::new(),
+                    path: path.to_owned(),
+                });
             }
         }
     }
