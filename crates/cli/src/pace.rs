@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn what_is_left_follows_from_time_or_impacts_whichever_end_is_nearer() {
         let model = Model::conservative(Chain::new(1, 1.0, 0.0).unwrap(), 2.0, 0.0).unwrap();
-        let mut quiet = |pace: &Pace, part: f64, impacts: u64, seconds: u64| {
+        let quiet = |pace: &Pace, part: f64, impacts: u64, seconds: u64| {
             let work = Work { impacts, ..Work::default() };
             let report = Report { outcome: Outcome::WorkLimit, time: Time::new(&model, 0, part), work };
             pace.text(&report, pace.part(&report), Duration::from_secs(seconds))
