@@ -5,17 +5,23 @@ use std::fmt;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Residues, Signature, signature};
+use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Secular, Signature, bare_signature};
+
+/// The most modes of which signatures are told: each asks all others, all together half a second.
+const MOST_SIGNED: usize = 1025;
 
 /// One mode even about the site that is hit.
 #[derive(Debug, Clone, Copy)]
 struct ModeReport {
     frequency: f64,
-    signature: Option<Signature>,
+    /// That of Ω_k.
+    bare_signature: Option<Signature>,
     /// R_k; not known where the residues fail their certificates.
     residue: Option<f64>,
     /// Ω̃_k, above this mode and below the next one.
     dressed: Option<f64>,
+    /// That of the multiplier of Ω̃_k.
+    signature: Option<Signature>,
 }
 
 /// All of them.
@@ -23,6 +29,7 @@ struct ModeReport {
 pub(crate) struct OrbitModes {
     modes: Vec<ModeReport>,
     own: Option<OwnMode>,
+    own_signature: Option<Signature>,
     collision: Option<Collision>,
     omega: f64,
 }
@@ -37,27 +44,40 @@ impl OrbitModes {
         let response = finder.response_to(orbit).ok()?;
         let mut dressed = DressedModes::default();
         dressed.set(orbit, response).ok()?;
-        let mut secular = Residues::default();
+        let mut secular = Secular::default();
         let certain = secular.set(orbit, response).is_ok();
         let mut residues = vec![None; response.modes()];
-        for (place, residue) in secular.residues().iter().enumerate().filter(|_| certain) {
-            if let Some(entry) = secular.mode(place).and_then(|mode| residues.get_mut(mode)) {
+        let form = secular.residues();
+        for (place, residue) in form.residues().iter().enumerate().filter(|_| certain) {
+            if let Some(entry) = form.mode(place).and_then(|mode| residues.get_mut(mode)) {
                 *entry = Some(*residue);
             }
         }
+        let mut signatures = Vec::new();
+        if certain
+            && response.modes() <= MOST_SIGNED
+            && let Ok((roots, _)) = secular.roots()
+        {
+            signatures = dressed.signatures(orbit, response, roots);
+        }
+        let signature = |k: usize| signatures.get(k).copied().flatten();
         let own = dressed.own().copied();
         let last = response.modes().saturating_sub(1);
         let frequencies = response.frequencies().iter().zip(residues).enumerate();
         let modes = frequencies
             .map(|(k, (frequency, residue))| ModeReport {
                 frequency: *frequency,
-                signature: signature(response, k),
+                bare_signature: bare_signature(response, k),
                 residue,
                 dressed: if k == last { None } else { dressed.frequency(k) },
+                signature: if k == last { None } else { signature(k) },
             })
             .collect();
         let collision = leading.and_then(|leading| dressed.collision(leading));
-        Some(Self { modes, own, collision, omega: response.omega() })
+        let omega = response.omega();
+        // At −1 it is its own mirror image.
+        let own_signature = own.and_then(|own| own.signature(omega)).and_then(|_| signature(last));
+        Some(Self { modes, own, own_signature, collision, omega })
     }
 
     pub(crate) fn json(&self) -> Value {
@@ -65,9 +85,10 @@ impl OrbitModes {
             json!({
                 "mode": k,
                 "frequency": mode.frequency,
-                "signature": mode.signature.map(Signature::value),
+                "bare_signature": mode.bare_signature.map(Signature::value),
                 "residue": mode.residue,
                 "dressed": mode.dressed,
+                "signature": mode.signature.map(Signature::value),
             })
         };
         self.modes.iter().enumerate().map(mode).collect()
@@ -79,7 +100,7 @@ impl OrbitModes {
         Some(json!({
             "mode": self.modes.len() - 1,
             "frequency": own.frequency,
-            "signature": own.signature(self.omega).map(Signature::value),
+            "signature": self.own_signature.map(Signature::value),
             "loss": own.loss,
         }))
     }
@@ -91,24 +112,29 @@ impl OrbitModes {
     }
 }
 
-/// "signatures of modes 0–6 +, 7–10 −", the breather's own mode, and the collision.
+/// "signatures of modes: 0–6 +, 7–10 −", the breather's own mode, and the collision.
 impl fmt::Display for OrbitModes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sign = |mode: &ModeReport| match mode.signature {
             Some(Signature::Positive) => "+",
             Some(Signature::Negative) => "−",
-            None => "in doubt",
+            None => "none",
         };
         let (mut runs, mut first) = (Vec::new(), 0);
-        for run in self.modes.chunk_by(|a, b| a.signature == b.signature) {
+        // Above the last mode of the ring there is none.
+        let between = self.modes.split_last().map_or(&[][..], |(_, between)| between);
+        for run in between.chunk_by(|a, b| a.signature == b.signature) {
             let last = first + run.len() - 1;
             let range = if first == last { first.to_string() } else { format!("{first}–{last}") };
             runs.push(format!("{range} {}", run.first().map_or("", sign)));
             first = last + 1;
         }
-        write!(f, "signatures of modes: {}", runs.join(", "))?;
+        match runs.as_slice() {
+            [] => write!(f, "no mode beside the breather")?,
+            runs => write!(f, "signatures of modes: {}", runs.join(", "))?,
+        }
         if let Some(own) = self.own {
-            let sign = match own.signature(self.omega) {
+            let sign = match self.own_signature {
                 Some(Signature::Positive) => " +",
                 Some(Signature::Negative) => " −",
                 None => "",

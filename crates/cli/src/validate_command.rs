@@ -62,7 +62,8 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<(), CliErro
 const HEADING: &str = "# Closed forms against simulation
 
 Printed by `mapgen validate`. Each row is a physical orbit in closed form (`vibrochain-breather`), its multipliers
-(`vibrochain-floquet`) and an event-driven simulation (`vibrochain-eventsim`) that knows neither.
+(`vibrochain-floquet`) and an event-driven simulation (`vibrochain-eventsim`) that knows neither. Distances are rounding's, of which
+another machine has another: they are given to one digit, and rates to those that all have in common.
 
 - *closure*: largest distance of displacements and velocities from the start after one period of the orbit;
 - *drift*: the same after 1000 periods, where rounding has not been blown up to visible size by an instability
@@ -97,17 +98,17 @@ fn rows((family, sites, g1, g2, omega, a, amplitude, e): Point) -> Result<Vec<St
         let radius = answer.verdict.spectral_radius;
         let closure = distance(&map.after(&map.state(), 1)?, &map.state());
         let mut line = format!(
-            "| {} | {sites} | {g1} | {g2} | {omega} | {a} | {amplitude} | {e} | {closure:.1e} |",
+            "| {} | {sites} | {g1} | {g2} | {omega} | {a} | {amplitude} | {e} | {closure:.0e} |",
             family.name()
         );
         // Writing to a String cannot fail.
         let _ = if radius.powf(LONG as f64) < 1000.0 {
-            write!(line, " {:.1e} |", distance(&map.after(&map.state(), LONG)?, &map.state()))
+            write!(line, " {:.0e} |", distance(&map.after(&map.state(), LONG)?, &map.state()))
         } else {
             write!(line, " |")
         };
-        let _ = write!(line, " {:.1e} | {radius:.7} |", map.multiplier_error(&answer)?);
-        let _ = if radius > 1.0001 { writeln!(line, " {:.7} |", map.growth(radius)?) } else { writeln!(line, " |") };
+        let _ = write!(line, " {:.0e} | {radius:.7} |", map.multiplier_error(&answer)?);
+        let _ = if radius > 1.0001 { writeln!(line, " {} |", rate(map.growth(radius)?)) } else { writeln!(line, " |") };
         lines.push(line);
     }
     if lines.is_empty() {
@@ -118,6 +119,12 @@ fn rows((family, sites, g1, g2, omega, a, amplitude, e): Point) -> Result<Vec<St
         )));
     }
     Ok(lines)
+}
+
+/// A measured growth to the digits on which two runs agree: the faster it is, the fewer periods it is measured over.
+fn rate(growth: f64) -> String {
+    let decimals = if growth < 2.0 { 5 } else { (3 - growth.log10() as i32).max(0) as usize };
+    format!("{growth:.decimals$}")
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {

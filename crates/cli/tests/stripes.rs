@@ -194,6 +194,47 @@ fn wrong_requests() {
     assert_eq!(desk.files(), ["scene.toml"]);
 }
 
+/// On a coarse map one cell below the first is at no frequency at all: the memory that lines take does not depend on that.
+#[cfg(unix)]
+#[test]
+fn a_map_that_begins_less_than_a_cell_above_zero_takes_no_more_memory() {
+    let desk = Desk::new();
+    for (points, from) in [(4, "0.4"), (7, "0.4"), (3, "1e-9")] {
+        let scene = desk.scene(&format!(
+            "[model]\nsites = 21\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
+             x = {{ parameter = \"omega\", from = {from}, to = 3.0, points = {points} }}\n\
+             y = {{ parameter = \"gamma2\", from = 0.0, to = 0.3, points = 2 }}\n\
+             [compute]\nfamilies = [\"double-sided\", \"single-sided\"]\nstability = true\n"
+        ));
+        // Kilobytes of address space, most of it the threads' own.
+        let limited = "ulimit -v 1500000 && exec \"$0\" \"$@\"";
+        let mut command = Command::new("sh");
+        let program = assert_cmd::cargo::cargo_bin("mapgen");
+        command.args(["-c", limited]).arg(program).arg("stripes").arg(scene).arg("--out").arg(desk.path("x.svg"));
+        let text = output(command.env("RAYON_NUM_THREADS", "2").assert());
+        let row = printed(&text, "double-sided", "stable");
+        assert!(row[0] >= 2.0 && row[3] > 50.0, "{text}");
+    }
+}
+
+#[test]
+fn maps_that_would_not_fit_are_refused_with_the_limit() {
+    let desk = Desk::new();
+    let large = SCENE.replace("points = 150", "points = 1000000").replace("points = 40", "points = 1000000");
+    let long = SCENE.replace("sites = 6", "sites = 1000000");
+    for (text, message) in [
+        (large, "the map has 1000000000000 cells and is held whole: give at most 10000000"),
+        (
+            long,
+            "every pair of the modes of 1000000 masses in every one of 6000 cells is too much: give at most 25817 sites",
+        ),
+    ] {
+        let scene = desk.scene(&text);
+        desk.stripes(&scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
+        assert_eq!(desk.files(), ["scene.toml"]);
+    }
+}
+
 #[test]
 fn tables_of_another_scene_are_refused() {
     let desk = Desk::new();
@@ -246,7 +287,9 @@ fn an_orbit_tells_its_modes_and_which_have_collided() {
         assert_eq!(mode["mode"], k);
         assert!((mode["frequency"].as_f64().unwrap() - bare(k)).abs() < 1e-14);
         // Below ω/2 = 0.8 the form is positive, above it negative.
-        assert_eq!(mode["signature"], if bare(k) < 0.8 { 1 } else { -1 });
+        assert_eq!(mode["bare_signature"], if bare(k) < 0.8 { 1 } else { -1 });
+        // With the breather on the ring modes 1 and 2 have collided, and of the last one it has taken the place.
+        assert_eq!(mode["signature"], if k == 0 { 1.into() } else { Value::Null });
         match mode["dressed"].as_f64() {
             Some(dressed) => assert!(bare(k) < dressed && dressed < bare(k + 1)),
             None => assert_eq!(k, 3),
@@ -259,7 +302,7 @@ fn an_orbit_tells_its_modes_and_which_have_collided() {
     assert_eq!((&collision["modes"], &collision["harmonic"]), (&serde_json::json!([1, 2]), &1.into()));
     let dressed = |k: usize| modes[k]["dressed"].as_f64().unwrap();
     assert!((collision["detuning"].as_f64().unwrap() - (dressed(1) + dressed(2) - 1.6)).abs() < 1e-12);
-    let told = "signatures of modes: 0–1 +, 2–3 −; collided: modes 1 and 2, their frequencies sum to ω = 1.6 ";
+    let told = "signatures of modes: 0 +, 1–2 none; collided: modes 1 and 2, their frequencies sum to ω = 1.6 ";
     orbit("double-sided", "1.6", "").stdout(contains(told));
 
     let value = solution("double-sided", "1.46");
@@ -300,18 +343,32 @@ fn an_orbit_tells_of_the_breathers_own_mode() {
     assert!(self::solution("double-sided", "1.6")["own_mode"].is_null());
 }
 
+/// The signature beside `dressed` is that of the dressed mode's multiplier: the breather has carried mode 4 past −1.
+#[test]
+fn a_mode_that_the_breather_has_carried_past_minus_one_has_the_signature_of_its_multiplier() {
+    let line = "orbit --json --family single-sided --sites 15 --gamma1 0.5448393244032546 --gamma2 0.049273526372998165 --omega 1.6210549604807942 --asymmetry 0";
+    let assert = mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success();
+    let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let mode = &value["solutions"][0]["modes"][4];
+    let phase = |frequency: &str| mode[frequency].as_f64().unwrap() * std::f64::consts::TAU / 1.6210549604807942;
+    assert!((phase("frequency") - 3.134).abs() < 1e-3 && (phase("dressed") - 3.1805).abs() < 1e-3);
+    assert_eq!((&mode["bare_signature"], &mode["signature"]), (&1.into(), &(-1).into()));
+}
+
 #[test]
 fn modes_in_doubt_and_orbits_without_modes() {
     // 2Ω₀ = ω to the last digit: Ω₀ = 0.5.
     let line = "orbit --json --family double-sided --sites 6 --gamma1 .25 --gamma2 .15 --asymmetry .4 --omega 1";
     let assert = mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success();
     let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-    assert_eq!(value["solutions"][0]["modes"][0]["signature"], Value::Null);
+    assert_eq!(value["solutions"][0]["modes"][0]["bare_signature"], Value::Null);
     // Stable: nothing has collided.
     let value = solution("double-sided", "2.5");
     assert!(value["modes"].is_array() && value["collision"].is_null() && value["stability"]["stable"] == true);
     // Above twice the band all signatures are alike.
-    assert!(value["modes"].as_array().unwrap().iter().all(|mode| mode["signature"] == 1));
+    let (last, others) = value["modes"].as_array().unwrap().split_last().unwrap();
+    assert!(others.len() == 3 && others.iter().all(|mode| mode["signature"] == 1 && mode["bare_signature"] == 1));
+    assert!(last["signature"].is_null() && last["dressed"].is_null());
     // Losses: none of this is defined.
     let forced = orbit("double-sided", "1.6", "--json --amplitude .1 --restitution .9");
     let value: Value = serde_json::from_slice(&forced.get_output().stdout).unwrap();

@@ -68,5 +68,5 @@ pub use secular::{
     SecularMultipliers, SecularVerdict, multiplier_modes,
 };
 pub use square::Square;
-pub use stripes::{Collision, DressedModes, OwnMode, Signature, signature};
+pub use stripes::{Collision, DressedModes, OwnMode, Signature, bare_signature, signature};
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use faer::MatRef;
 use vibrochain_breather::{Family, Finder, Found, Orbit};
-use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, even_monodromy, signature};
+use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, bare_signature, even_monodromy};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
 
 const BOTH: [Family; 2] = [Family::SingleSided, Family::DoubleSided];
@@ -70,8 +70,11 @@ impl Bench {
 
     /// The symmetric orbit of that family, and its modes.
     fn orbit(&mut self, family: Family, sites: usize, g2: f64, omega: f64, a: f64) -> Option<Orbit> {
-        let model = Model::conservative(Chain::new(sites, 0.2, g2).unwrap(), omega, a).unwrap();
-        self.finder.find_symmetric(&model, family, &mut self.found).ok()?;
+        self.orbit_of(family, &Model::conservative(Chain::new(sites, 0.2, g2).unwrap(), omega, a).unwrap())
+    }
+
+    fn orbit_of(&mut self, family: Family, model: &Model) -> Option<Orbit> {
+        self.finder.find_symmetric(model, family, &mut self.found).ok()?;
         let orbit = self.found.orbits.pop()?;
         self.modes.set(&orbit, self.finder.response()).unwrap();
         Some(orbit)
@@ -107,13 +110,13 @@ fn free_modes_turn_forward_with_positive_form() {
             let upper = if multiplier.im > 0.0 { form } else { -form };
             let expected = if upper > 0.0 { Signature::Positive } else { Signature::Negative };
             if multiplier.im.abs() > 1e-9 {
-                assert_eq!(signature(&response, k), Some(expected));
+                assert_eq!(bare_signature(&response, k), Some(expected));
             }
         }
     }
     let spectrum = Spectrum::new(Chain::new(4, 0.25, 0.0).unwrap());
     // 2Ω = ω: −1 is its own mirror image.
-    assert_eq!(signature(&ImpulseResponse::new(&spectrum, 1.0).unwrap(), 0), None);
+    assert_eq!(bare_signature(&ImpulseResponse::new(&spectrum, 1.0).unwrap(), 0), None);
 }
 
 #[test]
@@ -191,6 +194,68 @@ fn every_dressed_mode_of_a_stable_orbit_has_its_multiplier_with_its_signature() 
     assert!(folded > 3000, "{folded}");
     assert!(close as f64 > 0.97 * folded as f64, "{close} of {folded}");
     assert!((wrong as f64) < 0.05 * folded as f64, "{wrong} of {folded}");
+}
+
+/// Whatever signature is told, of orbits of all kinds: Krein's form has that sign on the eigenvector of the multiplier in the
+/// upper half plane that is next to e^{±iΩ̃T}. The sign of the bare mode would be wrong again and again.
+#[test]
+fn every_signature_told_is_that_of_the_form_on_the_multiplier_next_to_the_dressed_mode() {
+    let (mut random, mut bench, mut secular) = (Random(7), Bench::new(), Secular::default());
+    // Of stable physical orbits, and of all others.
+    let (mut modes, mut told, mut bare_wrong) = ([0, 0], [0, 0], [0, 0]);
+    let log = |low: f64, high: f64, random: &mut Random| random.between(low.ln(), high.ln()).exp();
+    let chain = Chain::new(15, 0.5448393244032546, 0.049273526372998165).unwrap();
+    let carried_past = Model::conservative(chain, 1.6210549604807942, 0.0).unwrap();
+    for i in 0..5000 {
+        let sites = 2 + (random.unit() * 22.0) as usize;
+        let (g1, g2) = (log(0.02, 1.0, &mut random), log(1e-3, 0.5, &mut random));
+        let omega = random.between(0.3, 3.0);
+        let a = if random.unit() < 0.2 { 0.0 } else { random.between(0.0, 0.9) };
+        let model = Model::conservative(Chain::new(sites, g1, g2).unwrap(), omega, a).unwrap();
+        let model = if i == 0 { carried_past } else { model };
+        let Some(orbit) = bench.orbit_of(BOTH[i % 2], &model) else { continue };
+        if secular.set(&orbit, bench.response()).is_err() {
+            continue;
+        }
+        let Ok((roots, _)) = secular.roots() else { continue };
+        let signatures = bench.modes.signatures(&orbit, bench.response(), roots);
+        assert_eq!(signatures.len(), bench.modes.count());
+        let values = dense(&orbit);
+        let other = usize::from(growth(&values) > 1e-5 || !bench.physical(&orbit));
+        bench.orbit_of(BOTH[i % 2], &model);
+        // Where a dense solver has the signs, too.
+        let upper: Vec<(f64, f64)> = values
+            .iter()
+            .filter(|(z, _)| z.im > 0.0 && (z.norm() - 1.0).abs() < 1e-6 && (z - 1.0).norm() > 1e-4)
+            .map(|(z, form)| (z.arg(), *form))
+            .collect();
+        for (k, signature) in signatures.iter().enumerate() {
+            let Some(dressed) = bench.modes.frequency(k) else {
+                assert_eq!(*signature, None);
+                continue;
+            };
+            modes[other] += 1;
+            let Some(signature) = signature else { continue };
+            let phase = dressed * model.period();
+            let place = Complex::from_polar(1.0, phase).arg().abs();
+            let (_, form) = upper.iter().min_by(|a, b| (a.0 - place).abs().total_cmp(&(b.0 - place).abs())).unwrap();
+            let expected = if *form > 0.0 { Signature::Positive } else { Signature::Negative };
+            assert_eq!(*signature, expected, "mode {k} at {phase}, {form}, {upper:?}, {orbit:?}");
+            told[other] += 1;
+            bare_wrong[other] += u32::from(bare_signature(bench.response(), k) != Some(expected));
+        }
+        if i == 0 {
+            // The breather has carried mode 4 past −1: 3.134 of the bare ring has become 3.18.
+            assert_eq!(signatures[4], Some(Signature::Negative));
+            assert_eq!(bare_signature(bench.response(), 4), Some(Signature::Positive));
+        }
+    }
+    assert!(told[0] > 10_000 && told[1] > 10_000, "{told:?}");
+    assert!(
+        told[0] as f64 > 0.995 * modes[0] as f64 && told[1] as f64 > 0.8 * modes[1] as f64,
+        "{told:?} of {modes:?}"
+    );
+    assert!(bare_wrong[0] > 50, "{bare_wrong:?}");
 }
 
 /// Krein's form positive, and not the trivial pair.
@@ -308,7 +373,7 @@ fn residues_change_sign_where_signatures_do_not() {
         }
         let form = secular.residues();
         for (place, residue) in form.residues().iter().enumerate() {
-            let Some(signature) = signature(bench.response(), form.mode(place).unwrap()) else { continue };
+            let Some(signature) = bare_signature(bench.response(), form.mode(place).unwrap()) else { continue };
             all += 1;
             equal += u32::from((*residue > 0.0) == (signature == Signature::Positive));
         }

@@ -43,7 +43,7 @@ pub fn run(args: &ErrataArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let mut text = format!("{}{VERSION}{}", PREFACE.0, PREFACE.1);
     for correction in formulas::corrections()?.into_iter().chain(matrices::corrections()?) {
         let Correction { place, printed, holds, measure, errors } = correction;
-        text += &format!("| {place} | {printed} | {holds} | {measure} | {:.1e} | {:.1e} |\n", errors.0, errors.1);
+        text += &format!("| {place} | {printed} | {holds} | {measure} | {:.1e} | {:.0e} |\n", errors.0, errors.1);
     }
     text += LETTERS;
     text += points::HEADING;
@@ -71,7 +71,8 @@ Formulas that are not listed hold as printed.
 ## Formulas
 
 Both versions are evaluated on exact kernels at orbits that the program finds by other means. *printed* and *mended* are the
-errors of either; a right formula leaves rounding.
+errors of either; a right formula leaves rounding, of which one digit is given: another machine has another. So have the last digits
+of what is quoted.
 
 | where | printed | holds | error of | printed | mended |
 |---|---|---|---|---|---|

@@ -102,10 +102,11 @@ impl Carrier {
             let last = first + run.len() - 1;
             if let Some(group) = run.first().copied().flatten() {
                 let (mut from, mut to) = (first, last);
-                while from > 0 && self.goes_on(request, row, (from, from - 1), of, group) {
+                let going = || !stop.load(Ordering::Relaxed);
+                while from > 0 && going() && self.goes_on(request, row, (from, from - 1), of, group) {
                     from -= 1;
                 }
-                while to + 1 < columns && self.goes_on(request, row, (to, to + 1), of, group) {
+                while to + 1 < columns && going() && self.goes_on(request, row, (to, to + 1), of, group) {
                     to += 1;
                 }
                 cuts.push(Cut { double: of == Family::DoubleSided, group, row, first, last, from, to });

@@ -9,22 +9,11 @@ use vibrochain_breather::Family;
 use crate::plot::Tile;
 use crate::stripes::cuts::Group;
 use crate::stripes::family;
-use crate::stripes::lines::{Crossing, Key, Modes, Rows};
+use crate::stripes::lines::{Crossing, Rows};
 use crate::stripes::request::Request;
 
-/// The lines compared: name, and which they are.
-type Kind = (&'static str, fn(&Key, bool) -> bool);
-
-const KINDS: [Kind; 4] = [
-    ("sums", is_sum),
-    ("differences", |key, double| key.modes == Modes::Dressed && !key.sum && key.double == double),
-    ("bare sums", |key, _| key.modes == Modes::Bare && key.sum),
-    ("bare differences", |key, _| key.modes == Modes::Bare && !key.sum),
-];
-
-fn is_sum(key: &Key, double: bool) -> bool {
-    key.modes == Modes::Dressed && key.sum && key.double == double
-}
+/// The lines compared.
+const KINDS: [&str; 4] = ["sums", "differences", "bare sums", "bare differences"];
 
 /// Cells within one cell of some lines.
 fn marked(request: &Request, crossings: &[Crossing], is: impl Fn(&Crossing) -> bool) -> Vec<bool> {
@@ -44,9 +33,21 @@ fn marked(request: &Request, crossings: &[Crossing], is: impl Fn(&Crossing) -> b
     near
 }
 
+/// Cells with a mark in their own row or in one beside it.
+fn widened(request: &Request, marks: &[bool]) -> Vec<bool> {
+    let (columns, rows) = (request.omega.points, request.gamma2.points);
+    let mut near = vec![false; marks.len()];
+    for (cell, _) in marks.iter().enumerate().filter(|(_, mark)| **mark) {
+        let (row, column) = (cell / columns, cell % columns);
+        (row.saturating_sub(1)..=(row + 1).min(rows - 1)).for_each(|row| near[request.cell(row, column)] = true);
+    }
+    near
+}
+
 /// The table that is printed.
 pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String {
     let mut text = format!("N = {}: share of cells within one cell of a line\n", request.scene.base.sites - 1);
+    let bare = rows.bare.each_ref().map(|marks| widened(request, marks));
     let mut growing = vec![false; tiles.len()];
     rows.growing.iter().for_each(|&cell| growing[cell] = true);
     for of in [Family::DoubleSided, Family::SingleSided] {
@@ -55,11 +56,16 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
             continue;
         }
         let double = of == Family::DoubleSided;
-        let near = KINDS.map(|(_, is)| marked(request, &rows.crossings, |met| is(&met.key, double) && !met.beyond));
-        let anywhere = marked(request, &rows.crossings, |met| is_sum(&met.key, double));
+        let lines = |sum: bool, beyond: bool| {
+            let is = |met: &Crossing| met.key.double == double && met.key.sum == sum && (beyond || !met.beyond);
+            marked(request, &rows.crossings, is)
+        };
+        let [sums, differences] = &bare;
+        let near = [&lines(true, false), &lines(false, false), sums, differences];
+        let anywhere = lines(true, true);
         // Writing to a String cannot fail.
         let _ = write!(text, "\n{:<16} {:>8}", of.name(), "cells");
-        for (name, _) in KINDS {
+        for name in KINDS {
             let _ = write!(text, " {name:>16}");
         }
         let _ =
@@ -72,7 +78,7 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
             let share = |count: usize, all: usize| 100.0 * count as f64 / all as f64;
             let of_cells = |marks: &[bool]| share(cells.iter().filter(|&&cell| marks[cell]).count(), cells.len());
             let _ = write!(text, "  {:<14} {:>8}", group.name(), cells.len());
-            for marks in near.iter().chain([&growing]) {
+            for marks in near.into_iter().chain([&growing]) {
                 let _ = write!(text, " {:>14.1} %", of_cells(marks));
             }
             // Cells side by side in a row are one cut through a stripe.
@@ -80,7 +86,7 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
             let any = |row: usize, (from, to): (usize, usize), marks: &[bool]| {
                 marks[request.cell(row, from)..=request.cell(row, to)].contains(&true)
             };
-            let met = cuts.iter().filter(|cut| any(cut.row, (cut.first, cut.last), &near[0])).count();
+            let met = cuts.iter().filter(|cut| any(cut.row, (cut.first, cut.last), near[0])).count();
             let carried = cuts.iter().filter(|cut| any(cut.row, (cut.from, cut.to), &anywhere)).count();
             let _ = write!(text, " {:>8}", cuts.len());
             for count in [met, carried] {

@@ -2,7 +2,7 @@
 //! with a breather of one family, the number (Ω̃_k ± Ω̃_l)/ω passes a whole one.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -12,24 +12,19 @@ use vibrochain_lattice::{Chain, Spectrum};
 
 use crate::error::CliError;
 use crate::output::Number;
+use crate::parameter::Parameter;
 use crate::plot::Tile;
 use crate::stripes::cuts::{Carrier, Cut};
 use crate::stripes::family;
 use crate::stripes::request::Request;
 
-/// The frequencies whose sums and differences are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Modes {
-    /// Those of the ring with the breather on it.
-    Dressed,
-    /// Those of the bare ring, for comparison.
-    Bare,
-}
+/// The most places where lines meet rows: some 50 bytes each, 300 MB with the lines drawn of them. The fullest map of docs/stripes.md
+/// draws 92 thousand.
+const MOST_CROSSINGS: u64 = 5_000_000;
 
 /// What tells lines apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Key {
-    pub(super) modes: Modes,
     /// Of double-sided breathers, or of single-sided ones.
     pub(super) double: bool,
     pub(super) k: usize,
@@ -54,6 +49,9 @@ pub(super) struct Crossing {
 pub(super) struct Rows {
     pub(super) crossings: Vec<Crossing>,
     pub(super) cuts: Vec<Cut>,
+    /// For comparison: whether a cell is within one cell, along its row, of a line of sums of the bare ring's modes, and of
+    /// differences.
+    pub(super) bare: [Vec<bool>; 2],
     /// Cells whose breather's own mode grows by itself ([`DressedModes::own_grows`]).
     pub(super) growing: Vec<usize>,
 }
@@ -80,9 +78,10 @@ const FAMILIES: [Family; 2] = [Family::DoubleSided, Family::SingleSided];
 /// All crossings and cuts, by rows.
 ///
 /// # Errors
-/// [`CliError::Interrupted`].
+/// [`CliError::Interrupted`]; [`CliError::Computation`] for more lines than can be held.
 pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &AtomicBool) -> Result<Rows, CliError> {
-    let rows: Option<Vec<Rows>> = pool.install(|| {
+    let met = AtomicU64::new(0);
+    let rows: Result<Vec<Rows>, CliError> = pool.install(|| {
         (0..request.gamma2.points)
             .into_par_iter()
             .map_init(
@@ -92,14 +91,15 @@ pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &
                     found: Found::default(),
                     modes: DressedModes::default(),
                 },
-                |worker, row| worker.row(request, tiles, row, stop),
+                |worker, row| worker.row(request, tiles, row, &met, stop),
             )
             .collect()
     });
     let mut all = Rows::default();
-    for row in rows.ok_or(CliError::Interrupted)? {
+    for row in rows? {
         all.crossings.extend(row.crossings);
         all.cuts.extend(row.cuts);
+        all.bare.iter_mut().zip(row.bare).for_each(|(all, row)| all.extend(row));
         all.growing.extend(row.growing);
     }
     Ok(all)
@@ -113,10 +113,17 @@ struct Worker {
 }
 
 impl Worker {
-    /// One row; `None` if stopped.
-    fn row(&mut self, request: &Request, tiles: &[Tile], row: usize, stop: &AtomicBool) -> Option<Rows> {
-        let mut all = Rows::default();
-        let symmetric = request.scene.base.get(crate::parameter::Parameter::Asymmetry) == 0.0;
+    /// One row; `met` counts the crossings of all.
+    fn row(
+        &mut self,
+        request: &Request,
+        tiles: &[Tile],
+        row: usize,
+        met: &AtomicU64,
+        stop: &AtomicBool,
+    ) -> Result<Rows, CliError> {
+        let mut all = Rows { bare: bare(request, row), ..Rows::default() };
+        let symmetric = request.scene.base.get(Parameter::Asymmetry) == 0.0;
         let columns = request.omega.points;
         let (mut here, mut last) = (Vec::new(), Vec::new());
         for of in FAMILIES {
@@ -126,15 +133,15 @@ impl Worker {
             let beside: Vec<bool> =
                 (0..columns).map(|column| (column.saturating_sub(1)..=(column + 1).min(columns - 1)).any(is)).collect();
             let mut wanted = beside.clone();
-            let cuts = self.carrier.cuts(request, tiles, row, of, stop)?;
+            let cuts = self.carrier.cuts(request, tiles, row, of, stop).ok_or(CliError::Interrupted)?;
             for cut in &cuts {
-                wanted.get_mut(cut.from..=cut.to)?.fill(true);
+                wanted[cut.from..=cut.to].fill(true);
             }
             all.cuts.extend(cuts);
             last.clear();
             for column in 0..columns {
                 if stop.load(Ordering::Relaxed) {
-                    return None;
+                    return Err(CliError::Interrupted);
                 }
                 here.clear();
                 if wanted[column] {
@@ -144,15 +151,22 @@ impl Worker {
                     }
                 }
                 let beyond = !(beside[column] && column > 0 && beside[column - 1]);
+                let before = all.crossings.len();
                 pairs(&last, &here, double && symmetric, |k, l, harmonic, sum, part| {
-                    let key = Key { modes: Modes::Dressed, double, k, l, harmonic, sum };
+                    let key = Key { double, k, l, harmonic, sum };
                     all.crossings.push(Crossing { key, row, place: column as f64 - 1.0 + part, beyond });
                 });
+                let more = (all.crossings.len() - before) as u64;
+                if met.fetch_add(more, Ordering::Relaxed) + more > MOST_CROSSINGS {
+                    return Err(CliError::Computation(format!(
+                        "lines meet the rows of this map more than {MOST_CROSSINGS} times: give fewer points of {} or fewer sites",
+                        Parameter::Gamma2.name()
+                    )));
+                }
                 std::mem::swap(&mut here, &mut last);
             }
         }
-        bare(request, row, &mut all.crossings);
-        Some(all)
+        Ok(all)
     }
 
     /// Ω̃/ω of all modes in one cell, and whether the breather's own grows by itself.
@@ -195,43 +209,54 @@ fn pairs(
     }
 }
 
-/// The same for the bare ring, whose frequencies do not depend on ω.
-fn bare(request: &Request, row: usize, all: &mut Vec<Crossing>) {
+/// The same for the bare ring, whose frequencies do not depend on ω, and of which no line is drawn: which cells of a row have
+/// one between the cells on either side. (As ω falls to 0 there are more and more harmonics from one cell to the next.)
+fn bare(request: &Request, row: usize) -> [Vec<bool>; 2] {
+    let columns = request.omega.points;
+    let mut near = [vec![false; columns], vec![false; columns]];
     let base = &request.scene.base;
-    let gamma2 = request.scene.point(request.cell(row, 0) as u64).get(crate::parameter::Parameter::Gamma2);
-    let Ok(chain) = Chain::new(base.sites, base.get(crate::parameter::Parameter::Gamma1), gamma2) else { return };
+    let gamma2 = request.scene.point(request.cell(row, 0) as u64).get(Parameter::Gamma2);
+    let Ok(chain) = Chain::new(base.sites, base.get(Parameter::Gamma1), gamma2) else { return near };
     let spectrum = Spectrum::new(chain);
     let frequencies = spectrum.frequencies();
-    // One cell beyond either end is still next to the map.
-    let (least, most) = (request.omega.value(-1.0), request.omega.value(request.omega.points as f64));
     for (k, low) in frequencies.iter().enumerate() {
         for (l, high) in frequencies.iter().enumerate().skip(k) {
-            for (sum, value) in [(true, low + high), (false, high - low)] {
-                let harmonics = (value / most).ceil().max(1.0)..=(value / least.max(f64::MIN_POSITIVE)).floor();
-                let mut harmonic = *harmonics.start();
-                while harmonics.contains(&harmonic) && harmonic < 1e6 {
-                    if k != l || sum && harmonic % 2.0 != 0.0 {
-                        let key = Key { modes: Modes::Bare, double: false, k, l, harmonic: harmonic as usize, sum };
-                        let place = request.omega.place(value / harmonic);
-                        all.push(Crossing { key, row, place, beyond: false });
-                    }
-                    harmonic += 1.0;
-                }
+            // A mode against itself collides at odd harmonics only, and has no difference.
+            let [sums, differences] = &mut near;
+            let is_met = |column: usize, value: f64| between(value, k == l, cells_about(request, column));
+            for column in 0..columns {
+                sums[column] = sums[column] || is_met(column, low + high);
+                differences[column] = differences[column] || k != l && is_met(column, high - low);
             }
         }
     }
+    near
+}
+
+/// ω one cell below and one above a column; beyond either end of the map is still next to it.
+fn cells_about(request: &Request, column: usize) -> (f64, f64) {
+    (request.omega.value(column as f64 - 1.0), request.omega.value(column as f64 + 1.0))
+}
+
+/// Whether a harmonic jω, j odd if so wanted, is `value` at an ω from `low` to `high`.
+fn between(value: f64, odd: bool, (low, high): (f64, f64)) -> bool {
+    let last = if low > 0.0 { value / low } else { f64::INFINITY };
+    let mut harmonic = (value / high).ceil().max(1.0);
+    if odd && harmonic % 2.0 == 0.0 {
+        harmonic += 1.0;
+    }
+    value > 0.0 && harmonic <= last
 }
 
 /// The lines of dressed modes: crossings of neighbouring rows, put together.
 pub(super) fn joined(request: &Request, crossings: &[Crossing]) -> Vec<Line> {
     let mut by_key: BTreeMap<Key, Vec<&Crossing>> = BTreeMap::new();
-    let drawn = |crossing: &&Crossing| crossing.key.modes == Modes::Dressed && !crossing.beyond;
-    for crossing in crossings.iter().filter(drawn) {
+    for crossing in crossings.iter().filter(|crossing| !crossing.beyond) {
         by_key.entry(crossing.key).or_default().push(crossing);
     }
     // |dω/dγ₂| of a sum of two modes is below 4/Ω.
     let base = &request.scene.base;
-    let slope = 4.0 / base.get(crate::parameter::Parameter::Gamma1).sqrt().max(0.05);
+    let slope = 4.0 / base.get(Parameter::Gamma1).sqrt().max(0.05);
     let reach = 4.0 + slope * request.gamma2.step / request.omega.step;
     let mut lines = Vec::new();
     for (key, crossings) in by_key {
@@ -296,6 +321,27 @@ pub(super) fn table(lines: &[Line]) -> Result<Vec<u8>, CliError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_harmonic_is_met_between_two_frequencies_as_counting_them_says() {
+        let (mut met, mut missed) = (0, 0);
+        for i in 0..4000 {
+            let part = |step: f64| (f64::from(i) * step).fract();
+            let (value, low) = (0.1 + 3.0 * part(0.618_033_988_7), 0.05 + part(0.414_213_562_3));
+            let about = (low, low + 0.2 * part(0.732_050_807_5));
+            for odd in [false, true] {
+                let counted = (1..200)
+                    .filter(|j| !odd || j % 2 == 1)
+                    .any(|j| (about.0..=about.1).contains(&(value / f64::from(j))));
+                assert_eq!(between(value, odd, about), counted, "{value} {odd} {about:?}");
+                *(if counted { &mut met } else { &mut missed }) += 1;
+            }
+        }
+        assert!(met > 1000 && missed > 1000, "{met} {missed}");
+        // Down to no frequency at all, in one step; a mode at rest has no harmonic.
+        assert!(between(1.2, true, (-0.4, 1e-300)) && between(1.2, false, (1e-300, 1e-9)));
+        assert!(between(0.3, true, (0.0, 0.4)) && !between(0.0, false, (-0.4, 0.4)));
+    }
 
     #[test]
     fn whole_numbers_are_passed_once_each_way() {

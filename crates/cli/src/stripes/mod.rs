@@ -20,7 +20,7 @@ use crate::console::Console;
 use crate::destination::distinct;
 use crate::error::CliError;
 use crate::output::Output;
-use crate::plot::{MapLine, MapPicture, Palette, Tile, map_with_lines};
+use crate::plot::{MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
 use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
 use crate::stripes::lines::{Line, joined, rows, table};
@@ -49,10 +49,12 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     if let Some(csv) = csv {
         csv.finish_with(&table(&lines)?)?;
     }
+    let shown = tiles.iter().zip(0..).filter(|(_, cell)| is_shown(&request.scene, *cell));
+    let shown: Vec<Tile> = shown.map(|(tile, _)| *tile).collect();
     // The last of the modes even about the site that is hit.
     let own = request.scene.base.sites / 2;
     let bytes = map_with_lines(
-        &MapPicture { scene: &request.scene, tiles: &tiles, palette: Palette::default() },
+        &MapPicture { scene: &request.scene, tiles: &shown, palette: Palette::default() },
         &lines.iter().filter(|line| line.sum || args.all).map(|line| drawn(line, own)).collect::<Vec<_>>(),
         request.format,
     )

@@ -7,6 +7,12 @@ use crate::parameter::Parameter;
 use crate::plot::Format;
 use crate::scene::{Axis, Scene, Values};
 
+/// The most cells of a map: it is held whole, at about ten bytes a cell.
+const MOST_CELLS: u64 = 10_000_000;
+
+/// The most pairs of modes that are looked at, in all cells together: some nanoseconds each, an hour.
+const MOST_PAIRS: u64 = 1_000_000_000_000;
+
 /// Equally spaced values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Steps {
@@ -19,11 +25,6 @@ impl Steps {
     /// The value at a place between the points, in steps.
     pub(super) fn value(&self, place: f64) -> f64 {
         self.first + place * self.step
-    }
-
-    /// The place of a value, in steps.
-    pub(super) fn place(&self, value: f64) -> f64 {
-        (value - self.first) / self.step
     }
 }
 
@@ -51,6 +52,19 @@ impl Request {
             return Err(wrong(
                 "stripes are collisions of modes without loss: give a scene without force and with elastic impacts",
             ));
+        }
+        let cells = scene.cells();
+        if cells > MOST_CELLS {
+            return Err(wrong(&format!("the map has {cells} cells and is held whole: give at most {MOST_CELLS}")));
+        }
+        let modes = scene.base.sites as u64 / 2 + 1;
+        // Half of all k, l, of both families.
+        if modes.saturating_mul(modes).saturating_mul(cells) > MOST_PAIRS {
+            let most = 2 * (MOST_PAIRS / cells).isqrt() - 1;
+            let sites = scene.base.sites;
+            return Err(wrong(&format!(
+                "every pair of the modes of {sites} masses in every one of {cells} cells is too much: give at most {most} sites, or fewer points"
+            )));
         }
         let axes = scene.plane().filter(|[x, y]| x.parameter == Parameter::Omega && y.parameter == Parameter::Gamma2);
         let Some([x, y]) = axes else {

@@ -20,11 +20,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
 
 use super::form::{C, Form};
 use super::own::{OwnMode, own_mode};
+use super::signature::{Signature, signature};
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 
@@ -60,7 +62,8 @@ pub struct DressedModes {
 }
 
 impl DressedModes {
-    /// Takes over an orbit that is its own mirror image in time ([`Orbit::is_reversible`]); any other has no such modes.
+    /// Takes over an orbit that is its own mirror image in time ([`Orbit::is_reversible`]); any other has no such modes, nor has
+    /// one of a frequency so low that hundreds of its harmonics are below the band.
     /// `response` is that of the orbit's chain and frequency.
     ///
     /// # Errors
@@ -175,6 +178,40 @@ impl DressedModes {
         None
     }
 
+    /// Signature of the multiplier of each mode, by rising k, the breather's own last: of all multipliers on the circle, and their
+    /// mirror images, that next to e^{iΩ̃T}. `None` where that is next to another mode, or has the form of the other sign: then
+    /// the mode's own has left the circle, or is too far from the place where it would be without meetings to be told apart.
+    ///
+    /// `roots` are those of the orbit taken over, ν = ½(μ + 1/μ), as [`crate::Secular::roots`] has them. O(M) for each.
+    pub fn signatures(
+        &self,
+        orbit: &Orbit,
+        response: &ImpulseResponse,
+        roots: &[Complex<f64>],
+    ) -> Vec<Option<Signature>> {
+        // In turns of the circle, from −½ to ½: where the form is positive. It is negative at the mirror images.
+        let on_the_circle = roots.iter().filter(|nu| nu.im == 0.0 && nu.re.abs() < 1.0);
+        let positive: Vec<f64> = on_the_circle
+            .filter_map(|nu| {
+                let multiplier = C::new(nu.re, ((1.0 - nu.re) * (1.0 + nu.re)).sqrt());
+                let sign = signature(orbit, response, multiplier)?.value();
+                Some(f64::from(sign) * multiplier.arg() / TAU)
+            })
+            .collect();
+        let places: Vec<Option<f64>> = self.frequencies().map(|w| w.map(|w| w / self.omega())).collect();
+        let apart = |a: f64, b: f64| (a - b - (a - b).round()).abs();
+        let signature_at = |place: f64| {
+            let nearest = positive.iter().copied().min_by(|a, b| apart(*a, place).total_cmp(&apart(*b, place)))?;
+            let distance = apart(nearest, place);
+            // (At −1 and +1 both are as near.)
+            let other_form = positive.iter().any(|turn| apart(-turn, place) <= distance);
+            let nearer = |other: &f64| apart(nearest, *other) < distance;
+            let other_mode = places.iter().flatten().any(nearer);
+            (!other_form && !other_mode).then(|| if nearest > 0.0 { Signature::Positive } else { Signature::Negative })
+        };
+        places.iter().map(|place| place.and_then(signature_at)).collect()
+    }
+
     /// x = qM/2 of a wave.
     fn phase(&self, w: f64) -> f64 {
         self.form.half_wave_number(w) * self.form.sites() as f64
@@ -225,6 +262,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn harmonics_without_number_are_not_counted_through() {
+        for gamma2 in [0.0, 1e-9, 0.2] {
+            for omega in [5e-4, 1e-9] {
+                assert_eq!(modes(Family::SingleSided, 21, gamma2, omega).frequencies().flatten().count(), 0);
+            }
+        }
+        assert!(modes(Family::SingleSided, 21, 1e-3, 0.1).frequencies().flatten().count() > 0);
     }
 
     #[test]

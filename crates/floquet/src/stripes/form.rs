@@ -28,6 +28,9 @@ const NODES: usize = 8;
 /// cosh of the decay from which λ^16 < 1e-12: distance from the centre of the band in Ω², over half its width.
 const FAR: f64 = 2.9;
 
+/// The most w_j in or near the band: f takes all of them one by one, and with that many no mode is told apart from a wave.
+const MOST_HARMONICS: f64 = 1000.0;
+
 /// A node, with cos y, sin y/Ω and Ω sin y of its phase y over the time between impacts.
 #[derive(Debug, Clone, Copy, Default)]
 struct Node {
@@ -78,7 +81,8 @@ pub(super) struct Form {
 }
 
 impl Form {
-    /// Takes over an orbit of one or two impacts a period; false for any other.
+    /// Takes over an orbit of one or two impacts a period; false for any other, and for a frequency with more than
+    /// [`MOST_HARMONICS`] harmonics up to the band.
     pub(super) fn set(&mut self, chain: &Chain, response: &ImpulseResponse, kappas: &[f64], symmetric: bool) -> bool {
         let (first, second) = match kappas {
             [only] => (*only, *only),
@@ -110,7 +114,7 @@ impl Form {
             FAR
         };
         self.reach = (centre + 2.0 * self.gamma2 * far).sqrt();
-        true
+        2.0 * self.reach <= MOST_HARMONICS * self.omega
     }
 
     /// ω

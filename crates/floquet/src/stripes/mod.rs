@@ -2,7 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `signature` | [`signature()`]: on which multiplier of a mode the energy is positive |
+//! | `signature` | [`signature()`]: on which multiplier of a pair the energy is positive |
 //! | `form` | the secular function at one frequency, waves in the band running off |
 //! | `own` | [`OwnMode`]: the mode that the breather has drawn out of the band |
 //! | `dressed` | [`DressedModes`]: the frequencies of the modes with the breather on the ring |
@@ -32,4 +32,4 @@ mod signature;
 pub use collision::Collision;
 pub use dressed::DressedModes;
 pub use own::OwnMode;
-pub use signature::{Signature, signature};
+pub use signature::{Signature, bare_signature, signature};

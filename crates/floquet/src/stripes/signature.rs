@@ -1,6 +1,14 @@
-//! Krein signatures of the modes of the ring.
+//! Krein signatures of multipliers, and of the modes of the bare ring.
 
+use nalgebra::Complex;
+use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
+
+use crate::secular::ModalShape;
+
+/// |form| on an eigenvector of length 1, energies in units of ω, below which its sign is rounding's: the form of a pair that has
+/// met, or left the circle, is 0.
+const NO_FORM: f64 = 1e-7;
 
 /// Krein signature of a pair of multipliers e^{±iθ}, by the one in the upper half plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -12,6 +20,11 @@ pub enum Signature {
 }
 
 impl Signature {
+    /// By the sign of a number that is not 0.
+    fn of(sign: f64) -> Self {
+        if sign > 0.0 { Self::Positive } else { Self::Negative }
+    }
+
     /// +1 or −1.
     pub fn value(self) -> i8 {
         match self {
@@ -21,36 +34,57 @@ impl Signature {
     }
 }
 
-/// Signature of even mode k of the ring, the sign of sin Ω_kT; `None` where rounding could have changed it, 2Ω_k = jω.
-///
-/// Signatures are of one kind up to ω = 2Ω_max; below that the modes above jω/2 and those below it have opposite ones, and
-/// can collide. (The signs of the residues of [`crate::Residues`] bracket real roots, and are others: a root that passes
-/// the pole of a mode turns the sign of its residue, but keeps its signature.)
+/// Signature of an orbit's multiplier on the unit circle, above or below the real axis: the sign of Krein's form on its
+/// eigenvector, for the one in the upper half plane. `None` for what is no multiplier of the modes that feel the impacts, or not on the
+/// circle, and for one of a pair that has met. O(M).
 ///
 /// ```
-/// use vibrochain_floquet::{Signature, signature};
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_floquet::{Complex, Secular, Signature, signature};
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::conservative(Chain::new(6, 0.2, 0.15)?, 1.2, 0.4)?;
+/// let (mut finder, mut found, mut secular) = (Finder::new(6), Found::default(), Secular::default());
+/// finder.find(&model, Family::DoubleSided, &mut found)?;
+/// secular.set(&found.orbits[0], finder.response())?;
+/// let told = |nu: &Complex<f64>| {
+///     let multiplier = Complex::new(nu.re, (1.0 - nu.re * nu.re).sqrt());
+///     (multiplier.arg(), signature(&found.orbits[0], finder.response(), multiplier))
+/// };
+/// let mut signatures: Vec<_> = secular.roots()?.0.iter().map(told).collect();
+/// signatures.sort_by(|a, b| a.0.total_cmp(&b.0));
+/// // The mode with the smallest frequency turns by less than half a circle, the other two by more.
+/// let (negative, positive) = (Some(Signature::Negative), Some(Signature::Positive));
+/// assert_eq!(signatures.iter().map(|s| s.1).collect::<Vec<_>>(), [negative, negative, positive]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn signature(orbit: &Orbit, response: &ImpulseResponse, multiplier: Complex<f64>) -> Option<Signature> {
+    let shape = ModalShape::new(orbit, response, multiplier).ok()?;
+    // ½i(ẋ̄x − x̄ẋ) = Im x̄ẋ
+    let form: f64 = shape.displacement.iter().zip(&shape.velocity).map(|(x, velocity)| (x.conj() * velocity).im).sum();
+    let upper = form * multiplier.im.signum() / response.omega();
+    if upper.abs() > NO_FORM { Some(Signature::of(upper)) } else { None }
+}
+
+/// Signature of even mode k of the bare ring, the sign of sin Ω_kT; `None` where rounding could have changed it, 2Ω_k = jω.
+///
+/// With a breather on the ring the modes swing at other frequencies, and some multipliers have passed −1: see
+/// [`crate::DressedModes::signatures`]. (The signs of the residues of [`crate::Residues`] bracket real roots, and are others: a
+/// root that passes the pole of a mode turns the sign of its residue, but keeps its signature.)
+///
+/// ```
+/// use vibrochain_floquet::{Signature, bare_signature};
 /// use vibrochain_lattice::{Chain, ImpulseResponse, Spectrum};
 /// let spectrum = Spectrum::new(Chain::new(21, 0.2, 0.1)?);
 /// // Ω runs from 0.447 to 0.775: at ω = 1.2 some modes are below ω/2 and some are above.
 /// let response = ImpulseResponse::new(&spectrum, 1.2)?;
-/// assert_eq!(signature(&response, 0), Some(Signature::Positive));
-/// assert_eq!(signature(&response, 10), Some(Signature::Negative));
-/// assert_eq!(signature(&response, 11), None);
+/// assert_eq!(bare_signature(&response, 0), Some(Signature::Positive));
+/// assert_eq!(bare_signature(&response, 10), Some(Signature::Negative));
+/// assert_eq!(bare_signature(&response, 11), None);
 /// # Ok::<(), vibrochain_lattice::LatticeError>(())
 /// ```
-pub fn signature(response: &ImpulseResponse, mode: usize) -> Option<Signature> {
-    let half = mode_half_phase(response, mode)?;
+pub fn bare_signature(response: &ImpulseResponse, mode: usize) -> Option<Signature> {
+    let half = 0.5 * response.frequencies().get(mode)? * response.period();
     let sin = 2.0 * response.sin_half().get(mode)? * response.cos_half().get(mode)?;
     // The phase carries a relative error of about 2ε.
-    if sin.abs() <= 4.0 * f64::EPSILON * (1.0 + half) {
-        None
-    } else if sin > 0.0 {
-        Some(Signature::Positive)
-    } else {
-        Some(Signature::Negative)
-    }
-}
-
-fn mode_half_phase(response: &ImpulseResponse, mode: usize) -> Option<f64> {
-    response.frequencies().get(mode).map(|frequency| 0.5 * frequency * response.period())
+    if sin.abs() > 4.0 * f64::EPSILON * (1.0 + half) { Some(Signature::of(sin)) } else { None }
 }
