@@ -29,9 +29,16 @@ use crate::reduction::Reduction;
 /// Newton steps at most for one point; five are usual.
 const STEPS: usize = 12;
 
+/// Newton steps smaller than this that shrink no more are rounding.
+const NOISE: f64 = 1e-7;
+
 /// A point may be this part of the step away from where the tangent pointed; farther is another branch or too long a
 /// step.
 const BEND: f64 = 0.35;
+
+/// A chord may differ from the mean of the tangents at its ends by this part of its length: that of an arc of a quarter of a
+/// radian. One that leads to another branch does not fit the tangents.
+const CHORD: f64 = 0.01;
 
 /// Step of difference quotients in the parameter, relative: error and rounding balance. Newton's method needs no more
 /// digits than that.
@@ -61,6 +68,9 @@ pub struct BranchPoint {
     tangent: Vector,
     parameter: usize,
     full_determinant: f64,
+    /// Sign of the determinant of ∂F/∂z bordered by the tangent: constant along a curve without branch points, and different
+    /// on branches that are neighbours at one value of the parameter.
+    orientation: f64,
     parameter_error: f64,
 }
 
@@ -93,7 +103,7 @@ impl BranchPoint {
 
     /// The same point, with the curve to be followed the other way.
     pub fn reversed(&self) -> Self {
-        Self { tangent: self.tangent.map(|x| -x), ..self.clone() }
+        Self { tangent: self.tangent.map(|x| -x), orientation: -self.orientation, ..self.clone() }
     }
 }
 
@@ -150,7 +160,18 @@ impl Branch {
         let mut finder = Finder::new(model.chain().sites());
         finder.prepare(model, orbit.frequency())?;
         let layout = Terms::new(orbit, &finder.response).layout().ok_or(BranchError::Word)?;
-        let reduction = Reduction::of(orbit, free, layout);
+        Ok(Self::with(orbit, finder, (free, unit), layout, Reduction::of(orbit, free, layout)))
+    }
+
+    /// The branch of these unknowns; `finder` must be prepared for the orbit.
+    pub(crate) fn with(
+        orbit: &Orbit,
+        finder: Finder,
+        (free, unit): (Parameter, f64),
+        layout: Layout,
+        reduction: Reduction,
+    ) -> Self {
+        let model = orbit.model();
         let size = reduction.columns.len();
         let displacement = Terms::new(orbit, &finder.response).static_displacement();
         let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
@@ -167,18 +188,7 @@ impl Branch {
         }
         units[size] = unit.abs().max(f64::MIN_POSITIVE);
         let word = orbit.impacts().iter().map(|impact| (impact.site, impact.barrier)).collect();
-        Ok(Self {
-            finder,
-            origin: orbit.clone(),
-            free,
-            word,
-            layout,
-            reduction,
-            size,
-            full_units,
-            units,
-            evaluations: 0,
-        })
+        Self { finder, origin: orbit.clone(), free, word, layout, reduction, size, full_units, units, evaluations: 0 }
     }
 
     /// Orbits assembled so far: the cost.
@@ -196,6 +206,12 @@ impl Branch {
     /// # Errors
     /// [`BranchError`].
     pub fn start(&mut self) -> Result<BranchPoint, BranchError> {
+        let z = self.origin_coordinates()?;
+        self.correct(&z, &self.along_parameter(), 0.0, true)
+    }
+
+    /// Where the orbit that the branch was started from stands.
+    pub(crate) fn origin_coordinates(&mut self) -> Result<Vector, BranchError> {
         self.finder.prepare(self.origin.model(), self.origin.frequency())?;
         let terms = Terms::new(&self.origin, &self.finder.response);
         let (displacement, impacts) = (terms.static_displacement(), self.origin.impacts());
@@ -215,7 +231,7 @@ impl Branch {
             z[i] = full[self.reduction.leading(i)];
         }
         z[self.size] = self.origin.model().get(self.free);
-        self.correct(&z, &self.along_parameter(), 0.0, true)
+        Ok(z)
     }
 
     /// The point `length` along the tangent at `from`; negative lengths go back.
@@ -224,7 +240,26 @@ impl Branch {
     /// [`BranchError`]; a shorter step may succeed.
     pub fn step(&mut self, from: &BranchPoint, length: f64) -> Result<BranchPoint, BranchError> {
         let (z, tangent) = (from.coordinates, from.tangent);
-        self.correct(&z, &tangent, length, false)
+        let next = self.correct(&z, &tangent, length, false)?;
+        self.continued(from, next)
+    }
+
+    /// `next` if it is on the curve through `from`, as far as the two points can tell.
+    fn continued(&self, from: &BranchPoint, next: BranchPoint) -> Result<BranchPoint, BranchError> {
+        let chord: Vector = std::array::from_fn(|i| (next.coordinates[i] - from.coordinates[i]) / self.units[i]);
+        let norm = chord.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let ahead = chord.iter().zip(&from.tangent).map(|(x, tangent)| x * tangent).sum::<f64>();
+        let length = norm.copysign(ahead);
+        let apart = (0..=self.size).map(|i| (chord[i] - 0.5 * length * (from.tangent[i] + next.tangent[i])).abs());
+        let fits = apart.fold(0.0, f64::max) <= CHORD * norm + 1e-9;
+        // Asymmetric orbits pass the symmetric one, a branch point, on their way to their own mirror images.
+        let side = |point: &BranchPoint| point.orbit.phi().map_or(0.0, |phi| phi - 0.5 * point.orbit.period());
+        let mirrored = side(from) * side(&next) < 0.0;
+        if fits && (mirrored || from.orientation * next.orientation >= 0.0) {
+            Ok(next)
+        } else {
+            Err(BranchError::NoConvergence)
+        }
     }
 
     /// The point of the curve with the given parameter, near `from`, heading on as there.
@@ -244,7 +279,8 @@ impl Branch {
         }
         z[self.size] = value;
         let direction = self.along_parameter().map(|x| x * heading.signum());
-        self.correct(&z, &direction, 0.0, false)
+        let next = self.correct(&z, &direction, 0.0, false)?;
+        self.continued(from, next)
     }
 
     /// The fold near `near`: F = 0 and det ∂F/∂x = 0 by Newton's method.
@@ -389,7 +425,7 @@ impl Branch {
 
     fn evaluate(&mut self, z: &Vector) -> Result<Evaluation, BranchError> {
         let (orbit, rows) = self.rows(z)?;
-        let system = Terms::new(&orbit, &self.finder.response).system().ok_or(BranchError::Word)?;
+        let system = Terms::new(&orbit, &self.finder.response).system_of(self.layout);
         let mut full = [[0.0; WIDTH]; WIDTH];
         for i in 0..system.layout.size {
             for j in 0..system.layout.size {
@@ -399,6 +435,26 @@ impl Branch {
         let matrix = self.reduction.matrix(&full);
         let full_determinant = determinant(&full, system.layout.size);
         Ok(Evaluation { orbit, rows, matrix, full_determinant })
+    }
+
+    /// ∂F/∂x at `z`, columns in units.
+    pub(crate) fn jacobian(&mut self, z: &Vector) -> Result<Matrix, BranchError> {
+        Ok(self.evaluate(z)?.matrix)
+    }
+
+    /// `z`, an orbit, with this unit tangent.
+    pub(crate) fn point(&mut self, z: &Vector, tangent: &Vector) -> Result<BranchPoint, BranchError> {
+        let here = self.evaluate(z)?;
+        let (coordinates, parameter) = (*z, self.size);
+        Ok(BranchPoint {
+            orbit: here.orbit,
+            coordinates,
+            tangent: *tangent,
+            parameter,
+            full_determinant: here.full_determinant,
+            orientation: 0.0,
+            parameter_error: f64::INFINITY,
+        })
     }
 
     /// ∂F/∂λ in units, by differences; one-sided at the end of the parameter's range.
@@ -451,12 +507,13 @@ impl Branch {
             if moved.is_nan() || moved > leash {
                 return Err(BranchError::NoConvergence);
             }
-            if size <= 4.0 * f64::EPSILON || size < 1e-9 && size >= 0.25 * last || known && size < 1e-9 {
+            // Far from rounding a step is the square of the last one; next to a bifurcation rounding is as large as this.
+            if size <= 4.0 * f64::EPSILON || size < NOISE && size >= 0.25 * last || known && size < 1e-9 {
                 return self.finish(&z, tangent);
             }
             last = size;
         }
-        if last < 1e-9 { self.finish(&z, tangent) } else { Err(BranchError::NoConvergence) }
+        if last < NOISE { self.finish(&z, tangent) } else { Err(BranchError::NoConvergence) }
     }
 
     /// The point at `z`, with a tangent that goes the way `towards` does.
@@ -485,6 +542,7 @@ impl Branch {
             tangent,
             parameter: m,
             full_determinant: here.full_determinant,
+            orientation: determinant(&matrix, m + 1).signum(),
             parameter_error,
         })
     }

@@ -140,7 +140,11 @@ impl<'a> Terms<'a> {
 
     /// The linearised equations.
     pub(crate) fn system(&self) -> Option<System> {
-        let layout = self.layout()?;
+        Some(self.system_of(self.layout()?))
+    }
+
+    /// The linearised equations of the given unknowns.
+    pub(crate) fn system_of(&self, layout: Layout) -> System {
         let (orbit, n) = (self.orbit, layout.impacts);
         let mut matrix = [[0.0; MOST]; MOST];
         let q = orbit.model().loss();
@@ -190,7 +194,7 @@ impl<'a> Terms<'a> {
         if let Some(psi) = layout.psi {
             units[psi] = orbit.model().period();
         }
-        Some(System::new(layout, matrix, units))
+        System::new(layout, matrix, units)
     }
 }
 

@@ -19,6 +19,7 @@
 //! | `equations`, `polish` | the orbit's equations linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
 //! | `branch`, `reduction`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
+//! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
 //!
@@ -43,6 +44,7 @@ mod admissibility;
 mod asymmetric;
 mod bordered;
 mod branch;
+mod branching;
 mod completeness;
 mod condition;
 mod conservative;

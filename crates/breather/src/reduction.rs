@@ -47,7 +47,13 @@ impl Reduction {
                 return Self { columns, rows: smallvec![0, 1, 2], psi: 0.5 * phase.round().rem_euclid(2.0) };
             }
         }
-        Self { columns: (0..layout.size).map(one).collect(), rows: (0..layout.size).collect(), psi: 0.0 }
+        Self::none(layout)
+    }
+
+    /// All unknowns free.
+    pub(crate) fn none(layout: Layout) -> Self {
+        let columns = (0..layout.size).map(|i| -> Moves { smallvec![(i, 1.0)] }).collect();
+        Self { columns, rows: (0..layout.size).collect(), psi: 0.0 }
     }
 
     /// The first unknown that a coordinate moves.

@@ -89,7 +89,7 @@ fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
     for (i, orbit) in found.orbits.into_iter().enumerate() {
         let wanted = match args.solution {
             Some(number) => number == i + 1,
-            None => finder.admissibility(&orbit)?.is_physical(),
+            None => finder.quick_admissibility(&orbit)?.is_physical(),
         };
         if wanted {
             return Ok(Start { orbit, number: i + 1, count });

@@ -104,3 +104,14 @@ fn help_says_what_can_be_found_and_freed() {
     let help = contains("neimark-sacker").and(contains("restitution")).and(contains("every event on it is an answer"));
     command.args(["locate", "--help"]).assert().success().stdout(help);
 }
+
+/// Seventy thousand orbits, none physical: each is given up at its first obstruction.
+#[test]
+fn many_orbits_to_start_from_are_looked_at_in_seconds() {
+    let model = "--family double-sided --sites 3 --gamma1 3.236e11 --gamma2 373.5 --omega 2 --asymmetry .047";
+    locate("--event fold --free gamma2", model)
+        .timeout(std::time::Duration::from_secs(120))
+        .assert()
+        .code(1)
+        .stderr(contains("orbits is physical; --solution K starts from one that is not"));
+}

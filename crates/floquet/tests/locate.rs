@@ -194,3 +194,43 @@ fn fold_under_a_square_wave() {
     let (outside, inside) = (found.value - 1e-9, found.value + 1e-9);
     assert_eq!(count(outside) + 2, count(inside), "{}", found.value);
 }
+
+/// Next to a resonance the next branch is near: neither fold nor period doubling is made of a jump to it.
+#[test]
+fn doubled_orbits_next_to_a_resonance_end_there() {
+    let forced = |sites, gamma: (f64, f64), omega, asymmetry, force: (f64, f64)| {
+        let chain = Chain::new(sites, gamma.0, gamma.1).unwrap();
+        Model::forced(chain, omega, asymmetry, force.0, force.1).unwrap()
+    };
+    let gamma = (0.5605742964292665, 0.2915428976251419);
+    let model = forced(5, gamma, 0.41160825497750986, 0.0, (1.2042279128292654, 0.5745149336048461));
+    let start = orbit(&model, Family::PeriodDoubled, 0);
+    let answer = search(&start, Event::Fold, Parameter::Omega, Some((0.3487998719873891, 0.5248964336666763)));
+    // 3ω = Ω₂
+    let limit = (gamma.0 + 4.0 * gamma.1 * (0.4 * std::f64::consts::PI).sin().powi(2)).sqrt() / 3.0;
+    assert!(answer.located.is_empty(), "{:?}", answer.located);
+    assert!(matches!(answer.ends[1], (value, End::Resonance(_)) if (value - limit).abs() < 1e-12), "{:?}", answer.ends);
+
+    let gamma = (0.2923993824358212, 0.23368050995425213);
+    let model = forced(6, gamma, 0.7127270839524065, 0.763723908831504, (1.0344610634242684, 0.5776254683327479));
+    let start = orbit(&model, Family::PeriodDoubled, 1);
+    let range = (0.5441892546716248, 0.9279724015128715);
+    let answer = search(&start, Event::PeriodDoubling, Parameter::Omega, Some(range));
+    // ω = Ω₁
+    let limit = (gamma.0 + gamma.1).sqrt();
+    assert!(answer.located.is_empty(), "{:?}", answer.located);
+    assert!(matches!(answer.ends[1], (value, End::Resonance(_)) if (value - limit).abs() < 1e-12), "{:?}", answer.ends);
+    assert!(answer.evaluations < 30_000, "{}", answer.evaluations);
+}
+
+/// Without force and symmetry in time: four multipliers off the circle that meet on the real axis are no event, nor the end.
+#[test]
+fn a_quadruple_that_turns_real_is_passed() {
+    let chain = Chain::new(6, 0.2790465016543734, 0.13606569615937517).unwrap();
+    let model = Model::conservative(chain, 0.3245, 0.0).unwrap();
+    let start = orbit(&model, Family::DoubleSided, 0);
+    assert!(!start.is_reversible());
+    let answer = search(&start, Event::NeimarkSacker, Parameter::Omega, Some((0.3222, 0.325)));
+    assert_eq!(answer.ends, [(0.3222, End::Range), (0.325, End::Range)]);
+    assert!(answer.located.is_empty(), "{:?}", answer.located);
+}

@@ -15,11 +15,17 @@ pub(super) const LONGEST: f64 = 0.02;
 /// The shortest step: where even this one fails, the branch is lost.
 const SHORTEST: f64 = 1e-9;
 
+/// Steps as short as this next to a resonance lead nowhere but to it.
+const CRAWL: f64 = 1e-6;
+
 /// An orbit whose impulses have grown by this factor is on its way to infinity.
 const UNBOUNDED: f64 = 1e4;
 
 /// A branch that is lost this near to a resonance, as a part of the range, ends there.
 const NEAR: f64 = 1e-3;
+
+/// The equations of a fold move a turning point by no more than this, in units: the root of rounding, with room.
+const SETTLED: f64 = 1e-6;
 
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
@@ -93,13 +99,13 @@ impl Follower {
                 Ok(next) => next,
                 Err(error) => {
                     length *= 0.25;
+                    if length < CRAWL
+                        && let Some(end) = self.resonance_ahead(&point)
+                    {
+                        return Ok(end);
+                    }
                     if length < SHORTEST {
-                        // Right before a resonance there is no next point that could tell.
-                        let near = if upwards { NEAR } else { -NEAR } * (self.search.to - self.search.from);
-                        return Ok(match self.branch.resonance_within(point.value(), point.value() + near) {
-                            Some((value, resonance)) => (value, End::Resonance(resonance)),
-                            None => (point.value(), End::Lost(error)),
-                        });
+                        return Ok((point.value(), End::Lost(error)));
                     }
                     continue;
                 }
@@ -130,7 +136,15 @@ impl Follower {
             let longest = LONGEST * growth.clamp(1.0, 1.0 / point.heading().abs());
             length = (1.5 * length).min(longest);
         }
-        Ok((point.value(), End::Lost(BranchError::NoConvergence)))
+        let lost = || (point.value(), End::Lost(BranchError::NoConvergence));
+        Ok(self.resonance_ahead(&point).unwrap_or_else(lost))
+    }
+
+    /// Right before a resonance there is no next point that could tell.
+    fn resonance_ahead(&self, point: &BranchPoint) -> Option<(f64, End)> {
+        let near = (NEAR * (self.search.to - self.search.from)).copysign(point.heading());
+        let (value, resonance) = self.branch.resonance_within(point.value(), point.value() + near)?;
+        Some((value, End::Resonance(resonance)))
     }
 
     /// The next point, at most at the limit; whether it is the last.
@@ -170,8 +184,12 @@ impl Follower {
             return Ok((value, End::Pitchfork));
         }
         let fold = self.fold(point, next)?;
+        let goal = Complex::new(1.0, 0.0);
+        let sign = self.nearest_to(&fold, goal)?;
+        if !self.is_at(sign, goal, &fold)? {
+            return Ok((fold.value(), End::Lost(BranchError::NoConvergence)));
+        }
         if self.search.event == Event::Fold {
-            let sign = self.nearest_to(&fold, Complex::new(1.0, 0.0))?;
             let error = fold.parameter_error() + 2.0 * f64::EPSILON * fold.value().abs();
             let found = self.describe(&fold, error, sign)?;
             located.push(found);
@@ -183,19 +201,16 @@ impl Follower {
         Ok((fold.value(), End::Fold { error: fold.parameter_error() }))
     }
 
-    /// The fold between two points: by its equations from the end that leads there, or from where the heading vanishes.
+    /// The fold between two points: where the heading vanishes, and from there by its equations.
     fn fold(&mut self, point: &BranchPoint, next: &BranchPoint) -> Result<BranchPoint, LocateError> {
-        let inside = |value: f64| (value - point.value()).abs() <= 0.5 * (self.search.to - self.search.from);
-        for start in [point, next] {
-            if let Some(fold) = self.branch.fold(start).ok().filter(|fold| inside(fold.value())) {
-                return Ok(fold);
-            }
-        }
         let length = self.branch.length_between(point, next);
         let branch = &mut self.branch;
         let heading = |s: f64| branch.step(point, s).map(|there| there.heading());
         let s = zero((0.0, point.heading()), (length, next.heading()), length, heading)?;
-        Ok(self.branch.step(point, s)?)
+        let turned = self.branch.step(point, s)?;
+        let settled = self.branch.fold(&turned).ok();
+        let same = |fold: &BranchPoint| self.branch.length_between(&turned, fold).abs() <= SETTLED;
+        Ok(settled.filter(same).unwrap_or(turned))
     }
 
     /// The pitchfork on the symmetric branch that asymmetric orbits meet between two points.

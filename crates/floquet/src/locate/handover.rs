@@ -1,11 +1,9 @@
 //! The orbits that branch off at a period doubling or a pitchfork, a small step away on the side where they exist.
 //!
-//! They are found anew among all orbits of their family: near the bifurcation the ones nearest to the orbit that loses
-//! stability, with a distance δ from half the period that shrinks like the root of the distance in the parameter. Orbits
-//! that were there anyway do not.
+//! They are reached along their own branch, which leaves the bifurcation across the one that was followed and bends in the
+//! parameter ([`Branch::leaving`]): no other orbit can be taken for them, and the bend tells the side.
 
-use vibrochain_breather::{Family, Finder, Found, Orbit};
-use vibrochain_lattice::Model;
+use vibrochain_breather::{Branch, BranchPoint, Family, Finder, Orbit};
 
 use super::{Event, Search};
 use crate::analyser::Analyser;
@@ -33,10 +31,26 @@ pub struct Handover {
     pub orbits: Vec<HandedOver>,
 }
 
-/// δ at a quarter of the distance, over δ: a half, less what the next order does.
-const ROOT: std::ops::Range<f64> = 0.4..0.6;
+/// The first step along the new branch, the factor by which it shrinks, and how often at most: down to 1e-6, where rounding of
+/// the equations, divided by the step, is as large as the bend.
+const FIRST: f64 = 0.02;
+const SHRINK: f64 = 0.25;
+const TRIES: i32 = 8;
 
-/// The orbits that branch off, if the family is known and one side has them.
+/// The longest step, as far as the parabola is sure to tell anything.
+const LONGEST: f64 = 0.1;
+
+/// As near as this part of the distance, the rest is Newton's method at a fixed parameter.
+const ARRIVED: f64 = 0.05;
+
+/// Two orbits whose values differ by this part of the distance are at one value.
+const TOGETHER: f64 = 1e-9;
+
+/// Bends at a step and at its half agree to this part where the curve is a parabola.
+const PARABOLA: f64 = 0.2;
+
+/// The orbits that branch off, if their family is known: at `distance` in the parameter where they reach that far, otherwise
+/// as near as they do.
 pub(super) fn hand_over(
     orbit: &Orbit,
     search: Search,
@@ -44,54 +58,64 @@ pub(super) fn hand_over(
     analyser: &mut Analyser,
     finder: &mut Finder,
 ) -> Option<Handover> {
-    let family = match (search.event, orbit.family()) {
-        (Event::PeriodDoubling, Family::SingleSided) => Family::PeriodDoubled,
-        (Event::Pitchfork, Family::DoubleSided) => Family::DoubleSided,
+    let pair = match (search.event, orbit.family()) {
+        (Event::PeriodDoubling, Family::SingleSided) => false,
+        (Event::Pitchfork, Family::DoubleSided) => true,
         _ => return None,
     };
-    let at = orbit.model().get(search.free);
-    [1.0, -1.0].into_iter().find_map(|sign| {
-        let mut branched = |distance: f64| {
-            let model = orbit.model().with(search.free, at + sign * distance).ok()?;
-            branched_off(orbit, &model, family, finder).filter(|orbits| !orbits.is_empty())
-        };
-        let (far, near) = (branched(distance)?, branched(0.25 * distance)?);
-        let (far_offset, near_offset) = (offset(far.first()?), offset(near.first()?));
-        if !ROOT.contains(&(near_offset / far_offset)) {
+    // The orbit sets the scale, however short the range is.
+    let unit = orbit.model().get(search.free).abs().max(search.to - search.from);
+    let (mut branch, start) = Branch::leaving(orbit, search.free, unit).ok()?;
+    let (length, bend) = (0..TRIES).find_map(|i| {
+        let length = FIRST * SHRINK.powi(i);
+        Some((length, bend(&mut branch, &start, length)?))
+    })?;
+    // A doubled orbit is listed with its second impact in the second half.
+    let late = |point: &BranchPoint| point.orbit().phi().is_some_and(|phi| phi > 0.5 * point.orbit().period());
+    let ways = [start.clone(), start.reversed()];
+    let mut points = [distance, bend.abs() * length * length].into_iter().find_map(|distance| {
+        let points: Option<Vec<_>> = ways.iter().map(|way| reach(&mut branch, way, bend, distance)).collect();
+        // Both of a pair at one value.
+        let together = |points: &Vec<BranchPoint>| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
+        points.filter(|points| late(&points[0]) != late(&points[1]) && (!pair || together(points)))
+    })?;
+    points.retain(|point| pair || late(point));
+    let value = points[0].value();
+    points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
+    let orbits = points.into_iter().map(|point| {
+        let orbit = point.orbit().clone();
+        let physical = finder.admissibility(&orbit).ok().map(|answer| answer.is_physical());
+        let verdict = analyser.stability(&orbit, finder, Tolerance::Rounding).ok().map(|answer| answer.verdict);
+        HandedOver { orbit, physical, verdict }
+    });
+    Some(Handover { value, above: bend > 0.0, orbits: orbits.collect() })
+}
+
+/// The point at `distance` in the parameter, on the side that the bend leads to.
+fn reach(branch: &mut Branch, way: &BranchPoint, bend: f64, distance: f64) -> Option<BranchPoint> {
+    let parabola = |moved: f64| (distance / moved).sqrt();
+    let mut length = parabola(bend.abs()).min(LONGEST);
+    for _ in 0..TRIES {
+        let there = branch.step(way, length).ok()?;
+        let moved = (there.value() - way.value()) * bend.signum();
+        if (moved / distance - 1.0).abs() <= ARRIVED {
+            // Next to a resonance there may be no telling orbits at one value apart; this one is as good.
+            return branch.at(&there, way.value() + bend.signum() * distance).ok().or(Some(there));
+        }
+        let next = (length * parabola(moved)).min(LONGEST);
+        // Folds back before, or bends less than it did; NaN where it went to the other side.
+        if next.is_nan() || next == length {
             return None;
         }
-        let orbits = far.into_iter().map(|orbit| {
-            let physical = finder.admissibility(&orbit).ok().map(|answer| answer.is_physical());
-            let verdict = analyser.stability(&orbit, finder, Tolerance::Rounding).ok().map(|answer| answer.verdict);
-            HandedOver { orbit, physical, verdict }
-        });
-        Some(Handover { value: at + sign * distance, above: sign > 0.0, orbits: orbits.collect() })
-    })
+        length = next;
+    }
+    None
 }
 
-/// |φ − T/2|, with the orbit's own period.
-fn offset(orbit: &Orbit) -> f64 {
-    orbit.phi().map_or(0.0, |phi| (phi - 0.5 * orbit.period()).abs())
-}
-
-/// The orbits of `family` with φ next to, but not at, half their period, and the impulses of `orbit`.
-fn branched_off(orbit: &Orbit, model: &Model, family: Family, finder: &mut Finder) -> Option<Vec<Orbit>> {
-    let mut found = Found::default();
-    finder.find(model, family, &mut found).ok()?;
-    let first = orbit.impacts().first()?;
-    // Several families of asymmetric orbits may be near half the period; impulses tell which one it is.
-    let unlike = |candidate: &Orbit| {
-        let impulse = candidate.impacts().first().map_or(0.0, |impact| impact.impulse);
-        (impulse / first.impulse - 1.0).abs()
-    };
-    let mut candidates: Vec<Orbit> =
-        found.orbits.into_iter().filter(|orbit| offset(orbit) > 1e-9 * orbit.period()).collect();
-    let score = |orbit: &Orbit| offset(orbit) / orbit.period() + unlike(orbit);
-    let nearest = candidates.iter().map(score).min_by(f64::total_cmp)?;
-    // The pair at a pitchfork are each other's mirror images: their δ agree, their impulses nearly.
-    let limit = if family == Family::DoubleSided { 2.5 * nearest } else { nearest };
-    let best = candidates.iter().min_by(|a, b| score(a).total_cmp(&score(b))).map(offset)?;
-    candidates.retain(|orbit| score(orbit) <= limit && (offset(orbit) / best - 1.0).abs() < 1e-3);
-    candidates.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
-    Some(candidates)
+/// κ of λ₀ + κσ², from lengths σ and σ/2, which need not know λ₀; `None` where the curve is no parabola yet.
+fn bend(branch: &mut Branch, start: &BranchPoint, length: f64) -> Option<f64> {
+    let mut value = |part: f64| branch.step(start, part * length).ok().map(|point| point.value());
+    let (whole, half, quarter) = (value(1.0)?, value(0.5)?, value(0.25)?);
+    let (far, near) = ((whole - half) / 0.75, (half - quarter) / 0.1875);
+    (far != 0.0 && (near / far - 1.0).abs() <= PARABOLA).then(|| near / (length * length))
 }

@@ -1,7 +1,8 @@
-//! One multiplier to the last digits, from the secular determinant.
+//! Multipliers to the last digits, from the secular determinant.
 //!
 //! Eigenvalues of a dense matrix carry the rounding of its norm; where a pair crosses the circle slowly that costs digits of
-//! the parameter. With n impacts of one mass, z is a multiplier iff
+//! the parameter, and where an impact nearly grazes the norm is large enough to hide on which side of the circle a pair is.
+//! With n impacts of one mass, z is a multiplier iff
 //!
 //! ```text
 //! D(z) = det(1 − [G_ij D_j]) = 0,     D_j = [[−(1+e), 0], [κ_j, −(1+e)]],
@@ -26,13 +27,16 @@ const STEPS: usize = 8;
 /// A multiplier that moves by more than this part of its distance to the next pole was not the one that was meant.
 const LEASH: f64 = 1e-3;
 
+/// Two that came this much closer to each other, relatively, are one.
+const MERGED: f64 = 1e-2;
+
 /// Step of a difference quotient, as a part of the distance to the nearest pole: error and rounding balance.
 const DIFFERENCE: f64 = 1e-5;
 
 /// A mode: frequency, weight, cos ΩT.
 type Mode = (f64, f64, f64);
 
-struct Secular {
+pub(crate) struct Secular {
     modes: Vec<Mode>,
     /// Time, κ and e of the impacts.
     hits: SmallVec<[(f64, f64, f64); 2]>,
@@ -40,7 +44,7 @@ struct Secular {
 }
 
 impl Secular {
-    fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
+    pub(crate) fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
         finder.motion(orbit)?;
         let response = finder.response();
         let period = orbit.period();
@@ -55,6 +59,28 @@ impl Secular {
         let inverse = z.inv();
         let distances = self.modes.iter().map(|mode| (1.0 - inverse * (2.0 * mode.2) + inverse * inverse).norm());
         distances.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The multiplier next to `start`, within `slack`; `None` where Newton's method leads elsewhere.
+    pub(crate) fn polished(&self, start: C, slack: f64) -> Option<C> {
+        let reach = self.distance(start);
+        let leash = (LEASH * reach).max(slack);
+        let (mut z, mut last) = (start, f64::INFINITY);
+        for _ in 0..STEPS {
+            let h = DIFFERENCE * self.distance(z);
+            let slope = (self.determinant(z + h) - self.determinant(z - h)) / (2.0 * h);
+            let step = self.determinant(z) / slope;
+            let size = step.norm();
+            if !size.is_finite() || (z - step - start).norm() > leash {
+                return None;
+            }
+            if size >= 0.5 * last {
+                return (last <= LEASH * reach).then_some(z);
+            }
+            z -= step;
+            last = size;
+        }
+        (last <= LEASH * reach).then_some(z)
     }
 
     /// D(z)
@@ -79,10 +105,12 @@ impl Secular {
                     }
                 }
                 let loss = 1.0 + e;
-                for row in 0..2 {
-                    let (u, v) = (g[2 * row], g[2 * row + 1]);
-                    matrix[(2 * i + row) * n + 2 * j] = u * loss - v * *kappa;
-                    matrix[(2 * i + row) * n + 2 * j + 1] = v * loss;
+                for (entry, g) in g.into_iter().enumerate() {
+                    matrix[(2 * i + entry / 2) * n + 2 * j + entry % 2] = g * loss;
+                }
+                // The second column, times κ/(1+e), added to the first: there κ would multiply what cancels.
+                if i == j {
+                    matrix[(2 * i + 1) * n + 2 * i] += kappa / loss;
                 }
             }
         }
@@ -119,26 +147,20 @@ fn determinant(matrix: &mut [C], n: usize) -> C {
     product
 }
 
-/// The multiplier next to `start`, `start` itself where Newton's method leads elsewhere.
-pub(crate) fn polished(orbit: &Orbit, finder: &mut Finder, start: C) -> Result<C, FloquetError> {
+/// Improves eigenvalues of a dense matrix that may be wrong by `slack`. One from which Newton's method leads farther, or to
+/// where another one led, stays as it is.
+pub(crate) fn polish(orbit: &Orbit, finder: &mut Finder, slack: f64, values: &mut [C]) -> Result<(), FloquetError> {
     let secular = Secular::new(orbit, finder)?;
-    let reach = secular.distance(start);
-    let (mut z, mut last) = (start, f64::INFINITY);
-    for _ in 0..STEPS {
-        let h = DIFFERENCE * reach;
-        let slope = (secular.determinant(z + h) - secular.determinant(z - h)) / (2.0 * h);
-        let step = secular.determinant(z) / slope;
-        let size = step.norm();
-        if !size.is_finite() || (z - step - start).norm() > LEASH * reach {
-            return Ok(start);
-        }
-        if size >= 0.5 * last {
-            break;
-        }
-        z -= step;
-        last = size;
+    let polished: Vec<C> = values.iter().map(|&value| secular.polished(value, slack).unwrap_or(value)).collect();
+    let alone = |i: usize| {
+        let met = |j: usize| (polished[i] - polished[j]).norm() <= MERGED * (values[i] - values[j]).norm();
+        (0..values.len()).all(|j| j == i || !met(j))
+    };
+    let kept: Vec<bool> = (0..values.len()).map(alone).collect();
+    for (i, value) in values.iter_mut().enumerate().filter(|(i, _)| kept[*i]) {
+        *value = polished[i];
     }
-    Ok(z)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -172,9 +194,10 @@ mod tests {
             analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
             let mut moved = 0;
             for &value in analyser.dense.values.iter().filter(|value| value.norm() > 1e-3) {
-                let polished = polished(orbit, &mut finder, value).unwrap();
-                assert!((polished - value).norm() < 1e-10, "{family:?} {value} {polished}");
-                moved += usize::from(polished != value);
+                let mut polished = [value];
+                polish(orbit, &mut finder, 0.0, &mut polished).unwrap();
+                assert!((polished[0] - value).norm() < 1e-10, "{family:?} {value} {}", polished[0]);
+                moved += usize::from(polished[0] != value);
             }
             assert!(moved > 15, "{moved}");
         }

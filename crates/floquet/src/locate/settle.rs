@@ -19,6 +19,12 @@ const POLE: f64 = 1e-4;
 const SAMPLES: i32 = 4;
 const SAMPLE_STEP: f64 = 1e-9;
 
+/// Where both sides of a zero have one sign, they are looked at this much closer.
+const CLOSER: f64 = 0.03;
+
+/// The function at its zero, over its values on both sides.
+const JUMP: f64 = 1e-3;
+
 /// Worst case over what a few samples show.
 const SAFETY: f64 = 4.0;
 
@@ -47,9 +53,10 @@ impl Follower {
             },
             Test::Equations => self.nearest_to(&there, Complex::new(1.0, 0.0))?,
             Test::Shifted { shift, .. } => self.nearest_to(&there, Complex::new(-shift, 0.0))?,
-            Test::Modulus { ends: [(a, from), (b, to)] } => {
-                self.nearest_to(&there, from + (to - from) * ((s - a) / (b - a)))?
-            }
+            Test::Modulus { ends } => match self.followed(ends, there.orbit(), s)? {
+                Some(multiplier) => Sign::Multiplier(multiplier),
+                None => return Ok(None),
+            },
             Test::Collision { centre } => {
                 let angle = centre.clamp(-1.0, 1.0).acos();
                 self.nearest_to(&there, Complex::from_polar(1.0, angle))?
@@ -62,14 +69,21 @@ impl Follower {
                 Test::Shifted { shift, .. } => Complex::new(-shift, 0.0),
                 _ => Complex::new(1.0, 0.0),
             };
-            // Written so that a multiplier that is not a number is no event either.
-            let near = (multiplier - goal).norm() <= POLE * (1.0 + self.analyser_norm(&there)?.ln().max(0.0));
-            if !near {
+            if !self.is_at(sign, goal, &there)? {
                 return Ok(None);
             }
         }
-        let error = self.error(point, length, s, test, &there)?;
-        self.describe(&there, error, sign).map(Some)
+        match self.error(point, length, s, test, &there)? {
+            Some(error) => self.describe(&there, error, sign).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// Whether the multiplier told is where it should be.
+    pub(super) fn is_at(&self, sign: Sign, goal: Complex<f64>, point: &BranchPoint) -> Result<bool, LocateError> {
+        let Sign::Multiplier(multiplier) = sign else { return Ok(false) };
+        // Written so that a multiplier that is not a number is no event either.
+        Ok((multiplier - goal).norm() <= POLE * (1.0 + self.analyser_norm(point)?.ln()))
     }
 
     /// Norm of the matrix whose eigenvalues were last worked out.
@@ -90,7 +104,7 @@ impl Follower {
     }
 
     /// Error of the parameter at a zero: rounding of the function and of the parameter along the curve, as samples show
-    /// them, over the function's slope.
+    /// them, over the function's slope. `None` where the function does not change its sign.
     pub(super) fn error(
         &mut self,
         point: &BranchPoint,
@@ -98,7 +112,7 @@ impl Follower {
         s: f64,
         test: Test,
         there: &BranchPoint,
-    ) -> Result<f64, LocateError> {
+    ) -> Result<Option<f64>, LocateError> {
         let mut samples = Vec::new();
         for k in -SAMPLES..=SAMPLES {
             let at = s + f64::from(k) * SAMPLE_STEP;
@@ -111,10 +125,27 @@ impl Follower {
             let sample = self.branch.step(point, at)?;
             Ok((self.value(test, &sample, at)?, sample.value()))
         };
-        // One-sided next to such an end.
-        let (below, above) = (side(s - reach), side(s + reach));
+        let (mut reach, mut below, mut above) = (reach, side(s - reach), side(s + reach));
+        let same = |below: &Result<(f64, f64), _>, above: &Result<(f64, f64), _>| match (below, above) {
+            (Ok((below, _)), Ok((above, _))) => (*below > 0.0) == (*above > 0.0),
+            // One-sided next to such an end.
+            _ => false,
+        };
+        if same(&below, &above) {
+            // Another zero may be as near.
+            reach *= CLOSER;
+            (below, above) = (side(s - reach), side(s + reach));
+            if same(&below, &above) {
+                return Ok(None);
+            }
+        }
         let (from, to) = (if below.is_ok() { s - reach } else { s }, if above.is_ok() { s + reach } else { s });
         let (low, high) = (below.or_else(|_| side(s))?, above.or_else(|_| side(s))?);
+        // A pair that was taken for another one makes a jump, no zero.
+        let here = self.value(test, there, s)?.abs();
+        if matches!(test, Test::Modulus { .. }) && here > JUMP * low.0.abs().max(high.0.abs()) {
+            return Ok(None);
+        }
         let (slope, pace) = ((high.0 - low.0) / (to - from), (high.1 - low.1) / (to - from));
         // Departures from the straight line through their mean.
         let scatter = |of: fn(&(f64, f64, f64)) -> f64, slope: f64| {
@@ -126,7 +157,7 @@ impl Follower {
         let error = SAFETY * (of_value * (pace / slope).abs() + of_parameter);
         // Rounding that all samples share, such as that of the period, is a change of the data.
         let data = self.sensitivity(s, test, there)? * (pace / slope).abs() + there.value().abs();
-        Ok(error + DATA_ROUNDING * data)
+        Ok(Some(error + DATA_ROUNDING * data))
     }
 
     /// Σ |p ∂/∂p| of the function over all other parameters p of the model.

@@ -97,7 +97,17 @@ pub(crate) fn half_sums(values: &[Complex<f64>], reversible: bool) -> Vec<Comple
         if (value.norm() - 1.0).abs() < SPLIT { Complex::new(nu.re, 0.0) } else { nu }
     };
     // Of four off the circle the two above the axis give ν and its conjugate, of two pairs on it one each.
-    values.iter().copied().filter(|value| value.im > SPLIT).map(half_sum).collect()
+    let mut sums: Vec<Complex<f64>> = values.iter().copied().filter(|value| value.im > SPLIT).map(half_sum).collect();
+    // Real ones in pairs, the largest with the smallest; the larger has the digits.
+    for sign in [1.0, -1.0] {
+        let mut real: Vec<f64> =
+            values.iter().filter(|value| value.im.abs() <= SPLIT).map(|value| sign * value.re).collect();
+        real.retain(|value| *value > 0.0);
+        real.sort_by(|a, b| b.total_cmp(a));
+        real.truncate(real.len().div_ceil(2));
+        sums.extend(real.into_iter().map(|value| Complex::new(0.5 * sign * (value + 1.0 / value), 0.0)));
+    }
+    sums
 }
 
 /// Number of complex ν.
@@ -177,5 +187,14 @@ mod tests {
         let values = [mu, mu.conj(), mu.inv(), mu.inv().conj(), Complex::from_polar(1.0, 0.5)];
         let nus = super::half_sums(&values, false);
         assert_eq!((nus.len(), complex_count(&nus)), (3, 2));
+        // The quadruple turned real, and a pair at −1 that rounding split: one ν for each pair.
+        let real = [1.5, 2.0 / 3.0, 1.25, 0.8, -1.0 - 1e-9, -1.0 + 1e-9].map(|value| Complex::new(value, 0.0));
+        let mut nus: Vec<f64> = super::half_sums(&real, false).iter().map(|nu| nu.re).collect();
+        nus.sort_by(f64::total_cmp);
+        let expected = [-1.0, 1.025, 0.5 * (1.5 + 1.0 / 1.5)];
+        assert!(
+            nus.len() == 3 && nus.iter().zip(expected).all(|(nu, expected)| (nu - expected).abs() < 1e-15),
+            "{nus:?}"
+        );
     }
 }

@@ -5,7 +5,7 @@ use vibrochain_breather::{BranchPoint, Orbit};
 
 use super::bracket::zero;
 use super::follow::Follower;
-use super::secular::polished;
+use super::secular::{Secular, polish};
 use super::spectrum_events::{
     Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, log_determinant, upper_half,
 };
@@ -14,6 +14,13 @@ use crate::error::FloquetError;
 
 /// Halvings of a step within which two eigenvalues must become distinguishable.
 const HALVINGS: usize = 30;
+
+/// Rounding of dense eigenvalues, in units of that of the norm; and how far from the circle they matter.
+const DENSE: f64 = 100.0;
+const NEAR_CIRCLE: f64 = 0.1;
+
+/// However large the norm of a dense matrix is, its eigenvalues are no start for a search farther than this.
+const FARTHEST: f64 = 1e-2;
 
 /// Events at most in one step, and how far behind one the next is looked for, as a part of the step.
 const MOST_IN_STEP: usize = 32;
@@ -61,7 +68,7 @@ impl Follower {
                 seen.velocities = impacts.map(|impact| impact.velocity_before * impact.barrier.sign()).collect();
                 seen.margin = self.finder.admissibility(orbit)?.margin;
             }
-            (Event::NeimarkSacker, _) => seen.values = self.spectrum(orbit)?,
+            (Event::NeimarkSacker, _) => seen.values = self.pairs(orbit)?,
             (_, Some(shift)) => {
                 self.spectrum(orbit)?;
                 seen.determinant = log_determinant(self.analyser.dense.matrix_of(orbit), shift);
@@ -80,6 +87,21 @@ impl Follower {
         } else {
             Ok(self.analyser.dense.values.clone())
         }
+    }
+
+    /// What Neimark–Sacker points are seen by: all eigenvalues, or with loss one of each complex pair, where one could be near
+    /// the circle to the last digits.
+    pub(super) fn pairs(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, LocateError> {
+        let values = self.spectrum(orbit)?;
+        if orbit.model().loss() == 0.0 || orbit.impact_site().is_none() {
+            return Ok(values);
+        }
+        let slack = DENSE * f64::EPSILON * self.analyser.dense.matrix_of(orbit).norm();
+        let near = |value: &Complex<f64>| (value.norm() - 1.0).abs() <= NEAR_CIRCLE + slack;
+        let (mut near, far): (Vec<_>, Vec<_>) = upper_half(&values).into_iter().partition(near);
+        polish(orbit, &mut self.finder, slack.min(FARTHEST), &mut near)?;
+        near.extend(far);
+        Ok(near)
     }
 
     /// All events between two neighbouring points.
@@ -183,10 +205,7 @@ impl Follower {
                 sign * (logarithm - log).exp()
             }
             Test::Modulus { ends: [(a, from), (b, to)] } => {
-                let expected = from + (to - from) * ((s - a) / (b - a));
-                let values = self.spectrum(orbit)?;
-                let near = follow(expected, &values).ok_or_else(lost)?;
-                let multiplier = polished(orbit, &mut self.finder, near)?;
+                let multiplier = self.followed([(a, from), (b, to)], orbit, s)?.ok_or_else(lost)?;
                 // |μ|² − 1 by factors: the sum of squares would round it.
                 let modulus = multiplier.norm();
                 (modulus - 1.0) * (modulus + 1.0)
@@ -196,6 +215,23 @@ impl Follower {
                 discriminant(centre, &half_sums(&values, orbit.is_reversible())).ok_or_else(lost)?
             }
         })
+    }
+
+    /// The multiplier that goes from one value to another, on its way.
+    pub(super) fn followed(
+        &mut self,
+        [(a, from), (b, to)]: [(f64, Complex<f64>); 2],
+        orbit: &Orbit,
+        s: f64,
+    ) -> Result<Option<Complex<f64>>, LocateError> {
+        let expected = from + (to - from) * ((s - a) / (b - a));
+        // An impact without speed has a matrix that tells nothing, but hardly moves the pair.
+        if orbit.impact_site().is_some()
+            && let Some(found) = Secular::new(orbit, &mut self.finder)?.polished(expected, (to - from).norm())
+        {
+            return Ok(Some(found));
+        }
+        Ok(follow(expected, &self.pairs(orbit)?))
     }
 
     /// The first pair that crosses the circle, or the first two that collide on it, in a step.
@@ -239,7 +275,7 @@ impl Follower {
             }
             return Ok(Some((self.zero_of(test, point, ends[0], ends[1])?, test)));
         }
-        let mut parts = vec![(0.0, upper_half(&seen.values), length, upper_half(&next_seen.values), 0)];
+        let mut parts = vec![(0.0, seen.values.clone(), length, next_seen.values.clone(), 0)];
         while let Some((low, from, high, to, depth)) = parts.pop() {
             match crossing(&from, &to) {
                 Crossing::None => {}
@@ -252,7 +288,7 @@ impl Follower {
                 Crossing::Unclear if depth < HALVINGS => {
                     let middle = 0.5 * (low + high);
                     let there = self.branch.step(point, middle)?;
-                    let between = upper_half(&self.spectrum(there.orbit())?);
+                    let between = self.pairs(there.orbit())?;
                     parts.push((middle, between.clone(), high, to, depth + 1));
                     parts.push((low, from, middle, between, depth + 1));
                 }

@@ -1,0 +1,178 @@
+//! Bifurcations of random models against the lists of all orbits on both sides of them: what is handed over, and the two
+//! orbits that meet in a fold.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use fastrand::Rng;
+use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_floquet::{Event, Located, Search, locate};
+use vibrochain_lattice::{Chain, Model, Parameter};
+
+/// Between these, evenly in the logarithm.
+fn between(rng: &mut Rng, low: f64, high: f64) -> f64 {
+    low * (high / low).powf(rng.f64())
+}
+
+/// A model with orbits of the kind that bifurcates: single-sided ones double their period, double-sided ones need a symmetry
+/// to break.
+fn draw(rng: &mut Rng, event: Event) -> Model {
+    let chain = Chain::new(rng.usize(1..8), between(rng, 0.05, 0.8), between(rng, 0.01, 0.4)).unwrap();
+    let (omega, amplitude) = (between(rng, 0.4, 2.2), between(rng, 0.05, 2.0));
+    let (asymmetry, restitution) = match event {
+        Event::PeriodDoubling => (0.95 * rng.f64(), between(rng, 0.05, 1.0)),
+        _ if rng.bool() => (0.0, between(rng, 0.2, 1.0)),
+        _ => (0.9 * rng.f64(), 1.0),
+    };
+    Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap()
+}
+
+/// Distance of an orbit from the one that bifurcates: of its time from half its period, and of its impulses.
+fn distance(orbit: &Orbit, from: &Orbit) -> f64 {
+    let largest = from.impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
+    // A doubled orbit has twice the impacts.
+    let pairs = orbit.impacts().iter().zip(from.impacts().iter().cycle());
+    let impulses = pairs.map(|(a, b)| (a.impulse - b.impulse).abs() / largest).fold(0.0, f64::max);
+    offset(orbit) + impulses
+}
+
+/// |φ/T − ½|
+fn offset(orbit: &Orbit) -> f64 {
+    (orbit.phi().unwrap() / orbit.period() - 0.5).abs()
+}
+
+/// The orbits of lower symmetry that a list has at this value, with their distances; `None` where it cannot say.
+fn listed(found: &Located, free: Parameter, family: Family, value: f64) -> Option<Vec<(f64, Orbit)>> {
+    let model = found.orbit.model().with(free, value).ok()?;
+    let list = breathers(&model, family).ok().filter(|list| list.unresolved + list.exhausted == 0)?;
+    let lower = list.orbits.into_iter().filter(|orbit| offset(orbit) > 1e-8);
+    Some(lower.map(|orbit| (distance(&orbit, &found.orbit), orbit)).collect())
+}
+
+/// The orbits on one side that come nearer like the root of the distance `d` in the parameter, at `d`.
+fn arriving(found: &Located, free: Parameter, family: Family, d: f64) -> Option<Vec<Orbit>> {
+    let lists: Option<Vec<_>> =
+        [1.0, 0.25, 0.0625].iter().map(|part| listed(found, free, family, found.value + part * d)).collect();
+    let [far, near, nearest] = <[_; 3]>::try_from(lists?).ok()?;
+    let half = |a: f64, b: f64| (0.42..0.58).contains(&(b / a));
+    let arrives = |(far, orbit): &(f64, Orbit)| {
+        let followed = near.iter().filter(|(there, _)| half(*far, *there));
+        let mut twice = followed.filter(|(there, _)| nearest.iter().any(|(last, _)| half(*there, *last)));
+        (*far < 0.1 && twice.next().is_some()).then(|| orbit.clone())
+    };
+    Some(far.iter().filter_map(arrives).collect())
+}
+
+/// The same orbit, as closely as rounding of the parameter allows at a distance `d` from the bifurcation.
+fn same(a: &Orbit, b: &Orbit, value: f64, d: f64) -> bool {
+    let pairs = a.impacts().iter().zip(b.impacts());
+    let worst = pairs.map(|(a, b)| (a.impulse - b.impulse).abs().max((a.time - b.time).abs() / b.time.max(1.0)));
+    worst.fold(0.0, f64::max) < 1e-7 + 1e-13 * (value / d).abs()
+}
+
+fn every_handover_is_in_the_lists(event: Event, family: Family, branched: Family, seed: u64, wanted: usize) {
+    let mut rng = Rng::with_seed(seed);
+    let (mut handed, mut none, mut undecided) = (0, 0, 0);
+    while handed < wanted {
+        let model = draw(&mut rng, event);
+        let free = Parameter::ALL[rng.usize(0..Parameter::ALL.len())];
+        let Ok(list) = breathers(&model, family) else { continue };
+        if list.orbits.is_empty() {
+            continue;
+        }
+        let orbit = &list.orbits[rng.usize(0..list.orbits.len())];
+        // A symmetry that the parameter breaks is none.
+        let broken = [(Parameter::Asymmetry, 0.0), (Parameter::Restitution, 1.0)];
+        if event == Event::Pitchfork && (broken.contains(&(free, model.get(free))) || offset(orbit) > 1e-9) {
+            continue;
+        }
+        let Ok(answer) = locate(orbit, &Search::new(orbit, event, free)) else { continue };
+        for found in &answer.located {
+            let Some(handover) = &found.handover else {
+                none += 1;
+                let d = 1e-4 * found.value.abs();
+                for d in [d, -d] {
+                    let there = arriving(found, free, branched, d);
+                    assert!(
+                        there.is_none_or(|there| there.is_empty()),
+                        "nothing handed over: {model:?} {free:?} {found:?}"
+                    );
+                }
+                continue;
+            };
+            let d = handover.value - found.value;
+            assert_eq!(handover.above, d > 0.0);
+            assert!(!handover.orbits.is_empty());
+            let Some(here) = listed(found, free, branched, handover.value) else {
+                undecided += 1;
+                continue;
+            };
+            for given in &handover.orbits {
+                let listed = here.iter().any(|(_, orbit)| same(orbit, &given.orbit, found.value, d));
+                assert!(listed, "not in the list: {model:?} {free:?} {} {given:?}", found.value);
+            }
+            let (Some(there), Some(beyond)) = (arriving(found, free, branched, d), arriving(found, free, branched, -d))
+            else {
+                undecided += 1;
+                continue;
+            };
+            // All that arrive are handed over, and none arrives from the other side.
+            for orbit in &there {
+                let given = handover.orbits.iter().any(|given| same(orbit, &given.orbit, found.value, d));
+                assert!(given, "left out: {model:?} {free:?} {} {orbit:?}", found.value);
+            }
+            assert!(beyond.is_empty(), "on the other side, too: {model:?} {free:?} {} {beyond:?}", found.value);
+            handed += 1;
+        }
+    }
+    println!("{handed} handed over, {none} without, {undecided} undecided");
+    assert!(undecided + none <= wanted / 10, "{none} without, {undecided} undecided");
+}
+
+#[test]
+fn at_period_doublings() {
+    every_handover_is_in_the_lists(Event::PeriodDoubling, Family::SingleSided, Family::PeriodDoubled, 24, 300);
+}
+
+#[test]
+fn at_pitchforks() {
+    every_handover_is_in_the_lists(Event::Pitchfork, Family::DoubleSided, Family::DoubleSided, 25, 100);
+}
+
+/// How many orbits a list has; `None` where it may not be all.
+fn count(found: &Located, free: Parameter, value: f64) -> Option<usize> {
+    let model = found.orbit.model().with(free, value).ok()?;
+    let list = breathers(&model, found.orbit.family()).ok()?;
+    (list.unresolved + list.exhausted == 0).then_some(list.orbits.len())
+}
+
+#[test]
+fn every_fold_ends_two_orbits() {
+    let mut rng = Rng::with_seed(26);
+    let (mut checked, mut undecided) = (0, 0);
+    while checked < 60 {
+        let model = draw(&mut rng, Event::PeriodDoubling);
+        let free = Parameter::ALL[rng.usize(0..Parameter::ALL.len())];
+        let family = [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled][rng.usize(0..3)];
+        let Ok(list) = breathers(&model, family) else { continue };
+        if list.orbits.is_empty() {
+            continue;
+        }
+        let orbit = &list.orbits[rng.usize(0..list.orbits.len())];
+        let Ok(answer) = locate(orbit, &Search::new(orbit, Event::Fold, free)) else { continue };
+        for found in &answer.located {
+            // Nearer lists cannot tell the two apart, farther something else may happen.
+            let counts = [1e-6, 1e-7, 1e-5].map(|part| {
+                let d = part * found.value.abs();
+                let (low, high) = (count(found, free, found.value - d)?, count(found, free, found.value + d)?);
+                Some(low.abs_diff(high))
+            });
+            if counts.iter().all(Option::is_none) {
+                undecided += 1;
+                continue;
+            }
+            assert!(counts.contains(&Some(2)), "{model:?} {free:?} {} ± {:e}: {counts:?}", found.value, found.error);
+            checked += 1;
+        }
+    }
+    println!("{checked} checked, {undecided} undecided");
+    assert!(undecided <= 6, "{undecided}");
+}

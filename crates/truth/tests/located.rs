@@ -1,0 +1,154 @@
+//! Bifurcation points of random models against conditions in 50 digits: what must vanish changes its sign within the error
+//! that comes with the answer, and no point comes twice.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use fastrand::Rng;
+use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_floquet::{Event, Located, Search, Sign, locate};
+use vibrochain_lattice::{Chain, Model, Parameter};
+use vibrochain_truth::{Complex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
+
+/// Between these, evenly in the logarithm.
+fn between(rng: &mut Rng, low: f64, high: f64) -> f64 {
+    low * (high / low).powf(rng.f64())
+}
+
+fn draw(rng: &mut Rng, families: &[Family]) -> (Model, Family) {
+    let chain = Chain::new(rng.usize(2..8), between(rng, 0.05, 0.8), between(rng, 1e-3, 0.4)).unwrap();
+    let family = families[rng.usize(0..families.len())];
+    let omega = between(rng, if family == Family::PeriodDoubled { 0.7 } else { 0.4 }, 2.0);
+    let asymmetry = if rng.u8(0..3) == 0 { 0.0 } else { 0.9 * rng.f64() };
+    let (amplitude, restitution) = (between(rng, 0.05, 2.0), between(rng, 0.05, 1.0));
+    (Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap(), family)
+}
+
+/// The orbit in many digits at another value of the parameter, close by.
+fn moved(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
+    let model = orbit.model().with(free, value).ok()?;
+    let part = model.period() / orbit.model().period();
+    let hits: Vec<_> =
+        orbit.impacts().iter().map(|hit| (hit.site, hit.barrier, part * hit.time, hit.impulse)).collect();
+    let psi = part * orbit.psi()?;
+    TrueOrbit::refine(&Orbit::from_impulses(&model, orbit.force_periods(), psi, &hits).ok()?, DEFAULT_BITS).ok()
+}
+
+/// What vanishes at the event.
+fn condition(orbit: &TrueOrbit, event: Event, sign: Sign) -> Option<Real> {
+    let spectrum = TrueSpectrum::new(orbit).ok()?;
+    let at = |z: f64| Some(spectrum.characteristic(&Complex::new(z, 0.0, 256))?.re);
+    match (event, sign) {
+        (Event::PeriodDoubling, _) => at(-1.0),
+        (Event::NeimarkSacker, Sign::Multiplier(multiplier)) => {
+            let (found, _) = spectrum.refine((multiplier.re, multiplier.im)).ok()?;
+            Some(found.norm_sqr() - 1.0)
+        }
+        _ => at(1.0),
+    }
+}
+
+/// Whether the condition changes its sign within `times` the error.
+fn holds(found: &Located, event: Event, free: Parameter, times: f64) -> Option<bool> {
+    let reach = times * found.error.max(f64::EPSILON * found.value.abs());
+    let side = |sign: f64| condition(&moved(&found.orbit, free, found.value + sign * reach)?, event, found.sign);
+    Some(side(-1.0)?.is_negative() != side(1.0)?.is_negative())
+}
+
+fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize) {
+    let mut rng = Rng::with_seed(seed);
+    let (mut checked, mut undecided, mut twice, mut wrong) = (0, 0, 0, Vec::new());
+    while checked < wanted {
+        let (model, family) = draw(&mut rng, families);
+        let free = Parameter::ALL[rng.usize(0..Parameter::ALL.len())];
+        let Ok(list) = breathers(&model, family) else { continue };
+        if list.orbits.is_empty() {
+            continue;
+        }
+        let which = rng.usize(0..list.orbits.len());
+        let orbit = &list.orbits[which];
+        let Ok(answer) = locate(orbit, &Search::new(orbit, event, free)) else { continue };
+        for (i, found) in answer.located.iter().enumerate() {
+            let story = || {
+                format!(
+                    "{} {} {which} {model:?} {} ± {:e} {:?}",
+                    family.name(),
+                    free.name(),
+                    found.value,
+                    found.error,
+                    found.sign
+                )
+            };
+            for other in &answer.located[..i] {
+                let near = 1e-5 * found.value.abs();
+                let known = (other.value - found.value).abs() < near && sign_distance(other, found) < 1e-3;
+                if known {
+                    println!("twice: {} {}", story(), other.value);
+                    twice += 1;
+                }
+            }
+            match holds(found, event, free, 1.0) {
+                Some(true) => checked += 1,
+                Some(false) => {
+                    let by = (1..12).find(|&k| holds(found, event, free, 10f64.powi(k)) == Some(true));
+                    println!("off by 10^{by:?} errors: {}", story());
+                    wrong.push(by);
+                    checked += 1;
+                }
+                None => undecided += 1,
+            }
+        }
+    }
+    println!("{event:?}: {checked} checked, {undecided} undecided, {twice} twice, {} wrong", wrong.len());
+    assert!(wrong.is_empty() && twice == 0 && undecided <= wanted / 10);
+}
+
+/// Distance of the multipliers that two events stand for.
+fn sign_distance(a: &Located, b: &Located) -> f64 {
+    match (a.sign, b.sign) {
+        (Sign::Multiplier(a), Sign::Multiplier(b)) => (a - b).norm(),
+        _ => f64::INFINITY,
+    }
+}
+
+const ALL: [Family; 3] = [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled];
+
+#[test]
+fn neimark_sacker_points() {
+    every_claim_holds(Event::NeimarkSacker, &ALL, 25, 60);
+}
+
+#[test]
+fn period_doublings() {
+    every_claim_holds(Event::PeriodDoubling, &ALL, 26, 60);
+}
+
+/// Where an impulse vanishes all pairs that it damps cross the circle at once, and the norm of the matrix is beyond bounds.
+#[test]
+fn neimark_sacker_points_where_an_impact_has_no_speed() {
+    let few = Chain::new(3, 0.5634290634011464, 0.000723177781571438).unwrap();
+    let many = Chain::new(7, 0.3147881568261216, 0.010101123740918238).unwrap();
+    let single = Model::forced(few, 0.8110496069729074, 0.1217098569379993, 0.1189976266655569, 0.19196072991101001);
+    let double = Model::forced(many, 1.25493740972605, 0.0, 1.2061699217080546, 0.19064866532199548);
+    let event = Event::NeimarkSacker;
+    for (model, family, free, from, to) in [
+        (single, Family::SingleSided, Parameter::Omega, 0.6180658545154553, 1.0855360650147243),
+        (double, Family::DoubleSided, Parameter::Amplitude, 1.1088245130508192, 1.267455773691816),
+    ] {
+        let orbit = &breathers(&model.unwrap(), family).unwrap().orbits[1];
+        let located = locate(orbit, &Search { event, free, from, to }).unwrap().located;
+        assert_eq!(located.len(), 1);
+        assert!(located[0].error < 1e-9 && located[0].orbit.impacts()[0].impulse.abs() < 1e-9);
+        let found = &located[0];
+        // The orbit at the point has no impulse to start from; the lists do.
+        let side = |sign: f64| {
+            let model = found.orbit.model().with(free, found.value + sign * found.error).unwrap();
+            let orbits = breathers(&model, family).unwrap().orbits;
+            let strength = |orbit: &Orbit| orbit.impacts()[0].impulse.abs();
+            let grazing = orbits.iter().min_by(|a, b| strength(a).total_cmp(&strength(b))).unwrap();
+            assert!(strength(grazing) < 1e-9);
+            let orbit = TrueOrbit::refine(grazing, DEFAULT_BITS).unwrap();
+            condition(&orbit, event, found.sign).unwrap()
+        };
+        let (low, high) = (side(-1.0), side(1.0));
+        assert!(low.is_negative() != high.is_negative(), "{} ± {:e}: {low} {high}", found.value, found.error);
+    }
+}
