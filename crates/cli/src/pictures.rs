@@ -69,13 +69,12 @@ mod with_pictures {
             if !is_shown(self.scene, number) {
                 return;
             }
-            let mechanisms = [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker];
             let mut fields = row.split(|&byte| byte == b',').skip(self.class_column);
             let class = fields.next().unwrap_or_default();
-            let mechanism = fields.next().unwrap_or_default();
+            let mechanism = fields.next().and_then(|field| std::str::from_utf8(field).ok()).unwrap_or_default();
             self.tiles.push(Tile {
                 class: Class::ALL.into_iter().find(|known| known.name().as_bytes() == class),
-                mechanism: mechanisms.into_iter().find(|known| known.name().as_bytes() == mechanism),
+                mechanism: Mechanism::from_name(mechanism),
             });
         }
 

@@ -135,17 +135,8 @@ mod with_plot {
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose();
             let motion = motion.map_err(|error| CliError::Computation(error.to_string()))?;
             let sites = model.chain().sites();
-            let force = crate::force::caption(model);
-            let title = format!(
-                "N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}{force}",
-                sites - 1,
-                model.chain().gamma1(),
-                model.chain().gamma2(),
-                model.omega(),
-                model.asymmetry()
-            );
             let picture = RunPicture {
-                title,
+                title: crate::figures::solve::describe(model),
                 barriers: (model.asymmetry() - 1.0, model.asymmetry() + 1.0),
                 simulated: Vec::new(),
                 analytic: Vec::new(),

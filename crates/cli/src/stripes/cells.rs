@@ -75,8 +75,7 @@ fn read(request: &Request, path: &Path) -> Result<Vec<Tile>, CliError> {
         }
         let word = |column: usize| record.get(column).unwrap_or_default();
         let class = Class::ALL.into_iter().find(|class| class.name() == word(first));
-        let mechanisms = [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker];
-        let mechanism = mechanisms.into_iter().find(|mechanism| mechanism.name() == word(first + 1));
+        let mechanism = Mechanism::from_name(word(first + 1));
         let unknown = class.is_none() && !word(first).is_empty();
         if unknown || mechanism.is_none() && !word(first + 1).is_empty() {
             return Err(wrong(format!("line {line} has class `{}`, mechanism `{}`", word(first), word(first + 1))));
