@@ -106,15 +106,25 @@ impl<'a> ReturnMap<'a> {
         )
     }
 
-    /// One period. Each impact is found from the state of the moment; those of one instant in the order in which they
-    /// come.
+    /// One period.
     pub(crate) fn apply(&self, state: &DVector<f64>) -> DVector<f64> {
+        self.run(state, self.orbit.impacts(), self.start + self.orbit.period())
+    }
+
+    /// The mirror image of the state after half a period with the first impact. It takes a symmetric orbit to itself.
+    pub(crate) fn mirrored_half(&self, state: &DVector<f64>) -> DVector<f64> {
+        -self.run(state, &self.orbit.impacts()[..1], self.start + 0.5 * self.orbit.period())
+    }
+
+    /// From the start through some impacts to a time. Each impact is found from the state of the moment; those of one instant
+    /// in the order in which they come.
+    fn run(&self, state: &DVector<f64>, impacts: &[vibrochain::breather::Impact], end: f64) -> DVector<f64> {
         let m = state.len() / 2;
         let psi = self.orbit.psi().unwrap_or(0.0);
         let e = self.orbit.model().restitution();
         let (mut u, mut v): (DVector<f64>, DVector<f64>) = (state.rows(0, m).into(), state.rows(m, m).into());
         let mut now = self.start;
-        let mut left: Vec<_> = self.orbit.impacts().to_vec();
+        let mut left = impacts.to_vec();
         while !left.is_empty() {
             let first = left[0].time;
             let simultaneous = left.iter().take_while(|impact| impact.time == first).count();
@@ -138,7 +148,7 @@ impl<'a> ReturnMap<'a> {
             now = t;
             left.remove(index);
         }
-        (u, v) = self.ring.fly(&u, &v, now + psi, self.start + self.orbit.period() - now);
+        (u, v) = self.ring.fly(&u, &v, now + psi, end - now);
         DVector::from_iterator(2 * m, u.iter().chain(v.iter()).copied())
     }
 
@@ -151,6 +161,11 @@ impl<'a> ReturnMap<'a> {
     /// near grazing the map bends on the scale of its velocity squared. Where impacts of several masses coincide it has
     /// kinks at the point itself, which cost an error of order h.
     pub(crate) fn jacobian(&self) -> DMatrix<f64> {
+        self.jacobian_of(|state| self.apply(state))
+    }
+
+    /// The same for another map of the orbit's states.
+    pub(crate) fn jacobian_of(&self, map: impl Fn(&DVector<f64>) -> DVector<f64>) -> DMatrix<f64> {
         let point = self.fixed_point();
         let kinked = self.orbit.impacts().windows(2).any(|pair| pair[0].time == pair[1].time);
         let h = if kinked { 2e-8 } else { 1e-4 * self.slowest_impact().powi(2) };
@@ -160,7 +175,7 @@ impl<'a> ReturnMap<'a> {
                 let (mut plus, mut minus) = (point.clone(), point.clone());
                 plus[j] += h;
                 minus[j] -= h;
-                (self.apply(&plus) - self.apply(&minus)) / (2.0 * h)
+                (map(&plus) - map(&minus)) / (2.0 * h)
             };
             jacobian.set_column(j, &((4.0 * slope(0.5 * h) - slope(h)) / 3.0));
         }

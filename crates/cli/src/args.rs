@@ -246,7 +246,7 @@ pub struct OrbitArgs {
 pub enum EventName {
     /// A mass touches a barrier from inside, or an impact loses its velocity.
     Grazing,
-    /// A multiplier meets +1 and the branch goes on.
+    /// A multiplier meets +1 and the branch goes on; without force and losses also where the energy is extreme.
     Pitchfork,
     /// A multiplier meets −1.
     PeriodDoubling,

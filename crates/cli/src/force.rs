@@ -47,13 +47,12 @@ pub fn value(force: &Force) -> Value {
     force.harmonics().iter().map(one).collect()
 }
 
-/// Force and restitution for captions, with a comma in front; nothing for a conservative model.
-pub fn caption(model: &Model) -> String {
-    if model.is_conservative() {
-        String::new()
-    } else if model.force().cosine_amplitude().is_some() {
-        format!(", A = {}, e = {}", model.amplitude(), model.restitution())
-    } else {
-        format!(", force {}, e = {}", listed(model.force()), model.restitution())
-    }
+/// Force and restitution for captions; nothing for a conservative model.
+pub fn caption(model: &Model) -> Vec<String> {
+    let force = match model.force().cosine_amplitude() {
+        _ if model.is_conservative() => return Vec::new(),
+        Some(_) => format!("A = {}", model.amplitude()),
+        None => format!("force {}", listed(model.force())),
+    };
+    vec![force, format!("e = {}", model.restitution())]
 }

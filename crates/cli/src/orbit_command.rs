@@ -379,6 +379,7 @@ mod with_plot {
 
     use super::{CliError, Console, OrbitArgs, Solution};
     use crate::destination::{name_within, promises_folder};
+    use crate::figures::solve::describe;
     use crate::orbit_plots;
     use crate::output::Output;
     use crate::plot::{Format, OrbitPanels, open, orbit_picture};
@@ -470,17 +471,7 @@ mod with_plot {
                 }
             },
         };
-        let force = crate::force::caption(model);
-        let caption = format!(
-            "{} breather {}: N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}{force}; {state}",
-            orbit.family().name(),
-            i + 1,
-            sites - 1,
-            model.chain().gamma1(),
-            model.chain().gamma2(),
-            model.omega(),
-            model.asymmetry(),
-        );
+        let caption = format!("{} breather {}: {}; {state}", orbit.family().name(), i + 1, describe(model));
         let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
         Ok(OrbitPanels { caption, profiles, trace, barriers })
     }

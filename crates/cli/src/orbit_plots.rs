@@ -14,17 +14,15 @@ use std::path::Path;
 
 use vibrochain_breather::{BreatherError, Finder, Motion, Orbit};
 use vibrochain_floquet::{Complex, FloquetMode, Stability, leading_modes};
-use vibrochain_lattice::{Decay, ImpulseResponse, Spectrum, decay, far_field};
+use vibrochain_lattice::{Decay, Spectrum, decay};
 
 use crate::error::CliError;
+use crate::figures::solve::{beside, describe};
 use crate::output::Output;
 use crate::plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
 
 /// Samples of one flight between impacts.
 const FLIGHT: usize = 160;
-
-/// Harmonics of a far field that are added at most; the nearest neighbours need the most of them.
-const MAX_TERMS: u64 = 1_000_000;
 
 /// Harmonics among which the slowest decay is looked for: later ones decay faster.
 const HARMONICS: u64 = 1000;
@@ -55,7 +53,7 @@ pub(crate) fn write(
     orbit: &Orbit,
     stability: Option<&Stability>,
 ) -> Result<(), CliError> {
-    let title = format!("{} breather {number}: {}", orbit.family().name(), describe(orbit));
+    let title = format!("{} breather {number}: {}", orbit.family().name(), describe(orbit.model()));
     let ending = if format == Format::Png { "png" } else { "svg" };
     let save = |name: &str, pane: (u32, u32), panes: Vec<Pane>| {
         let columns = panes.len();
@@ -73,22 +71,6 @@ pub(crate) fn write(
         save("eigenvector", (660, 480), eigenvector(orbit, stability.verdict.leading)?)?;
     }
     Ok(())
-}
-
-fn describe(orbit: &Orbit) -> String {
-    let (model, chain) = (orbit.model(), orbit.model().chain());
-    let mut text = format!(
-        "N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}",
-        chain.sites() - 1,
-        chain.gamma1(),
-        chain.gamma2(),
-        model.omega(),
-        model.asymmetry()
-    );
-    if !model.is_conservative() {
-        text += &format!(", A = {}, e = {}", model.amplitude(), model.restitution());
-    }
-    text
 }
 
 /// Sites by offset from the breather, −⌊(M−1)/2⌋ … ⌊M/2⌋.
@@ -204,17 +186,11 @@ fn multipliers(stability: &Stability) -> Pane {
     let all = stability.multipliers.iter().map(place).collect();
     let series =
         |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
-    let caption = format!(
-        "{}; |μ| = {:.9}, leading μ = {:.6} {} {:.6}i",
-        verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |m| format!(
-            "unstable, {}",
-            m.name()
-        )),
-        verdict.spectral_radius,
-        verdict.leading.re,
-        if verdict.leading.im < 0.0 { '−' } else { '+' },
-        verdict.leading.im.abs()
-    );
+    let state = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |mechanism| {
+        format!("unstable, {}", mechanism.name())
+    });
+    let caption =
+        format!("{state}; |μ| = {:.9}, leading μ = {}", verdict.spectral_radius, in_six_digits(verdict.leading));
     let mut all = vec![
         series("unit circle", 5, Stroke::Solid(1), Mark::None, circle),
         series("multipliers", 0, Stroke::None, Mark::Filled(0), all),
@@ -223,6 +199,13 @@ fn multipliers(stability: &Stability) -> Pane {
         all.push(series("leading", 1, Stroke::None, Mark::Hollow(3), leading));
     }
     Pane { round: true, ..pane(&caption, "Re μ", "Im μ", all) }
+}
+
+/// "0.600000 + 0.800000i"; a real number has no imaginary part to show.
+fn in_six_digits(z: Complex<f64>) -> String {
+    let sign = if z.im < 0.0 { '−' } else { '+' };
+    let imaginary = if z.im == 0.0 { String::new() } else { format!(" {sign} {:.6}i", z.im.abs()) };
+    format!("{:.6}{imaginary}", z.re)
 }
 
 /// The leading multiplier or its conjugate.
@@ -257,7 +240,8 @@ fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliErr
     let caption = format!("leading perturbation just before the first impact, |μ| = {:.6}", mode.multiplier.norm());
     Ok(vec![
         panel(&caption, "displacement δvₙ", &mode.displacement),
-        panel("its velocities", "velocity δv̇ₙ", &mode.velocity),
+        // A dot over v would be taken for a prime.
+        panel("its velocities", "velocity d(δvₙ)/dt", &mode.velocity),
     ])
 }
 
@@ -267,33 +251,18 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
     let model = orbit.model();
     let chain = model.chain();
     let spectrum = Spectrum::new(*chain);
-    let response = ImpulseResponse::new(&spectrum, orbit.frequency())?;
     let mut motion = Motion::of(orbit)?;
     let home = orbit.impact_site().unwrap_or(0);
     let mut all = Vec::new();
     for (i, impact) in orbit.impacts().iter().enumerate() {
-        let field = |n: usize| -> f64 {
-            orbit
-                .impacts()
-                .iter()
-                .map(|source| {
-                    let t = (impact.time - source.time).rem_euclid(orbit.period());
-                    let kernel = if n == 0 {
-                        response.value(0, t)
-                    } else {
-                        far_field(&spectrum, orbit.frequency(), n, t, MAX_TERMS).0
-                    };
-                    source.impulse * kernel
-                })
-                .sum()
-        };
+        let uniform = orbit.steady().value(impact.time + orbit.psi().unwrap_or(0.0));
+        let v = motion.displacements(impact.time);
+        let field = |n: usize| if n == 0 { v[home] - uniform } else { beside(orbit, &spectrum, n, impact.time) };
         let points = (0..chain.even_modes()).map(|n| (n as f64, field(n).abs())).collect();
         let (stroke, mark) =
             if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Solid(2), Mark::Filled(3)) };
         all.push(Series { name: format!("impact on the {}", impact_name(orbit, i)), colour: i, stroke, mark, points });
         if i == 0 {
-            let uniform = orbit.steady().value(impact.time + orbit.psi().unwrap_or(0.0));
-            let v = motion.displacements(impact.time);
             let modal = (0..chain.even_modes()).map(|n| (n as f64, (v[(home + n) % chain.sites()] - uniform).abs()));
             let (name, stroke, mark) = ("the same by the sum over modes".to_owned(), Stroke::None, Mark::Hollow(1));
             all.push(Series { name, colour: 4, stroke, mark, points: modal.collect() });

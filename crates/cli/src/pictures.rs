@@ -9,13 +9,15 @@ pub(crate) use without_pictures::Pictures;
 mod with_pictures {
     use std::path::PathBuf;
 
+    use vibrochain_floquet::Mechanism;
+
     use crate::args::{PaletteName, PictureArgs};
     use crate::cell::Class;
     use crate::error::CliError;
     use crate::output::Output;
     use crate::plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
     use crate::scene::Scene;
-    use crate::table::{MECHANISMS, class_column};
+    use crate::table::class_column;
 
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures<'a> {
@@ -70,10 +72,10 @@ mod with_pictures {
             }
             let mut fields = row.split(|&byte| byte == b',').skip(self.class_column);
             let class = fields.next().unwrap_or_default();
-            let mechanism = fields.next().unwrap_or_default();
+            let mechanism = fields.next().and_then(|field| std::str::from_utf8(field).ok()).unwrap_or_default();
             self.tiles.push(Tile {
                 class: Class::ALL.into_iter().find(|known| known.name().as_bytes() == class),
-                mechanism: MECHANISMS.into_iter().find(|known| known.name().as_bytes() == mechanism),
+                mechanism: Mechanism::from_name(mechanism),
             });
         }
 

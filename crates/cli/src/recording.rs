@@ -132,15 +132,7 @@ mod with_plot {
             let Some((format, file)) = open(args.plot.as_deref())? else { return Ok(Self(None)) };
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
             let sites = model.chain().sites();
-            let force = crate::force::caption(model);
-            let title = format!(
-                "N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}{force}",
-                sites - 1,
-                model.chain().gamma1(),
-                model.chain().gamma2(),
-                model.omega(),
-                model.asymmetry()
-            );
+            let title = crate::figures::solve::describe(model);
             Ok(Self(Some(Collected {
                 format,
                 file,

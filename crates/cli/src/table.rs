@@ -20,11 +20,6 @@ const COLUMNS: [&str; 6] = ["class", "mechanism", "spectral_radius", "margin", "
 
 /// Columns after these where the modes that have collided are asked for.
 const COLLISION: [&str; 3] = ["mode1", "mode2", "harmonic"];
-
-/// Every mechanism that a row may name.
-pub(crate) const MECHANISMS: [Mechanism; 3] =
-    [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker];
-
 /// Characters shown of a field that is not as it must be.
 const MOST_SHOWN: usize = 40;
 
@@ -232,7 +227,7 @@ fn read_row<'a>(
         None => return unfit("class", class),
     }
     let mechanism = field("mechanism")?;
-    if !mechanism.is_empty() && !MECHANISMS.iter().any(|known| known.name() == mechanism) {
+    if !mechanism.is_empty() && Mechanism::from_name(mechanism).is_none() {
         return unfit("mechanism", mechanism);
     }
     for name in ["spectral_radius", "margin"] {

@@ -61,6 +61,9 @@ fn every_line_figure_writes_its_three_files_and_nothing_else() {
         assert!(fs::read(desk.path().join(format!("figure-{id}.png"))).unwrap().starts_with(b"\x89PNG"));
         let svg = fs::read_to_string(desk.path().join(format!("figure-{id}.svg"))).unwrap();
         assert!(svg.contains("<svg") && (svg.contains("displacement vₙ") || svg.contains("impacting mass v₀")));
+        // What its curves have in common is in the title.
+        let fixed = if id <= 4 { ["γ₁ = 0.2", "γ₂ = 0.1", "ω = "] } else { ["γ₁ = 0.2", "A = 0", "e = 0.9"] };
+        assert!(fixed.iter().all(|part| svg.contains(part)), "figure {id}");
     }
     // Figure 4: the reference's single-sided orbit is on its barrier at the impact, and its impulse is its velocity's jump.
     let profile = table(&desk.path().join("figure-4.csv"));
@@ -75,6 +78,39 @@ fn every_line_figure_writes_its_three_files_and_nothing_else() {
             .find(|r| r["curve"] == row["curve"] && r["instant"] == row["instant"] && number(r, "offset") == twin);
         assert!((number(&other.unwrap(), "displacement") - number(&row, "displacement")).abs() < 1e-15);
     }
+}
+
+#[test]
+fn the_farthest_mass_of_a_long_ring_is_no_rounding() {
+    let desk = TempDir::new().unwrap();
+    let document = desk.path().join("figures.md");
+    figures(&desk.path().join("out"), &["--only", "1", "--document", document.to_str().unwrap()]).success();
+    let document = fs::read_to_string(document).unwrap();
+    let mut seen = 0;
+    for (curve, sites) in [("N = 10", 11), ("N = 100", 101)] {
+        let row = document.lines().find(|line| line.starts_with(&format!("| {curve} |"))).unwrap();
+        let fields: Vec<_> = row.split('|').map(str::trim).collect();
+        let (impulses, told): (Vec<f64>, f64) =
+            (fields[4].split(", ").map(|p| p.parse().unwrap()).collect(), fields[8].parse().unwrap());
+        // The same equations once more: a chain under the harmonics of its impulses, each by elimination along the ring.
+        let (omega, n) = (1.5_f64, sites / 2);
+        let harmonic = |j: u32| {
+            let stiffness = 0.4 - (f64::from(j) * omega).powi(2);
+            // Static and above the band: u_n ∝ λ^n + λ^(M−n), γ₂(λ + 1/λ) = stiffness.
+            let half = 0.5 * stiffness / 0.1;
+            let lambda = half - half.signum() * (half * half - 1.0).sqrt();
+            let power = |n: i32| lambda.powi(n);
+            let own = stiffness * (1.0 + power(sites)) - 0.2 * (power(1) + power(sites - 1));
+            (power(n) + power(sites - n)) / own
+        };
+        // The second impact is half a period after the first.
+        let excited = |j: u32| impulses[0] + if j % 2 == 0 { impulses[1] } else { -impulses[1] };
+        let sum: f64 = (1..200).map(|j| 2.0 * excited(j) * harmonic(j)).sum::<f64>() + excited(0) * harmonic(0);
+        let expected = sum * omega / std::f64::consts::TAU;
+        assert!((told / expected - 1.0).abs() < 1e-3, "{curve}: {told:e} {expected:e}");
+        seen += usize::from(expected.abs() < 1e-28);
+    }
+    assert_eq!(seen, 1);
 }
 
 #[test]
@@ -199,6 +235,18 @@ fn scenes_of_a_folder_take_the_place_of_those_built_in() {
     let swept = desk.path().join("map.csv");
     mapgen(&["sweep", "--quiet"]).arg(scenes.join("figure-15a.toml")).arg("--out").arg(&swept).assert().success();
     assert_eq!(fs::read(swept).unwrap(), fs::read(out.join("figure-15a.csv")).unwrap());
+    // From which growth on an orbit is unstable is always in the title.
+    let heading = |svg: &Path| {
+        let text = fs::read_to_string(svg).unwrap();
+        text.lines().find(|line| line.contains("counts as stable")).map(|line| line.trim().to_owned())
+    };
+    assert!(heading(&out.join("figure-10.svg")).unwrap().contains("growth below 0.01 a period"));
+    assert_eq!(heading(&out.join("figure-15a.svg")), None);
+    let picture = desk.path().join("map.svg");
+    let again = ["--quiet", "--threshold", "0.5", "--svg", picture.to_str().unwrap(), "--out"];
+    let again = |command: &mut Command| command.args(again).arg(desk.path().join("again.csv")).assert().success();
+    again(mapgen(&["sweep"]).arg(scenes.join("figure-15a.toml")));
+    assert!(heading(&picture).unwrap().contains("growth below 0.5 a period"));
     let text = fs::read_to_string(document).unwrap();
     let count = |class: &str| map.iter().filter(|row| row["class"] == class).count();
     assert!(text.contains(&format!("| stable-double | {} (", count("stable-double"))), "{text}");
@@ -338,6 +386,8 @@ fn corrections_have_their_digits() {
     );
 }
 
+const SQUARE: &str = "1:0.1:0,3:-0.03:0.5,5:0.01:0";
+
 const POINT: [&str; 10] = ["--sites", "21", "--gamma1", ".2", "--gamma2", ".1", "--omega", "1.5", "--asymmetry", ".4"];
 
 #[test]
@@ -350,6 +400,7 @@ fn all_plots_are_six_of_each_solution() {
     for (folder, extra, count, ending) in [
         ("forced", &["--family", "double-sided", "--amplitude", ".1", "--restitution", ".9", "--svg"][..], 2, "svg"),
         ("conservative", &["--family", "double-sided"][..], 1, "png"),
+        ("square", &["--family", "single-sided", "--force", SQUARE, "--restitution", "1", "--svg"][..], 2, "svg"),
     ] {
         let folder = desk.path().join(folder);
         mapgen(&["orbit"]).args(POINT).args(extra).arg("--all-plots").arg(&folder).assert().success();
@@ -360,6 +411,24 @@ fn all_plots_are_six_of_each_solution() {
     // γ₂(λ + 1/λ) = γ₁ + 2γ₂ for the static part: λ = 2 − √3.
     assert!(svg("decay").contains("factor 0.267949"), "{}", svg("decay"));
     assert!(svg("eigenvector").contains("imaginary part") && svg("phase").contains("impact"));
+    // A dot over v would be taken for a prime.
+    assert!(svg("eigenvector").contains("velocity d(δvₙ)/dt") && !svg("eigenvector").contains('\u{307}'));
+    // All that is fixed is on all of them.
+    for name in six {
+        for fixed in ["N = 20", "γ₁ = 0.2", "γ₂ = 0.1", "ω = 1.5", "a = 0.4", "A = 0.1", "e = 0.9"] {
+            assert!(svg(name).contains(fixed), "{name}: {fixed}");
+        }
+        let square = fs::read_to_string(desk.path().join(format!("square/solution-1-{name}.svg"))).unwrap();
+        assert!(square.contains(&format!("force {SQUARE}")) && square.contains("e = 1"), "{name}");
+    }
+    // A real multiplier has no imaginary part.
+    let real = desk.path().join("real");
+    let point =
+        "orbit --family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega .8 --asymmetry .4 --svg --all-plots";
+    mapgen(&point.split(' ').collect::<Vec<_>>()).arg(&real).assert().success();
+    let text = fs::read_to_string(real.join("solution-1-multipliers.svg")).unwrap();
+    let caption = text.lines().find(|line| line.contains("leading μ = ")).unwrap().trim();
+    assert_eq!(caption, "unstable, plus-one; |μ| = 2.797574412, leading μ = 2.797574");
 
     // None: an answer, an empty folder. A file in its place: a wrong request.
     let none = desk.path().join("none");

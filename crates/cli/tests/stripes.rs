@@ -387,7 +387,7 @@ fn a_map_names_the_modes_that_have_collided() {
     let mut named = 0;
     for row in table(&map) {
         match row["mechanism"].as_str() {
-            "" | "pitchfork" => {
+            "" | "plus-one" => {
                 assert!(row["mode1"].is_empty() && row["mode2"].is_empty() && row["harmonic"].is_empty())
             }
             mechanism if !row["mode1"].is_empty() => {

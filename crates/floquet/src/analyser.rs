@@ -18,7 +18,8 @@ use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
 use crate::secular::{Doubt, ForcedSecular, Secular};
-use crate::verdict::{Method, Tolerance, Verdict};
+use crate::symmetry::{breaks_symmetry, is_symmetric};
+use crate::verdict::{Mechanism, Method, Tolerance, Verdict};
 
 /// Multipliers and verdict of one orbit.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,6 +131,23 @@ impl Analyser {
 
     /// Verdict and, if `thorough`, the non-trivial multipliers of the space that feels impacts.
     fn decide(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+        thorough: bool,
+    ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+        let (mut verdict, multipliers) = self.by_multipliers(orbit, finder, tolerance, thorough)?;
+        if verdict.mechanism == Some(Mechanism::PlusOne)
+            && is_symmetric(orbit)
+            && breaks_symmetry(orbit, finder.response_to(orbit)?, &verdict)
+        {
+            verdict.mechanism = Some(Mechanism::Pitchfork);
+        }
+        Ok((verdict, multipliers))
+    }
+
+    fn by_multipliers(
         &mut self,
         orbit: &Orbit,
         finder: &mut Finder,

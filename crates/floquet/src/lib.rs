@@ -2,8 +2,8 @@
 //!
 //! Between impacts perturbations fly freely, at an impact they go through a saltation matrix; one period of both is the
 //! monodromy matrix, its eigenvalues are the Floquet multipliers μ. An orbit is stable if none lies outside the unit
-//! circle; the leading one says how stability is lost: through +1 (pitchfork), through −1 (period doubling) or as a
-//! complex pair (Neimark–Sacker). See the paper, sec. III.
+//! circle; the leading one says how stability is lost: through +1 (a fold or a pitchfork), through −1 (period doubling)
+//! or as a complex pair (Neimark–Sacker). See the paper, sec. III.
 //!
 //! | module | holds |
 //! |---|---|
@@ -15,6 +15,7 @@
 //! | `dense`, `reversible` | the smallest matrix that has the multipliers |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
 //! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
+//! | `symmetry` | pitchforks: perturbations that break an orbit's symmetry |
 //! | `locate` | [`locate()`]: bifurcations and grazing in one parameter |
 //! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] |
 //!
@@ -52,6 +53,7 @@ mod saltation;
 mod secular;
 mod square;
 mod stripes;
+mod symmetry;
 mod verdict;
 
 pub use analyser::{Analyser, Stability, stability};

@@ -4,10 +4,19 @@ use nalgebra::Complex;
 
 use crate::secular::Doubt;
 
-/// How the leading multiplier leaves the unit circle.
+/// Where the leading multiplier of an unstable orbit is: how stability is lost.
+///
+/// A verdict knows one point, not the way to it. Of a multiplier beyond +1 that does not say what happens at +1: orbits of one
+/// family may end there in a fold or others branch off in a pitchfork; a conservative one may have its extreme energy there,
+/// and go on. [`Mechanism::Pitchfork`] is said only where symmetry leaves nothing else; which one it is elsewhere is found by
+/// following the branch to where the multiplier is +1, see [`crate::locate()`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Mechanism {
-    /// Through +1.
+    /// Through +1; a fold or a pitchfork, which one is not known.
+    PlusOne,
+    /// Through +1, by a perturbation that breaks the orbit's symmetry, u(t + T/2) = −u(t) (without asymmetry, φ = T/2). It
+    /// comes back after half a period with its sign turned against the orbit's: where its multiplier is +1 two orbits branch
+    /// off that are each other's mirror images.
     Pitchfork,
     /// Through −1.
     PeriodDoubling,
@@ -16,21 +25,35 @@ pub enum Mechanism {
 }
 
 impl Mechanism {
-    /// The name used in files: `pitchfork`, `period-doubling`, `neimark-sacker`.
+    /// All of them, in the order of tables.
+    pub const ALL: [Self; 4] = [Self::PlusOne, Self::Pitchfork, Self::PeriodDoubling, Self::NeimarkSacker];
+
+    /// The name used in files: `plus-one`, `pitchfork`, `period-doubling`, `neimark-sacker`.
     pub fn name(self) -> &'static str {
         match self {
+            Self::PlusOne => "plus-one",
             Self::Pitchfork => "pitchfork",
             Self::PeriodDoubling => "period-doubling",
             Self::NeimarkSacker => "neimark-sacker",
         }
     }
 
-    /// The mechanism of a multiplier outside the circle.
+    /// The mechanism with that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|mechanism| mechanism.name() == name)
+    }
+
+    /// The leading multiplier is real and above +1, whatever else is known.
+    pub fn is_through_plus_one(self) -> bool {
+        matches!(self, Self::PlusOne | Self::Pitchfork)
+    }
+
+    /// What a multiplier outside the circle says on its own.
     pub fn of(multiplier: Complex<f64>) -> Self {
         if multiplier.im != 0.0 {
             Self::NeimarkSacker
         } else if multiplier.re > 0.0 {
-            Self::Pitchfork
+            Self::PlusOne
         } else {
             Self::PeriodDoubling
         }

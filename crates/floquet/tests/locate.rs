@@ -1,7 +1,7 @@
 //! Bifurcation points with digits known from elsewhere (the errata of the paper), and answers where there is no event.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_breather::{Family, Motion, Orbit, breathers};
 use vibrochain_floquet::{Answer, End, Event, LocateError, Mechanism, Search, Sign, Verdict, locate};
 use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Spectrum};
 
@@ -156,6 +156,35 @@ fn conservative_orbits() {
             assert!(below.stable != above.stable, "{found:?}");
             assert!(below.mechanism.or(above.mechanism) == Some(mechanism), "{found:?}");
         }
+    }
+}
+
+/// The bands of the paper's conservative maps with multipliers above +1 begin where energy is extreme, not at pitchforks.
+#[test]
+fn a_multiplier_of_conservative_orbits_is_one_where_their_energy_is_extreme() {
+    let at = |omega: f64| Model::conservative(Chain::new(21, 0.2, 0.1).unwrap(), omega, 0.4).unwrap();
+    // At any instant between impacts: from the masses alone.
+    let energy = |omega: f64, family: Family| {
+        let mut motion = Motion::of(&orbit(&at(omega), family, 0)).unwrap();
+        motion.at(0, 0.7);
+        let mass = |n: usize| motion.site(n % 21);
+        let one = |n: usize| {
+            let (own, stretch) = (mass(n), mass(n).displacement - mass(n + 1).displacement);
+            0.5 * (own.velocity.powi(2) + 0.2 * own.displacement.powi(2) + 0.1 * stretch.powi(2))
+        };
+        (0..21).map(one).sum::<f64>()
+    };
+    for (family, omega, range) in [(Family::SingleSided, 0.8, (0.79, 0.95)), (Family::DoubleSided, 0.98, (0.97, 1.1))] {
+        let answer = search(&orbit(&at(omega), family, 0), Event::Pitchfork, Parameter::Omega, Some(range));
+        let [found] = answer.located.as_slice() else { panic!("{:?}", answer.located) };
+        let h = 1e-3;
+        let [below, here, above] = [-h, 0.0, h].map(|step| energy(found.value + step, family));
+        let (slope, curvature) = ((above - below) / (2.0 * h), (above + below - 2.0 * here) / (h * h));
+        // How far the vertex of the parabola is from there.
+        assert!((slope / curvature).abs() < 10.0 * h * h && curvature.abs() > 1.0, "{found:?}: {slope} {curvature}");
+        assert!(found.handover.is_none(), "{found:?}");
+        let said: Vec<_> = found.verdicts.iter().map(|(_, verdict)| verdict.mechanism).collect();
+        assert_eq!(said, [Some(Mechanism::PlusOne), None]);
     }
 }
 

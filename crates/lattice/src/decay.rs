@@ -82,16 +82,24 @@ fn power(factor: f64, n: usize) -> f64 {
 ///
 /// For γ₁ = 0 the mean (j = 0) is left out, as in [`crate::ImpulseResponse::value`].
 pub fn far_field(spectrum: &Spectrum, omega: f64, site: usize, t: f64, max_terms: u64) -> (f64, u64) {
+    far_motion(spectrum, omega, site, &[(t, 1.0)], max_terms)
+}
+
+/// Σ P K_n(t) over impulses (t, P) at site 0, t the time since each, as [`far_field`]: harmonic by harmonic, for one that the
+/// impulses do not excite together may be by far the largest of each alone.
+pub fn far_motion(spectrum: &Spectrum, omega: f64, site: usize, impulses: &[(f64, f64)], max_terms: u64) -> (f64, u64) {
     let chain = spectrum.chain();
     let (_, top) = spectrum.band();
-    let mean = if chain.gamma1() > 0.0 { harmonic_response(chain, 0.0, site) } else { 0.0 };
+    let part = |w: f64| impulses.iter().map(|(t, impulse)| impulse * (w * t).cos()).sum::<f64>();
+    let size: f64 = impulses.iter().map(|(_, impulse)| impulse.abs()).sum();
+    let mean = if chain.gamma1() > 0.0 { part(0.0) * harmonic_response(chain, 0.0, site) } else { 0.0 };
     let (mut sum, mut j) = (0.0, 1);
     while j < max_terms {
         let w = j as f64 * omega;
         let response = harmonic_response(chain, w, site);
-        sum += 2.0 * response * (w * t).cos();
+        sum += 2.0 * response * part(w);
         // Above the band |g_n| falls at least like w^(−2n−2), n ≥ 1: the tail is below j·|g_n| of this term.
-        if w > 2.0 * top && j as f64 * response.abs() <= f64::EPSILON * (sum + mean).abs() {
+        if w > 2.0 * top && j as f64 * response.abs() * size <= f64::EPSILON * (sum + mean).abs() {
             break;
         }
         j += 1;
@@ -130,6 +138,23 @@ mod tests {
         let weak = Spectrum::new(Chain::new(41, 0.2, 1e-12).unwrap());
         let (value, _) = far_field(&weak, 1.5, 20, 1.1, 1000);
         assert!(value != 0.0 && value.abs() < 1e-200);
+    }
+
+    #[test]
+    fn what_impulses_do_not_excite_together_leaves_no_rounding_behind() {
+        // Equal and opposite, half a period apart: odd harmonics alone, of which the first decays by far the slowest.
+        let (chain, omega) = (Chain::new(101, 0.2, 0.1).unwrap(), 1.5);
+        let spectrum = Spectrum::new(chain);
+        let half = std::f64::consts::PI / omega;
+        for n in [5, 20, 50] {
+            let (value, _) = far_motion(&spectrum, omega, n, &[(0.0, 1.0), (half, -1.0)], 100_000);
+            let first = 2.0 * omega / std::f64::consts::PI * harmonic_response(&chain, omega, n);
+            let third = 2.0 * omega / std::f64::consts::PI * harmonic_response(&chain, 3.0 * omega, n);
+            assert!((value / (first + third) - 1.0).abs() < 1e-3, "{n}: {value:e} {first:e}");
+            // Static displacements of either impulse alone are larger by many orders.
+            let (alone, _) = far_field(&spectrum, omega, n, 0.0, 100_000);
+            assert!(n < 20 || alone.abs() > 1e12 * value.abs(), "{n}: {alone:e}");
+        }
     }
 
     #[test]

@@ -55,7 +55,7 @@ mod small;
 mod spectrum;
 mod transform;
 
-pub use decay::{Decay, decay, far_field, harmonic_response};
+pub use decay::{Decay, decay, far_field, far_motion, harmonic_response};
 pub use error::{LatticeError, ParameterError, Resonance, Short};
 pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use impulse::{ImpulseResponse, KernelJet};

@@ -8,7 +8,7 @@ use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use crate::error::CliError;
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
-use crate::figures::solve::{COLUMNS, RULE, computation, describe, leading, row};
+use crate::figures::solve::{COLUMNS, RULE, computation, leading, row};
 use crate::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 use crate::recording::orbit_time;
 use crate::start::{Start, leading_mode_at};
@@ -147,7 +147,7 @@ pub(super) fn draw(
         window(if late_from + shown == periods { "the last periods" } else { "later" }, last),
         growth,
     ];
-    let title = format!("{}: {}", scene.title, describe(model));
+    let title = format!("{}; pushed by {perturb:e} along its leading Floquet mode", scene.heading());
     let picture = Curves { title, columns: 3, panes, pane: (480, 440) };
     Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more: Vec::new(), findings })
 }

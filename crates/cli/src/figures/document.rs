@@ -38,7 +38,7 @@ impl Document {
     /// Adds a figure.
     pub(super) fn add(&mut self, id: &str, scene: &FigureScene, findings: &[String]) {
         let title = match scene {
-            FigureScene::Map(scene) => scene.title.clone().unwrap_or_default(),
+            FigureScene::Map(scene) => scene.heading(),
             FigureScene::Lines(scene) => scene.title.clone(),
         };
         self.parts.push(format!("## Figure {id}: {title}"));

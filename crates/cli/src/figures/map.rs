@@ -42,7 +42,7 @@ pub(super) fn draw(scene: &Scene, pool: &rayon::ThreadPool, stop: &AtomicBool) -
 fn findings(scene: &Scene, cells: &[Cell], summary: &Summary) -> Vec<String> {
     let share = |count: usize| format!("{count} ({:.1} %)", 100.0 * count as f64 / cells.len().max(1) as f64);
     let mut lines = vec![
-        "| class | cells | pitchfork (+1) | period doubling (−1) | Neimark–Sacker |\n|---|---|---|---|---|".to_owned(),
+        "| class | cells | through +1 | period doubling (−1) | Neimark–Sacker |\n|---|---|---|---|---|".to_owned(),
     ];
     for class in Class::ALL {
         let of_class = || cells.iter().filter(|cell| cell.class == Some(class));
@@ -50,13 +50,14 @@ fn findings(scene: &Scene, cells: &[Cell], summary: &Summary) -> Vec<String> {
         if count == 0 {
             continue;
         }
-        let by = |mechanism| match of_class().filter(|cell| cell.mechanism == Some(mechanism)).count() {
-            0 => String::new(),
-            count => count.to_string(),
-        };
-        let [pitchfork, doubling, torus] =
-            [Mechanism::Pitchfork, Mechanism::PeriodDoubling, Mechanism::NeimarkSacker].map(by);
-        lines.push(format!("| {} | {} | {pitchfork} | {doubling} | {torus} |", class.name(), share(count)));
+        let by =
+            |which: fn(Mechanism) -> bool| match of_class().filter(|cell| cell.mechanism.is_some_and(which)).count() {
+                0 => String::new(),
+                count => count.to_string(),
+            };
+        let plus = by(Mechanism::is_through_plus_one);
+        let [doubling, torus] = [by(|it| it == Mechanism::PeriodDoubling), by(|it| it == Mechanism::NeimarkSacker)];
+        lines.push(format!("| {} | {} | {plus} | {doubling} | {torus} |", class.name(), share(count)));
     }
     let unknown = cells.iter().filter(|cell| cell.class.is_none()).count();
     if unknown > 0 {

@@ -1,11 +1,12 @@
 //! Displacements of all masses at the impacts (figures 1, 2, 4, 5, 6, 8).
 
 use vibrochain_breather::{Motion, Orbit};
+use vibrochain_lattice::Spectrum;
 
 use crate::error::CliError;
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
-use crate::figures::solve::{COLUMNS, RULE, describe, leading, row};
+use crate::figures::solve::{COLUMNS, RULE, beside, leading, row};
 use crate::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Two instants and their names: the impacts, or the only impact and half a period later.
@@ -65,7 +66,7 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
             pane.series.push(Series { name, colour: i, stroke, mark, points });
             of_curve.push(v);
         }
-        let far = of_curve.first().and_then(|v| v.get(v.len() / 2)).copied().unwrap_or_default();
+        let far = farthest(&solved.orbit, of_curve.first().map_or(&[], Vec::as_slice));
         lines.push(format!("| {} | {} {far:.3e} |", if label.is_empty() { "" } else { label }, row(&solved)));
         profiles.push(of_curve);
     }
@@ -73,11 +74,22 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
     if let Some(difference) = difference(&profiles) {
         findings.push(difference);
     }
-    let title = scene.curves.first().map_or(String::new(), |(_, _, model)| describe(model));
-    let varied = scene.curves.len() > 1;
-    let title = if varied { scene.title.clone() } else { format!("{}: {title}", scene.title) };
-    let picture = Curves { title, columns: panes.len(), panes, pane: (600, 440) };
+    let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (600, 440) };
     Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more: Vec::new(), findings })
+}
+
+/// Displacement at the first impact of the mass farthest from the breather, `v` those of all masses: next to nothing where no force
+/// moves it, of which only harmonics have digits.
+fn farthest(orbit: &Orbit, v: &[f64]) -> f64 {
+    let (n, chain) = (v.len() / 2, orbit.model().chain());
+    match orbit.impacts().first() {
+        // A ring that nothing holds has a place as well as a motion.
+        Some(impact) if n > 0 && chain.gamma1() > 0.0 => {
+            let uniform = orbit.steady().value(impact.time + orbit.psi().unwrap_or(0.0));
+            uniform + beside(orbit, &Spectrum::new(*chain), n, impact.time)
+        }
+        _ => v.get(n).copied().unwrap_or_default(),
+    }
 }
 
 /// Lines and points by curve: told apart without colour.

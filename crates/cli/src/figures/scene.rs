@@ -6,6 +6,7 @@ use vibrochain_lattice::{MAX_SITES, Model, Short};
 
 use crate::error::CliError;
 use crate::figures::library::Entry;
+use crate::figures::solve::in_common;
 use crate::parameter::{Parameter, Point};
 use crate::scene::{Scene, Source};
 
@@ -26,6 +27,14 @@ pub(super) struct LineScene {
     pub(super) kind: Kind,
     /// The points, each with what sets it apart from the others ("a = 0.2").
     pub(super) curves: Vec<(String, Point, Model)>,
+}
+
+impl LineScene {
+    /// The title, and the parameters that are fixed.
+    pub(super) fn heading(&self) -> String {
+        let models: Vec<_> = self.curves.iter().map(|(_, _, model)| model).collect();
+        format!("{}: {}", self.title, in_common(&models))
+    }
 }
 
 /// What is drawn.

@@ -67,8 +67,7 @@ pub(super) fn draw(
     panes.push(pane("solutions and their stability", &name, "second impact φ/T", Scale::Linear, series));
     more.push(("-branches", table));
     findings.extend(found);
-    let title = format!("{}: {}", scene.title, super::solve::describe(model));
-    let picture = Curves { title, columns: panes.len(), panes, pane: (480, 460) };
+    let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (480, 460) };
     Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more, findings })
 }
 

@@ -1,11 +1,12 @@
 //! The physical orbits at a point, with their stability; names of points and columns about orbits that several figures
 //! have in common.
 
-use vibrochain_breather::{Family, Finder, Found, Orbit};
+use vibrochain_breather::{Family, Finder, Found, Impact, Orbit};
 use vibrochain_floquet::{Analyser, Stability, Tolerance};
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Model, Spectrum, far_motion};
 
 use crate::error::CliError;
+use crate::force;
 
 /// A physical orbit.
 #[derive(Debug, Clone)]
@@ -51,25 +52,42 @@ pub(super) fn leading(model: &Model, family: Family) -> Result<Solved, CliError>
         .ok_or_else(|| computation(format!("no physical {} breather at {}", family.name(), describe(model))))
 }
 
-/// "N = 20, γ₁ = 0.2, …"
+/// "N = 20, γ₁ = 0.2, …": all that is fixed.
 pub(crate) fn describe(model: &Model) -> String {
-    let chain = model.chain();
-    let force = if model.is_conservative() {
-        String::new()
-    } else {
-        format!(", A = {}, e = {}", model.amplitude(), model.restitution())
-    };
-    format!(
-        "N = {}, γ₁ = {}, γ₂ = {}, ω = {}, a = {}{force}",
-        chain.sites() - 1,
-        chain.gamma1(),
-        chain.gamma2(),
-        model.omega(),
-        model.asymmetry()
-    )
+    in_common(&[model])
 }
 
-/// "stable", "unstable by pitchfork", …
+/// What several points of a figure have in common; what differs is told by its curves.
+pub(super) fn in_common(models: &[&Model]) -> String {
+    let parts = |model: &Model| {
+        let chain = model.chain();
+        let mut parts = vec![
+            format!("N = {}", chain.sites() - 1),
+            format!("γ₁ = {}", chain.gamma1()),
+            format!("γ₂ = {}", chain.gamma2()),
+            format!("ω = {}", model.omega()),
+            format!("a = {}", model.asymmetry()),
+        ];
+        parts.extend(force::caption(model));
+        parts
+    };
+    let all: Vec<Vec<String>> = models.iter().map(|model| parts(model)).collect();
+    let common = |part: &&String| all.iter().all(|parts| parts.contains(part));
+    all.first().into_iter().flatten().filter(common).cloned().collect::<Vec<_>>().join(", ")
+}
+
+/// Harmonics of a far field that are added at most; the nearest neighbours need the most of them.
+const MAX_TERMS: u64 = 1_000_000;
+
+/// By how much a mass `n` ≥ 1 sites from the one that takes all impacts differs from the uniform motion, in full relative accuracy:
+/// by harmonics, of which every one falls from site to site by its own factor.
+pub(crate) fn beside(orbit: &Orbit, spectrum: &Spectrum, n: usize, time: f64) -> f64 {
+    let since = |impact: &Impact| (time - impact.time).rem_euclid(orbit.period());
+    let impulses: Vec<_> = orbit.impacts().iter().map(|impact| (since(impact), impact.impulse)).collect();
+    far_motion(spectrum, orbit.frequency(), n, &impulses, MAX_TERMS).0
+}
+
+/// "stable", "unstable, plus-one", …
 pub(super) fn verdict(solved: &Solved) -> String {
     let verdict = solved.stability.verdict;
     match verdict.mechanism {

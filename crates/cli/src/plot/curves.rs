@@ -17,6 +17,7 @@ use crate::plot::decades::{Decades, power_of_ten};
 use crate::plot::map::tick;
 use crate::plot::markers::marker;
 use crate::plot::palette::LINES;
+use crate::plot::words::Heading;
 
 /// A picture of panels side by side.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,8 +101,10 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
-const HEADING: u32 = 40;
-const CAPTION: u32 = 26;
+/// Height and width of what is about the lines of the title, and their size.
+const HEADING: (u32, u32) = (16, 32);
+const TITLE: u32 = 18;
+const CAPTION: u32 = 16;
 const LEGEND_ROW: u32 = 24;
 const LEFT: u32 = 76;
 const RIGHT: u32 = 22;
@@ -119,12 +122,15 @@ const SAMPLE: u32 = 58;
 pub fn curves_picture(picture: &Curves, format: Format) -> Result<Vec<u8>, PlotError> {
     let columns = picture.columns.clamp(1, picture.panes.len().max(1));
     let rows = picture.panes.len().div_ceil(columns).max(1);
-    let size = (picture.pane.0 * columns as u32, HEADING + picture.pane.1 * rows as u32);
-    render(&Sheet { picture, grid: (rows, columns) }, format, size)
+    let width = picture.pane.0 * columns as u32;
+    let title = Heading::new(&picture.title, width - HEADING.1, TITLE);
+    let size = (width, HEADING.0 + title.height() + picture.pane.1 * rows as u32);
+    render(&Sheet { picture, title, grid: (rows, columns) }, format, size)
 }
 
 struct Sheet<'a> {
     picture: &'a Curves,
+    title: Heading,
     grid: (usize, usize),
 }
 
@@ -152,19 +158,28 @@ fn legend_places(series: &[Series], width: u32) -> (Vec<(u32, u32)>, u32) {
 impl Drawing for Sheet<'_> {
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
         area.fill(&WHITE).map_err(PlotError::from)?;
-        let (heading, below) = area.split_vertically(HEADING);
-        text(&heading, &self.picture.title, (16, 10), 18)?;
+        let (heading, below) = area.split_vertically(HEADING.0 + self.title.height());
+        self.title.draw(&heading, (HEADING.1 as i32 / 2, 10), BLACK)?;
         let panes = below.split_evenly(self.grid);
-        // Panels of a row share the height of the legend, so that their axes stand level.
         for (row, places) in self.picture.panes.chunks(self.grid.1).zip(panes.chunks(self.grid.1)) {
-            let rows = row.iter().map(|pane| legend_places(&pane.series, self.picture.pane.0).1).max().unwrap_or(0);
-            let caption = if row.iter().any(|pane| !pane.caption.is_empty()) { CAPTION } else { 0 };
-            for (pane, place) in row.iter().zip(places) {
-                draw_pane(place, pane, caption, caption + LEGEND_ROW * rows)?;
-            }
+            draw_row(places, row)?;
         }
         Ok(())
     }
+}
+
+/// Draws panels side by side. They share the height of captions and legends, so that their axes stand level.
+pub(crate) fn draw_row<B: DrawingBackend>(places: &[DrawingArea<B, Shift>], row: &[Pane]) -> Result<(), PlotError> {
+    let width = places.iter().map(|place| place.dim_in_pixel().0).min().unwrap_or(0);
+    let legend = row.iter().map(|pane| legend_places(&pane.series, width).1).max().unwrap_or(0);
+    let captions: Vec<_> = row.iter().map(|pane| Heading::new(&pane.caption, width - LEFT - RIGHT, CAPTION)).collect();
+    let caption =
+        captions.iter().map(Heading::height).max().filter(|height| *height > 0).map_or(0, |height| height + 6);
+    for ((pane, heading), place) in row.iter().zip(&captions).zip(places) {
+        heading.draw(place, (LEFT as i32, 4), BLACK)?;
+        draw_pane(place, pane, caption, caption + LEGEND_ROW * legend)?;
+    }
+    Ok(())
 }
 
 fn text<B: DrawingBackend>(
@@ -202,9 +217,6 @@ fn draw_pane<B: DrawingBackend>(
 ) -> Result<(), PlotError> {
     let (width, height) = area.dim_in_pixel();
     let (head, body) = area.split_vertically(header);
-    if !pane.caption.is_empty() {
-        text(&head, &pane.caption, (LEFT as i32, 4), 16)?;
-    }
     let named = pane.series.iter().filter(|series| !series.name.is_empty());
     for (series, (row, x)) in named.zip(legend_places(&pane.series, width).0) {
         let (x, y) = (x as i32, (caption + LEGEND_ROW * row) as i32 + 10);

@@ -12,7 +12,8 @@ use crate::parameter::Parameter;
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
 pub use crate::plot::lines::MapLine;
 use crate::plot::lines::{Frame, draw_key, draw_lines};
-use crate::plot::palette::{Palette, Tile};
+use crate::plot::palette::{Palette, Tile, sample};
+use crate::plot::words::Heading;
 use crate::scene::{Axis, Scene, Values};
 
 /// About this many pixels wide and high the map itself becomes.
@@ -21,11 +22,17 @@ const TARGET: usize = 900;
 /// A map wider or higher than this in cells shows every second (third …) one only.
 const MOST: usize = 6000;
 
+/// Height that all classes and mechanisms take in the legend.
+const MOST_LEGEND: u32 = 400;
+
 const LEFT: u32 = 90;
 /// Air between the edge of the picture and the name of the y axis.
 const EDGE: u32 = 12;
 const RIGHT: u32 = 300;
-const TOP: u32 = 64;
+/// Air above the headings, and between them and the map.
+const TOP: (u32, u32) = (10, 12);
+/// Sizes of the two headings.
+const HEADINGS: [u32; 2] = [22, 16];
 const BOTTOM: u32 = 74;
 
 /// What is drawn.
@@ -69,8 +76,13 @@ pub fn map_with_lines(picture: &MapPicture<'_>, lines: &[MapLine], format: Forma
         return Err(PlotError("a map has two axes".to_owned()));
     };
     let layout = Layout { columns: Grid::new(x.points()), rows: Grid::new(y.points()) };
-    let size = (layout.columns.pixels() + LEFT + RIGHT, layout.rows.pixels().max(360) + TOP + BOTTOM);
-    render(&Sheet { picture, lines, x, y, layout }, format, size)
+    let width = layout.columns.pixels() + LEFT + RIGHT;
+    let scene = picture.scene;
+    let headings = [(scene.heading(), HEADINGS[0]), (fixed(scene), HEADINGS[1])];
+    let headings = headings.map(|(text, size)| Heading::new(&text, width - LEFT - EDGE, size));
+    let top = TOP.0 + headings.iter().map(Heading::height).sum::<u32>() + TOP.1;
+    let size = (width, layout.rows.pixels().max(MOST_LEGEND) + top + BOTTOM);
+    render(&Sheet { picture, lines, x, y, layout, headings, top }, format, size)
 }
 
 /// Cells along one axis.
@@ -105,6 +117,9 @@ struct Sheet<'a> {
     x: &'a Axis,
     y: &'a Axis,
     layout: Layout,
+    headings: [Heading; 2],
+    /// Where the map begins.
+    top: u32,
 }
 
 fn label(axis: &Axis) -> String {
@@ -167,35 +182,28 @@ impl Sheet<'_> {
         entries
     }
 
-    /// Textures that occur, shown on the unstable class that has them.
-    fn textures(&self) -> Vec<(Tile, &'static str)> {
-        [
+    /// Textures that occur.
+    fn textures(&self) -> Vec<(Mechanism, &'static str)> {
+        let all = [
             (Mechanism::NeimarkSacker, "Neimark–Sacker"),
             (Mechanism::PeriodDoubling, "period doubling"),
-            (Mechanism::Pitchfork, "pitchfork (+1)"),
-        ]
-        .into_iter()
-        .filter_map(|(mechanism, text)| {
-            let tile = self.picture.tiles.iter().find(|tile| tile.mechanism == Some(mechanism))?;
-            Some((*tile, text))
-        })
-        .collect()
+            (Mechanism::PlusOne, "through +1"),
+            (Mechanism::Pitchfork, "pitchfork"),
+        ];
+        let occurs = |mechanism| self.picture.tiles.iter().any(|tile| tile.mechanism == Some(mechanism));
+        all.into_iter().filter(|(mechanism, _)| occurs(*mechanism)).collect()
     }
 }
 
 impl Drawing for Sheet<'_> {
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        let scene = self.picture.scene;
         area.fill(&WHITE).map_err(PlotError::from)?;
         let (width, height, pixels) = self.raster();
-        let (left, top) = (LEFT as i32, TOP as i32);
-
-        let kind = if scene.is_conservative() { "Conservative breathers" } else { "Forced breathers" };
-        let title = scene.title.clone().unwrap_or_else(|| kind.to_owned());
-        let heading = ("sans-serif", 22).into_font().color(&BLACK);
-        area.draw(&Text::new(title, (left, 10), heading)).map_err(PlotError::from)?;
-        let small = ("sans-serif", 16).into_font().color(&RGBColor(60, 60, 60));
-        area.draw(&Text::new(fixed(scene), (left, 38), small.clone())).map_err(PlotError::from)?;
+        let (left, top) = (LEFT as i32, self.top as i32);
+        let grey = RGBColor(60, 60, 60);
+        let [title, parameters] = &self.headings;
+        title.draw(area, (left, TOP.0 as i32), BLACK)?;
+        parameters.draw(area, (left, (TOP.0 + title.height()) as i32), grey)?;
 
         // Axes: a cell covers half a step on either side of its value.
         let span = |axis: &Axis, grid: Grid| {
@@ -204,9 +212,9 @@ impl Drawing for Sheet<'_> {
         };
         let (total_width, total_height) = area.dim_in_pixel();
         let mut chart = ChartBuilder::on(area)
-            .margin_top(TOP)
+            .margin_top(self.top)
             .margin_right(total_width - LEFT - width)
-            .margin_bottom(total_height - TOP - BOTTOM - height)
+            .margin_bottom(total_height - self.top - BOTTOM - height)
             .x_label_area_size(BOTTOM)
             .margin_left(EDGE)
             .y_label_area_size(LEFT - EDGE)
@@ -235,18 +243,19 @@ impl Drawing for Sheet<'_> {
         let mut y = top;
         let text = ("sans-serif", 17).into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
         for (tile, entry) in self.legend() {
-            self.swatch(area, tile, (x, y))?;
+            swatch(area, |px, py| self.picture.palette.pixel(tile, px, py), (x, y))?;
             area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
             y += 34;
         }
         let textures = self.textures();
         if !textures.is_empty() {
             y += 16;
+            let small = ("sans-serif", 16).into_font().color(&grey);
             area.draw(&Text::new("stability is lost by", (x, y), small)).map_err(PlotError::from)?;
             y += 28;
         }
-        for (tile, entry) in textures {
-            self.swatch(area, tile, (x, y))?;
+        for (mechanism, entry) in textures {
+            swatch(area, |px, py| sample(mechanism, px, py), (x, y))?;
             area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
             y += 34;
         }
@@ -260,22 +269,21 @@ impl Drawing for Sheet<'_> {
     }
 }
 
-impl Sheet<'_> {
-    fn swatch<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-        tile: Tile,
-        (x, y): (i32, i32),
-    ) -> Result<(), PlotError> {
-        let (width, height) = (32, 24);
-        let pixels = (0..height).flat_map(|py| (0..width).flat_map(move |px| self.picture.palette.pixel(tile, px, py)));
-        if let Some(patch) = BitMapElement::with_owned_buffer((x, y), (width, height), pixels.collect()) {
-            area.draw(&patch).map_err(PlotError::from)?;
-        }
-        let (right, bottom) = (x + width as i32, y + height as i32);
-        let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y)];
-        area.draw(&PathElement::new(outline, BLACK.stroke_width(1))).map_err(PlotError::from)
+/// The sample of a legend's entry.
+fn swatch<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    pixel: impl Fn(u32, u32) -> [u8; 3],
+    (x, y): (i32, i32),
+) -> Result<(), PlotError> {
+    let (width, height) = (32, 24);
+    let places = (0..height).flat_map(|py| (0..width).map(move |px| (px, py)));
+    let pixels = places.flat_map(|(px, py)| pixel(px, py)).collect();
+    if let Some(patch) = BitMapElement::with_owned_buffer((x, y), (width, height), pixels) {
+        area.draw(&patch).map_err(PlotError::from)?;
     }
+    let (right, bottom) = (x + width as i32, y + height as i32);
+    let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y)];
+    area.draw(&PathElement::new(outline, BLACK.stroke_width(1))).map_err(PlotError::from)
 }
 
 /// Where the first value of an axis lies on the picture, and the distance of neighbours: their logarithms where the ratio is

@@ -10,6 +10,7 @@ mod markers;
 mod orbit;
 mod palette;
 mod run;
+mod words;
 #[cfg(feature = "accuracy")]
 mod work_precision;
 

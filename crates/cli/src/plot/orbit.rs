@@ -1,14 +1,11 @@
 //! The picture of orbits: for each, the profile along the ring at its impacts, and the impacting mass over a period.
 
-use plotters::chart::LabelAreaPosition;
 use plotters::coord::Shift;
-use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{
-    BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE,
-};
+use plotters::prelude::{BLACK, DrawingArea, DrawingBackend, WHITE};
 
-use crate::plot::axes::{axes, barriers, legend};
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
+use crate::plot::curves::{Mark, Pane, Scale, Series, Stroke, draw_row};
+use crate::plot::words::Heading;
 
 /// One orbit's data.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,88 +21,108 @@ pub struct OrbitPanels {
 }
 
 const WIDTH: u32 = 1200;
-const HEIGHT: u32 = 420;
-
-/// Blue and vermilion, told apart by lightness and by colour-blind eyes.
-const SERIES: [RGBColor; 3] = [RGBColor(16, 50, 98), RGBColor(213, 94, 0), RGBColor(46, 134, 171)];
+/// Height of the panels of an orbit, and of the air about its caption.
+const PANELS: u32 = 400;
+const AIR: u32 = 16;
 
 /// The bytes of a picture with one row of panels for each orbit.
 ///
 /// # Errors
 /// [`PlotError`].
 pub fn orbit_picture(orbits: &[OrbitPanels], format: Format) -> Result<Vec<u8>, PlotError> {
-    render(&Rows { orbits }, format, (WIDTH, HEIGHT * orbits.len().max(1) as u32))
+    let captions: Vec<_> = orbits.iter().map(|orbit| Heading::new(&orbit.caption, WIDTH - 40, 17)).collect();
+    // Rows are of one height.
+    let caption = AIR + captions.iter().map(Heading::height).max().unwrap_or(0);
+    let size = (WIDTH, (caption + PANELS) * orbits.len().max(1) as u32);
+    render(&Rows { orbits, captions, caption }, format, size)
 }
 
 struct Rows<'a> {
     orbits: &'a [OrbitPanels],
-}
-
-/// A range with some air about it.
-fn padded(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    let air = (0.08 * (high - low)).max(1e-6);
-    low - air..high + air
+    captions: Vec<Heading>,
+    caption: u32,
 }
 
 impl Drawing for Rows<'_> {
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
         area.fill(&WHITE).map_err(PlotError::from)?;
-        for (orbit, row) in self.orbits.iter().zip(area.split_evenly((self.orbits.len().max(1), 1))) {
-            let caption = ("sans-serif", 17).into_font().color(&BLACK);
-            row.draw(&Text::new(orbit.caption.clone(), (20, 8), caption)).map_err(PlotError::from)?;
-            let (_, panels) = row.split_vertically(32);
-            let (left, right) = panels.split_horizontally(WIDTH / 2);
-            profile_panel(&left, orbit)?;
-            trace_panel(&right, orbit)?;
+        let rows = area.split_evenly((self.orbits.len().max(1), 1));
+        for ((orbit, caption), row) in self.orbits.iter().zip(&self.captions).zip(rows) {
+            caption.draw(&row, (20, 8), BLACK)?;
+            let (_, panels) = row.split_vertically(self.caption);
+            draw_row(&panels.split_evenly((1, 2)), &[profile(orbit), trace(orbit)])?;
         }
         Ok(())
     }
 }
 
-fn profile_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, orbit: &OrbitPanels) -> Result<(), PlotError> {
-    let (lower, upper) = orbit.barriers;
-    let points = || orbit.profiles.iter().flat_map(|(_, profile)| profile);
-    let reach = points().map(|(n, _)| n.abs()).max().unwrap_or(1).max(1) as f64 + 0.5;
-    let values = padded(points().map(|(_, v)| *v).chain([lower, upper]));
-    let mut chart = ChartBuilder::on(area)
-        .margin(10)
-        .margin_right(20)
-        .set_label_area_size(LabelAreaPosition::Left, 64)
-        .set_label_area_size(LabelAreaPosition::Bottom, 50)
-        .build_cartesian_2d(-reach..reach, values)
-        .map_err(PlotError::from)?;
-    axes(&mut chart, "site, from the impacting mass", "displacement vₙ", true)?;
-    barriers(&mut chart, (lower, upper), (-reach, reach))?;
-    for (i, (time, profile)) in orbit.profiles.iter().enumerate() {
-        let colour = SERIES[i % SERIES.len()];
-        let line = profile.iter().map(|&(n, v)| (n as f64, v));
-        chart
-            .draw_series(LineSeries::new(line.clone(), colour.stroke_width(2)))
-            .map_err(PlotError::from)?
-            .label(format!("at t = {time:.4}"))
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], colour.stroke_width(2)));
-        let dots = line.map(|point| {
-            if i == 0 { Circle::new(point, 3, colour.filled()) } else { Circle::new(point, 4, colour.stroke_width(1)) }
-        });
-        chart.draw_series(dots).map_err(PlotError::from)?;
+fn pane(orbit: &OrbitPanels, x: &str, y: &str, series: Vec<Series>) -> Pane {
+    Pane {
+        caption: String::new(),
+        x: x.to_owned(),
+        y: y.to_owned(),
+        x_range: None,
+        scale: Scale::Linear,
+        levels: vec![orbit.barriers.0, orbit.barriers.1],
+        round: false,
+        series,
     }
-    legend(&mut chart)
 }
 
-fn trace_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, orbit: &OrbitPanels) -> Result<(), PlotError> {
-    let (lower, upper) = orbit.barriers;
-    let values = padded(orbit.trace.iter().map(|(_, v)| *v).chain([lower, upper]));
-    let mut chart = ChartBuilder::on(area)
-        .margin(10)
-        .margin_right(20)
-        .set_label_area_size(LabelAreaPosition::Left, 64)
-        .set_label_area_size(LabelAreaPosition::Bottom, 50)
-        .build_cartesian_2d(0.0..1.0, values)
-        .map_err(PlotError::from)?;
-    axes(&mut chart, "time, in periods of the orbit", "impacting mass v₀", true)?;
-    barriers(&mut chart, (lower, upper), (0.0, 1.0))?;
-    let line = LineSeries::new(orbit.trace.iter().copied(), SERIES[0].stroke_width(2));
-    chart.draw_series(line).map_err(PlotError::from)?;
-    Ok(())
+fn profile(orbit: &OrbitPanels) -> Pane {
+    let series = orbit.profiles.iter().enumerate().map(|(i, (time, profile))| {
+        let (stroke, mark) =
+            if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
+        let points = profile.iter().map(|&(n, v)| (n as f64, v)).collect();
+        Series { name: format!("at t = {time:.4}"), colour: i, stroke, mark, points }
+    });
+    pane(orbit, "site n, from the impacting mass", "displacement vₙ", series.collect())
+}
+
+fn trace(orbit: &OrbitPanels) -> Pane {
+    let (stroke, mark) = (Stroke::Solid(2), Mark::None);
+    let series = Series { name: String::new(), colour: 0, stroke, mark, points: orbit.trace.clone() };
+    let pane = pane(orbit, "time, in periods of the orbit", "impacting mass v₀", vec![series]);
+    Pane { x_range: Some(0.0..1.0), ..pane }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Places and words of all texts in a picture.
+    fn texts(svg: &str) -> Vec<(f64, String)> {
+        let of = |tag: &str| {
+            let y = tag.split(" y=\"").nth(1)?.split('"').next()?.parse().ok()?;
+            let words = tag.split('>').nth(1)?.split('<').next()?.trim().to_owned();
+            Some((y, words))
+        };
+        svg.split("<text ").skip(1).filter_map(of).collect()
+    }
+
+    #[test]
+    fn legends_hide_nothing_and_long_captions_lose_nothing() {
+        let caption = "double-sided breather 1: N = 20, γ₁ = 0.2790465016543734, γ₂ = 0.13606569615937517, \
+                       ω = 0.3456359754617771, a = 0.4, force 1:0.1:0,3:-0.03:0.5,5:0.01:0, e = 0.9; stable";
+        let profile = |time: f64| (time, vec![(-1, 0.1), (0, 1.4), (1, 0.1)]);
+        let orbit = OrbitPanels {
+            caption: caption.to_owned(),
+            profiles: vec![profile(0.0), profile(2.0)],
+            trace: vec![(0.0, 1.4), (0.5, -0.6), (1.0, 1.4)],
+            barriers: (-0.6, 1.4),
+        };
+        let svg = String::from_utf8(orbit_picture(&[orbit.clone(), orbit], Format::Svg).unwrap()).unwrap();
+        let texts = texts(&svg);
+        let words: Vec<_> = texts.iter().map(|(_, words)| words.as_str()).collect();
+        // In two lines.
+        assert!(words.iter().all(|words| *words != caption));
+        for part in caption.split(", ") {
+            assert_eq!(words.iter().filter(|words| words.contains(part)).count(), 2, "{part}");
+        }
+        // Ticks stand beside the panel, the legend above all of them.
+        let (first, _) = texts.iter().find(|(_, words)| words == "at t = 2.0000").unwrap();
+        let ticks = texts.iter().filter(|(_, words)| words.parse::<f64>().is_ok()).map(|(y, _)| *y);
+        let ticks: Vec<f64> = ticks.collect();
+        assert!(ticks.len() > 20 && ticks.iter().all(|y| y > first), "{first} {ticks:?}");
+    }
 }

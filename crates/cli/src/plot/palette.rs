@@ -48,18 +48,34 @@ impl Palette {
         }
     }
 
-    /// Colour of the pixel (x, y) of a tile. Textures go by the pixel's place in the picture, so that they run through
-    /// neighbouring cells: period doubling is hatched, a pitchfork dotted, Neimark–Sacker plain.
+    /// Colour of the pixel (x, y) of a tile.
     pub fn pixel(self, tile: Tile, x: u32, y: u32) -> Rgb {
         let marked = match (tile.class, tile.mechanism) {
             (None, _) => (x + y) % 4 < 1,
-            (_, Some(Mechanism::PeriodDoubling)) => (x + y) % 6 < 2,
-            (_, Some(Mechanism::Pitchfork)) => x % 4 < 2 && y % 4 < 2,
-            (_, Some(Mechanism::NeimarkSacker) | None) => false,
+            (_, mechanism) => mechanism.is_some_and(|mechanism| is_marked(mechanism, x, y)),
         };
-        let colour = self.class(tile.class);
-        if marked { colour.map(|c| (f64::from(c) * 0.55) as u8) } else { colour }
+        shaded(self.class(tile.class), marked)
     }
+}
+
+/// Colour of the pixel (x, y) of a mechanism in a legend: on a grey that is no class's, as textures are the same on all of them.
+pub(crate) fn sample(mechanism: Mechanism, x: u32, y: u32) -> Rgb {
+    shaded([225, 225, 225], is_marked(mechanism, x, y))
+}
+
+/// Textures go by the pixel's place in the picture, so that they run through neighbouring cells: period doubling is hatched, what
+/// leaves through +1 dotted, or striped where it is known to be a pitchfork, Neimark–Sacker plain.
+fn is_marked(mechanism: Mechanism, x: u32, y: u32) -> bool {
+    match mechanism {
+        Mechanism::PeriodDoubling => (x + y) % 6 < 2,
+        Mechanism::PlusOne => x % 4 < 2 && y % 4 < 2,
+        Mechanism::Pitchfork => x % 6 < 2,
+        Mechanism::NeimarkSacker => false,
+    }
+}
+
+fn shaded(colour: Rgb, marked: bool) -> Rgb {
+    if marked { colour.map(|c| (f64::from(c) * 0.55) as u8) } else { colour }
 }
 
 /// Colours of lines in a diagram, in order of use: dark and light take turns, so that neighbours in a legend are told
@@ -95,14 +111,25 @@ mod tests {
 
     #[test]
     fn mechanisms_have_textures() {
-        let tile = |mechanism| Tile { class: Some(Class::UnstableSingle), mechanism: Some(mechanism) };
-        let dark = |mechanism| {
-            (0..12)
-                .flat_map(|x| (0..12).map(move |y| (x, y)))
-                .filter(|&(x, y)| Palette::Colour.pixel(tile(mechanism), x, y) != [250, 224, 120])
-                .count()
+        let places = || (0..12).flat_map(|x| (0..12).map(move |y| (x, y)));
+        let plain = |class| Palette::Colour.class(Some(class));
+        let dark = |mechanism: Mechanism| {
+            let on = |class| {
+                let tile = Tile { class: Some(class), mechanism: Some(mechanism) };
+                places().map(|(x, y)| Palette::Colour.pixel(tile, x, y) != plain(class)).collect::<Vec<_>>()
+            };
+            // The same on either class, and in the legend, whose grey is no class's.
+            let pattern = on(Class::UnstableDouble);
+            assert_eq!(pattern, on(Class::UnstableSingle));
+            assert!(places().zip(&pattern).all(|((x, y), &dark)| {
+                let [r, g, b] = sample(mechanism, x, y);
+                r == g && g == b && (r < 200) == dark
+            }));
+            pattern
         };
-        assert_eq!(dark(Mechanism::NeimarkSacker), 0);
-        assert_eq!((dark(Mechanism::PeriodDoubling), dark(Mechanism::Pitchfork)), (48, 36));
+        let patterns = Mechanism::ALL.map(dark);
+        let count = patterns.each_ref().map(|pattern| pattern.iter().filter(|dark| **dark).count());
+        assert_eq!(count, [36, 48, 48, 0]);
+        assert!((0..4).all(|i| (0..i).all(|j| patterns[i] != patterns[j])));
     }
 }

@@ -214,6 +214,16 @@ impl Scene {
         let forced = self.sweeps(Parameter::Amplitude) || self.base.get(Parameter::Amplitude) > 0.0;
         !forced && !self.sweeps(Parameter::Restitution) && self.base.get(Parameter::Restitution) == 1.0
     }
+
+    /// The title of pictures: the scene's own, or what is swept, and always from which growth on an orbit counts as unstable.
+    pub fn heading(&self) -> String {
+        let kind = if self.is_conservative() { "Conservative breathers" } else { "Forced breathers" };
+        let title = self.title.as_deref().unwrap_or(kind);
+        match self.task.tolerance {
+            Tolerance::Rounding => title.to_owned(),
+            Tolerance::Growth(growth) => format!("{title}, growth below {growth} a period counts as stable"),
+        }
+    }
 }
 
 /// The tolerance of a threshold given by the user, or what is wrong with it.

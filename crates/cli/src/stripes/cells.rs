@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use rayon::ThreadPool;
+use vibrochain_floquet::Mechanism;
 use vibrochain_lattice::Short;
 
 use crate::cell::Class;
@@ -12,7 +13,7 @@ use crate::parameter::Parameter;
 use crate::plot::Tile;
 use crate::stripes::request::Request;
 use crate::sweep::{Ended, sweep};
-use crate::table::{MECHANISMS, class_column, columns};
+use crate::table::{class_column, columns};
 
 /// Class and mechanism of every cell, by rows.
 ///
@@ -75,7 +76,7 @@ fn read(request: &Request, path: &Path) -> Result<Vec<Tile>, CliError> {
         }
         let word = |column: usize| record.get(column).unwrap_or_default();
         let class = Class::ALL.into_iter().find(|class| class.name() == word(first));
-        let mechanism = MECHANISMS.into_iter().find(|mechanism| mechanism.name() == word(first + 1));
+        let mechanism = Mechanism::from_name(word(first + 1));
         let unknown = class.is_none() && !word(first).is_empty();
         if unknown || mechanism.is_none() && !word(first + 1).is_empty() {
             return Err(wrong(format!("line {line} has class `{}`, mechanism `{}`", word(first), word(first + 1))));

@@ -27,7 +27,7 @@ impl Group {
     pub(super) const ALL: [Self; 4] = [
         Self::Unstable(Mechanism::NeimarkSacker),
         Self::Unstable(Mechanism::PeriodDoubling),
-        Self::Unstable(Mechanism::Pitchfork),
+        Self::Unstable(Mechanism::PlusOne),
         Self::Stable,
     ];
 
@@ -40,6 +40,8 @@ impl Group {
 
     pub(super) fn has(self, tile: &Tile) -> bool {
         match self {
+            // Whether a symmetry breaks does not matter to a multiplier's way.
+            Self::Unstable(Mechanism::PlusOne) => tile.mechanism.is_some_and(Mechanism::is_through_plus_one),
             Self::Unstable(mechanism) => tile.mechanism == Some(mechanism),
             Self::Stable => matches!(tile.class, Some(Class::StableDouble | Class::StableSingle)),
         }

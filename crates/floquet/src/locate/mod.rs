@@ -15,6 +15,9 @@
 //!
 //! At a period doubling of a single-sided orbit the doubled orbit is handed over, at a pitchfork of a double-sided one the
 //! pair of asymmetric orbits, on the side where they exist.
+//!
+//! A conservative orbit has a multiplier +1 besides its trivial pair also where its energy is extreme as ω goes on along the
+//! branch. That is found as a pitchfork, too, but nothing is handed over: nothing branches off.
 
 mod bracket;
 mod follow;
@@ -39,7 +42,7 @@ use crate::verdict::Verdict;
 pub enum Event {
     /// A mass touches a barrier from inside, or the velocity before an impact vanishes.
     Grazing,
-    /// A multiplier +1 where the branch goes on and another one branches off.
+    /// A multiplier +1 where the branch goes on. Another one branches off, unless a conservative orbit's energy is extreme.
     Pitchfork,
     /// A multiplier −1.
     PeriodDoubling,
