@@ -193,9 +193,8 @@ impl SweepRun<'_> {
             rows(scene, range, cells)
         };
         let job = Job { scene, pool: self.pool, stop: &stop };
-        let ended = blocks(&job, &[0..self.plan.cells()], made, |block| {
-            table.rows(&block.made.map_err(CliError::Computation)?)
-        });
+        let whole = 0..self.plan.cells();
+        let ended = blocks(&job, &[whole], made, |block| table.rows(&block.made.map_err(CliError::Computation)?));
         bar.finish_and_clear();
         let summary = match ended {
             Ended::Complete(summary) => summary,

@@ -38,6 +38,7 @@ fn options() -> Vec<(String, &'static str)> {
         (format!("{orbit} --multipliers FILE"), "csv"),
         (format!("{simulate} --impacts FILE"), "csv"),
         (format!("{simulate} --trajectory FILE"), "csv"),
+        ("validate --out FILE".to_owned(), "md"),
     ];
     if cfg!(feature = "plot") {
         all.extend([

@@ -17,7 +17,7 @@ mod request;
 
 use crate::args::StripesArgs;
 use crate::console::Console;
-use crate::destination::distinct;
+use crate::destination::{distinct, promises};
 use crate::error::CliError;
 use crate::output::Output;
 use crate::plot::{MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
@@ -37,6 +37,9 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
         &[("the scene", Some(&args.scene)), ("--map", args.map.as_deref())],
         &[("--out", Some(&args.out)), ("--csv", args.csv.as_deref())],
     )?;
+    if let Some(table) = &args.csv {
+        promises("--csv", table, "a table as plain CSV", &["csv"])?;
+    }
     // Destinations first: an impossible one should not cost a computation.
     let picture = Output::create(&args.out)?;
     let csv = args.csv.as_deref().map(Output::create).transpose()?;

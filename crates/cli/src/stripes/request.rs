@@ -1,7 +1,6 @@
 //! What `mapgen stripes` is asked for, checked.
 
 use crate::args::StripesArgs;
-use crate::destination::promises;
 use crate::error::CliError;
 use crate::parameter::Parameter;
 use crate::plot::Format;
@@ -42,9 +41,6 @@ impl Request {
     /// [`CliError::Request`].
     pub(super) fn read(args: &StripesArgs) -> Result<Self, CliError> {
         let format = Format::asked("--out", &args.out)?;
-        if let Some(table) = &args.csv {
-            promises("--csv", table, "a table as plain CSV", &["csv"])?;
-        }
         let scene = Scene::read(&args.scene)?;
         let name = args.scene.display();
         let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));

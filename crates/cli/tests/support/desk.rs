@@ -158,6 +158,13 @@ pub(crate) fn signal(child: Child, name: &str) -> Ran {
     child.wait_with_output().unwrap().into()
 }
 
+/// Whether SIGINT is ignored here, and so by every program that is started from here.
+pub(crate) fn interrupts_are_ignored() -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 2 != 0)
+}
+
 /// The table of a scene as an undisturbed run makes it, on one thread.
 pub(crate) fn undisturbed(scene: &str) -> Vec<u8> {
     let desk = Desk::with_scene(scene);
