@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Found, Orbit};
 use vibrochain_floquet::{Answer, End, Event, HandedOver, Located, Mechanism, Search, Sign, Verdict, locate};
-use vibrochain_lattice::{Model, Parameter};
+use vibrochain_lattice::{Model, Parameter, Short};
 
 use crate::args::{EventName, LocateArgs};
 use crate::console::Console;
@@ -55,13 +55,13 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
 fn around(args: &LocateArgs, model: &Model) -> Result<(), CliError> {
     let free = Parameter::from(args.free);
     let start = model.get(free);
-    let here = format!("{} = {start}, where the search starts", free.name());
+    let here = format!("{} = {}, where the search starts", free.name(), Short(start));
     let message = match (args.from, args.to) {
         (Some(from), Some(to)) if from >= to => {
-            format!("--from {from} is not below --to {to}: give a range around {here}")
+            format!("--from {} is not below --to {}: give a range around {here}", Short(from), Short(to))
         }
-        (Some(from), _) if from > start => format!("--from {from} is above {here}: give at most that"),
-        (_, Some(to)) if to < start => format!("--to {to} is below {here}: give at least that"),
+        (Some(from), _) if from > start => format!("--from {} is above {here}: give at most that", Short(from)),
+        (_, Some(to)) if to < start => format!("--to {} is below {here}: give at least that", Short(to)),
         _ => return Ok(()),
     };
     Err(CliError::Request(message))

@@ -8,7 +8,7 @@ mod desk;
 
 use std::fs;
 use std::process::Command;
-use std::time::Duration;
+use std::time::Instant;
 
 use desk::{CHUNKS, Desk, Ran, SCENE, undisturbed};
 
@@ -32,11 +32,16 @@ fn killed_at_random(kills: u32, seed: u64) {
     let expected = undisturbed(SCENE);
     let desk = Desk::with_scene(SCENE);
     let mut rng = fastrand::Rng::with_seed(seed);
+    // How long it lives undisturbed depends on what else the machine does.
+    let started = Instant::now();
+    desk.run("sweep scene.toml --out map.csv --quiet --threads 1").with(0, &[]);
+    let life = started.elapsed();
+    ["map.csv", "map.manifest.json"].iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
     let (mut killed, mut met, mut whole) = (0, [false; 2], 0);
     while killed < kills {
         let threads = rng.u8(1..3);
         let mut child = desk.start(&format!("sweep scene.toml --out map.csv --quiet --threads {threads} --resume"));
-        std::thread::sleep(Duration::from_micros(rng.u64(1000..150_000)));
+        std::thread::sleep(life.mul_f64(rng.f64()));
         // What is killed may have ended by itself; then the next run starts afresh.
         if child.try_wait().unwrap().is_none() {
             killed += 1;

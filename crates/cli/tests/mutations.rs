@@ -548,7 +548,7 @@ fn limited(line: &[OsString], seconds: u64) -> Result<Option<Outcome>, String> {
     match (ran.status.code(), ran.status.signal()) {
         (_, Some(9 | 24)) => Ok(None),
         (Some(code), _) if told(&ran.stderr).contains("panicked at") => Err(format!("{code}: {}", told(&ran.stderr))),
-        (Some(code @ (0..=2 | 130)), _) => {
+        (Some(code @ (0..=3 | 130)), _) => {
             Ok(Some(Outcome { code: code as u8, out: told(&ran.stdout), message: told(&ran.stderr) }))
         }
         _ => Err(format!("{}: {}", ran.status, told(&ran.stderr))),
@@ -560,7 +560,7 @@ fn limited(line: &[OsString], seconds: u64) -> Result<Option<Outcome>, String> {
 fn requests_of_all_commands_keep_within_memory_and_time() {
     let (count, seed) = (setting("MUTATIONS_LIMITED", LIMITED), setting("MUTATIONS_SEED", SEED));
     let desk = Desk::new();
-    let (mut ended, mut cut, mut wrong) = ([0_u64; 3], 0, Vec::new());
+    let (mut ended, mut cut, mut wrong) = ([0_u64; 4], 0, Vec::new());
     for number in 0..count {
         for entry in fs::read_dir(desk.folder.path()).unwrap().flatten() {
             if entry.file_type().unwrap().is_file() {
@@ -585,11 +585,11 @@ fn requests_of_all_commands_keep_within_memory_and_time() {
             Err(how) => wrong.push(format!("input {number}: {how}\n{}", input.tell())),
         }
     }
-    println!("{count} requests of seed {seed}: exit codes 0, 1, 2 {ended:?}, {cut} cut short");
+    println!("{count} requests of seed {seed}: exit codes 0 to 3 {ended:?}, {cut} cut short");
     let shown: Vec<_> = wrong.iter().take(6).cloned().collect();
     assert!(wrong.is_empty(), "{} requests went wrong:\n{}", wrong.len(), shown.join("\n=====\n"));
     if count == LIMITED {
-        assert!(ended[0] > 20 && ended[1] > 2 && ended[2] > 60, "{ended:?} {cut}");
+        assert!(ended[0] > 20 && ended[1] + ended[3] > 2 && ended[2] > 60, "{ended:?} {cut}");
     }
 }
 

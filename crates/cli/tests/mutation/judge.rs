@@ -16,7 +16,8 @@ pub(crate) struct Outcome {
 
 /// Keys of JSON answers whose value may be missing; errors are where no bound is known, and the amplitude where the force
 /// is a list.
-const OPTIONAL: [&str; 24] = [
+const OPTIONAL: [&str; 25] = [
+    "bare_signature",
     "amplitude",
     "residual",
     "phi",
