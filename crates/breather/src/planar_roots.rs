@@ -79,6 +79,10 @@ const NARROW: f64 = 64.0 * f64::EPSILON;
 /// An unresolved rectangle this close to another one, in their sizes, is of the same cluster.
 const CLUSTER: f64 = 16.0;
 
+/// So is one this close in parts of the whole range. Two zeros that merge are the square root of their distance from that event
+/// apart: where rounding blurs each of them alone, 1e-8 to 1e-6, they are still one place.
+const PAIR: f64 = 1e-6;
+
 /// What one form of the functions says of a rectangle.
 enum Verdict {
     Empty,
@@ -161,7 +165,7 @@ impl PlanarZeros {
                 }
             }
         }
-        self.cluster(blurred);
+        self.cluster(blurred, [(x[1] - x[0]).abs(), search.extent]);
     }
 
     fn examine<P: Planar>(
@@ -295,8 +299,8 @@ impl PlanarZeros {
         true
     }
 
-    /// Joins blurred rectangles that touch, or nearly.
-    fn cluster(&mut self, rectangles: Vec<Rectangle>) {
+    /// Joins blurred rectangles that touch, or nearly, in a whole of this size.
+    fn cluster(&mut self, rectangles: Vec<Rectangle>, whole: [f64; 2]) {
         if rectangles.len() > MOST_BLURRED {
             // Not places, but curves or all of the plane, lost in rounding.
             self.exhausted += rectangles.len();
@@ -306,7 +310,7 @@ impl PlanarZeros {
         for rectangle in rectangles {
             let touches = |other: &Rectangle| {
                 let ((c, r), (d, s)) = ((rectangle.centre(), rectangle.radius()), (other.centre(), other.radius()));
-                (0..2).all(|i| (c[i] - d[i]).abs() <= CLUSTER * (r[i] + s[i]))
+                (0..2).all(|i| (c[i] - d[i]).abs() <= (CLUSTER * (r[i] + s[i])).max(PAIR * whole[i]))
             };
             let (near, mut far): (Vec<_>, Vec<_>) =
                 std::mem::take(&mut clusters).into_iter().partition(|cluster| cluster.iter().any(touches));

@@ -516,6 +516,39 @@ fn next_to_a_fold_the_pair_is_found_or_reported() {
     }
 }
 
+/// Where rounding blurs the orbits of a pair, each may be blurred alone, up to a millionth of the period from the other.
+#[test]
+fn a_pair_next_to_its_fold_is_one_place() {
+    let mut random = fastrand::Rng::with_seed(7);
+    let (mut folds, mut blurred) = (0, 0);
+    while folds < 60 {
+        let gamma2 = (0.6 * random.f64() - 0.3).max(0.0);
+        let chain = Chain::new(random.usize(1..8), 0.1 + 0.5 * random.f64(), gamma2).unwrap();
+        let (omega, a, e) = (0.5 + 1.5 * random.f64(), 0.8 * random.f64(), 0.3 + 0.69 * random.f64());
+        let family = if random.bool() { Family::DoubleSided } else { Family::PeriodDoubled };
+        let at = |amplitude: f64| {
+            let found = breathers(&Model::forced(chain, omega, a, amplitude, e).unwrap(), family).unwrap();
+            (found.orbits.len(), found.unresolved, found.exhausted)
+        };
+        let (mut low, mut high) = (0.05 * random.f64(), 0.05 + 1.5 * random.f64());
+        let (few, many) = (at(low), at(high));
+        if few.0 == many.0 || few.0 > many.0 + 2 || many.0 > few.0 + 2 || few.1 + many.1 + few.2 + many.2 > 0 {
+            continue;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if at(middle).0 != many.0 { low = middle } else { high = middle }
+        }
+        folds += 1;
+        for beyond in (-40..60_i32).map(|i| f64::from(i.signum()) * 1e-16 * 1.3_f64.powi(i.abs())) {
+            let (orbits, unresolved, _) = at(high + beyond);
+            assert!(unresolved <= 1, "{family:?} {chain:?} {omega} {a} {e} {high} {beyond:e}: {orbits}, {unresolved}");
+            blurred += unresolved;
+        }
+    }
+    assert!(blurred > 100, "{blurred}");
+}
+
 #[test]
 fn under_a_force_that_repeats_within_the_period_an_orbit_is_listed_once() {
     // The third harmonic alone: a shift of psi by T/3 changes nothing.
