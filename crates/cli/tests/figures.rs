@@ -104,7 +104,7 @@ fn the_farthest_mass_of_a_long_ring_is_no_rounding() {
             (power(n) + power(sites - n)) / own
         };
         // The second impact is half a period after the first.
-        let excited = |j: u32| impulses[0] + if j % 2 == 0 { impulses[1] } else { -impulses[1] };
+        let excited = |j: u32| impulses[0] + if j.is_multiple_of(2) { impulses[1] } else { -impulses[1] };
         let sum: f64 = (1..200).map(|j| 2.0 * excited(j) * harmonic(j)).sum::<f64>() + excited(0) * harmonic(0);
         let expected = sum * omega / std::f64::consts::TAU;
         assert!((told / expected - 1.0).abs() < 1e-3, "{curve}: {told:e} {expected:e}");

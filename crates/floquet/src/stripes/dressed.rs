@@ -207,7 +207,11 @@ impl DressedModes {
             let other_form = positive.iter().any(|turn| apart(-turn, place) <= distance);
             let nearer = |other: &f64| apart(nearest, *other) < distance;
             let other_mode = places.iter().flatten().any(nearer);
-            (!other_form && !other_mode).then(|| if nearest > 0.0 { Signature::Positive } else { Signature::Negative })
+            (!other_form && !other_mode).then_some(if nearest > 0.0 {
+                Signature::Positive
+            } else {
+                Signature::Negative
+            })
         };
         places.iter().map(|place| place.and_then(signature_at)).collect()
     }
