@@ -22,8 +22,40 @@ fn draw(rng: &mut Rng, families: &[Family]) -> (Model, Family) {
     (Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap(), family)
 }
 
-/// The orbit in many digits at another value of the parameter, close by.
+/// The orbit in many digits at another value of the parameter, close by: from this one in steps over which it hardly moves,
+/// or, where its impulses vanish and none is short enough, the one of the list that is nearest.
 fn moved(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
+    let start = orbit.model().get(free);
+    let (mut here, mut gone, mut step) = (orbit.clone(), 0.0, 1.0);
+    while step > 1e-2 {
+        let to: f64 = gone + step;
+        let Some(truth) = refined(&here, free, if to < 1.0 { start + to * (value - start) } else { value }) else {
+            step *= 0.25;
+            continue;
+        };
+        if to >= 1.0 {
+            return Some(truth);
+        }
+        let hits: Vec<_> = truth
+            .impacts()
+            .iter()
+            .map(|hit| (hit.site, hit.barrier, hit.time.to_f64(), hit.impulse.to_f64()))
+            .collect();
+        here = Orbit::from_impulses(truth.model(), truth.force_periods(), truth.psi()?.to_f64(), &hits).ok()?;
+        gone = to;
+    }
+    let list = breathers(&orbit.model().with(free, value).ok()?, orbit.family()).ok()?.orbits;
+    let strengths = |orbit: &Orbit| -> Vec<f64> { orbit.impacts().iter().map(|hit| hit.impulse).collect() };
+    let apart = |other: &Orbit| {
+        let pairs = strengths(orbit).into_iter().zip(strengths(other));
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let nearest = list.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+    (apart(nearest) < 1e-6).then(|| TrueOrbit::refine(nearest, DEFAULT_BITS).ok())?
+}
+
+/// The orbit in many digits that stands next to this one scaled.
+fn refined(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
     let model = orbit.model().with(free, value).ok()?;
     let part = model.period() / orbit.model().period();
     let hits: Vec<_> =
@@ -93,7 +125,10 @@ fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize
                     wrong.push(by);
                     checked += 1;
                 }
-                None => undecided += 1,
+                None => {
+                    println!("undecided: {}", story());
+                    undecided += 1;
+                }
             }
         }
     }
@@ -138,17 +173,6 @@ fn neimark_sacker_points_where_an_impact_has_no_speed() {
         assert_eq!(located.len(), 1);
         assert!(located[0].error < 1e-9 && located[0].orbit.impacts()[0].impulse.abs() < 1e-9);
         let found = &located[0];
-        // The orbit at the point has no impulse to start from; the lists do.
-        let side = |sign: f64| {
-            let model = found.orbit.model().with(free, found.value + sign * found.error).unwrap();
-            let orbits = breathers(&model, family).unwrap().orbits;
-            let strength = |orbit: &Orbit| orbit.impacts()[0].impulse.abs();
-            let grazing = orbits.iter().min_by(|a, b| strength(a).total_cmp(&strength(b))).unwrap();
-            assert!(strength(grazing) < 1e-9);
-            let orbit = TrueOrbit::refine(grazing, DEFAULT_BITS).unwrap();
-            condition(&orbit, event, found.sign).unwrap()
-        };
-        let (low, high) = (side(-1.0), side(1.0));
-        assert!(low.is_negative() != high.is_negative(), "{} ± {:e}: {low} {high}", found.value, found.error);
+        assert_eq!(holds(found, event, free, 1.0), Some(true), "{} ± {:e}", found.value, found.error);
     }
 }

@@ -90,18 +90,25 @@ impl Follower {
     }
 
     /// What Neimark–Sacker points are seen by: all eigenvalues, or with loss one of each complex pair, where one could be near
-    /// the circle to the last digits.
+    /// the circle to the last digits. One that cannot be told from the circle is put on it: it shows no crossing.
     pub(super) fn pairs(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, LocateError> {
+        let pairs = self.pairs_told(orbit)?;
+        Ok(pairs.into_iter().map(|(value, told)| if told { value } else { value / value.norm() }).collect())
+    }
+
+    /// Those pairs, and whether each can be told from the circle.
+    fn pairs_told(&mut self, orbit: &Orbit) -> Result<Vec<(Complex<f64>, bool)>, LocateError> {
         let values = self.spectrum(orbit)?;
         if orbit.model().loss() == 0.0 || orbit.impact_site().is_none() {
-            return Ok(values);
+            return Ok(values.into_iter().map(|value| (value, true)).collect());
         }
         let slack = DENSE * f64::EPSILON * self.analyser.dense.matrix_of(orbit).norm();
         let near = |value: &Complex<f64>| (value.norm() - 1.0).abs() <= NEAR_CIRCLE + slack;
         let (mut near, far): (Vec<_>, Vec<_>) = upper_half(&values).into_iter().partition(near);
-        polish(orbit, &mut self.finder, slack.min(FARTHEST), &mut near)?;
-        near.extend(far);
-        Ok(near)
+        let improved = polish(orbit, &mut self.finder, slack.min(FARTHEST), &mut near)?;
+        let near = near.into_iter().zip(improved);
+        let near = near.map(|(value, improved)| (value, improved || (value.norm() - 1.0).abs() > slack));
+        Ok(near.chain(far.into_iter().map(|value| (value, true))).collect())
     }
 
     /// All events between two neighbouring points.
@@ -231,7 +238,10 @@ impl Follower {
         {
             return Ok(Some(found));
         }
-        Ok(follow(expected, &self.pairs(orbit)?))
+        let pairs = self.pairs_told(orbit)?;
+        let values: Vec<_> = pairs.iter().map(|pair| pair.0).collect();
+        let nearest = follow(expected, &values);
+        Ok(nearest.filter(|nearest| pairs.contains(&(*nearest, true))))
     }
 
     /// The first pair that crosses the circle, or the first two that collide on it, in a step.
