@@ -117,6 +117,11 @@ fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize
                     twice += 1;
                 }
             }
+            // A point that is no orbit has none in many digits to show it.
+            if found.orbit.residual() > 1e-9 {
+                println!("no orbit, residual {:e}: {}", found.orbit.residual(), story());
+                wrong.push(None);
+            }
             match holds(found, event, free, 1.0) {
                 Some(true) => checked += 1,
                 Some(false) => {
@@ -133,7 +138,7 @@ fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize
         }
     }
     println!("{event:?}: {checked} checked, {undecided} undecided, {twice} twice, {} wrong", wrong.len());
-    assert!(wrong.is_empty() && twice == 0 && undecided <= wanted / 10);
+    assert!(wrong.is_empty() && twice == 0 && undecided <= wanted / 50);
 }
 
 /// Distance of the multipliers that two events stand for.
@@ -148,12 +153,12 @@ const ALL: [Family; 3] = [Family::SingleSided, Family::DoubleSided, Family::Peri
 
 #[test]
 fn neimark_sacker_points() {
-    every_claim_holds(Event::NeimarkSacker, &ALL, 25, 60);
+    every_claim_holds(Event::NeimarkSacker, &ALL, 1025, 200);
 }
 
 #[test]
 fn period_doublings() {
-    every_claim_holds(Event::PeriodDoubling, &ALL, 26, 60);
+    every_claim_holds(Event::PeriodDoubling, &ALL, 1026, 200);
 }
 
 /// Where an impulse vanishes all pairs that it damps cross the circle at once, and the norm of the matrix is beyond bounds.

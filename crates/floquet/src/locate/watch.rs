@@ -288,21 +288,25 @@ impl Follower {
         let mut parts = vec![(0.0, seen.values.clone(), length, next_seen.values.clone(), 0)];
         while let Some((low, from, high, to, depth)) = parts.pop() {
             match crossing(&from, &to) {
-                Crossing::None => {}
+                Crossing::None => continue,
                 Crossing::Pair(inside, outside) => {
                     let test = Test::Modulus { ends: [(low, inside), (high, outside)] };
                     let at = |s: f64, value: Complex<f64>| (s, value.norm_sqr() - 1.0);
-                    let s = self.zero_of(test, point, at(low, inside), at(high, outside))?;
-                    return Ok(Some((s, test)));
-                }
-                Crossing::Unclear if depth < HALVINGS => {
-                    let middle = 0.5 * (low + high);
-                    let there = self.branch.step(point, middle)?;
-                    let between = self.pairs(there.orbit())?;
-                    parts.push((middle, between.clone(), high, to, depth + 1));
-                    parts.push((low, from, middle, between, depth + 1));
+                    match self.zero_of(test, point, at(low, inside), at(high, outside)) {
+                        Ok(s) => return Ok(Some((s, test))),
+                        // On its way it could not be told from the circle; from nearer points it may.
+                        Err(LocateError::Floquet(_)) => {}
+                        Err(error) => return Err(error),
+                    }
                 }
                 Crossing::Unclear => {}
+            }
+            if depth < HALVINGS {
+                let middle = 0.5 * (low + high);
+                let there = self.branch.step(point, middle)?;
+                let between = self.pairs(there.orbit())?;
+                parts.push((middle, between.clone(), high, to, depth + 1));
+                parts.push((low, from, middle, between, depth + 1));
             }
         }
         Ok(None)
