@@ -29,8 +29,10 @@ use crate::reduction::Reduction;
 /// Newton steps at most for one point; five are usual.
 const STEPS: usize = 12;
 
-/// Newton steps smaller than this that shrink no more are rounding.
+/// Newton steps from one smaller than this on that shrink no more are rounding, if the equations hold to this many times the
+/// bound of their rounding. Where they do not, as next to a resonance, the orbit itself changes over so little.
 const NOISE: f64 = 1e-7;
+const ROUNDING: f64 = 8.0;
 
 /// A point may be this part of the step away from where the tangent pointed; farther is another branch or too long a
 /// step.
@@ -489,6 +491,7 @@ impl Branch {
         let mut last = f64::INFINITY;
         for _ in 0..STEPS {
             let here = self.evaluate(&z)?;
+            let exact = last < NOISE && self.holds(&here);
             let mut matrix = here.matrix;
             let column = self.parameter_column(&z, &here.rows)?;
             for i in 0..m {
@@ -508,12 +511,18 @@ impl Branch {
                 return Err(BranchError::NoConvergence);
             }
             // Far from rounding a step is the square of the last one; next to a bifurcation rounding is as large as this.
-            if size <= 4.0 * f64::EPSILON || size < NOISE && size >= 0.25 * last || known && size < 1e-9 {
+            if size <= 4.0 * f64::EPSILON || size >= 0.25 * last && exact || known && size < 1e-9 {
                 return self.finish(&z, tangent);
             }
             last = size;
         }
-        if last < NOISE { self.finish(&z, tangent) } else { Err(BranchError::NoConvergence) }
+        Err(BranchError::NoConvergence)
+    }
+
+    /// Whether the equations hold but for rounding; right after they were worked out.
+    fn holds(&self, here: &Evaluation) -> bool {
+        let errors = self.row_errors(&here.orbit);
+        (0..self.size).all(|i| here.rows[i].abs() <= ROUNDING * errors[i])
     }
 
     /// The point at `z`, with a tangent that goes the way `towards` does.
@@ -571,7 +580,8 @@ impl Branch {
                 full[n + 1 + i] = unit * newton;
             }
         }
-        full[n] = 2.0 * unit * (response.static_stiffness() * displacement).abs();
+        let impulses: f64 = (0..n).map(|i| terms.impulse(i).abs()).sum();
+        full[n] = unit * (impulses + 2.0 * (response.static_stiffness() * displacement).abs());
         self.reduction.rows(&full)
     }
 }

@@ -263,3 +263,38 @@ fn a_quadruple_that_turns_real_is_passed() {
     assert_eq!(answer.ends, [(0.3222, End::Range), (0.325, End::Range)]);
     assert!(answer.located.is_empty(), "{:?}", answer.located);
 }
+
+/// Where a branch shrinks towards a resonance, or both impulses of a doubled orbit vanish, it is as small as the last steps of
+/// Newton's method elsewhere, and as rounding of its eigenvalues.
+#[test]
+fn nothing_is_claimed_of_what_is_no_orbit_or_no_crossing() {
+    let forced = |sites, gamma: (f64, f64), omega, asymmetry, force: (f64, f64)| {
+        let chain = Chain::new(sites, gamma.0, gamma.1).unwrap();
+        Model::forced(chain, omega, asymmetry, force.0, force.1).unwrap()
+    };
+    let mut checked = 0;
+    for (gamma, omega, asymmetry, force) in [
+        ((0.3896118758806526, 0.0027248961637510237), 0.80343848753203, 0.0, (1.183717629843272, 0.8433981063691507)),
+        (
+            (0.644585775149362, 0.0039669192151900075),
+            0.990921956366333,
+            0.7271126241525541,
+            (1.2094433315450985, 0.4103432077598916),
+        ),
+    ] {
+        let start = orbit(&forced(2, gamma, omega, asymmetry, force), Family::SingleSided, 0);
+        let answer = search(&start, Event::PeriodDoubling, Parameter::Omega, None);
+        for found in &answer.located {
+            assert!(found.orbit.residual() < 1e-10, "{} {:e}", found.value, found.orbit.residual());
+            checked += 1;
+        }
+        assert!(matches!(answer.ends[0].1, End::Resonance(_)), "{:?}", answer.ends);
+    }
+    assert!(checked >= 3, "{checked}");
+    let gamma = (0.05518576549186375, 0.001122958578322989);
+    let model = forced(3, gamma, 1.4780437267829847, 0.0, (0.4586211115410338, 0.5195325079821023));
+    let start = orbit(&model, Family::PeriodDoubled, 2);
+    let answer = search(&start, Event::NeimarkSacker, Parameter::Asymmetry, None);
+    assert!((answer.ends[1].0 - 0.784627).abs() < 1e-6, "{:?}", answer.ends);
+    assert!(answer.located.iter().all(|found| found.value < 0.7846), "{:?}", answer.located);
+}

@@ -22,8 +22,40 @@ fn draw(rng: &mut Rng, families: &[Family]) -> (Model, Family) {
     (Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap(), family)
 }
 
-/// The orbit in many digits at another value of the parameter, close by.
+/// The orbit in many digits at another value of the parameter, close by: from this one in steps over which it hardly moves,
+/// or, where its impulses vanish and none is short enough, the one of the list that is nearest.
 fn moved(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
+    let start = orbit.model().get(free);
+    let (mut here, mut gone, mut step) = (orbit.clone(), 0.0, 1.0);
+    while step > 1e-2 {
+        let to: f64 = gone + step;
+        let Some(truth) = refined(&here, free, if to < 1.0 { start + to * (value - start) } else { value }) else {
+            step *= 0.25;
+            continue;
+        };
+        if to >= 1.0 {
+            return Some(truth);
+        }
+        let hits: Vec<_> = truth
+            .impacts()
+            .iter()
+            .map(|hit| (hit.site, hit.barrier, hit.time.to_f64(), hit.impulse.to_f64()))
+            .collect();
+        here = Orbit::from_impulses(truth.model(), truth.force_periods(), truth.psi()?.to_f64(), &hits).ok()?;
+        gone = to;
+    }
+    let list = breathers(&orbit.model().with(free, value).ok()?, orbit.family()).ok()?.orbits;
+    let strengths = |orbit: &Orbit| -> Vec<f64> { orbit.impacts().iter().map(|hit| hit.impulse).collect() };
+    let apart = |other: &Orbit| {
+        let pairs = strengths(orbit).into_iter().zip(strengths(other));
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let nearest = list.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+    (apart(nearest) < 1e-6).then(|| TrueOrbit::refine(nearest, DEFAULT_BITS).ok())?
+}
+
+/// The orbit in many digits that stands next to this one scaled.
+fn refined(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
     let model = orbit.model().with(free, value).ok()?;
     let part = model.period() / orbit.model().period();
     let hits: Vec<_> =
@@ -85,6 +117,11 @@ fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize
                     twice += 1;
                 }
             }
+            // A point that is no orbit has none in many digits to show it.
+            if found.orbit.residual() > 1e-9 {
+                println!("no orbit, residual {:e}: {}", found.orbit.residual(), story());
+                wrong.push(None);
+            }
             match holds(found, event, free, 1.0) {
                 Some(true) => checked += 1,
                 Some(false) => {
@@ -93,12 +130,15 @@ fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize
                     wrong.push(by);
                     checked += 1;
                 }
-                None => undecided += 1,
+                None => {
+                    println!("undecided: {}", story());
+                    undecided += 1;
+                }
             }
         }
     }
     println!("{event:?}: {checked} checked, {undecided} undecided, {twice} twice, {} wrong", wrong.len());
-    assert!(wrong.is_empty() && twice == 0 && undecided <= wanted / 10);
+    assert!(wrong.is_empty() && twice == 0 && undecided <= wanted / 50);
 }
 
 /// Distance of the multipliers that two events stand for.
@@ -113,12 +153,12 @@ const ALL: [Family; 3] = [Family::SingleSided, Family::DoubleSided, Family::Peri
 
 #[test]
 fn neimark_sacker_points() {
-    every_claim_holds(Event::NeimarkSacker, &ALL, 25, 60);
+    every_claim_holds(Event::NeimarkSacker, &ALL, 1025, 200);
 }
 
 #[test]
 fn period_doublings() {
-    every_claim_holds(Event::PeriodDoubling, &ALL, 26, 60);
+    every_claim_holds(Event::PeriodDoubling, &ALL, 1026, 200);
 }
 
 /// Where an impulse vanishes all pairs that it damps cross the circle at once, and the norm of the matrix is beyond bounds.
@@ -138,17 +178,6 @@ fn neimark_sacker_points_where_an_impact_has_no_speed() {
         assert_eq!(located.len(), 1);
         assert!(located[0].error < 1e-9 && located[0].orbit.impacts()[0].impulse.abs() < 1e-9);
         let found = &located[0];
-        // The orbit at the point has no impulse to start from; the lists do.
-        let side = |sign: f64| {
-            let model = found.orbit.model().with(free, found.value + sign * found.error).unwrap();
-            let orbits = breathers(&model, family).unwrap().orbits;
-            let strength = |orbit: &Orbit| orbit.impacts()[0].impulse.abs();
-            let grazing = orbits.iter().min_by(|a, b| strength(a).total_cmp(&strength(b))).unwrap();
-            assert!(strength(grazing) < 1e-9);
-            let orbit = TrueOrbit::refine(grazing, DEFAULT_BITS).unwrap();
-            condition(&orbit, event, found.sign).unwrap()
-        };
-        let (low, high) = (side(-1.0), side(1.0));
-        assert!(low.is_negative() != high.is_negative(), "{} ± {:e}: {low} {high}", found.value, found.error);
+        assert_eq!(holds(found, event, free, 1.0), Some(true), "{} ± {:e}", found.value, found.error);
     }
 }

@@ -147,20 +147,26 @@ fn determinant(matrix: &mut [C], n: usize) -> C {
     product
 }
 
-/// Improves eigenvalues of a dense matrix that may be wrong by `slack`. One from which Newton's method leads farther, or to
-/// where another one led, stays as it is.
-pub(crate) fn polish(orbit: &Orbit, finder: &mut Finder, slack: f64, values: &mut [C]) -> Result<(), FloquetError> {
+/// Improves eigenvalues of a dense matrix that may be wrong by `slack`, and tells which. One from which Newton's method leads
+/// farther, or to where another one led, stays as it is.
+pub(crate) fn polish(
+    orbit: &Orbit,
+    finder: &mut Finder,
+    slack: f64,
+    values: &mut [C],
+) -> Result<Vec<bool>, FloquetError> {
     let secular = Secular::new(orbit, finder)?;
-    let polished: Vec<C> = values.iter().map(|&value| secular.polished(value, slack).unwrap_or(value)).collect();
+    let polished: Vec<Option<C>> = values.iter().map(|&value| secular.polished(value, slack)).collect();
+    let to = |i: usize| polished[i].unwrap_or(values[i]);
     let alone = |i: usize| {
-        let met = |j: usize| (polished[i] - polished[j]).norm() <= MERGED * (values[i] - values[j]).norm();
+        let met = |j: usize| (to(i) - to(j)).norm() <= MERGED * (values[i] - values[j]).norm();
         (0..values.len()).all(|j| j == i || !met(j))
     };
-    let kept: Vec<bool> = (0..values.len()).map(alone).collect();
-    for (i, value) in values.iter_mut().enumerate().filter(|(i, _)| kept[*i]) {
-        *value = polished[i];
+    let improved: Vec<bool> = (0..values.len()).map(|i| polished[i].is_some() && alone(i)).collect();
+    for (i, value) in values.iter_mut().enumerate().filter(|(i, _)| improved[*i]) {
+        *value = polished[i].unwrap_or(*value);
     }
-    Ok(())
+    Ok(improved)
 }
 
 #[cfg(test)]

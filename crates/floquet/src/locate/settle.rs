@@ -141,9 +141,9 @@ impl Follower {
         }
         let (from, to) = (if below.is_ok() { s - reach } else { s }, if above.is_ok() { s + reach } else { s });
         let (low, high) = (below.or_else(|_| side(s))?, above.or_else(|_| side(s))?);
-        // A pair that was taken for another one makes a jump, no zero.
+        // A pair that was taken for another one makes a jump, an impulse that vanishes a pole of the determinant: no zeros.
         let here = self.value(test, there, s)?.abs();
-        if matches!(test, Test::Modulus { .. }) && here > JUMP * low.0.abs().max(high.0.abs()) {
+        if here > JUMP * low.0.abs().max(high.0.abs()) {
             return Ok(None);
         }
         let (slope, pace) = ((high.0 - low.0) / (to - from), (high.1 - low.1) / (to - from));

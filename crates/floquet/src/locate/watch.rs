@@ -90,18 +90,25 @@ impl Follower {
     }
 
     /// What Neimark–Sacker points are seen by: all eigenvalues, or with loss one of each complex pair, where one could be near
-    /// the circle to the last digits.
+    /// the circle to the last digits. One that cannot be told from the circle is put on it: it shows no crossing.
     pub(super) fn pairs(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, LocateError> {
+        let pairs = self.pairs_told(orbit)?;
+        Ok(pairs.into_iter().map(|(value, told)| if told { value } else { value / value.norm() }).collect())
+    }
+
+    /// Those pairs, and whether each can be told from the circle.
+    fn pairs_told(&mut self, orbit: &Orbit) -> Result<Vec<(Complex<f64>, bool)>, LocateError> {
         let values = self.spectrum(orbit)?;
         if orbit.model().loss() == 0.0 || orbit.impact_site().is_none() {
-            return Ok(values);
+            return Ok(values.into_iter().map(|value| (value, true)).collect());
         }
         let slack = DENSE * f64::EPSILON * self.analyser.dense.matrix_of(orbit).norm();
         let near = |value: &Complex<f64>| (value.norm() - 1.0).abs() <= NEAR_CIRCLE + slack;
         let (mut near, far): (Vec<_>, Vec<_>) = upper_half(&values).into_iter().partition(near);
-        polish(orbit, &mut self.finder, slack.min(FARTHEST), &mut near)?;
-        near.extend(far);
-        Ok(near)
+        let improved = polish(orbit, &mut self.finder, slack.min(FARTHEST), &mut near)?;
+        let near = near.into_iter().zip(improved);
+        let near = near.map(|(value, improved)| (value, improved || (value.norm() - 1.0).abs() > slack));
+        Ok(near.chain(far.into_iter().map(|value| (value, true))).collect())
     }
 
     /// All events between two neighbouring points.
@@ -231,7 +238,10 @@ impl Follower {
         {
             return Ok(Some(found));
         }
-        Ok(follow(expected, &self.pairs(orbit)?))
+        let pairs = self.pairs_told(orbit)?;
+        let values: Vec<_> = pairs.iter().map(|pair| pair.0).collect();
+        let nearest = follow(expected, &values);
+        Ok(nearest.filter(|nearest| pairs.contains(&(*nearest, true))))
     }
 
     /// The first pair that crosses the circle, or the first two that collide on it, in a step.
@@ -278,21 +288,25 @@ impl Follower {
         let mut parts = vec![(0.0, seen.values.clone(), length, next_seen.values.clone(), 0)];
         while let Some((low, from, high, to, depth)) = parts.pop() {
             match crossing(&from, &to) {
-                Crossing::None => {}
+                Crossing::None => continue,
                 Crossing::Pair(inside, outside) => {
                     let test = Test::Modulus { ends: [(low, inside), (high, outside)] };
                     let at = |s: f64, value: Complex<f64>| (s, value.norm_sqr() - 1.0);
-                    let s = self.zero_of(test, point, at(low, inside), at(high, outside))?;
-                    return Ok(Some((s, test)));
-                }
-                Crossing::Unclear if depth < HALVINGS => {
-                    let middle = 0.5 * (low + high);
-                    let there = self.branch.step(point, middle)?;
-                    let between = self.pairs(there.orbit())?;
-                    parts.push((middle, between.clone(), high, to, depth + 1));
-                    parts.push((low, from, middle, between, depth + 1));
+                    match self.zero_of(test, point, at(low, inside), at(high, outside)) {
+                        Ok(s) => return Ok(Some((s, test))),
+                        // On its way it could not be told from the circle; from nearer points it may.
+                        Err(LocateError::Floquet(_)) => {}
+                        Err(error) => return Err(error),
+                    }
                 }
                 Crossing::Unclear => {}
+            }
+            if depth < HALVINGS {
+                let middle = 0.5 * (low + high);
+                let there = self.branch.step(point, middle)?;
+                let between = self.pairs(there.orbit())?;
+                parts.push((middle, between.clone(), high, to, depth + 1));
+                parts.push((low, from, middle, between, depth + 1));
             }
         }
         Ok(None)
