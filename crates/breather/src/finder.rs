@@ -188,7 +188,7 @@ impl Finder {
             (Family::DoubleSided, _) if conservative => conservative::double_sided(model, response).map(|draft| {
                 add(draft);
                 if let Some(radiation) = &radiation {
-                    rises.set(response, radiation);
+                    rises.set(model, response, radiation);
                 }
                 match wanted {
                     Wanted::All => asymmetric::all(model, response, zeros, &mut add),

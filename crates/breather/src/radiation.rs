@@ -71,16 +71,19 @@ impl Radiation {
         moduli.zip(&self.limits).take(self.count).all(|(modulus, limit)| modulus <= *limit)
     }
 
-    /// The least D = K₀(φ) − K₀(0) with which a double-sided orbit whose φ lies between the turns `from` and `to` (parts of a
-    /// period) can be physical. Its half impulses have the mean 1/(2D) and, of one sign, P̂_j ≥ (2/D)|sin jωφ/2|.
-    pub(crate) fn least_rise(&self, from: f64, to: f64) -> f64 {
-        let least = |(j, limit): (u32, &f64)| {
+    /// Whether a double-sided orbit whose φ lies between the turns `from` and `to` (parts of a period) can be physical, if the mean
+    /// of its half impulses is at least `mean` and half their difference at least `difference`:
+    /// P̂_j² = 16 (mean² sin² jωφ/2 + difference² cos² jωφ/2).
+    pub(crate) fn allows_between(&self, from: f64, to: f64, mean: f64, difference: f64) -> bool {
+        (1..).zip(&self.limits[..self.count]).all(|(j, limit): (u32, &f64)| {
             let [from, to] = [from, to].map(|turns| f64::from(j) * turns);
-            // The sine of jωφ/2 vanishes at whole jφ/T and has one crest in between.
-            let sine =
-                if from.floor() == to.floor() { (PI * from).sin().abs().min((PI * to).sin().abs()) } else { 0.0 };
-            2.0 * sine / limit
-        };
-        (1..).zip(&self.limits[..self.count]).map(least).fold(0.0, f64::max)
+            let [(sin, cos), (sin_to, cos_to)] = [from, to].map(|turns| (PI * turns).sin_cos());
+            // The sine vanishes at whole jφ/T, the cosine half-way, and each has one crest in between.
+            let least = |shift: f64, one: f64, other: f64| {
+                if (from + shift).floor() == (to + shift).floor() { one.abs().min(other.abs()) } else { 0.0 }
+            };
+            let parts = (mean * least(0.0, sin, sin_to)).hypot(difference * least(0.5, cos, cos_to));
+            4.0 * parts * (1.0 - 1e-9) <= *limit
+        })
     }
 }
