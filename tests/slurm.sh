@@ -124,12 +124,13 @@ process_of 2 > /dev/null
 scancel --batch --signal=USR1 "${array}_2"
 echo "slurm: task 0 requeued, the program of task 1 killed, task 2 told that its time is up"
 
-for _ in $(seq 600); do
-    # A requeued job may wait for its turn for a time it has to be let off.
-    squeue -h -t PD -o '%i %r' | awk '$2 == "BeginTime" { print $1 }' |
-        while read -r job; do scontrol update JobId="$job" StartTime=now >/dev/null 2>&1 || true; done
+for _ in $(seq 150); do
+    # A requeued job may wait for its turn for a time it has to be let off; not at once: within a second or so of a job's end its
+    # node refuses to start it again.
+    waiting=$(squeue -h -t PD -o '%i %r' | awk '$2 == "BeginTime" { print $1 }')
+    sleep 2
+    for job in $waiting; do scontrol update JobId="$job" StartTime=now >/dev/null 2>&1 || true; done
     [ -z "$(squeue -h -j "$array,$merge" 2>/dev/null)" ] && break
-    sleep 0.5
 done
 [ -f map.csv ] || failed "no merged table: $(scontrol show job "$merge" 2>&1 | head -n 20)"
 cmp whole.csv map.csv || failed "the merged table differs from the one made in one piece"
