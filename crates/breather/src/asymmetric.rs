@@ -57,7 +57,7 @@ pub(crate) fn all(model: &Model, response: &ImpulseResponse, zeros: &mut Zeros, 
     }
     let half = 0.5 * response.period();
     let pieces = 8 + (half * top(response)) as usize;
-    search(response, zeros, (APART * half, half), pieces.min(MOST));
+    search(response, zeros, &[(0.0, half)], pieces.min(MOST));
     drafts(model, response, zeros, found);
 }
 
@@ -69,17 +69,21 @@ pub(crate) fn candidates(
     zeros: &mut Zeros,
     found: impl FnMut(Draft),
 ) {
-    for &(from, to) in &rises.places {
-        search(response, zeros, (from.max(APART * 0.5 * response.period()), to), 1);
+    if rises.places.is_empty() {
+        return;
     }
+    search(response, zeros, &rises.places, 1);
     drafts(model, response, zeros, found);
 }
 
-/// Adds the zeros of s in a range of δ > 0 to `zeros`.
-fn search(response: &ImpulseResponse, zeros: &mut Zeros, (from, to): (f64, f64), pieces: usize) {
+/// Adds the zeros of s in intervals of δ > 0 to `zeros`, each of them in so many `pieces` to begin with.
+fn search(response: &ImpulseResponse, zeros: &mut Zeros, places: &[(f64, f64)], pieces: usize) {
     let balance = Balance { response, fourth: response.derivative_bounds()[3] };
     let shortest = APART * 0.5 * response.period();
-    zeros.find(&balance, from, to, pieces, |delta: f64| 64.0 * f64::EPSILON * delta.max(shortest));
+    let resolution = |delta: f64| 64.0 * f64::EPSILON * delta.max(shortest);
+    for &(from, to) in places {
+        zeros.find(&balance, from.max(shortest), to, pieces, resolution);
+    }
 }
 
 /// The orbits at the zeros of s and their mirror images.
