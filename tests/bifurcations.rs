@@ -2,13 +2,11 @@
 //! impacts counted by the event-driven simulation.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-mod support;
-
-use support::ReturnMap;
 use vibrochain::breather::{Family, Motion, Orbit, breathers};
 use vibrochain::eventsim::{Limits, Simulation, Time};
 use vibrochain::floquet::{Complex, Event, Located, Search, Sign, locate};
 use vibrochain::lattice::{Chain, Model, Parameter};
+use vibrochain_testkit::ReturnMap;
 
 fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
     Model::forced(Chain::new(21, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()

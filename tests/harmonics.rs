@@ -1,14 +1,12 @@
 //! Breathers under forces of several harmonics against the event-driven simulation: closure, impacts, multipliers.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-mod support;
-
 use nalgebra::{DMatrix, DVector};
-use support::{ReturnMap, dense};
 use vibrochain::breather::{Family, Motion, Orbit, admissibility, breathers};
 use vibrochain::eventsim::{EventKind, Limits, Outcome, Simulation, Time};
 use vibrochain::floquet::{full_monodromy, leading_modes};
 use vibrochain::lattice::{Chain, Force, Harmonic, Model};
+use vibrochain_testkit::{ReturnMap, dense};
 
 fn force(terms: &[(u32, f64, f64)]) -> Force {
     let harmonic = |&(number, amplitude, phase): &(u32, f64, f64)| Harmonic { number, amplitude, phase };

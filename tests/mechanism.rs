@@ -1,12 +1,10 @@
 //! How stability is lost through +1: a pitchfork where a simulation says that the orbit's symmetry breaks, and nowhere else.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-mod support;
-
-use support::ReturnMap;
 use vibrochain::breather::{Family, Finder, Orbit, breathers};
 use vibrochain::floquet::{Analyser, Event, Mechanism, Search, Tolerance, Verdict, locate};
 use vibrochain::lattice::{Chain, Force, Harmonic, Model, Parameter};
+use vibrochain_testkit::ReturnMap;
 
 fn verdicts(orbit: &Orbit) -> [Verdict; 3] {
     let mut finder = Finder::new(orbit.model().chain().sites());

@@ -1,13 +1,11 @@
 //! Monodromy matrices against finite differences of a simulated return map, every family and several ring sizes.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-mod support;
-
 use nalgebra::DMatrix;
-use support::{ReturnMap, dense};
 use vibrochain::breather::{Family, Orbit, breathers};
 use vibrochain::floquet::{Complex, Tolerance, even_monodromy, full_monodromy, stability};
 use vibrochain::lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain_testkit::{ReturnMap, dense};
 
 const SIZES: [usize; 6] = [1, 2, 3, 5, 20, 21];
 

@@ -1,14 +1,12 @@
 //! Laws that hold at every parameter point.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-mod support;
-
 use nalgebra::DMatrix;
 use proptest::prelude::*;
-use support::dense;
 use vibrochain::breather::{Family, Orbit, admissibility, breathers};
 use vibrochain::floquet::{Tolerance, even_monodromy, full_monodromy, stability};
 use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain_testkit::dense;
 
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 

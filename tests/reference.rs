@@ -3,17 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use approx::relative_eq;
-use serde_json::Value;
 use vibrochain::breather::{Family, Orbit, admissibility, breathers};
 use vibrochain::floquet::{Tolerance, stability};
-use vibrochain::lattice::{Chain, Model};
-
-fn model(p: &Value) -> Model {
-    let get = |name: &str| p[name].as_f64();
-    let chain = Chain::new(p["sites"].as_u64().unwrap() as usize, get("gamma1").unwrap(), get("gamma2").unwrap());
-    let (amplitude, restitution) = (get("amplitude").unwrap_or(0.0), get("restitution").unwrap_or(1.0));
-    Model::forced(chain.unwrap(), get("omega").unwrap(), get("asymmetry").unwrap(), amplitude, restitution).unwrap()
-}
+use vibrochain_testkit::reference;
 
 /// Paper's half impulses in the table's order: p1 at φ, p2 at 0; p for one impact.
 fn half_impulses(orbit: &Orbit) -> Vec<f64> {
@@ -22,19 +14,10 @@ fn half_impulses(orbit: &Orbit) -> Vec<f64> {
 
 #[test]
 fn impulses_phases_and_spectra_of_every_case() {
-    let table: Value = serde_json::from_str(include_str!("data/reference.json")).unwrap();
-    let cases = table["cases"].as_array().unwrap();
-    assert!(cases.len() >= 26);
-    for case in cases {
-        let name = case["name"].as_str().unwrap();
-        let model = model(&case["parameters"]);
-        let number = |key: &str| case[key].as_f64();
-        let doubled = (number("period").unwrap() / model.period()).round() as u32 == 2;
-        let family = match (number("p"), doubled) {
-            (Some(_), _) => Family::SingleSided,
-            (None, true) => Family::PeriodDoubled,
-            (None, false) => Family::DoubleSided,
-        };
+    for case in reference() {
+        let (name, model, family) = (&case.name, case.model, case.family);
+        let number = |key: &str| case.number(key);
+        let doubled = family == Family::PeriodDoubled;
         let expected: Vec<f64> = ["p", "p1", "p2"].iter().filter_map(|key| number(key)).collect();
         let found = breathers(&model, family).unwrap();
         assert_eq!(found.unresolved, 0, "{name}");
@@ -59,7 +42,7 @@ fn impulses_phases_and_spectra_of_every_case() {
             assert!(distance(found - psi).min(distance(found - psi - shift)) < 1e-10, "{name}: ψ {found} {psi}");
         }
         let physical = admissibility(orbit).unwrap().is_physical();
-        assert_eq!(physical, case["physical"].as_bool().unwrap(), "{name}");
+        assert_eq!(physical, case.values["physical"].as_bool().unwrap(), "{name}");
         let radius = number("spectral_radius").unwrap();
         let verdict = stability(orbit, Tolerance::Rounding).unwrap().verdict;
         let tolerance = if radius > 1000.0 { 1e-6 } else { 1e-8 };

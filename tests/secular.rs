@@ -1,17 +1,14 @@
 //! Stability without matrices against the table of checked numbers and against the dense monodromy matrix.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-mod support;
-
 use proptest::prelude::*;
-use serde_json::Value;
-use support::dense;
 use vibrochain::breather::{Family, Finder, Found, Orbit};
 use vibrochain::floquet::{
     Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Outcome, Secular, SecularMultipliers,
     SecularVerdict, Tolerance, even_monodromy, full_monodromy,
 };
 use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain_testkit::{Random, dense, reference};
 
 fn verdict(orbit: &Orbit, finder: &mut Finder) -> Option<SecularVerdict> {
     finder.motion(orbit).unwrap();
@@ -26,38 +23,25 @@ fn verdict(orbit: &Orbit, finder: &mut Finder) -> Option<SecularVerdict> {
 
 #[test]
 fn spectral_radii_of_the_table() {
-    let table: Value = serde_json::from_str(include_str!("data/reference.json")).unwrap();
     let mut answered = 0;
-    for case in table["cases"].as_array().unwrap() {
-        let get = |name: &str| case["parameters"][name].as_f64();
-        let sites = case["parameters"]["sites"].as_u64().unwrap() as usize;
-        let chain = Chain::new(sites, get("gamma1").unwrap(), get("gamma2").unwrap()).unwrap();
-        let (amplitude, restitution) = (get("amplitude").unwrap_or(0.0), get("restitution").unwrap_or(1.0));
-        let (omega, a) = (get("omega").unwrap(), get("asymmetry").unwrap());
-        let model = Model::forced(chain, omega, a, amplitude, restitution).unwrap();
-        let doubled = (case["period"].as_f64().unwrap() / model.period()).round() == 2.0;
-        let family = match (case["p"].as_f64(), doubled) {
-            (Some(_), _) => Family::SingleSided,
-            (None, true) => Family::PeriodDoubled,
-            (None, false) => Family::DoubleSided,
-        };
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+    for case in reference() {
+        let (name, model, family) = (&case.name, case.model, case.family);
+        let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
         finder.find(&model, family, &mut found).unwrap();
-        let mut impulses: Vec<f64> = ["p", "p1", "p2"].iter().filter_map(|key| case[*key].as_f64()).collect();
+        let mut impulses: Vec<f64> = ["p", "p1", "p2"].iter().filter_map(|key| case.number(key)).collect();
         impulses.sort_by(f64::total_cmp);
         let orbit = found.orbits.iter().find(|orbit| {
             let mut own: Vec<f64> = orbit.impacts().iter().map(|impact| 0.5 * impact.impulse.abs()).collect();
             own.sort_by(f64::total_cmp);
             own.iter().zip(&impulses).all(|(a, b)| (a - b).abs() < 1e-9)
         });
-        let name = case["name"].as_str().unwrap();
         let Some(verdict) = verdict(orbit.unwrap(), &mut finder) else { continue };
-        let radius = case["spectral_radius"].as_f64().unwrap();
+        let radius = case.number("spectral_radius").unwrap();
         match verdict.outcome {
             Outcome::Unstable => {
                 let error = (verdict.spectral_radius() / radius - 1.0).abs();
                 assert!(error < if radius > 1000.0 { 1e-6 } else { 1e-9 }, "{name}: {verdict:?}, table {radius}");
-                let table = &case["leading_multiplier"];
+                let table = &case.values["leading_multiplier"];
                 let leading = Complex::new(table[0].as_f64().unwrap(), table[1].as_f64().unwrap());
                 assert_eq!(Mechanism::of(verdict.leading.unwrap()), Mechanism::of(leading), "{name}");
             }
@@ -134,27 +118,6 @@ fn the_shape_of_the_unstable_perturbation_is_an_eigenvector_of_the_dense_matrix(
             let image: Complex<f64> = (0..42).map(|column| state[column] * matrix[(row, column)]).sum();
             assert!((image - leading * state[row]).norm() < 1e-11 * size * matrix.norm());
         }
-    }
-}
-
-/// A small generator of random numbers (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / u64::MAX as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn log(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
     }
 }
 

@@ -1,15 +1,12 @@
 //! The closed forms against the event-driven simulation, which knows nothing of them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-mod support;
-
 use nalgebra::{DMatrix, DVector};
-use serde_json::Value;
-use support::dense;
 use vibrochain::breather::{Family, Motion, Orbit, admissibility, breathers};
 use vibrochain::eventsim::{EventKind, Limits, Outcome, Simulation, Time};
 use vibrochain::floquet::{Complex, full_monodromy, leading_modes};
 use vibrochain::lattice::{Chain, Model, Propagator, Spectrum};
+use vibrochain_testkit::{dense, reference};
 
 /// An orbit's return map by simulation, from the middle of its last flight (a negative time).
 struct Return {
@@ -72,19 +69,10 @@ impl Return {
     }
 }
 
-fn model(p: &Value) -> Model {
-    let get = |name: &str| p[name].as_f64();
-    let chain = Chain::new(p["sites"].as_u64().unwrap() as usize, get("gamma1").unwrap(), get("gamma2").unwrap());
-    let (amplitude, restitution) = (get("amplitude").unwrap_or(0.0), get("restitution").unwrap_or(1.0));
-    Model::forced(chain.unwrap(), get("omega").unwrap(), get("asymmetry").unwrap(), amplitude, restitution).unwrap()
-}
-
 /// All physical orbits at the points of the table of checked numbers.
 fn table() -> Vec<Orbit> {
-    let table: Value = serde_json::from_str(include_str!("data/reference.json")).unwrap();
     let mut orbits: Vec<Orbit> = Vec::new();
-    for case in table["cases"].as_array().unwrap() {
-        let model = model(&case["parameters"]);
+    for model in reference().iter().map(|case| case.model) {
         for family in [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled] {
             for orbit in breathers(&model, family).unwrap().orbits {
                 if admissibility(&orbit).unwrap().is_physical() && !orbits.contains(&orbit) {

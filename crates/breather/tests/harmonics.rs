@@ -3,6 +3,7 @@
 
 use vibrochain_breather::{BreatherError, Completeness, Family, Found, Orbit, breathers};
 use vibrochain_lattice::{Chain, Force, Harmonic, ImpulseResponse, Model, Spectrum};
+use vibrochain_testkit::Random;
 
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
@@ -107,32 +108,20 @@ fn a_resonance_of_the_third_harmonic_is_an_error() {
     }
 }
 
-/// A generator of its own: splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self, from: f64, to: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        from + (to - from) * ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn model(&mut self) -> Model {
-        let chain = Chain::new(self.next(1.0, 12.99) as usize, self.next(0.05, 1.0), self.next(0.0, 0.3)).unwrap();
-        let mut terms = Vec::new();
-        for number in [1, 3, 5, 7, 9] {
-            if number == 1 || self.next(0.0, 1.0) < 0.5 {
-                let phase = if self.next(0.0, 1.0) < 0.3 { 0.0 } else { self.next(-3.2, 3.2) };
-                terms.push((number, self.next(-1.0, 1.0) / f64::from(number).sqrt(), phase));
-            }
+fn random_model(random: &mut Random) -> Model {
+    let chain =
+        Chain::new(random.between(1.0, 12.99) as usize, random.between(0.05, 1.0), random.between(0.0, 0.3)).unwrap();
+    let mut terms = Vec::new();
+    for number in [1, 3, 5, 7, 9] {
+        if number == 1 || random.between(0.0, 1.0) < 0.5 {
+            let phase = if random.between(0.0, 1.0) < 0.3 { 0.0 } else { random.between(-3.2, 3.2) };
+            terms.push((number, random.between(-1.0, 1.0) / f64::from(number).sqrt(), phase));
         }
-        let elastic = self.next(0.0, 1.0) < 0.2;
-        let (omega, a) = (self.next(0.5, 3.0), self.next(-0.2, 0.9).max(0.0));
-        let e = if elastic { 1.0 } else { self.next(0.2, 1.0) };
-        Model::with_force(chain, omega, a, &force(&terms), e).unwrap()
     }
+    let elastic = random.between(0.0, 1.0) < 0.2;
+    let (omega, a) = (random.between(0.5, 3.0), random.between(-0.2, 0.9).max(0.0));
+    let e = if elastic { 1.0 } else { random.between(0.2, 1.0) };
+    Model::with_force(chain, omega, a, &force(&terms), e).unwrap()
 }
 
 /// The conditions at two impacts, from displacements and velocities of the impulse response alone.
@@ -301,7 +290,7 @@ fn completeness(seed: u64, sets: usize, grid: usize) {
     let mut random = Random(seed);
     let (mut seen, mut listed) = (0, 0);
     for set in 0..sets {
-        let model = random.model();
+        let model = random_model(&mut random);
         for family in [Family::DoubleSided, Family::PeriodDoubled] {
             let counts = scan_two_impacts(&model, family, grid, &format!("set {set}"));
             (seen, listed) = (seen + counts.0, listed + counts.1);
@@ -325,9 +314,10 @@ fn no_solution_is_missing_at_length() {
 
 /// A plain cosine, ring and force drawn at random; in every second set the gap is symmetric.
 fn plain(random: &mut Random, set: usize, restitution: f64) -> Model {
-    let chain = Chain::new(random.next(1.0, 24.99) as usize, random.next(0.02, 1.0), random.next(0.0, 0.5)).unwrap();
-    let (omega, a) = (random.next(0.25, 3.0), if set.is_multiple_of(2) { 0.0 } else { random.next(0.0, 0.95) });
-    Model::forced(chain, omega, a, random.next(0.01, 2.0), restitution).unwrap()
+    let chain =
+        Chain::new(random.between(1.0, 24.99) as usize, random.between(0.02, 1.0), random.between(0.0, 0.5)).unwrap();
+    let (omega, a) = (random.between(0.25, 3.0), if set.is_multiple_of(2) { 0.0 } else { random.between(0.0, 0.95) });
+    Model::forced(chain, omega, a, random.between(0.01, 2.0), restitution).unwrap()
 }
 
 /// Without loss time can be reversed, so that orbits come in pairs of the same φ; with little loss they nearly do.
@@ -453,8 +443,8 @@ fn a_doubled_orbit_and_its_shift_by_a_period_of_the_force_are_listed_once() {
     let mut random = Random(7);
     let (mut doubled, mut single) = (0, 0);
     for set in 0..60 {
-        let elastic = if set % 3 == 0 { 1.0 } else { 0.6 + 0.4 * random.next(0.0, 1.0) };
-        let mut model = if set % 2 == 0 { plain(&mut random, set / 2, elastic) } else { random.model() };
+        let elastic = if set % 3 == 0 { 1.0 } else { 0.6 + 0.4 * random.between(0.0, 1.0) };
+        let mut model = if set % 2 == 0 { plain(&mut random, set / 2, elastic) } else { random_model(&mut random) };
         if set % 10 == 9 {
             // The force itself repeats within its period.
             model = with(&model, &force(&[(3, 1.5, 0.4), (9, 0.3, 1.0)]));

@@ -5,7 +5,6 @@
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
 use predicates::str::contains;
 
 /// One row of a suite's table.
@@ -18,7 +17,7 @@ struct Row {
 }
 
 fn accuracy(folder: &Path, flags: &[&str]) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("mapgen").unwrap().args(["accuracy", "--quick", "--out"]).arg(folder).args(flags).assert()
+    vibrochain_testkit::mapgen(&[]).args(["accuracy", "--quick", "--out"]).arg(folder).args(flags).assert()
 }
 
 /// Runs one suite, checks what all suites share and returns its rows.

@@ -1,10 +1,7 @@
 //! Sweeps over any number of axes, and what they would cost.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
-use desk::Desk;
+use vibrochain_testkit::{Desk, SCENE, undisturbed};
 
 const MODEL: &str = "[model]\nsites = 5\ngamma1 = 0.2\n";
 
@@ -185,11 +182,11 @@ fn a_dry_run_tells_what_a_sweep_costs_and_writes_nothing() {
     assert!(ran.out.contains("shard    5/1000: 31 chunks, 1015808 cells"), "{}", ran.out);
     assert_eq!(desk.names("."), ["scene.toml"]);
     // What it says of a table's size is near what the table has.
-    let desk = Desk::with_scene(desk::SCENE);
+    let desk = Desk::with_scene(SCENE);
     let ran = desk.run("sweep scene.toml --dry-run").with(0, &[]);
     let words = ran.out.split_once("disk     about ").unwrap().1;
     let told: f64 = words.split_once(" MB").unwrap().0.parse().unwrap();
-    let bytes = desk::undisturbed(desk::SCENE).len() as f64;
+    let bytes = undisturbed(SCENE).len() as f64;
     assert!((told * 1e6 / bytes - 1.0).abs() < 0.15, "{told} {bytes}");
 }
 

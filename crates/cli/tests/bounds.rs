@@ -2,13 +2,10 @@
 //! number of threads or tasks, names that a terminal would obey.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
 use std::fmt::Write as _;
 use std::fs;
 
-use desk::{Desk, Ran, SCENE};
+use vibrochain_testkit::{Desk, Ran, SCENE};
 
 #[test]
 fn an_error_anywhere_in_a_line_of_any_length_shows_its_place() {

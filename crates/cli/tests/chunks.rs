@@ -1,13 +1,10 @@
 //! Sweeps that are interrupted, killed and damaged end in the same bytes as one that is left alone.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
 use std::fs;
 use std::time::Duration;
 
-use desk::{BESIDE, CHUNK_CELLS, CHUNKS, Desk, SCENE, undisturbed};
+use vibrochain_testkit::{BESIDE, CHUNK_CELLS, CHUNKS, Desk, Ran, SCENE, interrupts_are_ignored, undisturbed};
 
 const SWEEP: &str = "sweep scene.toml --out map.csv --quiet";
 
@@ -216,7 +213,7 @@ fn a_plan_that_is_lost_is_made_again_and_one_that_is_damaged_is_told() {
 #[cfg(unix)]
 mod signals {
     use super::*;
-    use desk::signal;
+    use vibrochain_testkit::signal;
 
     /// Some seconds of work.
     fn slow() -> String {
@@ -226,7 +223,7 @@ mod signals {
     #[test]
     fn a_signal_keeps_what_is_finished_and_tells_how_to_go_on() {
         for name in ["INT", "TERM"] {
-            if name == "INT" && desk::interrupts_are_ignored() {
+            if name == "INT" && interrupts_are_ignored() {
                 eprintln!("skipped: in the background of a script Ctrl-C is for others, and stays so");
                 continue;
             }
@@ -270,7 +267,7 @@ mod signals {
     }
 
     /// Starts a sweep, waits until chunk 0 is there and spoils it. Tells whether the sweep was still under way.
-    fn spoil(desk: &Desk, line: &str, number: usize) -> (bool, desk::Ran) {
+    fn spoil(desk: &Desk, line: &str, number: usize) -> (bool, Ran) {
         let mut child = desk.start(line);
         desk.await_chunks(&mut child, "map.csv.parts", number);
         let growing = desk.names(".").iter().any(|name| name.starts_with(".map.csv."));
@@ -367,7 +364,7 @@ mod signals {
         let start = || desk.start("sweep scene.toml --out parts --shard 0/1 --resume --threads 1 --quiet");
         let children = [start(), start(), start()];
         for child in children {
-            desk::Ran::from(child.wait_with_output().unwrap()).with(0, &[]);
+            Ran::from(child.wait_with_output().unwrap()).with(0, &[]);
         }
         desk.run("merge parts --out map.csv --quiet").with(0, &[]);
         assert!(desk.read("map.csv") == expected);

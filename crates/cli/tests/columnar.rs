@@ -2,13 +2,10 @@
 #![cfg(feature = "parquet")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
 use std::process::Command;
 
-use desk::{Desk, SCENE};
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use vibrochain_testkit::{Desk, SCENE};
 
 /// Compares every value; numbers must be the same to the last bit, and what is missing must be missing.
 const COMPARE: &str = r#"

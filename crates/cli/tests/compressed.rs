@@ -2,13 +2,10 @@
 #![cfg(feature = "compress")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
 use std::io::Read;
 use std::process::Command;
 
-use desk::{Desk, SCENE, undisturbed};
+use vibrochain_testkit::{Desk, SCENE, undisturbed};
 
 /// What a program other than ours makes of a file, if there is one.
 fn unpacked_by(desk: &Desk, program: &str, file: &str) -> Option<Vec<u8>> {

@@ -2,15 +2,12 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, symlink};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use desk::{Desk, SCENE, signal};
+use vibrochain_testkit::{Desk, SCENE, signal};
 
 const POINT: &str = "--sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
 
@@ -58,29 +55,27 @@ fn options() -> Vec<(String, &'static str)> {
     all
 }
 
-impl Desk {
-    /// What a line writes into a plain file, which is then removed.
-    fn expected(&self, line: &str, ending: &str) -> Vec<u8> {
-        let name = format!("expected.{ending}");
-        self.run(&line.replace("FILE", &name)).with(0, &[]);
-        let bytes = self.read(&name);
-        assert!(bytes.len() > 100, "{line}");
-        fs::remove_file(self.path(&name)).unwrap();
-        let _ = fs::remove_file(self.path("expected.manifest.json"));
-        bytes
-    }
+/// What a line writes into a plain file, which is then removed.
+fn expected(desk: &Desk, line: &str, ending: &str) -> Vec<u8> {
+    let name = format!("expected.{ending}");
+    desk.run(&line.replace("FILE", &name)).with(0, &[]);
+    let bytes = desk.read(&name);
+    assert!(bytes.len() > 100, "{line}");
+    fs::remove_file(desk.path(&name)).unwrap();
+    let _ = fs::remove_file(desk.path("expected.manifest.json"));
+    bytes
+}
 
-    fn raw(&self, line: &str) -> Output {
-        self.command(line).output().unwrap()
-    }
+fn raw(desk: &Desk, line: &str) -> Output {
+    desk.command(line).output().unwrap()
+}
 
-    fn pipe(&self, name: &str) {
-        assert!(Command::new("mkfifo").arg(self.path(name)).status().unwrap().success());
-    }
+fn make_pipe(desk: &Desk, name: &str) {
+    assert!(Command::new("mkfifo").arg(desk.path(name)).status().unwrap().success());
+}
 
-    fn is_pipe(&self, name: &str) -> bool {
-        fs::symlink_metadata(self.path(name)).unwrap().file_type().is_fifo()
-    }
+fn is_pipe(desk: &Desk, name: &str) -> bool {
+    fs::symlink_metadata(desk.path(name)).unwrap().file_type().is_fifo()
 }
 
 /// A document names itself.
@@ -96,13 +91,13 @@ fn same(document: &[u8], expected: &[u8], name: &str, ending: &str) -> bool {
 fn standard_output_takes_any_one_file_and_words_go_elsewhere() {
     let desk = small();
     for (line, ending) in options() {
-        let expected = desk.expected(&line, ending);
+        let expected = expected(&desk, &line, ending);
         let before = desk.names(".");
         // Without an ending a table is plain, and --plot a PNG.
         if ending == "csv.gz" {
             continue;
         }
-        let ran = desk.raw(&line.replace("FILE", "-"));
+        let ran = raw(&desk, &line.replace("FILE", "-"));
         assert_eq!(ran.status.code(), Some(0), "{line} {ran:?}");
         assert!(same(&ran.stdout, &expected, "-", ending), "{line}");
         assert_eq!(desk.names("."), before, "{line}");
@@ -126,9 +121,9 @@ fn standard_output_takes_any_one_file_and_words_go_elsewhere() {
 fn pipes_are_written_to_and_stay_pipes() {
     let desk = small();
     for (line, ending) in options() {
-        let expected = desk.expected(&line, ending);
+        let expected = expected(&desk, &line, ending);
         let name = format!("pipe.{ending}");
-        desk.pipe(&name);
+        make_pipe(&desk, &name);
         // By a link as well.
         symlink(&name, desk.path(&format!("link.{ending}"))).unwrap();
         let mut before = desk.names(".");
@@ -138,7 +133,7 @@ fn pipes_are_written_to_and_stay_pipes() {
             assert!(same(&desk.read("got"), &expected, &name, ending), "{line} {ran:?}");
             fs::remove_file(desk.path("got")).unwrap();
             assert_eq!(desk.names("."), before, "{line}");
-            assert!(desk.is_pipe(&format!("pipe.{ending}")));
+            assert!(is_pipe(&desk, &format!("pipe.{ending}")));
         }
         // As the shell's `>(…)` has it: an open pipe without a name of its own.
         let numbered = line.replace("FILE", "/dev/fd/3");
@@ -194,7 +189,7 @@ fn links_are_followed_also_to_what_is_yet_to_be_made() {
     let desk = small();
     fs::create_dir(desk.path("target")).unwrap();
     for (line, ending) in options() {
-        let expected = desk.expected(&line, ending);
+        let expected = expected(&desk, &line, ending);
         // Two links, of which the second is relative to its own folder; the target is old, or missing, folder and all.
         symlink(format!("elsewhere/second.{ending}"), desk.path(&format!("first.{ending}"))).unwrap();
         for target in ["target/old", "target/new", "missing/new"] {
@@ -294,7 +289,7 @@ fn endings_that_promise_something_else_are_refused() {
 fn capitals_are_as_good_as_small_letters() {
     let desk = small();
     for (line, ending) in options() {
-        let expected = desk.expected(&line, ending);
+        let expected = expected(&desk, &line, ending);
         let name = format!("MAP.{}", ending.to_uppercase());
         desk.run(&line.replace("FILE", &name)).with(0, &[]);
         assert!(same(&desk.read(&name), &expected, &name, ending), "{line}");
@@ -313,7 +308,7 @@ fn no_file_has_two_uses_by_whatever_names() {
     symlink("scene.csv", desk.path("link.csv")).unwrap();
     symlink("elsewhere", desk.path("folder")).unwrap();
     symlink("elsewhere/absent.csv", desk.path("dangling.csv")).unwrap();
-    desk.pipe("pipe.csv");
+    make_pipe(&desk, "pipe.csv");
     let before = (desk.names("."), desk.names("elsewhere"), desk.names("parts"));
     let orbit = format!("orbit --family double-sided {POINT}");
     let simulate = format!("simulate --state state.csv {POINT} --amplitude .1 --restitution .9");
@@ -355,7 +350,7 @@ fn no_file_has_two_uses_by_whatever_names() {
         assert_eq!((desk.names("."), desk.names("elsewhere"), desk.names("parts")), before, "{line}");
     }
     assert_eq!(desk.read("state.csv"), state.as_bytes());
-    assert!(desk.is_pipe("pipe.csv") && desk.read("scene.csv") == desk.read("scene.toml"));
+    assert!(is_pipe(&desk, "pipe.csv") && desk.read("scene.csv") == desk.read("scene.toml"));
     // A chunk may be reached by a name that promises a table.
     symlink("parts/000000.chunk", desk.path("chunk.csv")).unwrap();
     let chunk = desk.read("parts/000000.chunk");
@@ -386,10 +381,10 @@ fn a_reader_that_goes_away_ends_the_work() {
     assert_eq!(ran.out, "gamma2,omega,class,mechanism,spectral_radius,margin,solutions,status\n");
     assert_eq!(ran.err, "code 0\n");
     // Of a pipe with a name somebody wanted all.
-    desk.pipe("pipe");
+    make_pipe(&desk, "pipe");
     let line = "head -n 1 pipe > got & mapgen sweep scene.toml --out pipe --quiet";
     desk.shell(line).with(1, &["error: could not write pipe: Broken pipe"]);
-    assert!(desk.is_pipe("pipe") && begun.elapsed() < Duration::from_secs(120));
+    assert!(is_pipe(&desk, "pipe") && begun.elapsed() < Duration::from_secs(120));
     let state = r#"{"displacement":[0,0,0,0,0,0],"velocity":[0.5,0,0,0,0,0]}"#;
     fs::write(desk.path("state.json"), state).unwrap();
     let simulate = format!("mapgen simulate --state state.json {POINT} --periods 1000000 --trajectory -");
@@ -401,7 +396,7 @@ fn a_reader_that_goes_away_ends_the_work() {
 #[test]
 fn a_signal_is_heard_while_nobody_reads() {
     let desk = Desk::with_scene(&large());
-    desk.pipe("pipe");
+    make_pipe(&desk, "pipe");
     let wait = |child: std::process::Child| {
         std::thread::sleep(Duration::from_millis(1500));
         signal(child, "TERM")
@@ -423,7 +418,7 @@ fn a_signal_is_heard_while_nobody_reads() {
     wait(child).with(130, &["interrupted"]);
     drop(unread);
     assert_eq!(desk.names("."), ["pipe", "scene.toml"]);
-    assert!(desk.is_pipe("pipe"));
+    assert!(is_pipe(&desk, "pipe"));
 }
 
 /// As under `nohup`, and as in the background of a script.

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
 use vibrochain_cli::scene::Scene;
 
 fn document(name: &str) -> String {
@@ -80,7 +79,7 @@ fn compare(committed: &str, printed: &str) -> Result<usize, String> {
 }
 
 fn holds(command: &str, name: &str, least: usize) {
-    let assert = Command::cargo_bin("mapgen").unwrap().args(command.split_whitespace()).assert().success();
+    let assert = vibrochain_testkit::mapgen(&[]).args(command.split_whitespace()).assert().success();
     let printed = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
     match compare(&document(name), &printed) {
         Ok(numbers) => assert!(numbers > least, "{numbers} numbers in docs/{name}"),

@@ -2,15 +2,12 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-use desk::{BESIDE, CHUNK_CELLS, CHUNKS, Desk, Ran, SCENE, undisturbed};
+use vibrochain_testkit::{BESIDE, CHUNK_CELLS, CHUNKS, Desk, Ran, SCENE, undisturbed};
 
 const SWEEP: &str = "mapgen sweep scene.toml --out map.csv --quiet --threads 1";
 

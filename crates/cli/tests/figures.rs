@@ -8,18 +8,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use assert_cmd::Command;
 use predicates::str::contains;
 use serde_json::Value;
 use tempfile::TempDir;
 use vibrochain_cli::console::Console;
 use vibrochain_cli::program;
-
-fn mapgen(arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("mapgen").unwrap();
-    command.args(arguments);
-    command
-}
+use vibrochain_testkit::mapgen;
 
 fn figures(folder: &Path, flags: &[&str]) -> assert_cmd::assert::Assert {
     mapgen(&["figures", "--out"]).arg(folder).args(flags).assert()
@@ -41,12 +35,10 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
-/// The case of tests/data/reference.json of that name.
+/// The case of the table of checked numbers of that name.
 fn reference(name: &str) -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/reference.json");
-    let all: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
-    let cases = all["cases"].as_array().unwrap();
-    cases.iter().find(|case| case["name"].as_str().unwrap().starts_with(name)).unwrap().clone()
+    let case = vibrochain_testkit::reference().into_iter().find(|case| case.name.starts_with(name));
+    case.unwrap().values
 }
 
 #[test]
@@ -244,7 +236,8 @@ fn scenes_of_a_folder_take_the_place_of_those_built_in() {
     assert_eq!(heading(&out.join("figure-15a.svg")), None);
     let picture = desk.path().join("map.svg");
     let again = ["--quiet", "--threshold", "0.5", "--svg", picture.to_str().unwrap(), "--out"];
-    let again = |command: &mut Command| command.args(again).arg(desk.path().join("again.csv")).assert().success();
+    let again =
+        |command: &mut assert_cmd::Command| command.args(again).arg(desk.path().join("again.csv")).assert().success();
     again(mapgen(&["sweep"]).arg(scenes.join("figure-15a.toml")));
     assert!(heading(&picture).unwrap().contains("growth below 0.5 a period"));
     let text = fs::read_to_string(document).unwrap();

@@ -3,14 +3,11 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
 use std::fs;
 use std::process::Command;
 use std::time::Instant;
 
-use desk::{CHUNKS, Desk, Ran, SCENE, undisturbed};
+use vibrochain_testkit::{CHUNKS, Desk, Ran, SCENE, undisturbed};
 
 const SWEEP: &str = "sweep scene.toml --out map.csv --quiet --threads 1 --resume";
 

@@ -5,14 +5,15 @@ use assert_cmd::Command;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
+use vibrochain_testkit::mapgen;
 
 const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
 const FIGURE_9: &str =
     "--family double-sided --sites 21 --gamma1 .1 --gamma2 .05 --omega 1.33 --asymmetry 0 --amplitude 1.5";
 
 fn locate(flags: &str, model: &str) -> Command {
-    let mut command = Command::cargo_bin("mapgen").unwrap();
-    command.arg("locate").args(flags.split(' ')).args(model.split(' '));
+    let mut command = mapgen(&["locate"]);
+    command.args(flags.split(' ')).args(model.split(' '));
     command
 }
 
@@ -100,7 +101,7 @@ fn no_event_is_an_answer_and_a_wrong_range_is_not() {
 
 #[test]
 fn help_says_what_can_be_found_and_freed() {
-    let mut command = Command::cargo_bin("mapgen").unwrap();
+    let mut command = mapgen(&[]);
     let help = contains("neimark-sacker").and(contains("restitution")).and(contains("every event on it is an answer"));
     command.args(["locate", "--help"]).assert().success().stdout(help);
 }

@@ -2,13 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use assert_cmd::Command;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
-use tempfile::TempDir;
+use vibrochain_testkit::{Desk, mapgen};
 
 const SCENE: &str = r#"
 [model]
@@ -23,40 +22,8 @@ families = ["double-sided", "single-sided"]
 stability = true
 "#;
 
-fn mapgen() -> Command {
-    Command::cargo_bin("mapgen").unwrap()
-}
-
-struct Desk {
-    folder: TempDir,
-}
-
-impl Desk {
-    fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn scene(&self, text: &str) -> PathBuf {
-        let path = self.path("scene.toml");
-        fs::write(&path, text).unwrap();
-        path
-    }
-
-    fn sweep(&self, scene: &Path, flags: &[&str]) -> assert_cmd::assert::Assert {
-        mapgen().arg("sweep").arg(scene).arg("--out").arg(self.path("map.csv")).args(flags).assert()
-    }
-
-    /// Names of all files, temporary ones included.
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.folder.path()).unwrap();
-        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
+fn sweep(desk: &Desk, scene: &Path, flags: &[&str]) -> assert_cmd::assert::Assert {
+    mapgen(&["sweep"]).arg(scene).arg("--out").arg(desk.path("map.csv")).args(flags).assert()
 }
 
 #[test]
@@ -65,8 +32,8 @@ fn a_sweep_writes_table_manifest_and_pictures_and_nothing_else() {
     let scene = desk.scene(SCENE);
     let (png, svg) = (desk.path("map.png"), desk.path("map.svg"));
     let flags = ["--png", png.to_str().unwrap(), "--svg", svg.to_str().unwrap()];
-    desk.sweep(&scene, &flags).success().stdout("").stderr(contains("1200 cells").and(contains("worst residual")));
-    assert_eq!(desk.files(), ["map.csv", "map.manifest.json", "map.png", "map.svg", "scene.toml"]);
+    sweep(&desk, &scene, &flags).success().stdout("").stderr(contains("1200 cells").and(contains("worst residual")));
+    assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "map.png", "map.svg", "scene.toml"]);
 
     let mut table = csv::Reader::from_path(desk.path("map.csv")).unwrap();
     let header: Vec<_> = table.headers().unwrap().iter().map(str::to_owned).collect();
@@ -107,7 +74,7 @@ fn threads_do_not_change_a_byte() {
     let desk = Desk::new();
     let scene = desk.scene(&forced());
     let tables = ["1", "2", "3"].map(|threads| {
-        desk.sweep(&scene, &["--threads", threads]).success();
+        sweep(&desk, &scene, &["--threads", threads]).success();
         fs::read(desk.path("map.csv")).unwrap()
     });
     assert!(tables[0].len() > 1200 * 20 && tables[0] == tables[1] && tables[1] == tables[2]);
@@ -117,7 +84,7 @@ fn threads_do_not_change_a_byte() {
 fn existence_alone_has_classes_without_a_word_on_stability() {
     let desk = Desk::new();
     let scene = desk.scene(&SCENE.replace("stability = true", ""));
-    desk.sweep(&scene, &["--quiet"]).success().stderr("");
+    sweep(&desk, &scene, &["--quiet"]).success().stderr("");
     let text = fs::read_to_string(desk.path("map.csv")).unwrap();
     assert!(text.contains(",double,,,") && text.contains(",single,,,") && !text.contains("stable"));
 }
@@ -130,7 +97,7 @@ fn other_axes_have_columns_of_their_own() {
         .replace(r#""omega", from = 0.4, to = 3.0"#, r#""restitution", from = 0.2, to = 1.0"#)
         .replace(r#""gamma2", from = 0.0"#, r#""amplitude", from = 0.05"#);
     let scene = desk.scene(&text);
-    desk.sweep(&scene, &[]).success();
+    sweep(&desk, &scene, &[]).success();
     let text = fs::read_to_string(desk.path("map.csv")).unwrap();
     assert!(text.starts_with("gamma2,omega,amplitude,restitution,class,"));
     assert!(text.lines().nth(1).unwrap().starts_with("0.1,1.5,0.05,0.2,"));
@@ -144,7 +111,7 @@ fn a_cell_on_a_resonance_is_marked_and_the_sweep_goes_on() {
         .replace("gamma1 = 0.2", "gamma1 = 0.25")
         .replace("from = 0.4, to = 3.0, points = 40", "from = 0.25, to = 1.0, points = 4");
     let scene = desk.scene(&text);
-    desk.sweep(&scene, &[]).success().stderr(contains("status resonance"));
+    sweep(&desk, &scene, &[]).success().stderr(contains("status resonance"));
     let text = fs::read_to_string(desk.path("map.csv")).unwrap();
     assert!(text.lines().filter(|line| line.ends_with(",none,,,,0,resonance")).count() >= 60);
     assert!(text.lines().any(|line| line.ends_with(",ok")));
@@ -155,7 +122,7 @@ fn a_threshold_makes_weak_growth_count_as_stable() {
     let desk = Desk::new();
     let scene = desk.scene(&forced());
     let count = |flags: &[&str]| {
-        desk.sweep(&scene, flags).success();
+        sweep(&desk, &scene, flags).success();
         fs::read_to_string(desk.path("map.csv")).unwrap().matches(",stable-double,").count()
     };
     let (strict, paper) = (count(&[]), count(&["--threshold", "0.01"]));
@@ -232,8 +199,8 @@ fn wrong_scenes() {
         let desk = Desk::new();
         assert!(SCENE.contains(from));
         let scene = desk.scene(&SCENE.replacen(from, &to, 1));
-        desk.sweep(&scene, &[]).code(2).stdout("").stderr(contains(message).and(contains("scene.toml:")));
-        assert_eq!(desk.files(), ["scene.toml"], "{message}");
+        sweep(&desk, &scene, &[]).code(2).stdout("").stderr(contains(message).and(contains("scene.toml:")));
+        assert_eq!(desk.names("."), ["scene.toml"], "{message}");
     }
 }
 
@@ -250,15 +217,15 @@ fn wrong_sweep_flags() {
         (vec!["--pgn", "x.png"], "unexpected argument '--pgn'"),
         (vec!["--png", "/"], "cannot write /"),
     ] {
-        desk.sweep(&scene, &flags).code(2).stderr(contains(message));
-        assert_eq!(desk.files(), ["scene.toml"]);
+        sweep(&desk, &scene, &flags).code(2).stderr(contains(message));
+        assert_eq!(desk.names("."), ["scene.toml"]);
     }
-    desk.sweep(&desk.path("missing.toml"), &[]).code(2).stderr(contains("cannot read scene"));
+    sweep(&desk, &desk.path("missing.toml"), &[]).code(2).stderr(contains("cannot read scene"));
     let twice = desk.scene(&format!("{SCENE}\nthreshold = 0.1"));
-    desk.sweep(&twice, &["--threshold", "0.1"]).code(2).stderr(contains("threshold is given twice"));
-    mapgen().args(["sweep", "x.toml"]).assert().code(2).stderr(contains("--out"));
-    mapgen().assert().code(2).stderr(contains("Usage"));
-    mapgen().arg("--help").assert().success().stdout(contains("sweep").and(contains("orbit")));
+    sweep(&desk, &twice, &["--threshold", "0.1"]).code(2).stderr(contains("threshold is given twice"));
+    mapgen(&[]).args(["sweep", "x.toml"]).assert().code(2).stderr(contains("--out"));
+    mapgen(&[]).assert().code(2).stderr(contains("Usage"));
+    mapgen(&[]).arg("--help").assert().success().stdout(contains("sweep").and(contains("orbit")));
 }
 
 const POINT: [&str; 10] = ["--sites", "21", "--gamma1", ".2", "--gamma2", ".1", "--omega", "1.5", "--asymmetry", ".4"];
@@ -276,16 +243,22 @@ fn wrong_orbit_flags() {
     ] {
         let mut point = POINT;
         point[change] = value;
-        mapgen().args(["orbit", "--family", family]).args(point).assert().code(2).stdout("").stderr(contains(message));
+        mapgen(&[])
+            .args(["orbit", "--family", family])
+            .args(point)
+            .assert()
+            .code(2)
+            .stdout("")
+            .stderr(contains(message));
     }
     let alone = ["orbit", "--family", "double-sided", "--amplitude", ".1"];
-    mapgen().args(alone).args(POINT).assert().code(2).stderr(contains("--restitution"));
+    mapgen(&[]).args(alone).args(POINT).assert().code(2).stderr(contains("--restitution"));
     let picture = ["orbit", "--family", "double-sided", "--plot", "orbit.gif"];
-    mapgen().args(picture).args(POINT).assert().code(2).stderr(contains("end the name in .png or .svg"));
+    mapgen(&[]).args(picture).args(POINT).assert().code(2).stderr(contains("end the name in .png or .svg"));
 }
 
 fn orbit_json(family: &str, flags: &[&str]) -> Value {
-    let output = mapgen().args(["orbit", "--json", "--family", family]).args(flags).assert().success();
+    let output = mapgen(&[]).args(["orbit", "--json", "--family", family]).args(flags).assert().success();
     serde_json::from_slice(&output.get_output().stdout).unwrap()
 }
 
@@ -309,7 +282,7 @@ fn a_force_of_several_harmonics() {
     assert!(!solutions.is_empty());
     assert!(solutions.iter().all(|solution| solution["residual"].as_f64().unwrap() < 1e-13));
     let text = ["orbit", "--family", "single-sided"];
-    mapgen().args(text).args(flags("1:.1,3:.01:1")).assert().success().stdout(contains("force = 1:0.1:0,3:0.01:1,"));
+    mapgen(&[]).args(text).args(flags("1:.1,3:.01:1")).assert().success().stdout(contains("force = 1:0.1:0,3:0.01:1,"));
 
     for (force, message) in [
         ("1:.1,2:.1", "harmonic = 2 is out of range: give an odd number"),
@@ -321,22 +294,22 @@ fn a_force_of_several_harmonics() {
         ("1:.1:1e9", "harmonic phase = 1000000000 is out of range"),
         ("", "has not two or three parts"),
     ] {
-        mapgen().args(text).args(flags(force)).assert().code(2).stdout("").stderr(contains(message));
+        mapgen(&[]).args(text).args(flags(force)).assert().code(2).stdout("").stderr(contains(message));
     }
     let both = [&flags("1:.1")[..], &["--amplitude", ".1"]].concat();
-    mapgen().args(text).args(both).assert().code(2).stderr(contains("cannot be used with"));
+    mapgen(&[]).args(text).args(both).assert().code(2).stderr(contains("cannot be used with"));
     let alone = [&POINT[..], &["--force", "1:.1"]].concat();
-    mapgen().args(text).args(alone).assert().code(2).stderr(contains("--restitution"));
+    mapgen(&[]).args(text).args(alone).assert().code(2).stderr(contains("--restitution"));
     // 3ω on the uniform mode.
     let resonant = ["--sites", "5", "--gamma1", "2.25", "--gamma2", ".1", "--omega", ".5", "--asymmetry", ".4"];
     let resonant = [&resonant[..], &["--force", "1:.1,3:.01", "--restitution", ".9"]].concat();
-    mapgen().args(text).args(resonant).assert().code(3).stderr(contains("harmonic 3 of omega = 0.5 meets mode 0"));
+    mapgen(&[]).args(text).args(resonant).assert().code(3).stderr(contains("harmonic 3 of omega = 0.5 meets mode 0"));
 }
 
 #[test]
 fn a_run_under_several_harmonics_stays_on_its_orbit() {
     let flags = [&POINT[..], &["--force", "1:.3,3:-.1,5:.06", "--restitution", ".9", "--periods", "4"]].concat();
-    let run = mapgen().args(["simulate", "--family", "double-sided"]).args(flags).assert().success();
+    let run = mapgen(&[]).args(["simulate", "--family", "double-sided"]).args(flags).assert().success();
     let text = String::from_utf8(run.get_output().stdout.clone()).unwrap();
     let distance = text.split("largest distance from the orbit at the end: ").nth(1).unwrap().trim();
     assert!(distance.parse::<f64>().unwrap() < 1e-12, "{text}");
@@ -349,7 +322,7 @@ fn a_scene_with_several_harmonics() {
         SCENE.replace("sites = 11", &format!("sites = 11\nforcing = {{ restitution = 0.9 }}\nforce = {force}"))
     };
     let table = |scene: &str, flags: &[&str]| {
-        desk.sweep(&desk.scene(scene), flags).success();
+        sweep(&desk, &desk.scene(scene), flags).success();
         fs::read(desk.path("map.csv")).unwrap()
     };
     // A plain cosine in a list gives the same table.
@@ -369,7 +342,7 @@ fn a_scene_with_several_harmonics() {
     // An amplitude on an axis has nothing to act on.
     let swept = square.replace(r#""gamma2", from = 0.0"#, r#""amplitude", from = 0.05"#);
     let swept = swept.replace("asymmetry = 0.4", "asymmetry = 0.4\ngamma2 = 0.1");
-    desk.sweep(&desk.scene(&swept), &[]).code(2).stderr(contains("amplitude and force are both given"));
+    sweep(&desk, &desk.scene(&swept), &[]).code(2).stderr(contains("amplitude and force are both given"));
 }
 
 #[test]
@@ -404,8 +377,13 @@ fn an_orbit_list_says_how_it_is_known_to_be_complete() {
         assert!(value["established"] == true && value["by"] == by && value[count].as_u64().unwrap() > 10, "{value}");
     }
     let text = ["orbit", "--family", "double-sided"];
-    mapgen().args(text).args(cosine).assert().success().stdout(contains("the list is complete, by enclosures on "));
-    mapgen().args(text).args(several).assert().success().stdout(contains("the list is complete, by branch and prune"));
+    mapgen(&[]).args(text).args(cosine).assert().success().stdout(contains("the list is complete, by enclosures on "));
+    mapgen(&[])
+        .args(text)
+        .args(several)
+        .assert()
+        .success()
+        .stdout(contains("the list is complete, by branch and prune"));
     // Next to the resonance of the force more solutions crowd than can be searched.
     let mut crowded = POINT;
     crowded[7] = "0.4472136";
@@ -424,11 +402,11 @@ fn no_orbit_is_an_answer_and_a_resonance_is_not() {
     assert!(orbit_json("single-sided", &weak)["reason"].as_str().unwrap().contains("at least"));
     let mut resonant = POINT;
     (resonant[3], resonant[7]) = ("0.25", "0.25");
-    let asked = mapgen().args(["orbit", "--family", "double-sided"]).args(resonant).assert();
+    let asked = mapgen(&[]).args(["orbit", "--family", "double-sided"]).args(resonant).assert();
     asked.code(3).stderr(contains("harmonic 2").and(contains("mode 0")));
     // A frequency so low that its harmonics cannot be told apart is not called a resonance.
     resonant[7] = "1e-100";
-    let asked = mapgen().args(["orbit", "--family", "double-sided"]).args(resonant).assert();
+    let asked = mapgen(&[]).args(["orbit", "--family", "double-sided"]).args(resonant).assert();
     asked.code(3).stderr(contains("too small against mode").and(contains("raise omega")));
 }
 
@@ -472,7 +450,7 @@ fn a_frequency_of_1e50_does_not_hang_the_check_of_an_orbit() {
 fn a_monodromy_matrix_next_to_grazing_is_refused_not_half_answered() {
     let mut point = POINT;
     (point[3], point[7], point[9]) = ("2.3e-308", "0.92", "0.7");
-    let run = mapgen()
+    let run = mapgen(&[])
         .args(["orbit", "--json", "--family", "single-sided", "--amplitude", ".05", "--restitution", ".9"])
         .args(point)
         .assert()
@@ -506,7 +484,7 @@ fn orbit_pictures() {
     let desk = Desk::new();
     for name in ["orbit.png", "orbit.svg"] {
         let path = desk.path(name);
-        mapgen().args(["orbit", "--family", "double-sided", "--plot"]).arg(&path).args(POINT).assert().success();
+        mapgen(&[]).args(["orbit", "--family", "double-sided", "--plot"]).arg(&path).args(POINT).assert().success();
         assert!(fs::metadata(path).unwrap().len() > 5000);
     }
     assert!(fs::read_to_string(desk.path("orbit.svg")).unwrap().contains("impacting mass"));
@@ -521,7 +499,7 @@ fn rows(path: &Path) -> Vec<csv::StringRecord> {
 fn a_simulation_from_an_orbit_stays_on_it_and_writes_events_and_trajectory() {
     let desk = Desk::new();
     let (impacts, trajectory, plot) = (desk.path("impacts.csv"), desk.path("trajectory.csv"), desk.path("run.png"));
-    let simulate = mapgen()
+    let simulate = mapgen(&[])
         .args(["simulate", "--family", "double-sided", "--periods", "10", "--samples", "16"])
         .args(POINT)
         .arg("--impacts")
@@ -558,7 +536,7 @@ fn perturbations_are_repeatable_and_an_unstable_one_grows() {
     let mut point = POINT;
     point[7] = "0.93";
     let end = |flags: &[&str]| {
-        let run = mapgen()
+        let run = mapgen(&[])
             .args(["simulate", "--family", "single-sided", "--perturb", "1e-8"])
             .args(point)
             .args(flags)
@@ -582,7 +560,7 @@ fn a_simulation_from_a_state_meets_sticking_and_stops_where_it_is_told() {
     let (state, impacts) = (desk.path("state.json"), desk.path("impacts.csv"));
     fs::write(&state, r#"{"displacement":[0,0,0,0,0],"velocity":[0.5,0,0,0,0]}"#).unwrap();
     let run = |flags: &[&str]| {
-        let mut command = mapgen();
+        let mut command = mapgen(&[]);
         command.arg("simulate").arg("--state").arg(&state).args(SMALL).args([
             "--amplitude",
             "1.5",
@@ -606,7 +584,7 @@ fn a_cascade_without_end_is_told_and_what_was_simulated_is_kept() {
     // Pressed against the upper barrier by the force, with elastic impacts.
     fs::write(&state, r#"{"displacement":[1.4],"velocity":[-1e-9]}"#).unwrap();
     let flags = ["--sites", "1", "--gamma1", ".2", "--gamma2", "0", "--omega", ".4", "--asymmetry", ".4"];
-    let mut command = mapgen();
+    let mut command = mapgen(&[]);
     command.arg("simulate").arg("--state").arg(&state).args(flags).args(["--amplitude", "1.5", "--restitution", "1"]);
     let run = command.arg("--impacts").arg(&impacts).args(["--periods", "1"]).assert();
     run.code(1).stderr(contains("cascade").and(contains("restitution below 1")));
@@ -626,7 +604,7 @@ fn wrong_simulations() {
         ("", "state.json"),
     ] {
         fs::write(&state, text).unwrap();
-        mapgen().arg("simulate").arg("--state").arg(&state).args(SMALL).assert().code(2).stderr(contains(message));
+        mapgen(&[]).arg("simulate").arg("--state").arg(&state).args(SMALL).assert().code(2).stderr(contains(message));
     }
     for (flags, message) in [
         (vec![], "--family"),
@@ -641,14 +619,19 @@ fn wrong_simulations() {
         (vec!["--family", "double-sided", "--periods", "288230376151711744"], "give at most"),
         (vec!["--family", "double-sided", "--plot", "run.jpg"], "end the name in .png or .svg"),
     ] {
-        mapgen().arg("simulate").args(POINT).args(&flags).assert().code(2).stdout("").stderr(contains(message));
+        mapgen(&[]).arg("simulate").args(POINT).args(&flags).assert().code(2).stdout("").stderr(contains(message));
     }
-    mapgen().args(["simulate", "--state", "missing.json"]).args(SMALL).assert().code(2).stderr(contains("cannot read"));
+    mapgen(&[])
+        .args(["simulate", "--state", "missing.json"])
+        .args(SMALL)
+        .assert()
+        .code(2)
+        .stderr(contains("cannot read"));
 }
 
 #[test]
 fn the_validation_table_is_what_the_command_prints() {
-    let run = mapgen().arg("validate").assert().success();
+    let run = mapgen(&[]).arg("validate").assert().success();
     let text = String::from_utf8(run.get_output().stdout.clone()).unwrap();
     let rows: Vec<Vec<&str>> = text
         .lines()
@@ -670,18 +653,18 @@ fn no_file_may_have_two_uses() {
     let desk = Desk::new();
     let scene = desk.scene(SCENE);
     let same = desk.path("map.csv");
-    desk.sweep(&scene, &["--png", same.to_str().unwrap()])
+    sweep(&desk, &scene, &["--png", same.to_str().unwrap()])
         .code(2)
         .stderr(contains("--out and --png are the same file"));
     let manifest = desk.path("map.manifest.json");
-    desk.sweep(&scene, &["--svg", manifest.to_str().unwrap()])
+    sweep(&desk, &scene, &["--svg", manifest.to_str().unwrap()])
         .code(2)
         .stderr(contains("the manifest of --out and --svg"));
-    let onto = mapgen().arg("sweep").arg(&scene).arg("--out").arg(&scene).assert();
+    let onto = mapgen(&[]).arg("sweep").arg(&scene).arg("--out").arg(&scene).assert();
     onto.code(2).stderr(contains("the scene and --out are the same file"));
-    assert_eq!(desk.files(), ["scene.toml"]);
+    assert_eq!(desk.names("."), ["scene.toml"]);
     let table = desk.path("table.csv");
-    let mut command = mapgen();
+    let mut command = mapgen(&[]);
     command
         .args(["simulate", "--family", "double-sided"])
         .args(POINT)
@@ -697,16 +680,16 @@ fn nothing_to_plot_does_not_hide_the_answer() {
     let desk = Desk::new();
     let plot = desk.path("orbit.png");
     let run =
-        mapgen().args(["orbit", "--family", "period-doubled", "--json", "--plot"]).arg(&plot).args(POINT).assert();
+        mapgen(&[]).args(["orbit", "--family", "period-doubled", "--json", "--plot"]).arg(&plot).args(POINT).assert();
     run.success().stdout(contains("\"solutions\": []")).stderr(contains("nothing to plot"));
-    assert!(desk.files().is_empty());
+    assert!(desk.names(".").is_empty());
 }
 
 #[test]
 fn a_ring_that_nothing_holds_is_swept_with_a_force() {
     let desk = Desk::new();
     let text = forced().replace("gamma1 = 0.2", "gamma1 = 0.0").replace("from = 0.0, to = 0.3", "from = 0.1, to = 0.3");
-    desk.sweep(&desk.scene(&text), &[]).success();
+    sweep(&desk, &desk.scene(&text), &[]).success();
     let table = rows(&desk.path("map.csv"));
     assert!(table.iter().all(|row| &row[7] == "ok"));
     assert!(table.iter().filter(|row| &row[6] == "2").count() > 100);
@@ -724,12 +707,12 @@ fn an_interrupted_simulation_keeps_what_it_has_however_long_a_period_is() {
     command.arg("simulate").arg("--state").arg(&state).arg("--impacts").arg(&impacts).args(arguments);
     command.args(["--max-impacts", "9000000000000000000"]);
     let mut child = command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null()).spawn().unwrap();
-    while desk.files().len() < 2 {
+    while desk.names(".").len() < 2 {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     std::thread::sleep(std::time::Duration::from_millis(300));
     assert!(std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert_eq!(desk.files(), ["impacts.csv", "state.json"]);
+    assert_eq!(desk.names("."), ["impacts.csv", "state.json"]);
     assert!(rows(&impacts).len() > 100);
 }

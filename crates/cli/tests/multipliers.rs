@@ -1,14 +1,12 @@
 //! Multipliers of orbits as CSV.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use assert_cmd::Command;
 use serde_json::Value;
+use vibrochain_testkit::mapgen;
 
 fn orbit(sites: &str, file: &std::path::Path, more: &[&str]) -> Value {
     let point = ["--gamma1", ".2", "--gamma2", ".1", "--omega", ".8", "--asymmetry", ".4", "--family", "single-sided"];
-    let output = Command::cargo_bin("mapgen")
-        .unwrap()
-        .args(["orbit", "--json", "--sites", sites, "--multipliers"])
+    let output = mapgen(&["orbit", "--json", "--sites", sites, "--multipliers"])
         .arg(file)
         .args(point)
         .args(more)

@@ -1,13 +1,10 @@
 //! A sweep shared by many processes is one table.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-#[path = "support/desk.rs"]
-mod desk;
-
 use std::fs;
 
-use desk::{CHUNKS, Desk, Ran, SCENE, undisturbed};
 use serde_json::Value;
+use vibrochain_testkit::{CHUNKS, Desk, Ran, SCENE, undisturbed};
 
 #[test]
 fn shards_and_threads_do_not_change_a_byte() {

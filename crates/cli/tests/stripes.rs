@@ -4,13 +4,13 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use assert_cmd::Command;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
-use tempfile::TempDir;
+use vibrochain_testkit::{Desk, mapgen};
 
 const SCENE: &str = r#"
 [model]
@@ -24,41 +24,6 @@ y = { parameter = "gamma2", from = 0.1, to = 0.3, points = 40 }
 families = ["double-sided", "single-sided"]
 stability = true
 "#;
-
-fn mapgen(arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("mapgen").unwrap();
-    command.args(arguments);
-    command
-}
-
-struct Desk(TempDir);
-
-impl Desk {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn scene(&self, text: &str) -> PathBuf {
-        let path = self.path("scene.toml");
-        fs::write(&path, text).unwrap();
-        path
-    }
-
-    fn stripes(&self, scene: &Path, out: &str, flags: &[&str]) -> assert_cmd::assert::Assert {
-        mapgen(&["stripes"]).arg(scene).arg("--out").arg(self.path(out)).args(flags).assert()
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
-        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-}
 
 /// Rows of a table, by column.
 fn table(path: &Path) -> Vec<BTreeMap<String, String>> {
@@ -81,13 +46,17 @@ fn output(assert: assert_cmd::assert::Assert) -> String {
     String::from_utf8(assert.success().get_output().stdout.clone()).unwrap()
 }
 
+fn stripes(desk: &Desk, scene: &Path, out: &str, flags: &[&str]) -> assert_cmd::assert::Assert {
+    mapgen(&["stripes"]).arg(scene).arg("--out").arg(desk.path(out)).args(flags).assert()
+}
+
 #[test]
 fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
     let desk = Desk::new();
     let scene = desk.scene(SCENE);
     let csv = desk.path("lines.csv");
-    let text = output(desk.stripes(&scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
-    assert_eq!(desk.files(), ["lines.csv", "scene.toml", "stripes.svg"]);
+    let text = output(stripes(&desk, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
+    assert_eq!(desk.names("."), ["lines.csv", "scene.toml", "stripes.svg"]);
     assert!(text.starts_with("N = 5: share of cells within one cell of a line"));
     for mechanism in ["neimark-sacker", "period-doubling"] {
         let row = printed(&text, "double-sided", mechanism);
@@ -122,7 +91,7 @@ fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_breat
     let axes = SCENE.replace("from = 1.1, to = 2.3, points = 150", "from = 0.6, to = 0.8, points = 120");
     let scene = desk.scene(&axes.replace("from = 0.1, to = 0.3", "from = 0.2, to = 0.3"));
     let csv = desk.path("lines.csv");
-    let text = output(desk.stripes(&scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
+    let text = output(stripes(&desk, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
     let row = printed(&text, "single-sided", "neimark-sacker");
     assert!(row[0] > 200.0 && row[7] > 80.0 && row[8] >= row[7], "{text}");
     let stable = printed(&text, "single-sided", "stable");
@@ -144,8 +113,8 @@ fn a_finished_table_gives_the_same_as_computing_the_map() {
     let scene = desk.scene(&SCENE.replace("points = 150", "points = 50"));
     let map = desk.path("map.csv");
     mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
-    let computed = output(desk.stripes(&scene, "a.png", &[]));
-    let read = output(desk.stripes(&scene, "b.png", &["--map", map.to_str().unwrap()]));
+    let computed = output(stripes(&desk, &scene, "a.png", &[]));
+    let read = output(stripes(&desk, &scene, "b.png", &["--map", map.to_str().unwrap()]));
     assert_eq!(computed, read);
     assert_eq!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
 }
@@ -155,7 +124,7 @@ fn a_symmetric_gap_has_no_stripes_of_double_sided_breathers_at_odd_harmonics() {
     let desk = Desk::new();
     let scene = desk.scene(&SCENE.replace("asymmetry = 0.4", "asymmetry = 0.0"));
     let csv = desk.path("lines.csv");
-    let text = output(desk.stripes(&scene, "stripes.png", &["--csv", csv.to_str().unwrap()]));
+    let text = output(stripes(&desk, &scene, "stripes.png", &["--csv", csv.to_str().unwrap()]));
     // ω is above the band: only j = 1 could be met.
     assert!(table(&csv).is_empty(), "{text}");
     assert!(!text.contains("neimark-sacker") && !text.contains("period-doubling"), "{text}");
@@ -181,17 +150,17 @@ fn wrong_requests() {
         (SCENE.replace("sites = 6", "sites = 0"), "sites = 0 is out of range"),
     ] {
         let scene = desk.scene(&scene);
-        desk.stripes(&scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
-        assert_eq!(desk.files(), ["scene.toml"], "{message}");
+        stripes(&desk, &scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
+        assert_eq!(desk.names("."), ["scene.toml"], "{message}");
     }
     let scene = desk.scene(SCENE);
-    desk.stripes(&scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png or .svg"));
-    desk.stripes(&desk.path("missing.toml"), "x.png", &[]).code(2).stderr(contains("cannot read scene"));
+    stripes(&desk, &scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png or .svg"));
+    stripes(&desk, &desk.path("missing.toml"), "x.png", &[]).code(2).stderr(contains("cannot read scene"));
     mapgen(&["stripes"]).arg(&scene).assert().code(2).stderr(contains("--out"));
-    desk.stripes(&scene, "scene.toml.png", &["--csv", desk.path("scene.toml.png").to_str().unwrap()])
+    stripes(&desk, &scene, "scene.toml.png", &["--csv", desk.path("scene.toml.png").to_str().unwrap()])
         .code(2)
         .stderr(contains("are the same file"));
-    assert_eq!(desk.files(), ["scene.toml"]);
+    assert_eq!(desk.names("."), ["scene.toml"]);
 }
 
 /// On a coarse map one cell below the first is at no frequency at all: the memory that lines take does not depend on that.
@@ -230,8 +199,8 @@ fn maps_that_would_not_fit_are_refused_with_the_limit() {
         ),
     ] {
         let scene = desk.scene(&text);
-        desk.stripes(&scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
-        assert_eq!(desk.files(), ["scene.toml"]);
+        stripes(&desk, &scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
+        assert_eq!(desk.names("."), ["scene.toml"]);
     }
 }
 
@@ -257,10 +226,10 @@ fn tables_of_another_scene_are_refused() {
     ] {
         assert_ne!(text, good);
         fs::write(&map, text).unwrap();
-        desk.stripes(&scene, "x.png", &flags).code(2).stdout("").stderr(contains("--map").and(contains(message)));
-        assert_eq!(desk.files(), ["map.csv", "map.manifest.json", "scene.toml"], "{message}");
+        stripes(&desk, &scene, "x.png", &flags).code(2).stdout("").stderr(contains("--map").and(contains(message)));
+        assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"], "{message}");
     }
-    desk.stripes(&scene, "x.png", &["--map", "no.csv"]).code(2).stderr(contains("cannot be read as a table"));
+    stripes(&desk, &scene, "x.png", &["--map", "no.csv"]).code(2).stderr(contains("cannot be read as a table"));
 }
 
 const POINT: &str = "--sites 6 --gamma1 .2 --gamma2 .15 --asymmetry .4 --omega";

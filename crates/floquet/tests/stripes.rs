@@ -8,25 +8,9 @@ use faer::MatRef;
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, bare_signature, even_monodromy};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain_testkit::Random;
 
 const BOTH: [Family; 2] = [Family::SingleSided, Family::DoubleSided];
-
-/// splitmix64
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / u64::MAX as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-}
 
 /// An eigenvalue of the even monodromy matrix and Krein's form ½i(ẋ̄·x − x̄·ẋ) on its eigenvector.
 type Krein = (Complex<f64>, f64);

@@ -1,10 +1,10 @@
 //! Multipliers in many digits against dense ones, closed forms by hand and exact sums and products.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use serde_json::Value;
 use vibrochain_breather::{Family, Orbit, breathers};
 use vibrochain_floquet::{eigenvalues, even_monodromy};
 use vibrochain_lattice::{Chain, Model};
+use vibrochain_testkit::{Random, reference};
 use vibrochain_truth::{Complex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum, TruthError};
 
 fn model(sites: usize, gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
@@ -51,24 +51,9 @@ fn assert_complete(orbit: &Orbit, tolerance: f64) -> Vec<Complex> {
 
 #[test]
 fn every_multiplier_of_the_reference_table() {
-    let table: Value = serde_json::from_str(include_str!("../../../tests/data/reference.json")).unwrap();
-    for case in table["cases"].as_array().unwrap() {
-        let name = case["name"].as_str().unwrap();
-        let get = |key: &str| case["parameters"][key].as_f64();
-        let number = |key: &str| case[key].as_f64();
-        let model = model(
-            get("sites").unwrap() as usize,
-            (get("gamma1").unwrap(), get("gamma2").unwrap()),
-            get("omega").unwrap(),
-            get("asymmetry").unwrap(),
-            (get("amplitude").unwrap_or(0.0), get("restitution").unwrap_or(1.0)),
-        );
-        let doubled = number("period").unwrap() > 1.5 * model.period();
-        let family = match (number("p"), doubled) {
-            (Some(_), _) => Family::SingleSided,
-            (None, true) => Family::PeriodDoubled,
-            (None, false) => Family::DoubleSided,
-        };
+    for case in reference() {
+        let (name, model, family) = (&case.name, case.model, case.family);
+        let number = |key: &str| case.number(key);
         let p = number("p").or(number("p1")).unwrap();
         let has = |orbit: &&Orbit| orbit.impacts().iter().any(|impact| (0.5 * impact.impulse.abs() - p).abs() < 1e-10);
         // Mirror images share their impulses, and their multipliers.
@@ -91,11 +76,8 @@ fn every_multiplier_of_the_reference_table() {
 
 #[test]
 fn random_parameters_of_every_family() {
-    let mut state = 12_345_u64;
-    let mut random = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut generator = Random(12_345);
+    let mut random = || generator.unit();
     let mut checked = [0; 3];
     for case in 0..40 {
         let sites = 1 + (random() * 9.0) as usize;

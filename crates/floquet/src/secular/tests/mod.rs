@@ -8,31 +8,11 @@ mod reversible;
 use nalgebra::Complex;
 use vibrochain_breather::{Family, Finder, Orbit};
 use vibrochain_lattice::{Chain, Model};
+pub(in crate::secular) use vibrochain_testkit::Random;
 
 use super::growth::Nu;
 use crate::eigen::eigenvalues;
 use crate::reversible::Reversible;
-
-/// A small generator of random numbers (splitmix64).
-pub(in crate::secular) struct Random(pub(in crate::secular) u64);
-
-impl Random {
-    pub(in crate::secular) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / u64::MAX as f64
-    }
-
-    pub(in crate::secular) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    pub(in crate::secular) fn log(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-}
 
 /// ν of the dense block and its norm.
 pub(super) fn dense(orbit: &Orbit, finder: &mut Finder) -> (Vec<Complex<f64>>, f64) {

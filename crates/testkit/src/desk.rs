@@ -1,5 +1,4 @@
 //! A folder to work in, and the program as its users start it.
-#![allow(dead_code, reason = "each test takes what it needs")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// 480 000 cells of a small ring without stability: fifteen chunks, half a second.
-pub(crate) const SCENE: &str = r#"
+pub const SCENE: &str = r#"
 [model]
 sites = 6
 gamma1 = 0.2
@@ -22,26 +21,32 @@ y = { parameter = "gamma2", from = 0.0, to = 0.3, points = 300 }
 families = ["double-sided", "single-sided"]
 "#;
 
-/// Its chunks, and the cells of each but the last.
-pub(crate) const CHUNKS: u64 = 15;
-pub(crate) const CHUNK_CELLS: u64 = 32_768;
+/// Its chunks.
+pub const CHUNKS: u64 = 15;
+/// Cells of each but the last.
+pub const CHUNK_CELLS: u64 = 32_768;
 
 /// Files in a folder of chunks that are none: the plan and the lock.
-pub(crate) const BESIDE: usize = 2;
+pub const BESIDE: usize = 2;
 
 /// The least of three chunks' worth of work for a slow machine's patience.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-pub(crate) struct Desk {
+/// A folder of one test's own.
+#[derive(Debug)]
+pub struct Desk {
     folder: TempDir,
 }
 
 /// How a run ended, and what it said.
 #[derive(Debug)]
-pub(crate) struct Ran {
-    pub(crate) code: Option<i32>,
-    pub(crate) out: String,
-    pub(crate) err: String,
+pub struct Ran {
+    /// Exit code, unless a signal ended it.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
 }
 
 impl From<Output> for Ran {
@@ -57,7 +62,8 @@ impl From<Output> for Ran {
 impl Ran {
     /// Demands an exit code and words on standard error.
     #[track_caller]
-    pub(crate) fn with(self, code: i32, words: &[&str]) -> Self {
+    #[allow(clippy::must_use_candidate, reason = "mostly for the demand alone")]
+    pub fn with(self, code: i32, words: &[&str]) -> Self {
         assert_eq!(self.code, Some(code), "{self:?}");
         for word in words {
             assert!(self.err.contains(word), "no `{word}` in {self:?}");
@@ -67,23 +73,43 @@ impl Ran {
     }
 }
 
+impl Default for Desk {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Desk {
-    pub(crate) fn new() -> Self {
+    /// An empty folder.
+    #[must_use]
+    pub fn new() -> Self {
         Self { folder: tempfile::tempdir().unwrap() }
     }
 
-    pub(crate) fn path(&self, name: &str) -> PathBuf {
+    /// The path of a file in it.
+    #[must_use]
+    pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    pub(crate) fn with_scene(text: &str) -> Self {
+    /// A folder with `scene.toml`.
+    #[must_use]
+    pub fn with_scene(text: &str) -> Self {
         let desk = Self::new();
-        fs::write(desk.path("scene.toml"), text).unwrap();
+        desk.scene(text);
         desk
     }
 
+    /// Writes `scene.toml`.
+    pub fn scene(&self, text: &str) -> PathBuf {
+        let path = self.path("scene.toml");
+        fs::write(&path, text).unwrap();
+        path
+    }
+
     /// The program, in this folder and outside of any job.
-    pub(crate) fn command(&self, line: &str) -> Command {
+    #[must_use]
+    pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin("mapgen"));
         command.current_dir(self.folder.path()).args(line.split(' ')).stdin(Stdio::null());
         for variable in ["ID", "MIN", "MAX", "COUNT", "STEP"] {
@@ -93,12 +119,15 @@ impl Desk {
         command
     }
 
-    pub(crate) fn run(&self, line: &str) -> Ran {
+    /// Runs the program to its end.
+    #[must_use]
+    pub fn run(&self, line: &str) -> Ran {
         self.command(line).output().unwrap().into()
     }
 
     /// A line for the shell in this folder, with `mapgen` on its path.
-    pub(crate) fn shell(&self, line: &str) -> Ran {
+    #[must_use]
+    pub fn shell(&self, line: &str) -> Ran {
         let program = assert_cmd::cargo::cargo_bin("mapgen");
         let path = std::env::var_os("PATH").unwrap_or_default();
         let mut folders = vec![program.parent().unwrap().to_owned()];
@@ -108,20 +137,27 @@ impl Desk {
         command.output().unwrap().into()
     }
 
-    pub(crate) fn start(&self, line: &str) -> Child {
+    /// Starts the program; standard output is thrown away.
+    #[must_use]
+    pub fn start(&self, line: &str) -> Child {
         self.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
-    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+    /// A file's bytes.
+    #[must_use]
+    pub fn read(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    pub(crate) fn json(&self, name: &str) -> Value {
+    /// A file's value.
+    #[must_use]
+    pub fn json(&self, name: &str) -> Value {
         serde_json::from_slice(&self.read(name)).unwrap()
     }
 
     /// Names in a folder, hidden ones too.
-    pub(crate) fn names(&self, folder: &str) -> Vec<String> {
+    #[must_use]
+    pub fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(folder)).unwrap();
         let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
@@ -129,13 +165,14 @@ impl Desk {
     }
 
     /// Finished chunks in a folder that may not be there yet.
-    pub(crate) fn chunks(&self, folder: &str) -> usize {
+    #[must_use]
+    pub fn chunks(&self, folder: &str) -> usize {
         let Ok(entries) = fs::read_dir(self.path(folder)) else { return 0 };
         entries.flatten().filter(|entry| is_chunk(&entry.path())).count()
     }
 
     /// Waits until so many chunks are finished, or the process has ended.
-    pub(crate) fn await_chunks(&self, child: &mut Child, folder: &str, count: usize) {
+    pub fn await_chunks(&self, child: &mut Child, folder: &str, count: usize) {
         let begun = Instant::now();
         while self.chunks(folder) < count && child.try_wait().unwrap().is_none() {
             assert!(begun.elapsed() < PATIENCE, "no {count} chunks in {folder}");
@@ -152,23 +189,34 @@ fn is_chunk(path: &Path) -> bool {
 
 /// Sends a signal and waits for the end.
 #[cfg(unix)]
-pub(crate) fn signal(child: Child, name: &str) -> Ran {
+#[must_use]
+pub fn signal(child: Child, name: &str) -> Ran {
     let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
     child.wait_with_output().unwrap().into()
 }
 
 /// Whether SIGINT is ignored here, and so by every program that is started from here.
-pub(crate) fn interrupts_are_ignored() -> bool {
+#[must_use]
+pub fn interrupts_are_ignored() -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 2 != 0)
 }
 
 /// The table of a scene as an undisturbed run makes it, on one thread.
-pub(crate) fn undisturbed(scene: &str) -> Vec<u8> {
+#[must_use]
+pub fn undisturbed(scene: &str) -> Vec<u8> {
     let desk = Desk::with_scene(scene);
     desk.run("sweep scene.toml --out map.csv --threads 1 --quiet").with(0, &[]);
     assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
     desk.read("map.csv")
+}
+
+/// The program with these arguments, for a test to make demands of.
+#[must_use]
+pub fn mapgen(arguments: &[&str]) -> assert_cmd::Command {
+    let mut command = assert_cmd::Command::cargo_bin("mapgen").unwrap();
+    command.args(arguments);
+    command
 }

@@ -1,14 +1,14 @@
 //! A small simulator for tests. It shares nothing with the crates: modes from a dense symmetric eigensolver, impacts by
 //! Newton's method next to their nominal times.
-#![allow(dead_code, reason = "each test uses its part")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use vibrochain::breather::{Motion, Orbit};
-use vibrochain::lattice::{Harmonic, Model};
+use vibrochain_breather::{Impact, Motion, Orbit};
+use vibrochain_floquet::Square;
+use vibrochain_lattice::{Harmonic, Model};
 
 /// Free flight of a ring under its force.
-pub(crate) struct Ring {
+#[derive(Debug)]
+pub struct Ring {
     frequencies: DVector<f64>,
     shapes: DMatrix<f64>,
     /// (rate, amplitude of the response, phase) of each harmonic of the force.
@@ -16,7 +16,9 @@ pub(crate) struct Ring {
 }
 
 impl Ring {
-    pub(crate) fn new(model: &Model) -> Self {
+    /// The ring of a model.
+    #[must_use]
+    pub fn new(model: &Model) -> Self {
         let (m, g1, g2) = (model.chain().sites(), model.chain().gamma1(), model.chain().gamma2());
         let mut stiffness = DMatrix::from_diagonal_element(m, m, g1);
         for n in 0..m {
@@ -37,13 +39,8 @@ impl Ring {
     }
 
     /// State (u, v) after `time`; `phase` is the time t + ψ of the force at its start.
-    pub(crate) fn fly(
-        &self,
-        u: &DVector<f64>,
-        v: &DVector<f64>,
-        phase: f64,
-        time: f64,
-    ) -> (DVector<f64>, DVector<f64>) {
+    #[must_use]
+    pub fn fly(&self, u: &DVector<f64>, v: &DVector<f64>, phase: f64, time: f64) -> (DVector<f64>, DVector<f64>) {
         let force = |t: f64| {
             self.response.iter().fold((0.0, 0.0), |sum, (rate, amplitude, phase)| {
                 let (sin, cos) = (rate * t + phase).sin_cos();
@@ -65,7 +62,8 @@ impl Ring {
     }
 
     /// The matrix of free flight without force.
-    pub(crate) fn flow(&self, time: f64) -> DMatrix<f64> {
+    #[must_use]
+    pub fn flow(&self, time: f64) -> DMatrix<f64> {
         let m = self.frequencies.len();
         let mut flow = DMatrix::zeros(2 * m, 2 * m);
         for j in 0..2 * m {
@@ -82,21 +80,26 @@ impl Ring {
 }
 
 /// The return map of an orbit's impacts over one period, from the middle of its last interval.
-pub(crate) struct ReturnMap<'a> {
+#[derive(Debug)]
+pub struct ReturnMap<'a> {
     orbit: &'a Orbit,
-    pub(crate) ring: Ring,
+    /// Free flight.
+    pub ring: Ring,
     /// Start, before the first impact (negative).
-    pub(crate) start: f64,
+    pub start: f64,
 }
 
 impl<'a> ReturnMap<'a> {
-    pub(crate) fn new(orbit: &'a Orbit) -> Self {
+    /// The map of this orbit.
+    #[must_use]
+    pub fn new(orbit: &'a Orbit) -> Self {
         let last = orbit.impacts().last().unwrap().time;
         Self { orbit, ring: Ring::new(orbit.model()), start: 0.5 * (last - orbit.period()) }
     }
 
     /// The orbit's own state at the start.
-    pub(crate) fn fixed_point(&self) -> DVector<f64> {
+    #[must_use]
+    pub fn fixed_point(&self) -> DVector<f64> {
         let mut motion = Motion::of(self.orbit).unwrap();
         let m = motion.sites();
         motion.at(0, self.start);
@@ -107,18 +110,20 @@ impl<'a> ReturnMap<'a> {
     }
 
     /// One period.
-    pub(crate) fn apply(&self, state: &DVector<f64>) -> DVector<f64> {
+    #[must_use]
+    pub fn apply(&self, state: &DVector<f64>) -> DVector<f64> {
         self.run(state, self.orbit.impacts(), self.start + self.orbit.period())
     }
 
     /// The mirror image of the state after half a period with the first impact. It takes a symmetric orbit to itself.
-    pub(crate) fn mirrored_half(&self, state: &DVector<f64>) -> DVector<f64> {
+    #[must_use]
+    pub fn mirrored_half(&self, state: &DVector<f64>) -> DVector<f64> {
         -self.run(state, &self.orbit.impacts()[..1], self.start + 0.5 * self.orbit.period())
     }
 
     /// From the start through some impacts to a time. Each impact is found from the state of the moment; those of one instant
     /// in the order in which they come.
-    fn run(&self, state: &DVector<f64>, impacts: &[vibrochain::breather::Impact], end: f64) -> DVector<f64> {
+    fn run(&self, state: &DVector<f64>, impacts: &[Impact], end: f64) -> DVector<f64> {
         let m = state.len() / 2;
         let psi = self.orbit.psi().unwrap_or(0.0);
         let e = self.orbit.model().restitution();
@@ -128,7 +133,7 @@ impl<'a> ReturnMap<'a> {
         while !left.is_empty() {
             let first = left[0].time;
             let simultaneous = left.iter().take_while(|impact| impact.time == first).count();
-            let time_of = |impact: &vibrochain::breather::Impact| {
+            let time_of = |impact: &Impact| {
                 let barrier = self.orbit.model().barrier(impact.barrier);
                 let mut t = impact.time;
                 for _ in 0..50 {
@@ -153,19 +158,22 @@ impl<'a> ReturnMap<'a> {
     }
 
     /// Speed of the slowest impact, at most 1.
-    pub(crate) fn slowest_impact(&self) -> f64 {
+    #[must_use]
+    pub fn slowest_impact(&self) -> f64 {
         self.orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(1.0, f64::min)
     }
 
     /// Central differences of the return map at two steps, extrapolated. The steps are small against the slowest impact:
     /// near grazing the map bends on the scale of its velocity squared. Where impacts of several masses coincide it has
     /// kinks at the point itself, which cost an error of order h.
-    pub(crate) fn jacobian(&self) -> DMatrix<f64> {
+    #[must_use]
+    pub fn jacobian(&self) -> DMatrix<f64> {
         self.jacobian_of(|state| self.apply(state))
     }
 
     /// The same for another map of the orbit's states.
-    pub(crate) fn jacobian_of(&self, map: impl Fn(&DVector<f64>) -> DVector<f64>) -> DMatrix<f64> {
+    #[must_use]
+    pub fn jacobian_of(&self, map: impl Fn(&DVector<f64>) -> DVector<f64>) -> DMatrix<f64> {
         let point = self.fixed_point();
         let kinked = self.orbit.impacts().windows(2).any(|pair| pair[0].time == pair[1].time);
         let h = if kinked { 2e-8 } else { 1e-4 * self.slowest_impact().powi(2) };
@@ -184,6 +192,7 @@ impl<'a> ReturnMap<'a> {
 }
 
 /// A library matrix as nalgebra's.
-pub(crate) fn dense(matrix: &vibrochain::floquet::Square) -> DMatrix<f64> {
+#[must_use]
+pub fn dense(matrix: &Square) -> DMatrix<f64> {
     DMatrix::from_row_slice(matrix.size(), matrix.size(), matrix.entries())
 }

@@ -1,0 +1,17 @@
+//! What the tests of all crates share, for tests only: random models, a simulated return map that shares nothing with the
+//! crates, the table of checked cases, the program on a desk of its own, and checksums that forgive rounding.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::missing_panics_doc, reason = "a test stops at the first surprise")]
+
+mod desk;
+mod digest;
+mod net;
+mod random;
+mod reference;
+mod ring;
+
+pub use desk::*;
+pub use digest::Digest;
+pub use net::Net;
+pub use random::Random;
+pub use reference::{Case, reference};
+pub use ring::{ReturnMap, Ring, dense};
