@@ -4,10 +4,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::fs;
-use std::process::Command;
-use std::time::Instant;
-
-use vibrochain_testkit::{CHUNKS, Desk, Ran, SCENE, undisturbed};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+use vibrochain_testkit::{CHUNKS, Desk, Ran, SCENE, interrupts_are_ignored, signal, undisturbed};
 
 const SWEEP: &str = "sweep scene.toml --out map.csv --quiet --threads 1 --resume";
 
@@ -157,4 +156,48 @@ fn a_merge_killed_at_any_system_call_leaves_nothing_that_the_next_one_does_not_r
     };
     let names = ["map.csv", "map.manifest.json", "parts", "scene.toml"];
     at_every_call("signal=KILL", &CALLS, "merge parts --out map.csv --quiet", chunks, &names);
+}
+
+#[test]
+fn a_merge_that_is_interrupted_while_it_checks_chunks_ends_at_once() {
+    let desk = Desk::with_scene(SCENE);
+    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let merge = |desk: &Desk, slow: &str| {
+        let mut command = Command::new("strace");
+        // The tracer is not the parent (-D): a signal to the child reaches the program.
+        command.args(["-D", "-f", "-qqq", "-o", "trace", "-e", "trace=read", "-e", &format!("inject=read:{slow}")]);
+        for chunk in desk.names("parts").iter().filter(|name| name.ends_with(".chunk")) {
+            command.arg("-P").arg(desk.path(&format!("parts/{chunk}")));
+        }
+        command.arg(assert_cmd::cargo::cargo_bin("mapgen")).args("merge parts --out map.csv --quiet".split(' '));
+        command.current_dir(desk.path(".")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()
+    };
+    let Ok(whole) = merge(&desk, "delay_enter=0") else {
+        eprintln!("skipped: strace cannot be had");
+        return;
+    };
+    let whole = Ran::from(whole.wait_with_output().unwrap());
+    if whole.err.contains("strace:") {
+        eprintln!("skipped: strace may not trace here ({})", whole.err.trim());
+        return;
+    }
+    whole.with(0, &[]);
+    let reads = || fs::read_to_string(desk.path("trace")).unwrap_or_default().lines().count();
+    let all = reads();
+    ["map.csv", "map.manifest.json", "trace"].iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
+
+    // A slow disk: a tenth of a second for each read. The tracer writes its lines by the hundred.
+    let mut child = merge(&desk, "delay_enter=100000").unwrap();
+    let begun = Instant::now();
+    while reads() == 0 && child.try_wait().unwrap().is_none() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no chunk is read");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let ran = signal(child, "INT");
+    println!("{} of {all} reads of chunks, {ran:?}", reads());
+    if !interrupts_are_ignored() {
+        ran.with(130, &["interrupted"]);
+        assert!(reads() < all / 4, "{} of {all}", reads());
+        assert_eq!(desk.names("."), ["parts", "scene.toml", "trace"]);
+    }
 }

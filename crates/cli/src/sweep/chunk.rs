@@ -185,6 +185,10 @@ pub(crate) fn read<E: From<Fault>>(
     stop: &AtomicBool,
     mut take: impl FnMut(&[u8]) -> Result<(), E>,
 ) -> Result<Summary, E> {
+    // Opening reads both ends of the file: many thousand times, on a slow disk, after the signal.
+    if stop.load(Ordering::Relaxed) {
+        return Err(Fault::Stopped.into());
+    }
     let Opened { file, first, tail } = open(path)?;
     let mut reader = Hashed { inner: BufReader::new(file), hash: Box::default() };
     let found = chunk_of(plan, &first);
