@@ -14,10 +14,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use vibrochain_cli::console::{Console, ctrl_c};
-use vibrochain_cli::output::Output;
-use vibrochain_cli::scene::Scene;
-use vibrochain_cli::sweep::{Ended, Job, blocks};
-use vibrochain_cli::table::{Table, header};
+use vibrochain_maps::files::Output;
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::sweep::{Ended, Job, blocks};
+use vibrochain_maps::table::{Table, header};
 
 const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/conservative-n20.toml");
 

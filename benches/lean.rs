@@ -9,7 +9,7 @@ use std::io::Write;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use lean::{KINDS, Kind};
-use vibrochain_cli::cell::Worker;
+use vibrochain_maps::cell::Worker;
 
 fn cells(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("lean");

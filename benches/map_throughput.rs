@@ -10,8 +10,8 @@ use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use vibrochain::lattice::{Chain, Spectrum};
-use vibrochain_cli::scene::Scene;
-use vibrochain_cli::sweep::{Ended, sweep};
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::sweep::{Ended, sweep};
 
 /// The paper's map on a coarser grid.
 fn scene(sites: usize, forced: bool, stability: bool) -> Scene {

@@ -5,7 +5,7 @@ use vibrochain::breather::{Family, Finder, Found, Orbit, Wanted, admissibility, 
 use vibrochain::floquet::{Tolerance, stability};
 use vibrochain::lattice::{Chain, Decay, Model, decay};
 use vibrochain_cli::accuracy::paper::{BLUR, Kernels};
-use vibrochain_cli::cell::{Class, Status, Task, Worker};
+use vibrochain_maps::cell::{Class, Status, Task, Worker};
 
 const GAMMA1: f64 = 0.2;
 const ASYMMETRY: f64 = 0.4;

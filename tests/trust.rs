@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use vibrochain_breather::{Family, Finder, Found, Orbit, condition};
-use vibrochain_cli::cell::{Class, Status, Worker};
-use vibrochain_cli::scene::Scene;
 use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict, stability};
 use vibrochain_lattice::{Chain, Model};
+use vibrochain_maps::cell::{Class, Status, Worker};
+use vibrochain_maps::scene::Scene;
 
 fn orbits(model: &Model, family: Family) -> Vec<Orbit> {
     let mut found = Found::default();
@@ -128,7 +128,7 @@ fn a_marginal_cell_has_no_class_and_is_counted() {
     assert_eq!((cell.class, cell.status, cell.mechanism), (None, Status::Marginal, None));
     assert!((cell.spectral_radius.unwrap() - 1.0).abs() < 1e-12 && cell.margin.is_some() && cell.solutions == 2);
     // With a threshold there is nothing marginal about it.
-    let task = vibrochain_cli::cell::Task { tolerance: Tolerance::Growth(1e-3), ..scene.task.clone() };
+    let task = vibrochain_maps::cell::Task { tolerance: Tolerance::Growth(1e-3), ..scene.task.clone() };
     let cell = worker.cell(&scene.point(0).model().unwrap(), &task);
     assert_eq!((cell.class, cell.status), (Some(Class::StableDouble), Status::Ok));
 }

@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::path::Path;
 
 use allocation_counter::measure;
-use vibrochain_cli::cell::Worker;
-use vibrochain_cli::scene::Scene;
+use vibrochain_maps::cell::Worker;
+use vibrochain_maps::scene::Scene;
 
 /// A kind of map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use vibrochain_lattice::Force;
 
-use crate::numbers::{real, whole};
-use crate::parameter::Parameter;
-use crate::sweep::ShardFlag;
+use vibrochain_maps::numbers::{real, whole};
+use vibrochain_maps::point::Parameter;
+use vibrochain_maps::sweep::ShardFlag;
 
 /// Existence and stability of breathers in vibro-impact chains.
 #[derive(Debug, Parser)]
@@ -204,7 +204,7 @@ pub struct ModelArgs {
     pub amplitude: Option<f64>,
     /// Force of several odd harmonics, instead of --amplitude: number:amplitude:phase of each, as in 1:0.1:0,3:0.03:1.57
     /// for 0.1 cos ω(t+ψ) + 0.03 cos(3ω(t+ψ) + 1.57).
-    #[arg(long, value_name = "J:A:θ,…", group = "driving", requires = "restitution", value_parser = crate::force::parse)]
+    #[arg(long, value_name = "J:A:θ,…", group = "driving", requires = "restitution", value_parser = vibrochain_maps::force::parse)]
     pub force: Option<Force>,
     /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
     #[arg(long, value_name = "e", value_parser = real, allow_negative_numbers = true)]

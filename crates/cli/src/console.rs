@@ -3,12 +3,11 @@
 use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::AtomicBool;
-#[cfg(unix)]
-use std::sync::atomic::Ordering;
 use std::sync::{Arc, OnceLock};
 
 use crate::error::CliError;
-use crate::text::printable;
+use vibrochain_maps::files::halt_on;
+use vibrochain_maps::text::printable;
 
 /// The surroundings of a run. The program's are the terminal and its Ctrl-C; a test brings its own.
 pub struct Console<'a> {
@@ -74,15 +73,10 @@ pub fn ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
     let flag = FLAG.get_or_init(|| {
         let flag = Arc::new(AtomicBool::new(false));
         let installed = listen(&flag);
+        halt_on(&flag);
         installed.map(|()| flag).map_err(|error| format!("cannot listen for Ctrl-C: {error}"))
     });
     flag.clone().map_err(CliError::Computation)
-}
-
-/// Whether that flag has been raised; nobody raises it before somebody has asked for it.
-#[cfg(unix)]
-pub(crate) fn is_stopped() -> bool {
-    matches!(FLAG.get(), Some(Ok(flag)) if flag.load(Ordering::Relaxed))
 }
 
 #[cfg(unix)]
@@ -127,7 +121,7 @@ mod tests {
     #[test]
     fn one_process_may_run_many_commands() {
         let (first, second) = (ctrl_c().unwrap(), ctrl_c().unwrap());
-        assert!(Arc::ptr_eq(&first, &second) && !first.load(Ordering::Relaxed));
+        assert!(Arc::ptr_eq(&first, &second) && !first.load(std::sync::atomic::Ordering::Relaxed));
     }
 
     #[cfg(unix)]

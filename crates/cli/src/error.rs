@@ -6,6 +6,7 @@ use thiserror::Error;
 use vibrochain_breather::{BranchError, BreatherError};
 use vibrochain_floquet::{FloquetError, LocateError};
 use vibrochain_lattice::{ParameterError, Resonance};
+use vibrochain_maps::error::MapError;
 
 /// A failed run.
 #[derive(Debug, Error)]
@@ -61,6 +62,17 @@ impl CliError {
             Self::Computation(message) => Self::Computation(format!("{what}: {message}")),
             Self::IllPosed(message) => Self::IllPosed(format!("{what}: {message}")),
             other => other,
+        }
+    }
+}
+
+impl From<MapError> for CliError {
+    fn from(error: MapError) -> Self {
+        match error {
+            MapError::Request(message) => Self::Request(message),
+            MapError::Computation(message) => Self::Computation(message),
+            MapError::Halted(path) => Self::Halted(path),
+            MapError::Unread => Self::Unread,
         }
     }
 }

@@ -4,12 +4,13 @@ use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::cell::Worker;
 use crate::error::CliError;
 use crate::report::grid;
-use crate::sweep::{Plan, Shard};
-use crate::table::{Table, columns};
 use crate::threads::cores;
+use vibrochain_maps::cell::Worker;
+use vibrochain_maps::sweep::{Plan, Shard};
+use vibrochain_maps::table::{Table, names};
+use vibrochain_maps::text::duration;
 
 /// The most cells computed.
 const SAMPLE: u64 = 400;
@@ -31,7 +32,7 @@ fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
     let scene = &plan.scene;
     let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not estimate: {error}"));
     let mut worker = Worker::new(scene.base.sites);
-    let mut table = Table::new(scene, Vec::new());
+    let mut table = Table::new(scene);
     let wanted = SAMPLE.min(plan.cells());
     // The first cell fills the work space: it is computed once more.
     let mut compute = |number: u64| {
@@ -52,11 +53,10 @@ fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
         let started = Instant::now();
         let cell = compute(number)?;
         seconds += started.elapsed().as_secs_f64();
-        table.write_all(scene, number..number + 1, &[cell]).map_err(|error| failed(&error))?;
+        table.write(&scene.point(number), &cell);
         cells += 1;
     }
-    let bytes = table.finish().map_err(|error| failed(&error))?.len();
-    Ok(Sample { cells, seconds, bytes })
+    Ok(Sample { cells, seconds, bytes: table.text.len() })
 }
 
 /// The answer.
@@ -74,7 +74,7 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicB
     };
     line("cells", format!("{cells} ({})", grid(&plan.scene)));
     line("chunks", format!("{chunks} of {} cells", plan.chunk_cells.min(cells)));
-    line("columns", columns(&plan.scene).join(", "));
+    line("columns", names(&plan.scene).join(", "));
     let of_shard: u64 = shard.chunks(plan).map(|chunk| plan.range(chunk).count() as u64).sum();
     if shard != Shard::WHOLE {
         let Shard { index, count } = shard;
@@ -86,16 +86,6 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicB
     line("disk", format!("about {} for the table, as much again for the chunks until it is whole", size(bytes)));
     line("sample", format!("{} cells in {:.3} s", sample.cells, sample.seconds));
     Ok(text)
-}
-
-/// A time in a unit that people can grasp.
-pub(crate) fn duration(seconds: f64) -> String {
-    let units = [(31_557_600.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")];
-    match units.iter().find(|(unit, _)| seconds >= 2.0 * unit) {
-        Some((unit, name)) if seconds / unit >= 1e6 => format!("{:.0e} {name}", seconds / unit),
-        Some((unit, name)) => format!("{:.1} {name}", seconds / unit),
-        None => format!("{seconds:.1} s"),
-    }
 }
 
 /// A number of bytes, in decimal units.
@@ -113,8 +103,6 @@ mod tests {
 
     #[test]
     fn units() {
-        assert_eq!([30.0, 150.0, 7300.0, 1e6].map(duration), ["30.0 s", "2.5 minutes", "2.0 hours", "11.6 days"]);
-        assert_eq!([1e9, 1e99].map(duration), ["31.7 years", "3e91 years"]);
         assert_eq!([12.0, 1500.0, 7.04e10].map(size), ["12 bytes", "1.5 kB", "70.4 GB"]);
     }
 }

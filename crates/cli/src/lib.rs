@@ -5,11 +5,8 @@
 //! | `program`, `console` | the whole program as a function, and what it talks to |
 //! | `accuracy` | error against run time, `mapgen accuracy` (feature `accuracy`) |
 //! | `args` | the command line |
-//! | `parameter`, `force`, `numbers`, `scene` | points of the parameter space, forces of several harmonics, numbers as they are typed, scene files |
-//! | `cell`, `sweep` | one cell; all cells, in chunks that outlive the process |
-//! | `table`, `table_file`, `columnar`, `manifest`, `pictures` | the files a sweep writes |
-//! | `destination`, `output`, `stream`, `csv_file` | where a file goes, whole or as it comes; tables of other commands |
-//! | `text`, `threads` | text from outside, read and shown; threads to compute on |
+//! | `threads` | threads to compute on |
+//! | `pictures` | pictures of a table that is being written |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `plot` | pictures (feature `plot`) |
 //! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
@@ -23,12 +20,7 @@
 #[cfg(feature = "accuracy")]
 pub mod accuracy;
 pub mod args;
-pub mod cell;
-#[cfg(feature = "parquet")]
-mod columnar;
 pub mod console;
-mod csv_file;
-mod destination;
 pub mod errata;
 pub mod error;
 mod estimate;
@@ -36,37 +28,25 @@ mod estimate;
 pub mod field;
 #[cfg(feature = "plot")]
 pub mod figures;
-pub mod force;
 mod forms;
-mod lines;
 pub mod locate_command;
-pub mod manifest;
 pub mod merge_command;
 mod multiplier_file;
-pub mod numbers;
 pub mod orbit_command;
 mod orbit_modes;
 #[cfg(feature = "plot")]
 mod orbit_plots;
-pub mod output;
 mod pace;
-pub mod parameter;
 mod pictures;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod program;
 mod recording;
 mod report;
-pub mod scene;
 pub mod simulate_command;
 pub mod start;
-mod stream;
 #[cfg(feature = "plot")]
 pub mod stripes;
-pub mod sweep;
 pub mod sweep_command;
-pub mod table;
-mod table_file;
-mod text;
 mod threads;
 pub mod validate_command;

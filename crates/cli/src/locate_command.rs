@@ -10,9 +10,9 @@ use vibrochain_lattice::{Model, Parameter, Short};
 use crate::args::{EventName, LocateArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::force;
 use crate::orbit_command::{family, model, orbit_value, point_value};
-use crate::output::Number;
+use vibrochain_maps::force;
+use vibrochain_maps::numbers::Number;
 
 fn event(name: EventName) -> Event {
     match name {

@@ -5,15 +5,15 @@ use vibrochain_lattice::Short;
 
 use crate::args::MergeArgs;
 use crate::console::Console;
-use crate::destination::{distinct, name_within};
 use crate::error::CliError;
-use crate::output::Output;
 use crate::pictures::Pictures;
 use crate::report::report;
-use crate::sweep::{Assembly, Fault, Plan, Store, Unassembled};
 use crate::sweep_command::{manifest_path, place, quoted, write_manifest};
-use crate::table_file::Form;
 use crate::threads::threads;
+use vibrochain_maps::files::Output;
+use vibrochain_maps::files::{distinct, name_within};
+use vibrochain_maps::sweep::{Assembly, Fault, Plan, Store, Unassembled};
+use vibrochain_maps::table::Form;
 
 /// The most runs of missing chunks that are named.
 const MOST_NAMED: usize = 12;
@@ -59,7 +59,7 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let summary = match assembly.chunks(&plan, &args.folder, &stop) {
         Ok(summary) => summary,
         Err(Unassembled::Stopped) => return Err(CliError::Interrupted),
-        Err(Unassembled::Table(error)) => return Err(error),
+        Err(Unassembled::Table(error)) => return Err(error.into()),
         Err(Unassembled::Chunk(chunk, fault)) => return Err(incomplete(args, &plan, &[(chunk, fault)])),
     };
     assembly.into_table().commit()?;

@@ -5,9 +5,9 @@ use std::path::Path;
 use vibrochain_breather::Finder;
 use vibrochain_floquet::multiplier_modes;
 
-use crate::csv_file::CsvFile;
 use crate::error::CliError;
 use crate::orbit_command::Solution;
+use vibrochain_maps::files::CsvFile;
 
 const HEADER: [&str; 6] = ["solution", "real", "imaginary", "modulus", "argument", "mode"];
 
@@ -46,6 +46,6 @@ impl MultiplierFile {
                 self.file.row(record)?;
             }
         }
-        self.file.finish()
+        Ok(self.file.finish()?)
     }
 }

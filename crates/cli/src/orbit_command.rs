@@ -9,14 +9,14 @@ use vibrochain_lattice::{MAX_SITES, Model};
 
 use crate::args::{FamilyName, ModelArgs, OrbitArgs};
 use crate::console::Console;
-use crate::destination::distinct;
 use crate::error::CliError;
-use crate::force;
 use crate::multiplier_file::MultiplierFile;
 use crate::orbit_modes::OrbitModes;
-use crate::output::Number;
-use crate::parameter::{Parameter, Point};
-use crate::scene::tolerance_from;
+use vibrochain_maps::files::distinct;
+use vibrochain_maps::force;
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::point::{Parameter, Point};
+use vibrochain_maps::scene::tolerance_from;
 
 /// The checked model of the flags.
 ///
@@ -378,11 +378,11 @@ mod with_plot {
     use vibrochain_breather::Motion;
 
     use super::{CliError, Console, OrbitArgs, Solution};
-    use crate::destination::{name_within, promises_folder};
     use crate::figures::solve::describe;
     use crate::orbit_plots;
-    use crate::output::Output;
     use crate::plot::{Format, OrbitPanels, open, orbit_picture};
+    use vibrochain_maps::files::Output;
+    use vibrochain_maps::files::{name_within, promises_folder};
 
     /// Points of a trace: a few pixels each, smooth to the eye.
     const SAMPLES: usize = 160;
@@ -434,7 +434,7 @@ mod with_plot {
                 return Ok(());
             }
             let bytes = orbit_picture(&panels, format).map_err(|error| CliError::Computation(error.to_string()))?;
-            file.finish_with(&bytes)
+            Ok(file.finish_with(&bytes)?)
         }
     }
 

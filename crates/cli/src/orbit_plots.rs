@@ -18,8 +18,8 @@ use vibrochain_lattice::{Decay, Spectrum, decay};
 
 use crate::error::CliError;
 use crate::figures::solve::{beside, describe};
-use crate::output::Output;
 use crate::plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
+use vibrochain_maps::files::Output;
 
 /// Samples of one flight between impacts.
 const FLIGHT: usize = 160;
@@ -59,7 +59,8 @@ pub(crate) fn write(
         let columns = panes.len();
         let picture = Curves { title: title.clone(), panes, columns, pane };
         let bytes = curves_picture(&picture, format).map_err(computation)?;
-        Output::create(&folder.join(format!("{NAME}{number}-{name}.{ending}")))?.finish_with(&bytes)
+        let file = Output::create(&folder.join(format!("{NAME}{number}-{name}.{ending}")))?;
+        Ok::<_, CliError>(file.finish_with(&bytes)?)
     };
     save("profile", (960, 480), vec![profile(orbit)?])?;
     let (trace, phase) = flights(orbit)?;

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use vibrochain_eventsim::{Report, Time};
 
 use crate::console::Console;
-use crate::estimate::duration;
+use vibrochain_maps::text::duration;
 
 /// Where no terminal shows a bar, the first line comes after this time, each further one when the time has doubled: a short
 /// run says nothing, a log of days holds some twenty lines.

@@ -9,24 +9,19 @@ pub(crate) use without_pictures::Pictures;
 mod with_pictures {
     use std::path::PathBuf;
 
-    use vibrochain_floquet::Mechanism;
-
     use crate::args::{PaletteName, PictureArgs};
-    use crate::cell::Class;
     use crate::error::CliError;
-    use crate::output::Output;
     use crate::plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
-    use crate::scene::Scene;
-    use crate::table::class_column;
+    use vibrochain_maps::cell::Cell;
+    use vibrochain_maps::files::Output;
+    use vibrochain_maps::scene::Scene;
+    use vibrochain_maps::sweep::Watcher;
 
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures<'a> {
         scene: &'a Scene,
         files: Vec<(Format, PathBuf)>,
         palette: Palette,
-        class_column: usize,
-        /// Rows seen.
-        rows: u64,
         tiles: Vec<Tile>,
     }
 
@@ -49,34 +44,7 @@ mod with_pictures {
                 PaletteName::Colour => Palette::Colour,
                 PaletteName::Paper => Palette::Paper,
             };
-            Ok(Self { scene, files, palette, class_column: class_column(scene), rows: 0, tiles: Vec::new() })
-        }
-
-        /// Whether there are any; they then want to see every row.
-        pub(crate) fn wanted(&self) -> bool {
-            !self.files.is_empty()
-        }
-
-        /// Forgets the rows it has seen.
-        pub(crate) fn begin(&mut self) {
-            self.rows = 0;
-            self.tiles.clear();
-        }
-
-        /// Keeps what is shown of the next row.
-        pub(crate) fn row(&mut self, row: &[u8]) {
-            let number = self.rows;
-            self.rows += 1;
-            if !is_shown(self.scene, number) {
-                return;
-            }
-            let mut fields = row.split(|&byte| byte == b',').skip(self.class_column);
-            let class = fields.next().unwrap_or_default();
-            let mechanism = fields.next().and_then(|field| std::str::from_utf8(field).ok()).unwrap_or_default();
-            self.tiles.push(Tile {
-                class: Class::ALL.into_iter().find(|known| known.name().as_bytes() == class),
-                mechanism: Mechanism::from_name(mechanism),
-            });
+            Ok(Self { scene, files, palette, tiles: Vec::new() })
         }
 
         /// Draws and writes them.
@@ -89,6 +57,22 @@ mod with_pictures {
             Ok(())
         }
     }
+
+    impl Watcher for Pictures<'_> {
+        fn looks(&self) -> bool {
+            !self.files.is_empty()
+        }
+
+        fn begin(&mut self) {
+            self.tiles.clear();
+        }
+
+        fn cell(&mut self, number: u64, cell: &Cell) {
+            if self.looks() && is_shown(self.scene, number) {
+                self.tiles.push(Tile { class: cell.class, mechanism: cell.mechanism });
+            }
+        }
+    }
 }
 
 #[cfg(not(feature = "plot"))]
@@ -97,7 +81,9 @@ mod without_pictures {
 
     use crate::args::PictureArgs;
     use crate::error::CliError;
-    use crate::scene::Scene;
+    use vibrochain_maps::cell::Cell;
+    use vibrochain_maps::scene::Scene;
+    use vibrochain_maps::sweep::Watcher;
 
     /// This build draws nothing.
     pub(crate) struct Pictures<'a>(PhantomData<&'a Scene>);
@@ -110,16 +96,18 @@ mod without_pictures {
             Ok(Self(PhantomData))
         }
 
-        pub(crate) fn wanted(&self) -> bool {
-            false
-        }
-
-        pub(crate) fn begin(&mut self) {}
-
-        pub(crate) fn row(&mut self, _: &[u8]) {}
-
         pub(crate) fn finish(self) -> Result<(), CliError> {
             Ok(())
         }
+    }
+
+    impl Watcher for Pictures<'_> {
+        fn looks(&self) -> bool {
+            false
+        }
+
+        fn begin(&mut self) {}
+
+        fn cell(&mut self, _: u64, _: &Cell) {}
     }
 }

@@ -7,9 +7,9 @@ use vibrochain_eventsim::{Event, Simulation, Time};
 use vibrochain_lattice::Model;
 
 use crate::args::SimulateArgs;
-use crate::csv_file::CsvFile;
 use crate::error::CliError;
 use crate::start::Start;
+use vibrochain_maps::files::CsvFile;
 
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.
 pub(crate) fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
@@ -41,12 +41,12 @@ impl ImpactTable {
             event.kind.name().to_owned(),
         ];
         if let Err(error) = self.file.row(row) {
-            self.failure.get_or_insert(error);
+            self.failure.get_or_insert(error.into());
         }
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
-        self.file.finish()
+        Ok(self.file.finish()?)
     }
 }
 
@@ -71,11 +71,11 @@ impl Trajectory {
         simulation.read(&mut self.displacement, &mut self.velocity);
         let time = self.start + simulation.time().to_f64();
         let row = std::iter::once(&time).chain(&self.displacement).chain(&self.velocity).map(f64::to_string);
-        self.file.row(row)
+        Ok(self.file.row(row)?)
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
-        self.file.finish()
+        Ok(self.file.finish()?)
     }
 }
 
@@ -92,8 +92,8 @@ mod with_plot {
 
     use super::{CliError, SimulateArgs, Start, orbit_time};
     use crate::field::FieldWriter;
-    use crate::output::Output;
     use crate::plot::{Format, RunPicture, open, run_picture};
+    use vibrochain_maps::files::Output;
 
     /// Periods at the end of the run of which the impacting mass is shown.
     const SHOWN: f64 = 8.0;
@@ -182,7 +182,7 @@ mod with_plot {
             };
             let picture = RunPicture { title, barriers, simulated, analytic, field: field.finish(), periods };
             let bytes = run_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
-            file.finish_with(&bytes)
+            Ok(file.finish_with(&bytes)?)
         }
     }
 }

@@ -1,10 +1,10 @@
 //! What a sweep has found, in a few lines for people.
 
-use crate::cell::{Class, Status};
-use crate::manifest::Effort;
-use crate::scene::Scene;
-use crate::sweep::Summary;
 use crate::threads::cores;
+use vibrochain_maps::cell::{Class, Status};
+use vibrochain_maps::manifest::Effort;
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::summary::Summary;
 
 /// "400 × 300": the points of the axes.
 pub(crate) fn grid(scene: &Scene) -> String {

@@ -10,13 +10,13 @@ use vibrochain_lattice::{Model, Short};
 
 use crate::args::{Direction, SimulateArgs};
 use crate::console::Console;
-use crate::destination::distinct;
 use crate::error::CliError;
 use crate::orbit_command::{family, model};
-use crate::output::Number;
 use crate::pace::{self, Pace};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::start::{Start, leading_mode_at};
+use vibrochain_maps::files::distinct;
+use vibrochain_maps::numbers::Number;
 
 /// Samples that may be asked for in all; more would be centuries of work.
 const MAX_STEPS: u64 = 1 << 48;

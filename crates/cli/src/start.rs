@@ -11,7 +11,7 @@ use vibrochain_floquet::{Complex, FloquetError, leading_modes};
 use vibrochain_lattice::{Model, Propagator, Spectrum};
 
 use crate::error::CliError;
-use crate::numbers::plain;
+use vibrochain_maps::numbers::plain;
 
 /// Displacements and velocities, and what is needed to place them in time.
 #[derive(Debug, Clone, PartialEq)]

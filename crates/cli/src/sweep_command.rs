@@ -10,22 +10,22 @@ use rayon::ThreadPool;
 use vibrochain_lattice::Short;
 
 use crate::args::SweepArgs;
-use crate::cell::Cell;
 use crate::console::Console;
-use crate::destination::{Destination, distinct, promises_folder};
 use crate::error::CliError;
 use crate::estimate::estimate;
-use crate::manifest::{Effort, Run, manifest};
-use crate::output::{Output, settle_names};
 use crate::pictures::Pictures;
 use crate::report::{report, speed};
-use crate::sweep::{
-    Assembly, Claim, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Summary, Todo, Unassembled, Worked, Writer,
-    blocks, rows, work,
-};
-use crate::table_file::{Form, TableFile, stem};
-use crate::text::is_obeyed;
 use crate::threads::threads;
+use vibrochain_maps::cell::Cell;
+use vibrochain_maps::files::{Destination, distinct, promises_folder};
+use vibrochain_maps::files::{Output, settle_names};
+use vibrochain_maps::manifest::{Effort, Run, manifest};
+use vibrochain_maps::summary::Summary;
+use vibrochain_maps::sweep::{
+    Assembly, Claim, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Todo, Unassembled, Worked, Writer, blocks, work,
+};
+use vibrochain_maps::table::{Form, Rows, TableFile, stem};
+use vibrochain_maps::text::is_obeyed;
 
 /// The plain file that a table's name leads to; none where it is written to as it comes, and can have neither a manifest beside
 /// it nor chunks.
@@ -88,11 +88,11 @@ struct SweepRun<'a> {
 }
 
 /// What was computed.
-struct Computed<'a, 'b> {
+struct Computed<'a> {
     effort: Effort,
     /// The counts of the cells computed.
     summary: Summary,
-    grown: Option<Grown<'a, 'b>>,
+    grown: Option<Grown<'a>>,
 }
 
 impl SweepRun<'_> {
@@ -124,7 +124,7 @@ impl SweepRun<'_> {
                 Ok(assembly) => Some(assembly),
                 Err(error) => {
                     store.remove(self.plan);
-                    return Err(error);
+                    return Err(error.into());
                 }
             }
         } else {
@@ -190,18 +190,18 @@ impl SweepRun<'_> {
         let started = Instant::now();
         let made = |range: Range<u64>, cells: &[Cell]| {
             bar.inc(range.end - range.start);
-            rows(scene, range, cells)
+            Rows::of(scene, range, cells)
         };
         let job = Job { scene, pool: self.pool, stop: &stop };
         let whole = 0..self.plan.cells();
-        let ended = blocks(&job, &[whole], made, |block| table.rows(&block.made.map_err(CliError::Computation)?));
+        let ended = blocks(&job, &[whole], made, |block| table.rows(&block.made));
         bar.finish_and_clear();
         let summary = match ended {
             Ended::Complete(summary) => summary,
             Ended::Stopped => {
                 return Err(CliError::Paused(format!("{name} has got a part of the table, nothing else was kept")));
             }
-            Ended::Failed(error) => return Err(error),
+            Ended::Failed(error) => return Err(error.into()),
         };
         let effort = self.effort(&summary, started);
         table.into_table().commit()?;
@@ -270,14 +270,14 @@ impl SweepRun<'_> {
     }
 
     /// Computes the chunks of a shard that are missing, and what can be had of the table on the way.
-    fn compute<'a, 'b>(
+    fn compute<'a>(
         &self,
         store: &Store,
         shard: Shard,
         stop: &AtomicBool,
         console: &mut Console<'_>,
-        along: Option<Assembly<'a, 'b>>,
-    ) -> Result<Computed<'a, 'b>, CliError> {
+        along: Option<Assembly<'a>>,
+    ) -> Result<Computed<'a>, CliError> {
         let job = Job { scene: &self.plan.scene, pool: self.pool, stop };
         let Some(todo) = Todo::of(&job, self.plan, store, shard)? else {
             return Err(CliError::Paused(self.kept(store, shard)));
@@ -370,7 +370,7 @@ pub(crate) fn write_manifest(
         effort,
     };
     let text = format!("{:#}\n", manifest(&about));
-    Output::create(path)?.finish_with(text.as_bytes())
+    Ok(Output::create(path)?.finish_with(text.as_bytes())?)
 }
 
 fn progress(cells: u64, finished: u64, wanted: bool) -> ProgressBar {

@@ -12,8 +12,8 @@ use vibrochain_lattice::{Chain, Model};
 use crate::args::ValidateArgs;
 use crate::console::Console;
 use crate::error::CliError;
-use crate::output::Output;
 use crate::start::{Start, leading_mode_at};
+use vibrochain_maps::files::Output;
 
 /// One parameter point: family, sites, γ₁, γ₂, ω, a, A, e.
 type Point = (Family, usize, f64, f64, f64, f64, f64, f64);
@@ -54,7 +54,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         }
     }
     match file {
-        Some(file) => file.finish_with(table.as_bytes()),
+        Some(file) => Ok(file.finish_with(table.as_bytes())?),
         None => console.print(&table),
     }
 }

@@ -15,9 +15,10 @@ columns = pyarrow.parquet.read_table("map.parquet").to_pydict()
 rows = list(csv.DictReader(open("map.csv")))
 assert list(columns) == list(rows[0]), list(columns)
 words = {"class", "mechanism", "status"}
+counts = {"solutions", "mode1", "mode2", "harmonic"}
 for name, values in columns.items():
     assert len(values) == len(rows)
-    kind = str if name in words else int if name == "solutions" else float
+    kind = str if name in words else int if name in counts else float
     for row, value in zip(rows, values):
         assert value == (kind(row[name]) if row[name] else None), (name, row, value)
 print(len(rows))
@@ -25,7 +26,9 @@ print(len(rows))
 
 #[test]
 fn values_come_back_by_columns() {
-    let scene = SCENE.replace("points = 300", "points = 100").replace("families", "stability = true\nfamilies");
+    let scene = SCENE
+        .replace("points = 300", "points = 100")
+        .replace("families", "stability = true\ncollisions = true\nfamilies");
     let desk = Desk::with_scene(&scene);
     desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     desk.run("sweep scene.toml --out map.parquet --quiet").with(0, &[]);

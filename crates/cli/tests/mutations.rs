@@ -29,8 +29,8 @@ use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
 use vibrochain_cli::orbit_command::model;
 use vibrochain_cli::program;
-use vibrochain_cli::scene::Scene;
 use vibrochain_lattice::Model;
+use vibrochain_maps::scene::Scene;
 
 use judge::{Outcome, complaints, file_complaints};
 use mutate::Mutator;

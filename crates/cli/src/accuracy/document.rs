@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::manifest::VERSION;
+use vibrochain_maps::manifest::VERSION;
 
 /// A part of a section.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,8 +8,8 @@ use crate::accuracy::Suite;
 use crate::accuracy::meter::Meter;
 use crate::accuracy::paper::{BLUR, Kernels};
 use crate::accuracy::table::{Row, Table};
-use crate::cell::{Class, Status, Task, Worker};
 use crate::error::CliError;
+use vibrochain_maps::cell::{Class, Status, Task, Worker};
 
 pub(super) const SUITE: Suite = Suite {
     name: "map",

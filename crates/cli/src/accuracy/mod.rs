@@ -37,10 +37,10 @@ use crate::accuracy::meter::Meter;
 use crate::accuracy::table::Table;
 use crate::args::{AccuracyArgs, SuiteName};
 use crate::console::Console;
-use crate::destination::promises_folder;
 use crate::error::CliError;
-use crate::output::Output;
 use crate::threads::threads;
+use vibrochain_maps::files::Output;
+use vibrochain_maps::files::promises_folder;
 
 /// One suite: what it compares, in words, and how it is run.
 struct Suite {

@@ -17,8 +17,8 @@ mod statements;
 use crate::args::ErrataArgs;
 use crate::console::Console;
 use crate::error::CliError;
-use crate::manifest::VERSION;
-use crate::output::Output;
+use vibrochain_maps::files::Output;
+use vibrochain_maps::manifest::VERSION;
 
 /// A printed formula, what holds, and the error of either where it can be evaluated.
 struct Correction {
@@ -55,7 +55,7 @@ pub fn run(args: &ErrataArgs, console: &mut Console<'_>) -> Result<(), CliError>
         text += &statement.markdown(console)?;
     }
     match file {
-        Some(file) => file.finish_with(text.as_bytes()),
+        Some(file) => Ok(file.finish_with(text.as_bytes())?),
         None => console.print(&text),
     }
 }

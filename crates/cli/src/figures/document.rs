@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::figures::captions::caption;
 use crate::figures::name;
 use crate::figures::scene::{FigureScene, Kind};
-use crate::manifest::VERSION;
-use crate::parameter::Parameter;
+use vibrochain_maps::manifest::VERSION;
+use vibrochain_maps::point::Parameter;
 
 /// The whole.
 pub(super) struct Document {

@@ -1,10 +1,10 @@
 //! What comes of a scene: a picture, the numbers behind it, and what is found in them.
 
-use crate::cell::Cell;
 use crate::error::CliError;
-use crate::output::Number;
 use crate::plot::{Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture};
-use crate::scene::Scene;
+use vibrochain_maps::cell::Cell;
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::Scene;
 
 /// A figure that has been computed.
 pub(super) struct Drawn {

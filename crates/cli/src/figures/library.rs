@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::CliError;
-use crate::scene::MAX_BYTES;
-use crate::text::read_text;
+use vibrochain_maps::scene::MAX_BYTES;
+use vibrochain_maps::text::read_text;
 
 macro_rules! built_in {
     ($($id:literal),* $(,)?) => {

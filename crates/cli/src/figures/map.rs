@@ -1,23 +1,24 @@
 //! Maps (figures 10 and 15): an ordinary sweep.
 
+use std::convert::Infallible;
 use std::sync::atomic::AtomicBool;
 
 use vibrochain_floquet::{Mechanism, Tolerance};
 
-use crate::cell::{Cell, Class};
 use crate::error::CliError;
 use crate::figures::drawn::{Drawn, Picture};
-use crate::figures::solve::computation;
-use crate::scene::Scene;
-use crate::sweep::{Ended, Summary, sweep};
-use crate::table::{Table, header};
+use vibrochain_maps::cell::{Cell, Class};
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::summary::Summary;
+use vibrochain_maps::sweep::{Ended, sweep};
+use vibrochain_maps::table::{Rows, header};
 
 /// Computes the figure.
 ///
 /// # Errors
 /// [`CliError`].
 pub(super) fn draw(scene: &Scene, pool: &rayon::ThreadPool, stop: &AtomicBool) -> Result<Drawn, CliError> {
-    let mut table = Table::new(scene, header(scene).into_bytes());
+    let mut table = header(scene).into_bytes();
     let mut all: Vec<Cell> = Vec::new();
     let ended = sweep(
         scene,
@@ -26,16 +27,15 @@ pub(super) fn draw(scene: &Scene, pool: &rayon::ThreadPool, stop: &AtomicBool) -
         |_| {},
         |range, cells| {
             all.extend_from_slice(cells);
-            table.write_all(scene, range, cells)
+            table.extend(Rows::of(scene, range, cells).text);
+            Ok::<_, Infallible>(())
         },
     );
     let summary = match ended {
         Ended::Complete(summary) => summary,
-        Ended::Stopped => return Err(CliError::Interrupted),
-        Ended::Failed(error) => return Err(computation(error)),
+        Ended::Stopped | Ended::Failed(_) => return Err(CliError::Interrupted),
     };
     let findings = findings(scene, &all, &summary);
-    let table = table.finish().map_err(computation)?;
     Ok(Drawn { picture: Picture::map(scene, &all), table, more: Vec::new(), findings })
 }
 

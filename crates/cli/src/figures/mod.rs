@@ -28,14 +28,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::FiguresArgs;
 use crate::console::Console;
-use crate::destination::{distinct, promises_folder};
 use crate::error::CliError;
 use crate::figures::document::Document;
 use crate::figures::drawn::Drawn;
 use crate::figures::scene::{FigureScene, Kind};
-use crate::output::Output;
 use crate::plot::Format;
 use crate::threads::threads;
+use vibrochain_maps::files::Output;
+use vibrochain_maps::files::{distinct, promises_folder};
 
 /// Runs the subcommand.
 ///

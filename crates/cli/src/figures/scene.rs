@@ -7,8 +7,8 @@ use vibrochain_lattice::{MAX_SITES, Model, Short};
 use crate::error::CliError;
 use crate::figures::library::Entry;
 use crate::figures::solve::in_common;
-use crate::parameter::{Parameter, Point};
-use crate::scene::{Scene, Source};
+use vibrochain_maps::point::{Parameter, Point};
+use vibrochain_maps::scene::{Scene, Source};
 
 /// A scene that has been read and checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,7 +144,7 @@ pub(super) fn parse(entry: &Entry) -> Result<FigureScene, CliError> {
     let source = Source { path: &entry.path, text: &entry.text };
     let table: toml::Table = toml::from_str(&entry.text).map_err(|error| source.unreadable(&error))?;
     if !table.contains_key("figure") {
-        return Scene::parse(&entry.path, &entry.text).map(|scene| FigureScene::Map(Box::new(scene)));
+        return Ok(FigureScene::Map(Box::new(Scene::parse(&entry.path, &entry.text)?)));
     }
     let wrong = |what: String| CliError::Request(format!("{}: {what}", entry.path.display()));
     let file: File = toml::from_str(&entry.text).map_err(|error| source.unreadable(&error))?;

@@ -6,7 +6,7 @@ use vibrochain_floquet::{Analyser, Stability, Tolerance};
 use vibrochain_lattice::{Model, Spectrum, far_motion};
 
 use crate::error::CliError;
-use crate::force;
+use vibrochain_maps::force;
 
 /// A physical orbit.
 #[derive(Debug, Clone)]

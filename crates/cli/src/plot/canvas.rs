@@ -10,9 +10,9 @@ use plotters::prelude::{BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingA
 use plotters::style::{FontStyle, register_font};
 use thiserror::Error;
 
-use crate::destination::{Destination, promises};
 use crate::error::CliError;
-use crate::output::Output;
+use vibrochain_maps::files::Output;
+use vibrochain_maps::files::{Destination, promises};
 
 /// A picture that could not be drawn.
 #[derive(Debug, Clone, Error)]
@@ -66,9 +66,10 @@ impl Format {
     /// [`CliError::Request`].
     pub(crate) fn promised(self, path: &Path) -> Result<(), CliError> {
         match self {
-            Self::Png => promises("--png", path, "a picture of pixels", &["png"]),
-            Self::Svg => promises("--svg", path, "a picture of vectors", &["svg"]),
+            Self::Png => promises("--png", path, "a picture of pixels", &["png"])?,
+            Self::Svg => promises("--svg", path, "a picture of vectors", &["svg"])?,
         }
+        Ok(())
     }
 }
 

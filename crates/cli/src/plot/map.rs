@@ -6,15 +6,15 @@ use plotters::prelude::{BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend,
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use vibrochain_floquet::Mechanism;
 
-use crate::cell::Class;
-use crate::force::listed;
-use crate::parameter::Parameter;
 use crate::plot::canvas::{Drawing, Format, PlotError, render};
 pub use crate::plot::lines::MapLine;
 use crate::plot::lines::{Frame, draw_key, draw_lines};
 use crate::plot::palette::{Palette, Tile, sample};
 use crate::plot::words::Heading;
-use crate::scene::{Axis, Scene, Values};
+use vibrochain_maps::cell::Class;
+use vibrochain_maps::force::listed;
+use vibrochain_maps::point::Parameter;
+use vibrochain_maps::scene::{Axis, Scene, Values};
 
 /// About this many pixels wide and high the map itself becomes.
 const TARGET: usize = 900;

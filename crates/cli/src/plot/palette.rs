@@ -2,7 +2,7 @@
 
 use vibrochain_floquet::Mechanism;
 
-use crate::cell::{Cell, Class};
+use vibrochain_maps::cell::{Cell, Class};
 
 /// A set of colours for the classes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

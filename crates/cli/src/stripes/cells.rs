@@ -7,13 +7,13 @@ use rayon::ThreadPool;
 use vibrochain_floquet::Mechanism;
 use vibrochain_lattice::Short;
 
-use crate::cell::Class;
 use crate::error::CliError;
-use crate::parameter::Parameter;
 use crate::plot::Tile;
 use crate::stripes::request::Request;
-use crate::sweep::{Ended, sweep};
-use crate::table::{class_column, columns};
+use vibrochain_maps::cell::Class;
+use vibrochain_maps::point::Parameter;
+use vibrochain_maps::sweep::{Ended, sweep};
+use vibrochain_maps::table::{names, parameters};
 
 /// Class and mechanism of every cell, by rows.
 ///
@@ -52,12 +52,12 @@ fn read(request: &Request, path: &Path) -> Result<Vec<Tile>, CliError> {
     let wrong = |what: String| CliError::Request(format!("--map {}: {what}", path.display()));
     let unreadable = |error: csv::Error| wrong(format!("it cannot be read as a table: {error}"));
     let mut reader = csv::Reader::from_path(path).map_err(unreadable)?;
-    let expected = columns(scene);
+    let expected = names(scene);
     let header = reader.headers().map_err(unreadable)?;
     if !header.iter().take(expected.len()).eq(expected.iter().copied()) {
         return Err(wrong(format!("its columns are not those of this scene, {}", expected.join(","))));
     }
-    let first = class_column(scene);
+    let first = parameters(scene).len();
     let mut tiles = Vec::new();
     for (number, record) in reader.records().enumerate() {
         let record = record.map_err(unreadable)?;

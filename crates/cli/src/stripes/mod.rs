@@ -17,15 +17,15 @@ mod request;
 
 use crate::args::StripesArgs;
 use crate::console::Console;
-use crate::destination::{distinct, promises};
 use crate::error::CliError;
-use crate::output::Output;
 use crate::plot::{MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
 use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
 use crate::stripes::lines::{Line, joined, rows, table};
 use crate::stripes::request::Request;
 use crate::threads::threads;
+use vibrochain_maps::files::Output;
+use vibrochain_maps::files::{distinct, promises};
 
 /// Runs the subcommand.
 ///
@@ -68,8 +68,8 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
 
 /// What is known of a tile's orbit: its family.
 fn family(tile: &Tile) -> Option<vibrochain_breather::Family> {
-    use crate::cell::Class;
     use vibrochain_breather::Family;
+    use vibrochain_maps::cell::Class;
     match tile.class? {
         Class::StableDouble | Class::UnstableDouble | Class::Double => Some(Family::DoubleSided),
         Class::StableSingle | Class::UnstableSingle | Class::Single => Some(Family::SingleSided),

@@ -8,7 +8,7 @@ use super::checks::{
     Depth, Row, Spectra, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled,
 };
 use crate::error::CliError;
-use crate::output::Number;
+use vibrochain_maps::numbers::Number;
 
 /// Everything, in 57 digits, of a few orbits where there are hundreds.
 const DEPTH: Depth = Depth { orbits: 6, spectra: Spectra::Compared, bits: DEFAULT_BITS };

@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::SystemTime;
 
-use crate::error::CliError;
-use crate::estimate::duration;
-use crate::output::{Output, remove_if_abandoned};
+use super::chunk::{Fault, Writer, check};
+use super::plan::PLAN_BEGINS;
+use super::plan::Plan;
+use crate::error::MapError;
+use crate::files::{Output, remove_if_abandoned};
 use crate::scene::MAX_BYTES;
-use crate::sweep::chunk::{Fault, Writer, check};
-use crate::sweep::plan::PLAN_BEGINS;
-use crate::sweep::{Plan, Summary};
+use crate::summary::Summary;
+use crate::text::duration;
 use crate::text::open_plain;
 
 const PLAN: &str = "plan.json";
@@ -32,7 +33,7 @@ const MAX_PLAN: u64 = 2 * MAX_BYTES + (1 << 16);
 
 /// What a process means to do in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Claim {
+pub enum Claim {
     /// Start afresh, alone.
     Fresh,
     /// Take up what is there, alone.
@@ -43,7 +44,7 @@ pub(crate) enum Claim {
 
 /// A folder of chunks.
 #[derive(Debug)]
-pub(crate) struct Store {
+pub struct Store {
     folder: PathBuf,
     /// The locked file; it is free again when the process ends, however that ends.
     lock: File,
@@ -53,18 +54,18 @@ impl Store {
     /// Makes the folder, or takes it up if it is that of `plan`.
     ///
     /// # Errors
-    /// [`CliError::Request`]: the folder cannot be made, is that of another sweep, holds chunks and the claim is
-    /// [`Claim::Fresh`], or another process has it. [`CliError::Computation`] if the plan cannot be written.
-    pub(crate) fn open(folder: &Path, plan: &Plan, claim: Claim) -> Result<Self, CliError> {
+    /// [`MapError::Request`]: the folder cannot be made, is that of another sweep, holds chunks and the claim is
+    /// [`Claim::Fresh`], or another process has it. [`MapError::Computation`] if the plan cannot be written.
+    pub fn open(folder: &Path, plan: &Plan, claim: Claim) -> Result<Self, MapError> {
         let place = folder.display();
         if claim != Claim::Share && folder.is_symlink() {
             let message = format!(
                 "{place} is a link, where a sweep makes a folder of chunks and removes it when it is done: remove the link, or name another --out"
             );
-            return Err(CliError::Request(message));
+            return Err(MapError::Request(message));
         }
         if folder.exists() && !folder.is_dir() {
-            return Err(CliError::Request(format!("{place} is a file, where a folder of chunks would be: remove it")));
+            return Err(MapError::Request(format!("{place} is a file, where a folder of chunks would be: remove it")));
         }
         let new = !folder.exists();
         let store = Self::locked(folder, claim)?;
@@ -77,14 +78,14 @@ impl Store {
     }
 
     /// Makes the folder, if it is not there, and locks it, if the file system can.
-    fn locked(folder: &Path, claim: Claim) -> Result<Self, CliError> {
+    fn locked(folder: &Path, claim: Claim) -> Result<Self, MapError> {
         let path = folder.join(LOCK);
         for _ in 0..PATIENCE {
-            fs::create_dir_all(folder).map_err(|error| CliError::file("cannot make the folder", folder, &error))?;
+            fs::create_dir_all(folder).map_err(|error| MapError::file("cannot make the folder", folder, &error))?;
             let lock = match open_lock(folder, &path) {
                 // Whoever had the folder has just removed it.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
-                opened => opened.map_err(|error| CliError::file("cannot write", &path, &error))?,
+                opened => opened.map_err(|error| MapError::file("cannot write", &path, &error))?,
             };
             let locked = if claim == Claim::Share { lock.try_lock_shared() } else { lock.try_lock() };
             match locked {
@@ -100,23 +101,23 @@ impl Store {
             }
         }
         let place = folder.display();
-        Err(CliError::Request(format!("{place} is made and removed by other processes all the time: stop them first")))
+        Err(MapError::Request(format!("{place} is made and removed by other processes all the time: stop them first")))
     }
 
-    fn take(&self, plan: &Plan, claim: Claim) -> Result<(), CliError> {
+    fn take(&self, plan: &Plan, claim: Claim) -> Result<(), MapError> {
         let place = self.folder.display();
         let entries = self.entries()?;
         if let Some((chunk, _)) = entries.iter().find(|(_, plain)| !plain) {
             let path = Self::path(&self.folder, *chunk);
             let message = format!("{} is no plain file, where a chunk would be: remove it", path.display());
-            return Err(CliError::Request(message));
+            return Err(MapError::Request(message));
         }
         let chunks = entries.len();
         if claim == Claim::Fresh && chunks > 0 {
             let message = format!(
                 "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or remove the folder to start afresh"
             );
-            return Err(CliError::Request(message));
+            return Err(MapError::Request(message));
         }
         let path = self.folder.join(PLAN);
         let new = path.symlink_metadata().is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
@@ -142,66 +143,66 @@ impl Store {
             None => Ok(()),
             Some(told) => {
                 let message = format!("{place} belongs to {told}; name another --out, or remove the folder");
-                Err(CliError::Request(message))
+                Err(MapError::Request(message))
             }
         }
     }
 
     /// The plan in a folder of chunks.
-    pub(crate) fn plan(folder: &Path) -> Result<Plan, CliError> {
+    pub fn plan(folder: &Path) -> Result<Plan, MapError> {
         let path = folder.join(PLAN);
         let mut text = String::new();
         let read = open_plain(&path).and_then(|file| file.take(MAX_PLAN).read_to_string(&mut text));
         read.map_err(|error| {
             let message = format!("{} is no folder of chunks: cannot read {PLAN}: {error}", folder.display());
-            CliError::Request(message)
+            MapError::Request(message)
         })?;
         Plan::from_json(&text).map_err(|why| {
             let place = path.display();
             let advice = "if only this file is bad, remove it and `mapgen sweep … --resume`; else remove the folder";
-            CliError::Request(format!("{place} cannot be used: {why}; {advice}"))
+            MapError::Request(format!("{place} cannot be used: {why}; {advice}"))
         })
     }
 
     /// Sees to it that the disk has the plan, where the system can do so: before it has the first chunk. One that is lost
     /// all the same is made again.
-    pub(crate) fn settle_plan(&self) {
+    pub fn settle_plan(&self) {
         if let Ok(plan) = File::open(self.folder.join(PLAN)) {
             let _ = plan.sync_all();
         }
     }
 
     /// The folder.
-    pub(crate) fn folder(&self) -> &Path {
+    pub fn folder(&self) -> &Path {
         &self.folder
     }
 
     /// Where a chunk is, or will be.
-    pub(crate) fn path(folder: &Path, chunk: u64) -> PathBuf {
+    pub fn path(folder: &Path, chunk: u64) -> PathBuf {
         folder.join(file_name(chunk))
     }
 
     /// Whether such a folder keeps files of this name.
-    pub(crate) fn owns(name: &OsStr) -> bool {
+    pub fn owns(name: &OsStr) -> bool {
         name == PLAN || number(name).is_some()
     }
 
     /// Starts a chunk.
-    pub(crate) fn writer(&self, plan: &Plan, chunk: u64) -> Result<Writer, CliError> {
+    pub fn writer(&self, plan: &Plan, chunk: u64) -> Result<Writer, MapError> {
         Writer::new(&Self::path(&self.folder, chunk), plan, chunk)
     }
 
     /// The chunks that there are files for, sound or not.
     ///
     /// # Errors
-    /// [`CliError::Request`] if the folder cannot be read.
-    pub(crate) fn present(&self) -> Result<BTreeSet<u64>, CliError> {
+    /// [`MapError::Request`] if the folder cannot be read.
+    pub fn present(&self) -> Result<BTreeSet<u64>, MapError> {
         Ok(self.entries()?.into_iter().filter_map(|(chunk, plain)| plain.then_some(chunk)).collect())
     }
 
     /// What is named like a chunk, and whether it is a file.
-    fn entries(&self) -> Result<Vec<(u64, bool)>, CliError> {
-        let unreadable = |error: io::Error| CliError::file("cannot read", &self.folder, &error);
+    fn entries(&self) -> Result<Vec<(u64, bool)>, MapError> {
+        let unreadable = |error: io::Error| MapError::file("cannot read", &self.folder, &error);
         let mut entries = Vec::new();
         // One list for all: on the file systems of clusters each name takes a message.
         for entry in fs::read_dir(&self.folder).map_err(unreadable)? {
@@ -214,13 +215,13 @@ impl Store {
     }
 
     /// Reads a chunk through and tells whether it can be trusted.
-    pub(crate) fn check(folder: &Path, plan: &Plan, chunk: u64, stop: &AtomicBool) -> Result<Summary, Fault> {
+    pub fn check(folder: &Path, plan: &Plan, chunk: u64, stop: &AtomicBool) -> Result<Summary, Fault> {
         check(&Self::path(folder, chunk), plan, chunk, stop)
     }
 
     /// Removes what sweeps of `plan` have written there, also those that were killed, and the folder unless it holds anything
     /// else. Tells whether it does not.
-    pub(crate) fn remove(self, plan: &Plan) -> bool {
+    pub fn remove(self, plan: &Plan) -> bool {
         let ours = |name: &OsStr| name == PLAN || number(name).is_some_and(|chunk| chunk < plan.chunks());
         let mut others = false;
         for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
@@ -284,13 +285,13 @@ fn is_still_at(file: &File, path: &Path) -> bool {
 }
 
 /// Tells that somebody else has the folder.
-fn at_work(folder: &Path, path: &Path, lock: &File) -> CliError {
+fn at_work(folder: &Path, path: &Path, lock: &File) -> MapError {
     let taken = lock.metadata().and_then(|about| about.modified()).ok().and_then(|time| time.elapsed().ok());
     let since = taken.map_or_else(String::new, |age| format!(", for {}", duration(age.as_secs_f64())));
     let (place, path) = (folder.display(), path.display());
     let message =
         format!("another mapgen is at work in {place} (it holds {path}{since}): wait for it, or stop it first");
-    CliError::Request(message)
+    MapError::Request(message)
 }
 
 /// Whether a file that cannot be read as a plan was begun as one: what a crash of the system leaves of it may be empty.
@@ -331,7 +332,10 @@ mod tests {
         for claim in [Claim::Resume, Claim::Share] {
             let error = Store::open(&folder, &here, claim).unwrap_err();
             let told = error.to_string();
-            assert!(told.contains("belongs to another version of mapgen: 0.0.9 (") && error.exit_code() == 2, "{told}");
+            assert!(
+                told.contains("belongs to another version of mapgen: 0.0.9 (") && matches!(error, MapError::Request(_)),
+                "{told}"
+            );
             assert!(told.contains(&format!(") there, {} (", crate::manifest::VERSION)), "{told}");
         }
         // Chunks that are sound, but of that version: without their plan they are refused one by one.

@@ -5,9 +5,9 @@ use vibrochain_floquet::Tolerance;
 
 use crate::cell::{Class, Status};
 use crate::force;
-use crate::parameter::Parameter;
+use crate::point::Parameter;
 use crate::scene::{Axis, Scene, Values};
-use crate::sweep::Summary;
+use crate::summary::Summary;
 
 /// The program's version.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -5,19 +5,19 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use crate::error::CliError;
+use crate::error::MapError;
 
 /// Reads a file of text of at most `most` bytes; `what` it is, for messages.
 ///
 /// # Errors
-/// [`CliError::Request`] for a file that cannot be read, or is longer.
-pub(crate) fn read_text(what: &str, path: &Path, most: u64) -> Result<String, CliError> {
-    let failed = |error: &io::Error| CliError::file(&format!("cannot read {what}"), path, error);
+/// [`MapError::Request`] for a file that cannot be read, or is longer.
+pub fn read_text(what: &str, path: &Path, most: u64) -> Result<String, MapError> {
+    let failed = |error: &io::Error| MapError::file(&format!("cannot read {what}"), path, error);
     let mut bytes = Vec::new();
     File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(|error| failed(&error))?;
     if bytes.len() as u64 > most {
         let message = format!("{what} {} has more than the {most} bytes that it may have", path.display());
-        return Err(CliError::Request(message));
+        return Err(MapError::Request(message));
     }
     String::from_utf8(bytes).map_err(|error| failed(&io::Error::new(io::ErrorKind::InvalidData, error.utf8_error())))
 }
@@ -26,7 +26,7 @@ pub(crate) fn read_text(what: &str, path: &Path, most: u64) -> Result<String, Cl
 ///
 /// # Errors
 /// Those of the system; one in its words for a folder, a FIFO or a device.
-pub(crate) fn open_plain(path: &Path) -> io::Result<File> {
+pub fn open_plain(path: &Path) -> io::Result<File> {
     if !path.metadata()?.is_file() {
         return Err(io::Error::other("it is no plain file"));
     }
@@ -34,7 +34,7 @@ pub(crate) fn open_plain(path: &Path) -> io::Result<File> {
 }
 
 /// A text of more than `most` characters without its middle.
-pub(crate) fn clipped(text: &str, most: usize) -> Cow<'_, str> {
+pub fn clipped(text: &str, most: usize) -> Cow<'_, str> {
     if text.chars().count() <= most {
         return text.into();
     }
@@ -44,12 +44,12 @@ pub(crate) fn clipped(text: &str, most: usize) -> Cow<'_, str> {
 }
 
 /// Whether a terminal would obey a character instead of showing it, or show others in another order because of it.
-pub(crate) fn is_obeyed(c: char) -> bool {
+pub fn is_obeyed(c: char) -> bool {
     c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// A text of several lines with all that a terminal would obey written out.
-pub(crate) fn printable(text: &str) -> Cow<'_, str> {
+pub fn printable(text: &str) -> Cow<'_, str> {
     let harmless = |c: char| c == '\n' || !is_obeyed(c);
     if text.chars().all(harmless) {
         return text.into();
@@ -62,7 +62,7 @@ pub(crate) fn printable(text: &str) -> Cow<'_, str> {
 }
 
 /// Up to `most` characters about the `place`-th of a line, each of the width of one, and where among them the place is.
-pub(crate) fn excerpt(line: &str, place: usize, most: usize) -> (String, usize) {
+pub fn excerpt(line: &str, place: usize, most: usize) -> (String, usize) {
     let first = place.saturating_sub(most / 2);
     let mut rest = line.chars().skip(first);
     let mut shown: String = rest.by_ref().take(most).map(|c| if is_obeyed(c) { '\u{fffd}' } else { c }).collect();
@@ -70,6 +70,17 @@ pub(crate) fn excerpt(line: &str, place: usize, most: usize) -> (String, usize) 
         shown.push('…');
     }
     if first == 0 { (shown, place) } else { (format!("…{shown}"), place - first + 1) }
+}
+
+/// A time in a unit that people can grasp.
+#[must_use]
+pub fn duration(seconds: f64) -> String {
+    let units = [(31_557_600.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")];
+    match units.iter().find(|(unit, _)| seconds >= 2.0 * unit) {
+        Some((unit, name)) if seconds / unit >= 1e6 => format!("{:.0e} {name}", seconds / unit),
+        Some((unit, name)) => format!("{:.1} {name}", seconds / unit),
+        None => format!("{seconds:.1} s"),
+    }
 }
 
 #[cfg(test)]
@@ -105,11 +116,17 @@ mod tests {
             match (read_text("scene", &path, 8), told) {
                 (Ok(text), None) => assert_eq!(text.as_bytes(), bytes),
                 (Err(error), Some(told)) => {
-                    assert!(error.to_string().contains(told) && error.exit_code() == 2, "{error}");
+                    assert!(error.to_string().contains(told) && matches!(error, MapError::Request(_)), "{error}");
                 }
                 (read, _) => panic!("{read:?}"),
             }
         }
         assert_eq!(open_plain(folder.path()).unwrap_err().to_string(), "it is no plain file");
+    }
+
+    #[test]
+    fn times_come_in_units_that_people_can_grasp() {
+        assert_eq!([30.0, 150.0, 7300.0, 1e6].map(duration), ["30.0 s", "2.5 minutes", "2.0 hours", "11.6 days"]);
+        assert_eq!([1e9, 1e99].map(duration), ["31.7 years", "3e91 years"]);
     }
 }

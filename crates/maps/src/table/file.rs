@@ -1,18 +1,20 @@
 //! The file of a table, in the form that the end of its name asks for.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 
 #[cfg(feature = "parquet")]
-use crate::columnar::Columns;
-use crate::destination::ending;
-use crate::error::CliError;
-use crate::output::Output;
+use super::parquet::Columns;
+use crate::cell::Cell;
+use crate::error::MapError;
+use crate::files::Output;
+use crate::files::ending;
+use crate::point::Point;
 use crate::scene::Scene;
 
 /// The forms of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Form {
+pub enum Form {
     /// `.csv`, or no ending.
     Plain,
     /// `.csv.gz`
@@ -27,8 +29,8 @@ impl Form {
     /// What the end of its name says, in small letters or capitals.
     ///
     /// # Errors
-    /// [`CliError::Request`] for an ending that no table has.
-    pub(crate) fn of(path: &Path) -> Result<Self, CliError> {
+    /// [`MapError::Request`] for an ending that no table has.
+    pub fn of(path: &Path) -> Result<Self, MapError> {
         let (form, inner) = match ending(path).as_deref() {
             Some("parquet") => return Ok(Self::Columns),
             Some("gz") => (Self::Gzip, path.with_extension("")),
@@ -39,7 +41,7 @@ impl Form {
             return Ok(form);
         }
         let name = path.display();
-        Err(CliError::Request(format!(
+        Err(MapError::Request(format!(
             "--out {name}: the kind of table is not known; end the name in .csv, .csv.gz, .csv.zst or .parquet"
         )))
     }
@@ -54,7 +56,7 @@ const GZIP_LEVEL: u32 = 6;
 const ZSTD_LEVEL: i32 = 3;
 
 /// A table under way.
-pub(crate) enum TableFile {
+pub enum TableFile {
     /// As it is.
     Plain(Output),
     /// `.gz`
@@ -69,7 +71,7 @@ pub(crate) enum TableFile {
 }
 
 /// The name of a table without the endings that tell its form: map.csv.gz → map.
-pub(crate) fn stem(name: &str) -> &str {
+pub fn stem(name: &str) -> &str {
     let without = |name: &'_ str, ends: &[&str]| {
         let (stem, end) = name.rsplit_once('.').filter(|(stem, _)| !stem.is_empty())?;
         ends.iter().any(|known| end.eq_ignore_ascii_case(known)).then_some(stem.len())
@@ -80,7 +82,7 @@ pub(crate) fn stem(name: &str) -> &str {
 
 impl TableFile {
     /// As [`Output::create`].
-    pub(crate) fn create(path: &Path, scene: &Scene) -> Result<Self, CliError> {
+    pub fn create(path: &Path, scene: &Scene) -> Result<Self, MapError> {
         match Form::of(path)? {
             Form::Plain => Output::create(path).map(Self::Plain),
             Form::Columns => Self::by_columns(path, scene),
@@ -89,35 +91,36 @@ impl TableFile {
     }
 
     #[cfg(feature = "parquet")]
-    fn by_columns(path: &Path, scene: &Scene) -> Result<Self, CliError> {
+    fn by_columns(path: &Path, scene: &Scene) -> Result<Self, MapError> {
         let columns = Columns::new(scene, Output::create(path)?);
         let columns =
-            columns.map_err(|error| CliError::Computation(format!("cannot begin {}: {error}", path.display())))?;
+            columns.map_err(|error| MapError::Computation(format!("cannot begin {}: {error}", path.display())))?;
         Ok(Self::Columns(Box::new(columns)))
     }
 
     #[cfg(not(feature = "parquet"))]
-    fn by_columns(path: &Path, _: &Scene) -> Result<Self, CliError> {
+    fn by_columns(path: &Path, _: &Scene) -> Result<Self, MapError> {
         let message = format!("{}: .parquet needs a build with the feature `parquet`", path.display());
-        Err(CliError::Request(message))
+        Err(MapError::Request(message))
     }
 
     #[cfg(feature = "compress")]
-    fn compressed(path: &Path, form: Form) -> Result<Self, CliError> {
+    fn compressed(path: &Path, form: Form) -> Result<Self, MapError> {
         let output = Output::create(path)?;
         if form == Form::Gzip {
             return Ok(Self::Gzip(flate2::write::GzEncoder::new(output, flate2::Compression::new(GZIP_LEVEL))));
         }
-        let cannot = |error: io::Error| CliError::Computation(format!("cannot compress {}: {error}", path.display()));
+        let cannot =
+            |error: std::io::Error| MapError::Computation(format!("cannot compress {}: {error}", path.display()));
         let mut encoder = zstd::Encoder::new(output, ZSTD_LEVEL).map_err(cannot)?;
         encoder.include_checksum(true).map_err(cannot)?;
         Ok(Self::Zstd(Box::new(encoder)))
     }
 
     #[cfg(not(feature = "compress"))]
-    fn compressed(path: &Path, _: Form) -> Result<Self, CliError> {
+    fn compressed(path: &Path, _: Form) -> Result<Self, MapError> {
         let message = format!("{}: compression needs a build with the feature `compress`", path.display());
-        Err(CliError::Request(message))
+        Err(MapError::Request(message))
     }
 
     fn output(&self) -> &Output {
@@ -132,15 +135,52 @@ impl TableFile {
         }
     }
 
-    /// As [`Output::unwritten`].
-    pub(crate) fn unwritten(&self, error: &io::Error) -> CliError {
-        self.output().unwritten(error)
+    /// Whether this form wants cells; else it wants their text.
+    #[must_use]
+    pub fn wants_cells(&self) -> bool {
+        match self {
+            #[cfg(feature = "parquet")]
+            Self::Columns(_) => true,
+            _ => false,
+        }
+    }
+
+    /// Takes the next cell, in a form that wants cells.
+    ///
+    /// # Errors
+    /// [`MapError`] if it cannot be written.
+    pub fn cell(&mut self, point: &Point, cell: &Cell) -> Result<(), MapError> {
+        match self {
+            #[cfg(feature = "parquet")]
+            Self::Columns(columns) => columns.row(point, cell).map_err(|error| columns.output().unwritten(&error)),
+            _ => {
+                let _ = (point, cell);
+                Ok(())
+            }
+        }
+    }
+
+    /// Takes the text of the next rows, in a form that wants it.
+    ///
+    /// # Errors
+    /// [`MapError`] if it cannot be written.
+    pub fn text(&mut self, rows: &[u8]) -> Result<(), MapError> {
+        let written = match self {
+            Self::Plain(output) => output.write_all(rows),
+            #[cfg(feature = "compress")]
+            Self::Gzip(encoder) => encoder.write_all(rows),
+            #[cfg(feature = "compress")]
+            Self::Zstd(encoder) => encoder.write_all(rows),
+            #[cfg(feature = "parquet")]
+            Self::Columns(_) => Ok(()),
+        };
+        written.map_err(|error| self.output().unwritten(&error))
     }
 
     /// Writes what the compression has held back, and as [`Output::commit`].
-    pub(crate) fn commit(self) -> Result<(), CliError> {
+    pub fn commit(self) -> Result<(), MapError> {
         #[cfg(feature = "compress")]
-        let failed = |error: &io::Error| CliError::Computation(format!("could not finish the table: {error}"));
+        let failed = |error: &std::io::Error| MapError::Computation(format!("could not finish the table: {error}"));
         match self {
             Self::Plain(output) => output,
             #[cfg(feature = "compress")]
@@ -154,37 +194,11 @@ impl TableFile {
     }
 }
 
-impl Write for TableFile {
-    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        match self {
-            Self::Plain(output) => output.write(buffer),
-            #[cfg(feature = "compress")]
-            Self::Gzip(encoder) => encoder.write(buffer),
-            #[cfg(feature = "compress")]
-            Self::Zstd(encoder) => encoder.write(buffer),
-            #[cfg(feature = "parquet")]
-            Self::Columns(columns) => columns.write(buffer),
-        }
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        match self {
-            Self::Plain(output) => output.flush(),
-            #[cfg(feature = "compress")]
-            Self::Gzip(encoder) => encoder.flush(),
-            #[cfg(feature = "compress")]
-            Self::Zstd(encoder) => encoder.flush(),
-            #[cfg(feature = "parquet")]
-            Self::Columns(columns) => columns.flush(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
-    use super::{Form, stem};
+    use super::{Form, MapError, stem};
 
     #[test]
     fn the_end_of_a_name_is_the_form_of_its_table_and_promises_nothing_else() {
@@ -200,7 +214,10 @@ mod tests {
             ["map.h5", "map.json", "map.h5.gz", "map.parquet.zst", "map.csv.bz2", "map.5", "map.csv.part", "m.gz.gz"]
         {
             let error = Form::of(Path::new(name)).unwrap_err();
-            assert!(error.exit_code() == 2 && error.to_string().contains("end the name in .csv"), "{error}");
+            assert!(
+                matches!(error, MapError::Request(_)) && error.to_string().contains("end the name in .csv"),
+                "{error}"
+            );
         }
     }
 

@@ -1,4 +1,6 @@
-//! Numbers as people give them, and what is wrong with those that are none.
+//! Numbers as people give them, what is wrong with those that are none, and numbers as files have them.
+
+use std::fmt;
 
 /// Reads a number, `-.5` and `1e-3` among them. Its range is the business of who uses it.
 ///
@@ -6,7 +8,7 @@
 /// That it is none.
 ///
 /// ```
-/// use vibrochain_cli::numbers::real;
+/// use vibrochain_maps::numbers::real;
 /// assert_eq!(real("-.5"), Ok(-0.5));
 /// assert_eq!(real("0,5").unwrap_err(), "not a number: give one such as 0.2, -.5 or 1e-3");
 /// ```
@@ -20,7 +22,7 @@ pub fn real(text: &str) -> Result<f64, String> {
 /// That it is none, is negative where that cannot be, or is too large.
 ///
 /// ```
-/// use vibrochain_cli::numbers::whole;
+/// use vibrochain_maps::numbers::whole;
 /// assert_eq!(whole::<u64>("20"), Ok(20));
 /// assert_eq!(whole::<u64>("2.5").unwrap_err(), "not a whole number: give one such as 20");
 /// assert_eq!(whole::<u64>("-1").unwrap_err(), "negative: give a whole number from 0");
@@ -41,7 +43,7 @@ pub fn whole<T: TryFrom<i128>>(text: &str) -> Result<T, String> {
 /// What a reader of files says of a value of the wrong kind, without the names of Rust's types; any other message as it is.
 ///
 /// ```
-/// use vibrochain_cli::numbers::plain;
+/// use vibrochain_maps::numbers::plain;
 /// let message = "invalid type: floating point `2.5`, expected i64";
 /// assert_eq!(plain(message), "floating point `2.5` is not a whole number");
 /// assert_eq!(plain("missing field `sites`"), "missing field `sites`");
@@ -67,4 +69,52 @@ pub fn plain(message: &str) -> String {
     let known = WORDS.iter().find(|(name, _)| *name == wanted).map(|(_, words)| *words);
     let wanted = known.unwrap_or(if wanted.starts_with("struct ") { "a table" } else { wanted });
     format!("{found} is not {wanted}{place}")
+}
+
+/// A number in the fewest digits that read back the same, with an exponent where it would be a row of zeros.
+#[derive(Debug, Clone, Copy)]
+pub struct Number(pub f64);
+
+impl Number {
+    /// The digits, in `buffer`.
+    pub fn text(self, buffer: &mut ryu::Buffer) -> &str {
+        let text = buffer.format(self.0);
+        // A whole number comes with a fraction of zero.
+        text.strip_suffix(".0").unwrap_or(text)
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.text(&mut ryu::Buffer::new()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_and_stay_short() {
+        for value in [0.0, -0.4, 1e-300, 1e100, 123_456.789, f64::MIN_POSITIVE, 0.1 + 0.2] {
+            let text = Number(value).to_string();
+            assert!(text.parse::<f64>().unwrap() == value && text.len() < 25);
+        }
+        // As many digits as the standard library's, from 1e-5 to 1e16 without an exponent; half-way between two candidates
+        // for the last one either will do.
+        let standard = |value: f64| match value.abs() {
+            size if size == 0.0 || (1e-5..1e16).contains(&size) || !value.is_finite() => format!("{value}"),
+            _ => format!("{value:e}"),
+        };
+        let mut random = fastrand::Rng::with_seed(1);
+        let edges =
+            [1e-5, 1e16, 1e15, 9.999_999_999_999_999e-6, 9_999_999_999_999_998.0, -0.0, 1.0, f64::NAN, -f64::INFINITY];
+        let any = (0..20_000).map(|_| f64::from_bits(random.u64(..)));
+        let usual = (0..20_000).map(|i| f64::from(i) / 3000.0 - 2.0);
+        for value in edges.into_iter().chain(any.collect::<Vec<_>>()).chain(usual) {
+            let (own, standard) = (Number(value).to_string(), standard(value));
+            let same = own.len() == standard.len() && own.parse::<f64>().unwrap() == value;
+            assert!(own == standard || same, "{own} {standard}");
+        }
+    }
 }

@@ -10,11 +10,11 @@ use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::Short;
 
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
-pub(crate) use crate::scene::file::Source;
+pub use crate::scene::file::Source;
 
 use crate::cell::Task;
-use crate::error::CliError;
-use crate::parameter::{Parameter, Point};
+use crate::error::MapError;
+use crate::point::{Parameter, Point};
 use crate::scene::file::File;
 use crate::text::read_text;
 
@@ -22,7 +22,7 @@ use crate::text::read_text;
 pub const MAX_CELLS: u64 = 1_000_000_000_000;
 
 /// The most bytes of a scene's file: 200 000 values in all their digits, which take 200 MB while they are checked.
-pub(crate) const MAX_BYTES: u64 = 4 << 20;
+pub const MAX_BYTES: u64 = 4 << 20;
 
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,9 +41,9 @@ impl Scene {
     /// Reads and checks a scene file.
     ///
     /// # Errors
-    /// [`CliError::Request`], pointing at the line: a file that cannot be read or is too long, unknown or missing keys, a parameter
+    /// [`MapError::Request`], pointing at the line: a file that cannot be read or is too long, unknown or missing keys, a parameter
     /// given twice or not at all, a value out of range.
-    pub fn read(path: &Path) -> Result<Self, CliError> {
+    pub fn read(path: &Path) -> Result<Self, MapError> {
         Self::parse(path, &read_text("scene", path, MAX_BYTES)?)
     }
 
@@ -54,7 +54,7 @@ impl Scene {
     ///
     /// ```
     /// use std::path::Path;
-    /// use vibrochain_cli::scene::Scene;
+    /// use vibrochain_maps::scene::Scene;
     /// let text = r#"
     ///     [model]
     ///     sites = 21
@@ -69,7 +69,7 @@ impl Scene {
     /// assert_eq!(Scene::parse(Path::new("map.toml"), text).unwrap().cells(), 1200);
     /// assert!(Scene::parse(Path::new("map.toml"), &text.replace("0.4,", "-0.4,")).is_err());
     /// ```
-    pub fn parse(path: &Path, text: &str) -> Result<Self, CliError> {
+    pub fn parse(path: &Path, text: &str) -> Result<Self, MapError> {
         let source = Source { path, text };
         let file: File = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
         let tables = file.sweep.get_ref().axes(&source)?;
@@ -77,7 +77,7 @@ impl Scene {
             let message = "[sweep] has no axis: give x and y, and any others in the list axes";
             return Err(source.error(file.sweep.span(), message));
         }
-        let axes = tables.iter().map(|table| source.axis(table)).collect::<Result<Vec<_>, CliError>>()?;
+        let axes = tables.iter().map(|table| source.axis(table)).collect::<Result<Vec<_>, MapError>>()?;
         for (i, axis) in axes.iter().enumerate() {
             if axes[..i].iter().any(|earlier| earlier.parameter == axis.parameter) {
                 let message = format!("{} is swept twice: give different parameters", axis.parameter.name());

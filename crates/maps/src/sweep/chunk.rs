@@ -15,10 +15,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::error::CliError;
-use crate::output::Output;
-use crate::sweep::plan::FORMAT;
-use crate::sweep::{Plan, Summary};
+use super::plan::FORMAT;
+use super::plan::Plan;
+use crate::error::MapError;
+use crate::files::Output;
+use crate::summary::Summary;
 use crate::table::Reader;
 use crate::text::open_plain;
 
@@ -33,7 +34,7 @@ const CHECKSUM: u64 = 42;
 
 /// What is wrong with a chunk.
 #[derive(Debug)]
-pub(crate) enum Fault {
+pub enum Fault {
     /// It is not there.
     Missing,
     /// It cannot be read.
@@ -109,7 +110,7 @@ fn read_summary(line: &str) -> Option<Summary> {
 }
 
 /// A chunk under way. Dropped before [`Writer::place`], it leaves nothing behind.
-pub(crate) struct Writer {
+pub struct Writer {
     output: Output,
     hash: Box<Xxh3>,
     summary: Summary,
@@ -117,25 +118,25 @@ pub(crate) struct Writer {
 
 impl Writer {
     /// Opens the temporary file.
-    pub(crate) fn new(path: &Path, plan: &Plan, chunk: u64) -> Result<Self, CliError> {
+    pub fn new(path: &Path, plan: &Plan, chunk: u64) -> Result<Self, MapError> {
         let mut writer = Self { output: Output::beside(path)?, hash: Box::default(), summary: Summary::default() };
         writer.write(first_line(plan, chunk).as_bytes())?;
         Ok(writer)
     }
 
-    fn write(&mut self, bytes: &[u8]) -> Result<(), CliError> {
+    fn write(&mut self, bytes: &[u8]) -> Result<(), MapError> {
         self.hash.update(bytes);
         self.output.write_all(bytes).map_err(|error| self.output.unwritten(&error))
     }
 
     /// Writes rows and counts them.
-    pub(crate) fn rows(&mut self, rows: &[u8], summary: &Summary) -> Result<(), CliError> {
+    pub fn rows(&mut self, rows: &[u8], summary: &Summary) -> Result<(), MapError> {
         self.summary.add(summary);
         self.write(rows)
     }
 
     /// Writes the last two lines.
-    pub(crate) fn close(&mut self) -> Result<(), CliError> {
+    pub fn close(&mut self) -> Result<(), MapError> {
         let line = summary_line(&self.summary);
         self.hash.update(line.as_bytes());
         // At once: after a failure both are held.
@@ -145,18 +146,18 @@ impl Writer {
     }
 
     /// Hands to the system what it has not got yet. After a failure nothing is lost: it may be tried again.
-    pub(crate) fn flush(&mut self) -> Result<(), CliError> {
+    pub fn flush(&mut self) -> Result<(), MapError> {
         self.output.flush().map_err(|error| self.output.unwritten(&error))
     }
 
     /// Sees to it that the disk has all of a chunk that is closed, and puts the file in its place.
-    pub(crate) fn place(self) -> Result<(), CliError> {
+    pub fn place(self) -> Result<(), MapError> {
         self.output.commit()
     }
 
     /// Closes and places.
     #[cfg(test)]
-    pub(crate) fn finish(mut self) -> Result<(), CliError> {
+    pub fn finish(mut self) -> Result<(), MapError> {
         self.close()?;
         self.place()
     }
@@ -178,7 +179,7 @@ impl<R: Read> Read for Hashed<R> {
 
 /// Hands the rows of a chunk to `take`, some bytes at a time, and then tells whether they are those that were written. What
 /// `take` has got must be thrown away if not.
-pub(crate) fn read<E: From<Fault>>(
+pub(super) fn read<E: From<Fault>>(
     path: &Path,
     plan: &Plan,
     chunk: u64,
@@ -225,13 +226,13 @@ pub(crate) fn read<E: From<Fault>>(
 }
 
 /// Reads a chunk through, row by row, and tells whether it can be trusted.
-pub(crate) fn check(path: &Path, plan: &Plan, chunk: u64, stop: &AtomicBool) -> Result<Summary, Fault> {
+pub(super) fn check(path: &Path, plan: &Plan, chunk: u64, stop: &AtomicBool) -> Result<Summary, Fault> {
     let mut rows = Reader::new(&plan.scene, plan.range(chunk));
     // A checksum that is wrong says more than the row that it was wrong in.
     let mut wrong = Ok(());
     let summary = read(path, plan, chunk, stop, |some| {
         if wrong.is_ok() {
-            wrong = rows.take(some);
+            wrong = rows.take(some, |_, _| {});
         }
         Ok::<_, Fault>(())
     })?;

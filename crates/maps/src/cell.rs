@@ -183,6 +183,20 @@ pub struct Cell {
     pub collision: Option<Collision>,
 }
 
+impl Cell {
+    /// Where nothing lives.
+    pub const EMPTY: Self = Self {
+        class: Some(Class::None),
+        mechanism: None,
+        spectral_radius: None,
+        margin: None,
+        solutions: 0,
+        status: Status::Ok,
+        residual: 0.0,
+        collision: None,
+    };
+}
+
 /// A candidate for the orbit that gives a cell its class.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
@@ -223,16 +237,7 @@ impl Worker {
 
     /// Computes one cell.
     pub fn cell(&mut self, model: &Model, task: &Task) -> Cell {
-        let mut cell = Cell {
-            class: Some(Class::None),
-            mechanism: None,
-            spectral_radius: None,
-            margin: None,
-            solutions: 0,
-            status: Status::Ok,
-            residual: 0.0,
-            collision: None,
-        };
+        let mut cell = Cell::EMPTY;
         let mut best: Option<Candidate> = None;
         let wanted = if task.symmetric { Wanted::SymmetricCandidates } else { Wanted::Candidates };
         for &family in &task.families {

@@ -1,46 +1,33 @@
 //! Computes the chunks that are missing.
 
-use std::ops::Range;
-
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
-use crate::cell::Cell;
-use crate::error::CliError;
-use crate::scene::Scene;
-use crate::sweep::chunk::{Fault, Writer};
-use crate::sweep::{Assembly, Ended, Job, Plan, Shard, Store, blocks};
-use crate::table::Table;
-
-/// Room for a row: more than most have.
-const ROW: usize = 112;
-
-/// The rows of some cells.
-///
-/// # Errors
-/// What could not be made a row of.
-pub(crate) fn rows(scene: &Scene, range: Range<u64>, cells: &[Cell]) -> Result<Vec<u8>, String> {
-    let mut table = Table::new(scene, Vec::with_capacity(ROW * cells.len()));
-    let written = table.write_all(scene, range, cells).map_err(|error| error.to_string());
-    written.and_then(|()| table.finish().map_err(|error| error.to_string()))
-}
+use super::assemble::Assembly;
+use super::chunk::{Fault, Writer};
+use super::engine::{Ended, Job, blocks};
+use super::plan::Plan;
+use super::shard::Shard;
+use super::store::Store;
+use crate::error::MapError;
+use crate::table::Rows;
 
 /// What there is to do for a shard.
 #[derive(Debug)]
-pub(crate) struct Todo {
+pub struct Todo {
     /// Chunks to compute.
-    pub(crate) chunks: Vec<u64>,
+    pub chunks: Vec<u64>,
     /// Why those that are there must be computed again.
-    pub(crate) damaged: Vec<String>,
+    pub damaged: Vec<String>,
     /// Cells of the chunks that are finished.
-    pub(crate) finished_cells: u64,
+    pub finished_cells: u64,
 }
 
 impl Todo {
     /// Looks at every chunk of the shard that is there. Nothing if the stop flag is raised before that is done.
     ///
     /// # Errors
-    /// [`CliError::Request`] for a chunk of another sweep.
-    pub(crate) fn of(job: &Job<'_>, plan: &Plan, store: &Store, shard: Shard) -> Result<Option<Self>, CliError> {
+    /// [`MapError::Request`] for a chunk of another sweep.
+    pub fn of(job: &Job<'_>, plan: &Plan, store: &Store, shard: Shard) -> Result<Option<Self>, MapError> {
         let mut todo = Self { chunks: Vec::new(), damaged: Vec::new(), finished_cells: 0 };
         let there = store.present()?;
         let chunks: Vec<u64> = shard.chunks(plan).collect();
@@ -61,7 +48,7 @@ impl Todo {
                         "{} is a chunk of another scene or version: remove it, or name another --out",
                         path.display()
                     );
-                    return Err(CliError::Request(message));
+                    return Err(MapError::Request(message));
                 }
                 Err(Fault::Stopped) => return Ok(None),
                 Err(Fault::Missing) => {}
@@ -74,25 +61,27 @@ impl Todo {
 }
 
 /// A table that has got every row.
-pub(crate) struct Grown<'a, 'b> {
-    pub(crate) table: Assembly<'a, 'b>,
+pub struct Grown<'a> {
+    /// The table.
+    pub table: Assembly<'a>,
     /// The last chunk, closed and yet to be placed: once the table is in its place, nobody needs it.
-    pub(crate) last: Writer,
+    pub last: Writer,
 }
 
 /// How the work ended.
-pub(crate) struct Worked<'a, 'b> {
-    pub(crate) ended: Ended<CliError>,
+pub struct Worked<'a> {
+    /// With all chunks, or why without.
+    pub ended: Ended<MapError>,
     /// The table that has grown along, if all went well.
-    pub(crate) grown: Option<Grown<'a, 'b>>,
+    pub grown: Option<Grown<'a>>,
 }
 
 /// Where a chunk cannot be written, gives up the table for it.
 fn make_room(
-    written: Result<(), CliError>,
-    along: &mut Option<Assembly<'_, '_>>,
+    written: Result<(), MapError>,
+    along: &mut Option<Assembly<'_>>,
     chunk: &mut Writer,
-) -> Result<(), CliError> {
+) -> Result<(), MapError> {
     match written {
         Err(_) if along.take().is_some() => chunk.flush(),
         written => written,
@@ -101,14 +90,14 @@ fn make_room(
 
 /// Computes `chunks`, each a file that appears whole or not at all. `tick` is called with each number of cells done. The
 /// rows go to the table `along`, too, if there is one: so none has to be read back.
-pub(crate) fn work<'a, 'b>(
+pub fn work<'a>(
     job: &Job<'_>,
     plan: &Plan,
     store: &Store,
     chunks: &[u64],
     tick: impl Fn(u64) + Sync,
-    mut along: Option<Assembly<'a, 'b>>,
-) -> Worked<'a, 'b> {
+    mut along: Option<Assembly<'a>>,
+) -> Worked<'a> {
     // Chunks that others have put there since, where the file system has no locks, would be missing from it.
     along = along.filter(|_| chunks.len() as u64 == plan.chunks());
     let parts: Vec<_> = chunks.iter().map(|&chunk| plan.range(chunk)).collect();
@@ -120,10 +109,10 @@ pub(crate) fn work<'a, 'b>(
         &parts,
         |range, cells| {
             tick(range.end - range.start);
-            rows(job.scene, range, cells)
+            Rows::of(job.scene, range, cells)
         },
         |block| {
-            let rows = block.made.map_err(CliError::Computation)?;
+            let rows = block.made;
             // What room there is, is the chunks'. When they are whole the table is tried again, and its error told.
             if along.as_mut().is_some_and(|table| table.rows(&rows).is_err()) {
                 along = None;
@@ -135,7 +124,7 @@ pub(crate) fn work<'a, 'b>(
                     open => open?,
                 },
             };
-            let written = open.rows(&rows, &block.summary);
+            let written = open.rows(&rows.text, &block.summary);
             make_room(written, &mut along, &mut open)?;
             if !block.last {
                 writer = Some(open);
@@ -164,9 +153,21 @@ mod tests {
     use std::sync::atomic::AtomicBool;
 
     use super::*;
-    use crate::args::{PaletteName, PictureArgs};
-    use crate::pictures::Pictures;
-    use crate::sweep::Claim;
+    use crate::cell::Cell;
+    use crate::sweep::assemble::Watcher;
+    use crate::sweep::store::Claim;
+
+    struct Nobody;
+
+    impl Watcher for Nobody {
+        fn looks(&self) -> bool {
+            false
+        }
+
+        fn begin(&mut self) {}
+
+        fn cell(&mut self, _: u64, _: &Cell) {}
+    }
 
     #[test]
     fn a_flag_that_is_raised_while_chunks_are_checked_is_heard() {
@@ -206,14 +207,13 @@ mod tests {
         let plan = Plan::read(&scene, None).unwrap();
         let (stop, pool) = (AtomicBool::new(false), rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap());
         let job = Job { scene: &plan.scene, pool: &pool, stop: &stop };
-        let wanted = PictureArgs { png: None, svg: None, palette: PaletteName::default() };
         let chunks: Vec<u64> = (0..plan.chunks()).collect();
         assert!(chunks.len() > 2);
         // The first one has come from elsewhere since.
         for (some, grows) in [(&chunks[1..], false), (&chunks[..], true)] {
             let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
-            let mut pictures = Pictures::plan(&wanted, &plan.scene).unwrap();
-            let along = Assembly::begin(&plan, &out, &mut pictures).unwrap();
+            let mut nobody = Nobody;
+            let along = Assembly::begin(&plan, &out, &mut nobody).unwrap();
             let worked = work(&job, &plan, &store, some, |_| {}, Some(along));
             assert!(matches!(worked.ended, Ended::Complete(_)) && worked.grown.is_some() == grows);
             // The last chunk waits for the table it might not be needed after.

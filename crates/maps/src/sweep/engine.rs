@@ -11,7 +11,7 @@ use rayon::ThreadPool;
 
 use crate::cell::{Cell, Worker};
 use crate::scene::Scene;
-use crate::sweep::Summary;
+use crate::summary::Summary;
 
 /// The most cells taken at a time: some milliseconds of work, so that taking them, and waking the thread that orders them,
 /// costs nothing.
@@ -224,6 +224,23 @@ fn compute(job: &Job<'_>, worker: &mut Worker, range: Range<u64>, cells: &mut Ve
     Some(())
 }
 
+/// Computes all cells of a scene and hands them to `sink` in order, some at a time, with the number of the first. `tick`
+/// is called, from any thread, with each number of cells that is done.
+pub fn sweep<E>(
+    scene: &Scene,
+    pool: &ThreadPool,
+    stop: &AtomicBool,
+    tick: impl Fn(u64) + Sync,
+    mut sink: impl FnMut(Range<u64>, &[Cell]) -> Result<(), E>,
+) -> Ended<E> {
+    let whole = 0..scene.cells();
+    let digest = |range: Range<u64>, cells: &[Cell]| {
+        tick(range.end - range.start);
+        cells.to_vec()
+    };
+    blocks(&Job { scene, pool, stop }, &[whole], digest, |block| sink(block.cells, &block.made))
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -283,7 +300,7 @@ mod tests {
         let (scene, pool) = (scene(), pool(2));
         let stop = AtomicBool::new(false);
         let mut left = 3;
-        let ended = crate::sweep::sweep(
+        let ended = super::sweep(
             &scene,
             &pool,
             &stop,
@@ -294,7 +311,7 @@ mod tests {
             },
         );
         assert!(matches!(ended, Ended::Failed("full")) && left == 0);
-        let ended = crate::sweep::sweep(
+        let ended = super::sweep(
             &scene,
             &pool,
             &stop,

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use crate::destination::promises;
-use crate::error::CliError;
-use crate::output::Output;
+use super::destination::promises;
+use super::output::Output;
+use crate::error::MapError;
 
 /// A table under way.
-pub(crate) struct CsvFile {
+pub struct CsvFile {
     writer: csv::Writer<Output>,
 }
 
@@ -15,12 +15,12 @@ impl CsvFile {
     /// Opens the file that `flag` names, and writes the names of the columns.
     ///
     /// # Errors
-    /// [`CliError::Request`] if it cannot be written, or is named as something else; those of [`CsvFile::row`].
-    pub(crate) fn create<T: AsRef<[u8]>>(
+    /// [`MapError::Request`] if it cannot be written, or is named as something else; those of [`CsvFile::row`].
+    pub fn create<T: AsRef<[u8]>>(
         flag: &str,
         path: &Path,
         header: impl IntoIterator<Item = T>,
-    ) -> Result<Self, CliError> {
+    ) -> Result<Self, MapError> {
         promises(flag, path, "a table as plain CSV", &["csv"])?;
         let mut file = Self { writer: csv::Writer::from_writer(Output::create(path)?) };
         file.row(header)?;
@@ -31,7 +31,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// As [`Output::unwritten`].
-    pub(crate) fn row<T: AsRef<[u8]>>(&mut self, row: impl IntoIterator<Item = T>) -> Result<(), CliError> {
+    pub fn row<T: AsRef<[u8]>>(&mut self, row: impl IntoIterator<Item = T>) -> Result<(), MapError> {
         self.writer.write_record(row).map_err(|error| self.writer.get_ref().without_row(error))
     }
 
@@ -39,9 +39,9 @@ impl CsvFile {
     ///
     /// # Errors
     /// As [`Output::commit`].
-    pub(crate) fn finish(mut self) -> Result<(), CliError> {
+    pub fn finish(mut self) -> Result<(), MapError> {
         self.writer.flush().map_err(|error| self.writer.get_ref().unwritten(&error))?;
         // What could not be written has been told; nothing is left to write.
-        self.writer.into_inner().map_err(|error| CliError::Computation(error.to_string()))?.commit()
+        self.writer.into_inner().map_err(|error| MapError::Computation(error.to_string()))?.commit()
     }
 }

@@ -9,7 +9,7 @@ use vibrochain_lattice::{Force, Harmonic, Model, Short};
 /// What is wrong with it, and with which harmonic.
 ///
 /// ```
-/// use vibrochain_cli::force::{listed, parse};
+/// use vibrochain_maps::force::{listed, parse};
 /// let force = parse("1:0.1:0,3:-0.03").unwrap();
 /// assert_eq!(listed(&force), "1:0.1:0,3:-0.03:0");
 /// assert!(parse("1:0.1:0,2:0.03").unwrap_err().contains("harmonic = 2"));

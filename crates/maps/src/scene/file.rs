@@ -11,9 +11,9 @@ use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC, Short};
 
 use super::tolerance_from;
 use crate::cell::{SYMMETRIC, Task};
-use crate::error::CliError;
+use crate::error::MapError;
 use crate::numbers::plain;
-use crate::parameter::Parameter;
+use crate::point::Parameter;
 use crate::scene::axis::{Axis, MAX_POINTS, Values};
 use crate::text::{clipped, excerpt};
 
@@ -79,7 +79,7 @@ pub(super) struct AxisTable {
 
 impl SweepTable {
     /// All axes, the fastest first.
-    pub(super) fn axes(&self, source: &Source<'_>) -> Result<Vec<&Spanned<AxisTable>>, CliError> {
+    pub(super) fn axes(&self, source: &Source<'_>) -> Result<Vec<&Spanned<AxisTable>>, MapError> {
         if let (None, Some(y)) = (&self.x, &self.y) {
             return Err(source.error(y.span(), "y is given without x: x is the fastest axis, name it first"));
         }
@@ -113,20 +113,23 @@ const SHOWN: usize = 80;
 const MOST_TOLD: usize = 400;
 
 /// A scene's text, for errors that point into it.
-pub(crate) struct Source<'a> {
-    pub(crate) path: &'a Path,
-    pub(crate) text: &'a str,
+pub struct Source<'a> {
+    /// Its file, for messages.
+    pub path: &'a Path,
+    /// The text.
+    pub text: &'a str,
 }
 
 impl Source<'_> {
-    pub(crate) fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> CliError {
+    /// An error that points at a place of the text, with the line about it.
+    pub fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> MapError {
         let start = span.start.min(self.text.len());
         let before = self.text.get(..start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
         let (shown, indent) = excerpt(self.text.lines().nth(line - 1).unwrap_or_default(), column - 1, SHOWN);
         let width = line.to_string().len();
-        CliError::Request(format!(
+        MapError::Request(format!(
             "{}:{line}:{column}: {}\n{line} | {shown}\n{:width$} | {:indent$}^",
             self.path.display(),
             clipped(&message.to_string(), MOST_TOLD),
@@ -136,11 +139,11 @@ impl Source<'_> {
     }
 
     /// What the reader of TOML says, at the place it says it of.
-    pub(crate) fn unreadable(&self, error: &toml::de::Error) -> CliError {
+    pub fn unreadable(&self, error: &toml::de::Error) -> MapError {
         self.error(error.span().unwrap_or(0..0), plain(error.message().trim()))
     }
 
-    pub(super) fn force(&self, list: &Spanned<Vec<HarmonicTable>>) -> Result<Force, CliError> {
+    pub(super) fn force(&self, list: &Spanned<Vec<HarmonicTable>>) -> Result<Force, MapError> {
         let harmonic = |table: &HarmonicTable| {
             let number = *table.harmonic.get_ref();
             let number = u32::try_from(number).map_err(|_| {
@@ -150,11 +153,11 @@ impl Source<'_> {
             })?;
             Ok(Harmonic { number, amplitude: table.amplitude, phase: table.phase })
         };
-        let harmonics = list.get_ref().iter().map(harmonic).collect::<Result<Vec<_>, CliError>>()?;
+        let harmonics = list.get_ref().iter().map(harmonic).collect::<Result<Vec<_>, MapError>>()?;
         Force::new(&harmonics).map_err(|error| self.error(list.span(), error))
     }
 
-    pub(super) fn axis(&self, table: &Spanned<AxisTable>) -> Result<Axis, CliError> {
+    pub(super) fn axis(&self, table: &Spanned<AxisTable>) -> Result<Axis, MapError> {
         let (span, table) = (table.span(), table.get_ref());
         let name = table.parameter.get_ref();
         let parameter = Parameter::from_name(name).ok_or_else(|| {
@@ -202,7 +205,7 @@ impl Source<'_> {
         Ok(Axis { parameter, values })
     }
 
-    fn list(&self, list: &Spanned<Vec<Spanned<f64>>>) -> Result<Values, CliError> {
+    fn list(&self, list: &Spanned<Vec<Spanned<f64>>>) -> Result<Values, MapError> {
         let count = list.get_ref().len();
         if !(1..=MAX_POINTS).contains(&count) {
             return Err(self.error(list.span(), format!("values has {count} numbers: give 1 to {MAX_POINTS}")));
@@ -222,7 +225,7 @@ impl Source<'_> {
         Ok(Values::List(list.get_ref().iter().map(|value| *value.get_ref()).collect()))
     }
 
-    pub(super) fn task(&self, table: &ComputeTable) -> Result<Task, CliError> {
+    pub(super) fn task(&self, table: &ComputeTable) -> Result<Task, MapError> {
         let (mut families, mut symmetric) = (Vec::new(), false);
         for name in table.families.get_ref() {
             let family = match name.get_ref().as_str() {

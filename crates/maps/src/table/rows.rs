@@ -1,54 +1,51 @@
-//! The CSV table of a sweep: its rows written, and read back.
+//! Rows of a table as text: written, and read back.
 
-use std::fmt::Write as _;
-use std::io::Write;
 use std::ops::Range;
 
-use csv::{ByteRecord, Writer};
-use vibrochain_floquet::Mechanism;
+use vibrochain_lattice::Parameter;
 
-use crate::cell::{Cell, Class, Status};
+use super::columns::{Column, Kind, Value, columns, names, parameters};
+use crate::cell::Cell;
 use crate::lines::Lines;
-use crate::output::Number;
-use crate::parameter::{Parameter, Point};
+use crate::numbers::Number;
+use crate::point::Point;
 use crate::scene::Scene;
-use crate::sweep::Summary;
+use crate::summary::Summary;
 use crate::text::clipped;
 
-/// Columns after the parameters.
-const COLUMNS: [&str; 6] = ["class", "mechanism", "spectral_radius", "margin", "solutions", "status"];
-
-/// Columns after these where the modes that have collided are asked for.
-const COLLISION: [&str; 3] = ["mode1", "mode2", "harmonic"];
 /// Characters shown of a field that is not as it must be.
 const MOST_SHOWN: usize = 40;
 
-/// The parameters with a column of their own: always gamma2 and omega, and whatever else is swept, slowest first.
-fn parameters(scene: &Scene) -> Vec<Parameter> {
-    let mut shown = vec![Parameter::Gamma2, Parameter::Omega];
-    for axis in scene.axes.iter().rev() {
-        if !shown.contains(&axis.parameter) {
-            shown.push(axis.parameter);
-        }
-    }
-    shown
-}
-
-/// The columns of a scene's table, by name.
-pub fn columns(scene: &Scene) -> Vec<&'static str> {
-    let collision = COLLISION.into_iter().filter(|_| scene.task.collisions);
-    parameters(scene).iter().map(|parameter| parameter.name()).chain(COLUMNS).chain(collision).collect()
-}
+/// Room for a row: more than most have.
+const ROW: usize = 112;
 
 /// The header of a scene's table, as it stands in the file.
+#[must_use]
 pub fn header(scene: &Scene) -> String {
     // Names of plain letters need no quotes.
-    columns(scene).join(",") + "\n"
+    names(scene).join(",") + "\n"
 }
 
-/// Where the class of a cell stands in its row, by number of the column; its mechanism is the next one.
-pub fn class_column(scene: &Scene) -> usize {
-    parameters(scene).len()
+/// Cells that follow each other, and the same as text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    /// The numbers of the cells.
+    pub range: Range<u64>,
+    /// The cells.
+    pub cells: Vec<Cell>,
+    /// Their rows.
+    pub text: Vec<u8>,
+}
+
+impl Rows {
+    /// Of the cells numbered `range` of a scene.
+    #[must_use]
+    pub fn of(scene: &Scene, range: Range<u64>, cells: &[Cell]) -> Self {
+        let mut table = Table::new(scene);
+        table.text.reserve(ROW * cells.len());
+        range.clone().zip(cells).for_each(|(number, cell)| table.write(&scene.point(number), cell));
+        Self { range, cells: cells.to_vec(), text: table.text }
+    }
 }
 
 /// The parameters of cells that follow each other, in digits.
@@ -80,110 +77,81 @@ impl Places {
 }
 
 /// Writes rows of cells; no value is ever written as 0 or NaN for want of one, its field is empty.
-pub struct Table<W: Write> {
-    writer: Writer<W>,
+#[derive(Debug)]
+pub struct Table {
     places: Places,
-    collisions: bool,
-    record: ByteRecord,
-    text: String,
+    columns: Vec<Column>,
+    /// The rows written.
+    pub text: Vec<u8>,
 }
 
-impl<W: Write> Table<W> {
+impl Table {
     /// For rows alone, without the header.
-    pub fn new(scene: &Scene, writer: W) -> Self {
-        Self {
-            writer: Writer::from_writer(writer),
-            places: Places::new(scene),
-            collisions: scene.task.collisions,
-            record: ByteRecord::new(),
-            text: String::new(),
+    #[must_use]
+    pub fn new(scene: &Scene) -> Self {
+        Self { places: Places::new(scene), columns: columns(scene).collect(), text: Vec::new() }
+    }
+
+    /// Writes one cell. Neither names nor numbers need quotes.
+    pub fn write(&mut self, point: &Point, cell: &Cell) {
+        for digits in self.places.of(point) {
+            self.text.extend_from_slice(digits.as_bytes());
+            self.text.push(b',');
         }
-    }
-
-    /// Writes the cells numbered `range` of a scene.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn write_all(&mut self, scene: &Scene, range: Range<u64>, cells: &[Cell]) -> csv::Result<()> {
-        range.zip(cells).try_for_each(|(number, cell)| self.write(&scene.point(number), cell))
-    }
-
-    /// Writes one cell.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn write(&mut self, point: &Point, cell: &Cell) -> csv::Result<()> {
-        self.record.clear();
-        self.places.of(point).for_each(|digits| self.record.push_field(digits.as_bytes()));
-        self.record.push_field(cell.class.map_or("", |class| class.name()).as_bytes());
-        self.record.push_field(cell.mechanism.map_or("", |mechanism| mechanism.name()).as_bytes());
-        self.number(cell.spectral_radius);
-        self.number(cell.margin);
-        self.count(Some(cell.solutions as usize));
-        self.record.push_field(cell.status.name().as_bytes());
-        if self.collisions {
-            let collision = cell.collision;
-            self.count(collision.map(|collision| collision.modes.0));
-            self.count(collision.map(|collision| collision.modes.1));
-            self.count(collision.map(|collision| collision.harmonic));
+        for column in &self.columns {
+            match (column.get)(cell) {
+                Some(Value::Word(word)) => self.text.extend_from_slice(word.as_bytes()),
+                Some(Value::Number(number)) => {
+                    self.text.extend_from_slice(Number(number).text(&mut ryu::Buffer::new()).as_bytes());
+                }
+                Some(Value::Count(count)) => self.text.extend_from_slice(count.to_string().as_bytes()),
+                None => {}
+            }
+            self.text.push(b',');
         }
-        self.writer.write_byte_record(&self.record)
-    }
-
-    fn count(&mut self, value: Option<usize>) {
-        self.text.clear();
-        if let Some(value) = value {
-            // Writing to a String cannot fail.
-            let _ = write!(self.text, "{value}");
+        // The last comma ends the row instead.
+        if let Some(last) = self.text.last_mut() {
+            *last = b'\n';
         }
-        self.record.push_field(self.text.as_bytes());
-    }
-
-    fn number(&mut self, value: Option<f64>) {
-        let mut digits = ryu::Buffer::new();
-        self.record.push_field(value.map_or("", |value| Number(value).text(&mut digits)).as_bytes());
-    }
-
-    /// Hands back the writer.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn finish(self) -> std::io::Result<W> {
-        self.writer.into_inner().map_err(csv::IntoInnerError::into_error)
     }
 }
 
 /// Reads rows against the cells they must be of, and counts them.
 #[derive(Debug)]
-pub(crate) struct Reader<'a> {
+pub struct Reader<'a> {
     scene: &'a Scene,
     cells: Range<u64>,
     next: u64,
     places: Places,
+    columns: Vec<Column>,
     lines: Lines,
     counts: Summary,
 }
 
 impl<'a> Reader<'a> {
     /// For the rows of the cells numbered `cells`.
-    pub(crate) fn new(scene: &'a Scene, cells: Range<u64>) -> Self {
+    pub fn new(scene: &'a Scene, cells: Range<u64>) -> Self {
         let (next, places) = (cells.start, Places::new(scene));
-        Self { scene, cells, next, places, lines: Lines::default(), counts: Summary::default() }
+        let columns = columns(scene).collect();
+        Self { scene, cells, next, places, columns, lines: Lines::default(), counts: Summary::default() }
     }
 
-    /// Reads the rows in `bytes`, which may end anywhere.
+    /// Reads the rows in `bytes`, which may end anywhere, and hands each cell with its number to `each`. What a table does not
+    /// hold, such as residuals, is not in these cells.
     ///
     /// # Errors
     /// What is wrong with the first row that is not as it must be.
-    pub(crate) fn take(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let Self { scene, cells, next, places, lines, counts } = self;
+    pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(u64, &Cell)) -> Result<(), String> {
+        let Self { scene, cells, next, places, columns, lines, counts } = self;
         lines.take(bytes, |row| {
             let number = *next - cells.start + 1;
             if !cells.contains(next) {
                 return Err(format!("it has more rows than its {} cells", cells.end - cells.start));
             }
-            read_row(row, scene, places.of(&scene.point(*next)), counts)
+            let cell = read_row(row, places.of(&scene.point(*next)), columns)
                 .map_err(|wrong| format!("row {number}: {wrong}"))?;
+            counts.count(&cell);
+            each(*next, &cell);
             *next += 1;
             Ok(())
         })
@@ -193,7 +161,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// What is wrong.
-    pub(crate) fn finish(self, summary: &Summary) -> Result<(), String> {
+    pub fn finish(self, summary: &Summary) -> Result<(), String> {
         let Self { cells, next, lines, counts, .. } = self;
         if next != cells.end || !lines.ended() {
             return Err(format!("it has {} rows for {} cells", next - cells.start, cells.end - cells.start));
@@ -205,54 +173,32 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Counts a row whose first fields are `places`, or tells what is wrong with it.
-fn read_row<'a>(
-    row: &[u8],
-    scene: &Scene,
-    mut places: impl Iterator<Item = &'a str>,
-    counts: &mut Summary,
-) -> Result<(), String> {
+/// The cell of a row whose first fields are `places`, or what is wrong with it.
+fn read_row<'a>(row: &[u8], mut places: impl Iterator<Item = &'a str>, columns: &[Column]) -> Result<Cell, String> {
     let row = std::str::from_utf8(row).map_err(|_| "it is no text".to_owned())?;
     let mut fields = row.split(',');
     let mut field = |name: &str| fields.next().ok_or_else(|| format!("it ends before its {name}"));
-    let unfit = |name: &str, text: &str| Err(format!("its {name} is `{}`", clipped(text, MOST_SHOWN)));
     places.try_for_each(|digits| match field("class")? {
         text if text == digits => Ok(()),
         text => Err(format!("it is of the cell at {} and not at {digits}", clipped(text, MOST_SHOWN))),
     })?;
-    let class = field("class")?;
-    match Class::ALL.iter().position(|known| known.name() == class) {
-        Some(known) => counts.classes[known] += 1,
-        None if class.is_empty() => {}
-        None => return unfit("class", class),
-    }
-    let mechanism = field("mechanism")?;
-    if !mechanism.is_empty() && Mechanism::from_name(mechanism).is_none() {
-        return unfit("mechanism", mechanism);
-    }
-    for name in ["spectral_radius", "margin"] {
-        let text = field(name)?;
-        if !text.is_empty() && !text.parse().is_ok_and(f64::is_finite) {
-            return unfit(name, text);
+    let mut cell = Cell { class: None, ..Cell::EMPTY };
+    for column in columns {
+        let text = field(column.name)?;
+        if text.is_empty() && column.optional {
+            continue;
         }
-    }
-    let solutions = field("solutions")?;
-    if solutions.parse::<u32>().is_err() {
-        return unfit("solutions", solutions);
-    }
-    let status = field("status")?;
-    match Status::ALL.iter().position(|known| known.name() == status) {
-        Some(known) => counts.statuses[known] += 1,
-        None => return unfit("status", status),
-    }
-    for name in COLLISION.into_iter().filter(|_| scene.task.collisions) {
-        let text = field(name)?;
-        if !text.is_empty() && text.parse::<usize>().is_err() {
-            return unfit(name, text);
-        }
+        let value = match column.kind {
+            Kind::Number => text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::Number),
+            Kind::Count => text.parse().ok().map(Value::Count),
+            Kind::Word => Some(Value::Word(text)),
+        };
+        value
+            .and_then(|value| (column.set)(&mut cell, value))
+            .ok_or_else(|| format!("its {} is `{}`", column.name, clipped(text, MOST_SHOWN)))?;
     }
     match fields.next() {
-        None => Ok(()),
+        None => Ok(cell),
         Some(more) => Err(format!("it goes on after its last column with `{}`", clipped(more, MOST_SHOWN))),
     }
 }
@@ -285,15 +231,14 @@ mod tests {
         let mut worker = Worker::new(scene.base.sites);
         let cell = |number| worker.cell(&scene.point(number).model().unwrap(), &scene.task);
         let cells: Vec<Cell> = range.clone().map(cell).collect();
-        let mut table = Table::new(scene, Vec::new());
-        table.write_all(scene, range, &cells).unwrap();
-        (String::from_utf8(table.finish().unwrap()).unwrap(), Summary::of(&cells))
+        let rows = Rows::of(scene, range, &cells);
+        (String::from_utf8(rows.text).unwrap(), Summary::of(&cells))
     }
 
     fn read(scene: &Scene, range: Range<u64>, rows: &str, summary: &Summary) -> Result<(), String> {
         let mut reader = Reader::new(scene, range);
         // In pieces that end anywhere.
-        rows.as_bytes().chunks(37).try_for_each(|piece| reader.take(piece))?;
+        rows.as_bytes().chunks(37).try_for_each(|piece| reader.take(piece, |_, _| {}))?;
         reader.finish(summary)
     }
 
@@ -317,7 +262,7 @@ mod tests {
         let mut changed = 0;
         for (i, line) in lines.iter().enumerate().step_by(7) {
             let fields: Vec<&str> = line.split(',').collect();
-            assert_eq!(fields.len(), columns(&scene).len());
+            assert_eq!(fields.len(), names(&scene).len());
             let with = |line: &str| [&lines[..i], &[line], &lines[i + 1..]].concat().join("\n") + "\n";
             let refused = |line: &str| {
                 let wrong = read(&scene, range.clone(), &with(line), &summary);

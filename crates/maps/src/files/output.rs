@@ -2,7 +2,6 @@
 //! renamed. What is no plain file is written to as it is.
 
 use std::ffi::OsStr;
-use std::fmt;
 use std::fs::{self, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -10,9 +9,9 @@ use std::time::Duration;
 
 use tempfile::NamedTempFile;
 
-use crate::destination::{Destination, promises};
-use crate::error::CliError;
-use crate::stream::{Halted, Stream};
+use super::destination::{Destination, promises};
+use super::stream::{Halted, Stream};
+use crate::error::MapError;
 
 /// How names of temporary files end.
 const TEMPORARY: &str = ".part";
@@ -66,9 +65,9 @@ impl Output {
     /// made, links followed. `-`, pipes and devices are opened with the first byte.
     ///
     /// # Errors
-    /// [`CliError::Request`] if the destination cannot be written.
-    pub fn create(path: &Path) -> Result<Self, CliError> {
-        let cannot = |error: io::Error| CliError::file("cannot write", path, &error);
+    /// [`MapError::Request`] if the destination cannot be written.
+    pub fn create(path: &Path) -> Result<Self, MapError> {
+        let cannot = |error: io::Error| MapError::file("cannot write", path, &error);
         let sink = match Destination::of(path)? {
             Destination::Plain(place) => {
                 fs::create_dir_all(folder_of(&place)).map_err(cannot)?;
@@ -85,7 +84,7 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::create`]; also for a name that promises something else.
-    pub(crate) fn document(flag: &str, path: &Path) -> Result<Self, CliError> {
+    pub fn document(flag: &str, path: &Path) -> Result<Self, MapError> {
         promises(flag, path, "a document in Markdown", &["md", "markdown", "txt"])?;
         Self::create(path)
     }
@@ -94,11 +93,11 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::create`].
-    pub fn beside(path: &Path) -> Result<Self, CliError> {
+    pub fn beside(path: &Path) -> Result<Self, MapError> {
         Self::temporary(path, path.to_owned(), false)
     }
 
-    fn temporary(path: &Path, place: PathBuf, careful: bool) -> Result<Self, CliError> {
+    fn temporary(path: &Path, place: PathBuf, careful: bool) -> Result<Self, MapError> {
         let mut builder = tempfile::Builder::new();
         let prefix = format!(".{}.", place.file_name().unwrap_or_default().to_string_lossy());
         builder.prefix(&prefix).suffix(TEMPORARY).rand_bytes(RANDOM);
@@ -107,7 +106,7 @@ impl Output {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         loop {
             let file = builder.tempfile_in(folder_of(&place));
-            let file = file.map_err(|error| CliError::file("cannot write", path, &error))?;
+            let file = file.map_err(|error| MapError::file("cannot write", path, &error))?;
             if is_kept(&file) {
                 return Ok(Self {
                     sink: Sink::Temporary { file, place, careful },
@@ -119,27 +118,27 @@ impl Output {
     }
 
     /// The error of a write that failed.
-    pub fn unwritten(&self, error: &io::Error) -> CliError {
+    pub fn unwritten(&self, error: &io::Error) -> MapError {
         self.failed("write", error)
     }
 
     /// What a failure means here: who reads standard output may have seen enough, and who waits for a reader may be told to
     /// stop.
-    fn failed(&self, what: &str, error: &io::Error) -> CliError {
+    fn failed(&self, what: &str, error: &io::Error) -> MapError {
         let standard_output = matches!(&self.sink, Sink::Stream(stream) if stream.is_standard_output());
         match error.kind() {
-            io::ErrorKind::BrokenPipe if standard_output => CliError::Unread,
-            _ if error.get_ref().is_some_and(|inner| inner.is::<Halted>()) => CliError::Halted(self.path.clone()),
-            _ if standard_output => CliError::Computation(format!("could not {what} to standard output: {error}")),
-            _ => CliError::Computation(format!("could not {what} {}: {error}", self.path.display())),
+            io::ErrorKind::BrokenPipe if standard_output => MapError::Unread,
+            _ if error.get_ref().is_some_and(|inner| inner.is::<Halted>()) => MapError::Halted(self.path.clone()),
+            _ if standard_output => MapError::Computation(format!("could not {what} to standard output: {error}")),
+            _ => MapError::Computation(format!("could not {what} {}: {error}", self.path.display())),
         }
     }
 
     /// As [`Output::unwritten`], of a table's row.
-    pub fn without_row(&self, error: csv::Error) -> CliError {
+    pub fn without_row(&self, error: csv::Error) -> MapError {
         match error.into_kind() {
             csv::ErrorKind::Io(error) => self.unwritten(&error),
-            other => CliError::Computation(format!("could not write {}: {other:?}", self.path.display())),
+            other => MapError::Computation(format!("could not write {}: {other:?}", self.path.display())),
         }
     }
 
@@ -151,18 +150,18 @@ impl Output {
     /// Flushes to disk and puts the file in its place.
     ///
     /// # Errors
-    /// [`CliError::Computation`] if the disk refuses; the destination is then as it was before.
-    pub fn commit(mut self) -> Result<(), CliError> {
+    /// [`MapError::Computation`] if the disk refuses; the destination is then as it was before.
+    pub fn commit(mut self) -> Result<(), MapError> {
         match self.settle() {
             // All has been done for a reader who does not want the rest.
-            Err(CliError::Unread) => return Ok(()),
+            Err(MapError::Unread) => return Ok(()),
             settled => settled?,
         }
         let Self { sink: Sink::Temporary { file, place, careful }, path, .. } = self else { return Ok(()) };
         // It may have become something else since.
         if careful && fs::symlink_metadata(&place).is_ok_and(|found| !found.is_file()) {
             let message = format!("could not finish {}: it is no plain file any more", path.display());
-            return Err(CliError::Computation(message));
+            return Err(MapError::Computation(message));
         }
         file.persist(&place).map(|_| ()).map_err(|error| unfinished(&path, &error.error))
     }
@@ -171,13 +170,13 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::commit`].
-    pub fn commit_new(mut self) -> Result<bool, CliError> {
+    pub fn commit_new(mut self) -> Result<bool, MapError> {
         self.settle()?;
         self.place_new()
     }
 
     /// As [`Output::commit_new`], but does not wait for the disk: for a file that can be made again.
-    pub(crate) fn place_new(mut self) -> Result<bool, CliError> {
+    pub fn place_new(mut self) -> Result<bool, MapError> {
         self.hand_over().map_err(|error| self.failed("finish", &error))?;
         let Self { sink: Sink::Temporary { file, place, .. }, path, .. } = self else { return Ok(true) };
         match file.persist_noclobber(&place) {
@@ -190,8 +189,8 @@ impl Output {
     /// Flushes to disk all that was written; [`Output::commit`] has then nothing left to wait for.
     ///
     /// # Errors
-    /// [`CliError::Computation`] if the disk refuses.
-    pub(crate) fn settle(&mut self) -> Result<(), CliError> {
+    /// [`MapError::Computation`] if the disk refuses.
+    pub fn settle(&mut self) -> Result<(), MapError> {
         let settled = self.hand_over().and_then(|()| match &mut self.sink {
             Sink::Temporary { file, .. } => file.as_file().sync_all(),
             // Also without a byte: a reader waits for the end.
@@ -222,10 +221,10 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::commit`].
-    pub fn finish_with(mut self, content: &[u8]) -> Result<(), CliError> {
+    pub fn finish_with(mut self, content: &[u8]) -> Result<(), MapError> {
         match self.write_all(content).map_err(|error| self.unwritten(&error)) {
             // As where it is committed.
-            Err(CliError::Unread) => Ok(()),
+            Err(MapError::Unread) => Ok(()),
             written => written.and_then(|()| self.commit()),
         }
     }
@@ -264,8 +263,8 @@ impl Write for Output {
     }
 }
 
-fn unfinished(path: &Path, error: &io::Error) -> CliError {
-    CliError::Computation(format!("could not finish {}: {error}", path.display()))
+fn unfinished(path: &Path, error: &io::Error) -> MapError {
+    MapError::Computation(format!("could not finish {}: {error}", path.display()))
 }
 
 /// Locks a temporary file, as a sign that somebody is writing it, for as long as it is open. Tells whether it is still there:
@@ -305,7 +304,7 @@ fn is_abandoned(entry: &fs::DirEntry) -> bool {
 
 /// Removes a temporary file, if it is one, and nobody writes it any more, and `is_ours` knows its destination. Tells whether
 /// it did.
-pub(crate) fn remove_if_abandoned(entry: &fs::DirEntry, is_ours: impl Fn(&str) -> bool) -> bool {
+pub fn remove_if_abandoned(entry: &fs::DirEntry, is_ours: impl Fn(&str) -> bool) -> bool {
     let name = entry.file_name();
     destination(&name.to_string_lossy()).is_some_and(is_ours)
         && is_abandoned(entry)
@@ -320,52 +319,9 @@ fn remove_abandoned(path: &Path) {
     }
 }
 
-/// A number in the fewest digits that read back the same, with an exponent where it would be a row of zeros.
-#[derive(Debug, Clone, Copy)]
-pub struct Number(pub f64);
-
-impl Number {
-    /// The digits, in `buffer`.
-    pub fn text(self, buffer: &mut ryu::Buffer) -> &str {
-        let text = buffer.format(self.0);
-        // A whole number comes with a fraction of zero.
-        text.strip_suffix(".0").unwrap_or(text)
-    }
-}
-
-impl fmt::Display for Number {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.text(&mut ryu::Buffer::new()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_read_back_and_stay_short() {
-        for value in [0.0, -0.4, 1e-300, 1e100, 123_456.789, f64::MIN_POSITIVE, 0.1 + 0.2] {
-            let text = Number(value).to_string();
-            assert!(text.parse::<f64>().unwrap() == value && text.len() < 25);
-        }
-        // As many digits as the standard library's, from 1e-5 to 1e16 without an exponent; half-way between two candidates
-        // for the last one either will do.
-        let standard = |value: f64| match value.abs() {
-            size if size == 0.0 || (1e-5..1e16).contains(&size) || !value.is_finite() => format!("{value}"),
-            _ => format!("{value:e}"),
-        };
-        let mut random = fastrand::Rng::with_seed(1);
-        let edges =
-            [1e-5, 1e16, 1e15, 9.999_999_999_999_999e-6, 9_999_999_999_999_998.0, -0.0, 1.0, f64::NAN, -f64::INFINITY];
-        let any = (0..20_000).map(|_| f64::from_bits(random.u64(..)));
-        let usual = (0..20_000).map(|i| f64::from(i) / 3000.0 - 2.0);
-        for value in edges.into_iter().chain(any.collect::<Vec<_>>()).chain(usual) {
-            let (own, standard) = (Number(value).to_string(), standard(value));
-            let same = own.len() == standard.len() && own.parse::<f64>().unwrap() == value;
-            assert!(own == standard || same, "{own} {standard}");
-        }
-    }
 
     #[test]
     fn bytes_arrive_in_order_whatever_the_pieces() {

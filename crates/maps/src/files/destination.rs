@@ -6,7 +6,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use crate::error::CliError;
+use crate::error::MapError;
 
 /// The name of standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -20,7 +20,7 @@ const FILES: [&str; 13] =
 
 /// What a name leads to.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Destination {
+pub enum Destination {
     /// Standard output: `-`, or whatever leads to the same.
     StandardOutput,
     /// A plain file, there or yet to be made, at the end of all links. It is replaced as a whole.
@@ -33,9 +33,9 @@ impl Destination {
     /// Of a name that was given.
     ///
     /// # Errors
-    /// [`CliError::Request`] for a folder, and for what cannot be looked at.
-    pub(crate) fn of(path: &Path) -> Result<Self, CliError> {
-        let wrong = |why: &str| Err(CliError::Request(format!("cannot write {}: {why}", path.display())));
+    /// [`MapError::Request`] for a folder, and for what cannot be looked at.
+    pub fn of(path: &Path) -> Result<Self, MapError> {
+        let wrong = |why: &str| Err(MapError::Request(format!("cannot write {}: {why}", path.display())));
         if path.as_os_str() == STANDARD_OUTPUT {
             return Ok(Self::StandardOutput);
         }
@@ -53,7 +53,7 @@ impl Destination {
             Ok(found) if found.is_dir() => wrong("it is a folder; name a file"),
             Ok(found) if is_socket(&found) => wrong("it is a socket; name a file or a pipe"),
             Ok(found) if !found.is_file() || is_opened_file(&place) => Ok(Self::Direct(path.to_owned())),
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(CliError::file("cannot write", path, &error)),
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(MapError::file("cannot write", path, &error)),
             // Messages keep to the name that was given, as far as it is the file's own.
             Ok(_) | Err(_) => Ok(Self::Plain(if path.is_symlink() { place } else { path.to_owned() })),
         }
@@ -100,7 +100,7 @@ fn is_own_standard_output(place: &Path) -> bool {
 
 /// Where a path leads: from the root, without links, `.` and `..`; also if what it names, or a folder on the way, is yet to
 /// be made.
-pub(crate) fn resolved(path: &Path) -> PathBuf {
+pub(super) fn resolved(path: &Path) -> PathBuf {
     let parts =
         |path: &Path| -> Vec<OsString> { path.components().rev().map(|part| part.as_os_str().to_owned()).collect() };
     let mut place = std::env::current_dir().unwrap_or_default();
@@ -135,8 +135,8 @@ type Named<'a> = [(&'a str, Option<&'a Path>)];
 /// output, which then has no room for words.
 ///
 /// # Errors
-/// [`CliError::Request`] naming both flags.
-pub(crate) fn distinct(inputs: &Named<'_>, outputs: &Named<'_>) -> Result<bool, CliError> {
+/// [`MapError::Request`] naming both flags.
+pub fn distinct(inputs: &Named<'_>, outputs: &Named<'_>) -> Result<bool, MapError> {
     let standard = PathBuf::from(STANDARD_OUTPUT);
     let mut seen: Vec<(&str, PathBuf)> = Vec::new();
     for (flag, path) in inputs {
@@ -153,7 +153,7 @@ pub(crate) fn distinct(inputs: &Named<'_>, outputs: &Named<'_>) -> Result<bool, 
         };
         if let Some((other, _)) = seen.iter().find(|(_, earlier)| *earlier == place) {
             let message = format!("{other} and {flag} are the same file, {}: name another", path.display());
-            return Err(CliError::Request(message));
+            return Err(MapError::Request(message));
         }
         seen.push((flag, place));
     }
@@ -161,26 +161,26 @@ pub(crate) fn distinct(inputs: &Named<'_>, outputs: &Named<'_>) -> Result<bool, 
 }
 
 /// The name of a file that lies right in a folder.
-pub(crate) fn name_within(folder: &Path, path: &Path) -> Option<OsString> {
+pub fn name_within(folder: &Path, path: &Path) -> Option<OsString> {
     let place = resolved(path);
     let name = place.file_name().filter(|_| place.parent() == Some(&resolved(folder)))?;
     Some(name.to_owned())
 }
 
 /// What the end of a name says, without the dot and in small letters; nothing of a name without one.
-pub(crate) fn ending(path: &Path) -> Option<String> {
+pub fn ending(path: &Path) -> Option<String> {
     path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase())
 }
 
 /// Makes sure that a name promises what the file will hold: that it ends in one of `known`, or in nothing.
 ///
 /// # Errors
-/// [`CliError::Request`].
-pub(crate) fn promises(flag: &str, path: &Path, what: &str, known: &[&str]) -> Result<(), CliError> {
+/// [`MapError::Request`].
+pub fn promises(flag: &str, path: &Path, what: &str, known: &[&str]) -> Result<(), MapError> {
     match ending(path) {
         Some(end) if !known.contains(&end.as_str()) => {
             let name = path.display();
-            Err(CliError::Request(format!(
+            Err(MapError::Request(format!(
                 "{flag} {name}: {what} is written here; end the name in .{}",
                 known.join(" or .")
             )))
@@ -192,10 +192,10 @@ pub(crate) fn promises(flag: &str, path: &Path, what: &str, known: &[&str]) -> R
 /// Makes sure that a folder can be meant by a name.
 ///
 /// # Errors
-/// [`CliError::Request`].
-pub(crate) fn promises_folder(flag: &str, path: &Path) -> Result<(), CliError> {
+/// [`MapError::Request`].
+pub fn promises_folder(flag: &str, path: &Path) -> Result<(), MapError> {
     let name = path.display();
-    let wrong = |why: &str| Err(CliError::Request(format!("{flag} {name} {why}: name a folder")));
+    let wrong = |why: &str| Err(MapError::Request(format!("{flag} {name} {why}: name a folder")));
     match ending(path) {
         _ if path.as_os_str() == STANDARD_OUTPUT => wrong("is standard output"),
         _ if path.is_dir() => Ok(()),

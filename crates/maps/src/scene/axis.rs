@@ -1,6 +1,6 @@
 //! Axes of a sweep.
 
-use crate::parameter::Parameter;
+use crate::point::Parameter;
 
 /// The most points of one axis.
 pub const MAX_POINTS: usize = 1_000_000;

@@ -3,10 +3,14 @@
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+#[cfg(unix)]
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, OnceLock};
 
 /// A place to write to where nothing can be put in its stead.
 #[derive(Debug)]
-pub(crate) struct Stream {
+pub(super) struct Stream {
     /// Standard output if there is none.
     path: Option<PathBuf>,
     /// Opened with the first byte: whoever only wants to know whether it can be written must not end what its reader reads.
@@ -20,10 +24,23 @@ struct Open {
     waits: bool,
 }
 
+/// Raised by signals.
+static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// Names the flag that ends a wait for whoever reads a pipe. A process has one such flag: later calls change nothing.
+pub fn halt_on(flag: &Arc<AtomicBool>) {
+    STOP.get_or_init(|| Arc::clone(flag));
+}
+
+#[cfg(unix)]
+fn is_stopped() -> bool {
+    STOP.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
+}
+
 /// Why a write ended: the user has asked for it, while nobody was reading.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted")]
-pub(crate) struct Halted;
+pub(super) struct Halted;
 
 /// How long to wait for a reader before looking at the stop flag again.
 #[cfg(unix)]
@@ -34,7 +51,7 @@ const LOOK: std::time::Duration = std::time::Duration::from_millis(50);
 const PAGE: usize = 4096;
 
 impl Stream {
-    pub(crate) fn to_standard_output() -> Self {
+    pub(super) fn to_standard_output() -> Self {
         Self { path: None, open: None }
     }
 
@@ -42,13 +59,13 @@ impl Stream {
     ///
     /// # Errors
     /// If it may not be written.
-    pub(crate) fn to(path: &Path) -> io::Result<Self> {
+    pub(super) fn to(path: &Path) -> io::Result<Self> {
         system::may_write(path)?;
         Ok(Self { path: Some(path.to_owned()), open: None })
     }
 
     /// Whether it is standard output.
-    pub(crate) fn is_standard_output(&self) -> bool {
+    pub(super) fn is_standard_output(&self) -> bool {
         self.path.is_none()
     }
 
@@ -100,8 +117,8 @@ mod system {
     use rustix::fs::{Access, Mode, OFlags, access, fcntl_setfl, open as open_file};
     use rustix::io::Errno;
 
+    use super::is_stopped;
     use super::{Halted, LOOK, Open, PAGE};
-    use crate::console::is_stopped;
 
     fn halt_if_stopped() -> io::Result<()> {
         if is_stopped() { Err(io::Error::other(Halted)) } else { Ok(()) }

@@ -10,16 +10,16 @@ use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::Short;
 use xxhash_rust::xxh3::xxh3_128;
 
-use crate::error::CliError;
+use crate::error::MapError;
 use crate::manifest::{REVISION, VERSION, scene_parts, target};
 use crate::scene::{MAX_BYTES, Scene, tolerance_from};
 use crate::text::{clipped, read_text};
 
 /// How the file of every plan begins.
-pub(crate) const PLAN_BEGINS: &[u8] = b"{\n  \"program\": \"mapgen\"";
+pub(super) const PLAN_BEGINS: &[u8] = b"{\n  \"program\": \"mapgen\"";
 
 /// The form of chunks and of the plan beside them.
-pub(crate) const FORMAT: u32 = 1;
+pub(super) const FORMAT: u32 = 1;
 
 /// Cells of a chunk of the paper's forced maps: a fraction of a second of work, which an interruption may cost, against a
 /// millisecond for a file that must reach the disk.
@@ -39,15 +39,15 @@ const FEW_SITES: usize = 48;
 
 /// The program that computes chunks. Other programs may compute other last digits.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Maker {
-    pub(crate) version: String,
-    pub(crate) revision: Option<String>,
-    pub(crate) target: String,
+pub struct Maker {
+    pub version: String,
+    pub revision: Option<String>,
+    pub target: String,
 }
 
 impl Maker {
     /// This program.
-    pub(crate) fn this() -> Self {
+    pub fn this() -> Self {
         Self { version: VERSION.to_owned(), revision: REVISION.map(str::to_owned), target: target() }
     }
 
@@ -60,18 +60,19 @@ impl Maker {
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The scene, with the threshold of the command line.
-    pub(crate) scene: Scene,
+    pub scene: Scene,
     /// Its file, as named on the command line.
-    pub(crate) scene_file: PathBuf,
+    pub scene_file: PathBuf,
     /// Its text.
-    pub(crate) text: String,
+    pub text: String,
     /// The threshold of the command line.
-    pub(crate) threshold: Option<f64>,
-    pub(crate) maker: Maker,
+    pub threshold: Option<f64>,
+    /// Who computes the chunks.
+    pub maker: Maker,
     /// Cells of each chunk but the last.
-    pub(crate) chunk_cells: u64,
+    pub chunk_cells: u64,
     /// Hash of all that decides what the chunks hold.
-    pub(crate) identity: u128,
+    pub identity: u128,
 }
 
 /// A plan as a file.
@@ -106,27 +107,27 @@ impl Plan {
     /// Reads a scene; `threshold` is that of the command line.
     ///
     /// # Errors
-    /// [`CliError::Request`]: those of [`Scene::read`]; a threshold that is given twice, or that nothing needs.
-    pub fn read(scene_file: &Path, threshold: Option<f64>) -> Result<Self, CliError> {
+    /// [`MapError::Request`]: those of [`Scene::read`]; a threshold that is given twice, or that nothing needs.
+    pub fn read(scene_file: &Path, threshold: Option<f64>) -> Result<Self, MapError> {
         let text = read_text("scene", scene_file, MAX_BYTES)?;
         Self::new(scene_file, text, threshold, Maker::this())
     }
 
-    fn new(scene_file: &Path, text: String, threshold: Option<f64>, maker: Maker) -> Result<Self, CliError> {
+    fn new(scene_file: &Path, text: String, threshold: Option<f64>, maker: Maker) -> Result<Self, MapError> {
         let mut scene = Scene::parse(scene_file, &text)?;
         if let Some(threshold) = threshold {
             let place = scene_file.display();
             if scene.task.tolerance != Tolerance::Rounding {
                 let message =
                     format!("threshold is given twice, as --threshold {} and in {place}: remove one", Short(threshold));
-                return Err(CliError::Request(message));
+                return Err(MapError::Request(message));
             }
             if !scene.task.stability {
                 let message =
                     format!("--threshold needs `stability = true` in {place}: it decides what counts as stable");
-                return Err(CliError::Request(message));
+                return Err(MapError::Request(message));
             }
-            scene.task.tolerance = tolerance_from(threshold).map_err(CliError::Request)?;
+            scene.task.tolerance = tolerance_from(threshold).map_err(MapError::Request)?;
         }
         let chunk_cells = chunk_cells(&scene);
         let mut decisive = scene_parts(&scene);
@@ -139,7 +140,7 @@ impl Plan {
 
     /// As another version of the program would have made it.
     #[cfg(test)]
-    pub(crate) fn by_version(scene_file: &Path, text: &str, version: &str) -> Self {
+    pub fn by_version(scene_file: &Path, text: &str, version: &str) -> Self {
         let maker = Maker { version: version.to_owned(), ..Maker::this() };
         Self::new(scene_file, text.to_owned(), None, maker).unwrap()
     }
@@ -161,7 +162,7 @@ impl Plan {
     }
 
     /// The plan as text for a file.
-    pub(crate) fn to_json(&self) -> String {
+    pub fn to_json(&self) -> String {
         let file = File {
             program: "mapgen".to_owned(),
             format: FORMAT,
@@ -179,7 +180,7 @@ impl Plan {
     }
 
     /// The plan in such a file, or what is wrong with it.
-    pub(crate) fn from_json(text: &str) -> Result<Self, String> {
+    pub fn from_json(text: &str) -> Result<Self, String> {
         let file: File = serde_json::from_str(text).map_err(|error| format!("it is damaged ({error})"))?;
         if file.format != FORMAT {
             return Err(format!("its chunks have format {}, this program reads format {FORMAT}", file.format));
@@ -199,7 +200,7 @@ impl Plan {
     }
 
     /// What this plan and `other`, found in a folder, disagree on; nothing if they are one.
-    pub(crate) fn differences(&self, other: &Self) -> Option<String> {
+    pub fn differences(&self, other: &Self) -> Option<String> {
         if self.identity == other.identity {
             return None;
         }

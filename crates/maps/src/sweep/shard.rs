@@ -2,8 +2,8 @@
 
 use std::str::FromStr;
 
-use crate::error::CliError;
-use crate::sweep::Plan;
+use super::plan::Plan;
+use crate::error::MapError;
 
 /// One of several shares of a sweep: every `count`-th chunk, so that slow regions are spread over all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,9 +52,9 @@ impl std::fmt::Display for ShardFlag {
 }
 
 /// A variable that Slurm sets.
-fn number(get: &impl Fn(&str) -> Option<String>, name: &str) -> Result<Option<u64>, CliError> {
+fn number(get: &impl Fn(&str) -> Option<String>, name: &str) -> Result<Option<u64>, MapError> {
     let Some(text) = get(name) else { return Ok(None) };
-    let wrong = |_| CliError::Request(format!("{name} = {text} is no whole number: give --shard i/n instead of slurm"));
+    let wrong = |_| MapError::Request(format!("{name} = {text} is no whole number: give --shard i/n instead of slurm"));
     text.trim().parse().map(Some).map_err(wrong)
 }
 
@@ -71,12 +71,12 @@ impl Shard {
     /// The shard of this task of a Slurm array, whatever its numbers start at and step by. `get` looks up the environment.
     ///
     /// # Errors
-    /// [`CliError::Request`] outside an array, and in one with gaps.
-    pub fn of_slurm(get: impl Fn(&str) -> Option<String>) -> Result<Self, CliError> {
+    /// [`MapError::Request`] outside an array, and in one with gaps.
+    pub fn of_slurm(get: impl Fn(&str) -> Option<String>) -> Result<Self, MapError> {
         let required = |name: &str| {
             number(&get, name)?.ok_or_else(|| {
                 let advice = "submit a job array, as in `sbatch --array=0-7`, or give --shard i/n";
-                CliError::Request(format!("--shard slurm needs {name}, which is not set: {advice}"))
+                MapError::Request(format!("--shard slurm needs {name}, which is not set: {advice}"))
             })
         };
         let task = required("SLURM_ARRAY_TASK_ID")?;
@@ -95,7 +95,7 @@ impl Shard {
                 let message = format!(
                     "the job array has gaps (task {task}; {count}from {least} to {most} in steps of {step}): number its tasks evenly, as in `sbatch --array=0-7` or `1-15:2`, or give --shard i/n"
                 );
-                Err(CliError::Request(message))
+                Err(MapError::Request(message))
             }
         }
     }
@@ -103,8 +103,8 @@ impl Shard {
     /// Threads a Slurm task is given, if it says so.
     ///
     /// # Errors
-    /// [`CliError::Request`] for a number that is none.
-    pub fn threads_of_slurm(get: impl Fn(&str) -> Option<String>) -> Result<Option<usize>, CliError> {
+    /// [`MapError::Request`] for a number that is none.
+    pub fn threads_of_slurm(get: impl Fn(&str) -> Option<String>) -> Result<Option<usize>, MapError> {
         Ok(number(&get, "SLURM_CPUS_PER_TASK")?.and_then(|threads| usize::try_from(threads).ok()))
     }
 }
@@ -113,7 +113,7 @@ impl Shard {
 mod tests {
     use super::*;
 
-    fn slurm(id: u64, least: u64, most: u64, count: Option<u64>, step: Option<u64>) -> Result<Shard, CliError> {
+    fn slurm(id: u64, least: u64, most: u64, count: Option<u64>, step: Option<u64>) -> Result<Shard, MapError> {
         Shard::of_slurm(|name| match name {
             "SLURM_ARRAY_TASK_ID" => Some(id.to_string()),
             "SLURM_ARRAY_TASK_MIN" => Some(least.to_string()),
@@ -155,7 +155,7 @@ mod tests {
             (5, 0, u64::MAX, Some(u64::MAX), Some(1)),
         ] {
             let error = slurm(id, least, most, count, step).unwrap_err();
-            assert!(error.exit_code() == 2 && error.to_string().contains("gaps"), "{error}");
+            assert!(matches!(error, MapError::Request(_)) && error.to_string().contains("gaps"), "{error}");
         }
         let error = Shard::of_slurm(|_| None).unwrap_err();
         assert!(error.to_string().contains("--shard slurm needs SLURM_ARRAY_TASK_ID, which is not set"));

@@ -1,6 +1,6 @@
-//! A table by columns (Parquet), made of the rows of the plain one.
+//! A table by columns (Parquet).
 
-use std::io::{self, Write};
+use std::io;
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
@@ -10,10 +10,11 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use crate::lines::Lines;
-use crate::output::Output;
+use super::columns::{Column as Field, Kind, Value, columns, parameters};
+use crate::cell::Cell;
+use crate::files::Output;
+use crate::point::{Parameter, Point};
 use crate::scene::Scene;
-use crate::table::columns;
 
 /// Rows held in memory before they are written: readers skip and share such groups.
 const GROUP: usize = 1 << 17;
@@ -32,13 +33,13 @@ enum Values {
 }
 
 /// A table by columns under way.
-pub(crate) struct Columns {
+pub struct Columns {
     writer: SerializedFileWriter<Output>,
+    parameters: Vec<Parameter>,
+    fields: Vec<Field>,
+    /// The parameters' and the fields'.
     columns: Vec<Column>,
-    lines: Lines,
     rows: usize,
-    /// The first line, which names the columns, is still to come.
-    header: bool,
 }
 
 fn failed(error: ParquetError) -> io::Error {
@@ -60,56 +61,53 @@ fn field(name: &str, physical: Physical, optional: bool) -> Result<Arc<Type>, Pa
 
 impl Columns {
     /// Starts the file of a scene's table.
-    pub(crate) fn new(scene: &Scene, output: Output) -> io::Result<Self> {
-        let (mut fields, mut list) = (Vec::new(), Vec::new());
-        for name in columns(scene) {
-            let (physical, values, optional) = match name {
-                "class" | "mechanism" => (Physical::BYTE_ARRAY, Values::Words(Vec::new()), true),
-                "status" => (Physical::BYTE_ARRAY, Values::Words(Vec::new()), false),
-                "solutions" => (Physical::INT64, Values::Counts(Vec::new()), false),
-                "spectral_radius" | "margin" => (Physical::DOUBLE, Values::Numbers(Vec::new()), true),
-                _ => (Physical::DOUBLE, Values::Numbers(Vec::new()), false),
+    pub fn new(scene: &Scene, output: Output) -> io::Result<Self> {
+        let (parameters, fields) = (parameters(scene), columns(scene).collect::<Vec<_>>());
+        let kinds = parameters.iter().map(|parameter| (parameter.name(), Kind::Number, false));
+        let (mut types, mut list) = (Vec::new(), Vec::new());
+        for (name, kind, optional) in kinds.chain(fields.iter().map(|field| (field.name, field.kind, field.optional))) {
+            let (physical, values) = match kind {
+                Kind::Word => (Physical::BYTE_ARRAY, Values::Words(Vec::new())),
+                Kind::Count => (Physical::INT64, Values::Counts(Vec::new())),
+                Kind::Number => (Physical::DOUBLE, Values::Numbers(Vec::new())),
             };
-            fields.push(field(name, physical, optional).map_err(failed)?);
+            types.push(field(name, physical, optional).map_err(failed)?);
             list.push(Column { values, present: Vec::new(), optional });
         }
-        let schema = Type::group_type_builder("table").with_fields(fields).build().map_err(failed)?;
+        let schema = Type::group_type_builder("table").with_fields(types).build().map_err(failed)?;
         let properties = WriterProperties::builder().set_compression(Compression::ZSTD(ZstdLevel::default())).build();
         let writer = SerializedFileWriter::new(output, Arc::new(schema), Arc::new(properties)).map_err(failed)?;
-        Ok(Self { writer, columns: list, lines: Lines::default(), rows: 0, header: true })
+        Ok(Self { writer, parameters, fields, columns: list, rows: 0 })
     }
 
     /// The file.
-    pub(crate) fn output(&self) -> &Output {
+    pub fn output(&self) -> &Output {
         self.writer.inner()
     }
 
     /// Writes the last rows and what tells where all of them are.
-    pub(crate) fn finish(mut self) -> io::Result<Output> {
+    pub fn finish(mut self) -> io::Result<Output> {
         self.write_group()?;
         self.writer.into_inner().map_err(failed)
     }
 
-    fn row(&mut self, line: &[u8]) -> io::Result<()> {
-        if std::mem::take(&mut self.header) {
-            return Ok(());
-        }
-        let foreign = || io::Error::new(io::ErrorKind::InvalidData, "a row that is none of this table");
-        let line = std::str::from_utf8(line).map_err(|_| foreign())?;
-        let mut fields = line.split(',');
-        for column in &mut self.columns {
-            let text = fields.next().ok_or_else(foreign)?;
-            let there = !text.is_empty();
+    /// Takes the next row.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn row(&mut self, point: &Point, cell: &Cell) -> io::Result<()> {
+        let places = self.parameters.iter().map(|parameter| Some(Value::Number(point.get(*parameter))));
+        let found = self.fields.iter().map(|field| (field.get)(cell));
+        for (column, value) in self.columns.iter_mut().zip(places.chain(found)) {
             if column.optional {
-                column.present.push(i16::from(there));
+                column.present.push(i16::from(value.is_some()));
             }
-            if !there && column.optional {
-                continue;
-            }
-            match &mut column.values {
-                Values::Numbers(list) => list.push(text.parse().map_err(|_| foreign())?),
-                Values::Counts(list) => list.push(text.parse().map_err(|_| foreign())?),
-                Values::Words(list) => list.push(ByteArray::from(text)),
+            match (value, &mut column.values) {
+                (Some(Value::Number(number)), Values::Numbers(list)) => list.push(number),
+                (Some(Value::Count(count)), Values::Counts(list)) => list.push(count.cast_signed()),
+                (Some(Value::Word(word)), Values::Words(list)) => list.push(ByteArray::from(word)),
+                (None, _) if column.optional => {}
+                _ => return Err(io::Error::other("a column without its value")),
             }
         }
         self.rows += 1;
@@ -147,19 +145,6 @@ impl Columns {
             writer.close().map_err(failed)?;
         }
         group.close().map_err(failed)?;
-        Ok(())
-    }
-}
-
-impl Write for Columns {
-    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        let mut lines = std::mem::take(&mut self.lines);
-        let taken = lines.take(buffer, |line| self.row(line));
-        self.lines = lines;
-        taken.map(|()| buffer.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
 }

@@ -1,0 +1,11 @@
+//! Files that appear whole or not at all, and what is no plain file.
+
+mod csv_file;
+mod destination;
+mod output;
+mod stream;
+
+pub use csv_file::CsvFile;
+pub use destination::{Destination, distinct, ending, name_within, promises, promises_folder};
+pub use output::{Output, remove_if_abandoned, settle_names};
+pub use stream::halt_on;

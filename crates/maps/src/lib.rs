@@ -1,0 +1,28 @@
+//! Maps of breathers over parameters, as values and as files: what the program `mapgen` and other front ends share. It knows
+//! neither command lines nor pictures.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `point`, `force`, `numbers` | points of the parameter space, forces of several harmonics, numbers as they are typed and written |
+//! | `scene` | what to sweep and what to compute, checked, with errors that point at lines |
+//! | `cell`, `summary` | one cell: a point and what lives there; the counts of many |
+//! | `table` | its columns, rows of cells written and read back, the forms of its file |
+//! | `manifest` | where a table came from |
+//! | `sweep` | all cells, in chunks that outlive the process |
+//! | `files` | files that appear whole or not at all, pipes, devices |
+//! | `text`, `lines` | text from outside, read and shown; lines of text that comes in pieces |
+//! | `error` | why there is none |
+
+pub mod cell;
+pub mod error;
+pub mod files;
+pub mod force;
+mod lines;
+pub mod manifest;
+pub mod numbers;
+pub mod point;
+pub mod scene;
+pub mod summary;
+pub mod sweep;
+pub mod table;
+pub mod text;

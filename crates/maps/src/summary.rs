@@ -1,0 +1,44 @@
+//! What the cells of a sweep add up to.
+
+use crate::cell::{Cell, Class, Status};
+
+/// Counts of a finished sweep.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Summary {
+    /// Cells per class, in the order of [`Class::ALL`].
+    pub classes: [u64; Class::ALL.len()],
+    /// Cells per status, in the order of [`Status::ALL`].
+    pub statuses: [u64; Status::ALL.len()],
+    /// Largest residual of any physical orbit.
+    pub worst_residual: f64,
+}
+
+impl Summary {
+    /// Of these cells.
+    pub fn of(cells: &[Cell]) -> Self {
+        let mut summary = Self::default();
+        cells.iter().for_each(|cell| summary.count(cell));
+        summary
+    }
+
+    /// Counts one more.
+    pub fn count(&mut self, cell: &Cell) {
+        if let Some(class) = cell.class {
+            self.classes[class as usize] += 1;
+        }
+        self.statuses[cell.status as usize] += 1;
+        self.worst_residual = self.worst_residual.max(cell.residual);
+    }
+
+    /// Adds the counts of other cells.
+    pub fn add(&mut self, other: &Self) {
+        self.classes.iter_mut().zip(other.classes).for_each(|(count, more)| *count += more);
+        self.statuses.iter_mut().zip(other.statuses).for_each(|(count, more)| *count += more);
+        self.worst_residual = self.worst_residual.max(other.worst_residual);
+    }
+
+    /// Number of cells counted.
+    pub fn cells(&self) -> u64 {
+        self.statuses.iter().sum()
+    }
+}

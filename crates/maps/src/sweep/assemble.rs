@@ -1,0 +1,132 @@
+//! The table of a sweep, of rows that come in order: as they are computed, or from chunks. It holds none of them.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use super::chunk::{Fault, read};
+use super::plan::Plan;
+use super::store::Store;
+use crate::cell::Cell;
+use crate::error::MapError;
+use crate::scene::Scene;
+use crate::summary::Summary;
+use crate::table::{Reader, Rows, TableFile, header};
+
+/// Who looks at the cells of a table as it grows: pictures.
+pub trait Watcher {
+    /// Whether anybody looks.
+    fn looks(&self) -> bool;
+    /// Forgets what it has seen.
+    fn begin(&mut self);
+    /// Sees a cell.
+    fn cell(&mut self, number: u64, cell: &Cell);
+}
+
+/// Why there is no table.
+#[derive(Debug)]
+pub enum Unassembled {
+    /// A chunk cannot be trusted.
+    Chunk(u64, Fault),
+    /// The table cannot be written.
+    Table(MapError),
+    /// The stop flag was raised.
+    Stopped,
+}
+
+/// What may go wrong within a chunk.
+enum Trouble {
+    Fault(Fault),
+    Table(MapError),
+}
+
+impl From<Fault> for Trouble {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
+/// A table under way, and who looks on.
+pub struct Assembly<'a> {
+    scene: Scene,
+    table: TableFile,
+    watcher: &'a mut dyn Watcher,
+}
+
+impl std::fmt::Debug for Assembly<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Assembly").finish_non_exhaustive()
+    }
+}
+
+impl<'a> Assembly<'a> {
+    /// Starts with the names of the columns; who looks on forgets earlier rows.
+    ///
+    /// # Errors
+    /// [`MapError`] if the table cannot be written.
+    pub fn begin(plan: &Plan, out: &Path, watcher: &'a mut dyn Watcher) -> Result<Self, MapError> {
+        let mut table = TableFile::create(out, &plan.scene)?;
+        table.text(header(&plan.scene).as_bytes())?;
+        watcher.begin();
+        Ok(Self { scene: plan.scene.clone(), table, watcher })
+    }
+
+    /// Whether cells are wanted, and not their text alone.
+    fn wants_cells(&self) -> bool {
+        self.watcher.looks() || self.table.wants_cells()
+    }
+
+    fn cell(&mut self, number: u64, cell: &Cell) -> Result<(), MapError> {
+        self.watcher.cell(number, cell);
+        if self.table.wants_cells() { self.table.cell(&self.scene.point(number), cell) } else { Ok(()) }
+    }
+
+    /// Takes the next rows.
+    ///
+    /// # Errors
+    /// [`MapError`] if the table cannot be written; it must then be thrown away.
+    pub fn rows(&mut self, rows: &Rows) -> Result<(), MapError> {
+        if self.wants_cells() {
+            rows.range.clone().zip(&rows.cells).try_for_each(|(number, cell)| self.cell(number, cell))?;
+        }
+        self.table.text(&rows.text)
+    }
+
+    /// Takes the rows of all chunks.
+    ///
+    /// # Errors
+    /// [`Unassembled`]; the table must then be thrown away.
+    pub fn chunks(&mut self, plan: &Plan, folder: &Path, stop: &AtomicBool) -> Result<Summary, Unassembled> {
+        let mut total = Summary::default();
+        for chunk in 0..plan.chunks() {
+            match self.chunk(plan, chunk, &Store::path(folder, chunk), stop) {
+                Ok(summary) => total.add(&summary),
+                Err(Trouble::Fault(Fault::Stopped)) => return Err(Unassembled::Stopped),
+                Err(Trouble::Fault(fault)) => return Err(Unassembled::Chunk(chunk, fault)),
+                Err(Trouble::Table(error)) => return Err(Unassembled::Table(error)),
+            }
+        }
+        Ok(total)
+    }
+
+    fn chunk(&mut self, plan: &Plan, chunk: u64, path: &Path, stop: &AtomicBool) -> Result<Summary, Trouble> {
+        let mut reader = self.wants_cells().then(|| Reader::new(&plan.scene, plan.range(chunk)));
+        read(path, plan, chunk, stop, |text| {
+            let mut taken = Ok(());
+            if let Some(reader) = &mut reader {
+                let each = |number: u64, cell: &Cell| {
+                    if taken.is_ok() {
+                        taken = self.cell(number, cell);
+                    }
+                };
+                reader.take(text, each).map_err(|wrong| Trouble::Fault(Fault::Damaged(wrong)))?;
+            }
+            taken.and_then(|()| self.table.text(text)).map_err(Trouble::Table)
+        })
+    }
+
+    /// The table.
+    #[must_use]
+    pub fn into_table(self) -> TableFile {
+        self.table
+    }
+}

@@ -1,0 +1,166 @@
+//! The columns of a table: first the parameters, then what was found. A new one is a line here and a field of [`Cell`].
+
+use vibrochain_floquet::{Collision, Mechanism};
+use vibrochain_lattice::Parameter;
+
+use crate::cell::{Cell, Class, Status};
+use crate::scene::Scene;
+
+/// A value of a cell in a table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value<'a> {
+    /// Finite.
+    Number(f64),
+    /// Of things.
+    Count(u64),
+    /// One of a few words.
+    Word(&'a str),
+}
+
+/// What the values of a column are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// [`Value::Number`]
+    Number,
+    /// [`Value::Count`]
+    Count,
+    /// [`Value::Word`]
+    Word,
+}
+
+/// A column of what was found.
+#[derive(Debug, Clone, Copy)]
+pub struct Column {
+    /// Its name in files.
+    pub name: &'static str,
+    /// What its values are.
+    pub kind: Kind,
+    /// Whether a cell may have none.
+    pub optional: bool,
+    /// The value of a cell.
+    pub get: fn(&Cell) -> Option<Value<'static>>,
+    /// Puts a value into a cell; `None` for one that it cannot have.
+    pub set: fn(&mut Cell, Value<'_>) -> Option<()>,
+}
+
+/// The columns of every table.
+const COLUMNS: [Column; 6] = [
+    Column {
+        name: "class",
+        kind: Kind::Word,
+        optional: true,
+        get: |cell| Some(Value::Word(cell.class?.name())),
+        set: |cell, value| {
+            cell.class = Some(Class::ALL.into_iter().find(|class| value == Value::Word(class.name()))?);
+            Some(())
+        },
+    },
+    Column {
+        name: "mechanism",
+        kind: Kind::Word,
+        optional: true,
+        get: |cell| Some(Value::Word(cell.mechanism?.name())),
+        set: |cell, value| {
+            let Value::Word(name) = value else { return None };
+            cell.mechanism = Some(Mechanism::from_name(name)?);
+            Some(())
+        },
+    },
+    Column {
+        name: "spectral_radius",
+        kind: Kind::Number,
+        optional: true,
+        get: |cell| cell.spectral_radius.map(Value::Number),
+        set: |cell, value| number(&mut cell.spectral_radius, value),
+    },
+    Column {
+        name: "margin",
+        kind: Kind::Number,
+        optional: true,
+        get: |cell| cell.margin.map(Value::Number),
+        set: |cell, value| number(&mut cell.margin, value),
+    },
+    Column {
+        name: "solutions",
+        kind: Kind::Count,
+        optional: false,
+        get: |cell| Some(Value::Count(cell.solutions.into())),
+        set: |cell, value| {
+            let Value::Count(count) = value else { return None };
+            cell.solutions = u32::try_from(count).ok()?;
+            Some(())
+        },
+    },
+    Column {
+        name: "status",
+        kind: Kind::Word,
+        optional: false,
+        get: |cell| Some(Value::Word(cell.status.name())),
+        set: |cell, value| {
+            cell.status = Status::ALL.into_iter().find(|status| value == Value::Word(status.name()))?;
+            Some(())
+        },
+    },
+];
+
+/// Further columns where the modes that have collided are asked for.
+const COLLISION: [Column; 3] = [
+    Column {
+        name: "mode1",
+        kind: Kind::Count,
+        optional: true,
+        get: |cell| Some(Value::Count(cell.collision?.modes.0 as u64)),
+        set: |cell, value| collision(cell, value, |collision| &mut collision.modes.0),
+    },
+    Column {
+        name: "mode2",
+        kind: Kind::Count,
+        optional: true,
+        get: |cell| Some(Value::Count(cell.collision?.modes.1 as u64)),
+        set: |cell, value| collision(cell, value, |collision| &mut collision.modes.1),
+    },
+    Column {
+        name: "harmonic",
+        kind: Kind::Count,
+        optional: true,
+        get: |cell| Some(Value::Count(cell.collision?.harmonic as u64)),
+        set: |cell, value| collision(cell, value, |collision| &mut collision.harmonic),
+    },
+];
+
+fn number(place: &mut Option<f64>, value: Value<'_>) -> Option<()> {
+    let Value::Number(number) = value else { return None };
+    *place = Some(number);
+    Some(())
+}
+
+fn collision(cell: &mut Cell, value: Value<'_>, place: fn(&mut Collision) -> &mut usize) -> Option<()> {
+    let Value::Count(count) = value else { return None };
+    let nothing = Collision { modes: (0, 0), harmonic: 0, detuning: None };
+    *place(cell.collision.get_or_insert(nothing)) = usize::try_from(count).ok()?;
+    Some(())
+}
+
+/// The parameters with a column of their own: always gamma2 and omega, and whatever else is swept, slowest first.
+#[must_use]
+pub fn parameters(scene: &Scene) -> Vec<Parameter> {
+    let mut shown = vec![Parameter::Gamma2, Parameter::Omega];
+    for axis in scene.axes.iter().rev() {
+        if !shown.contains(&axis.parameter) {
+            shown.push(axis.parameter);
+        }
+    }
+    shown
+}
+
+/// The columns after the parameters.
+pub fn columns(scene: &Scene) -> impl Iterator<Item = Column> + use<> {
+    let collisions = scene.task.collisions;
+    COLUMNS.into_iter().chain(COLLISION.into_iter().filter(move |_| collisions))
+}
+
+/// The names of all columns.
+#[must_use]
+pub fn names(scene: &Scene) -> Vec<&'static str> {
+    parameters(scene).iter().map(|parameter| parameter.name()).chain(columns(scene).map(|column| column.name)).collect()
+}
