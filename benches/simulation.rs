@@ -1,5 +1,5 @@
 //! Cost of the event-driven simulation per period, against the size of the ring, with one impacting mass and with many.
-//! Its error against run time beside other methods is a suite of `mapgen accuracy`.
+//! Its error against run time beside other methods is a suite of `studies accuracy`.
 #![allow(missing_docs, reason = "criterion's macros define undocumented items")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark stops at the first surprise")]
 

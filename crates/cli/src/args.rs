@@ -28,18 +28,16 @@ pub struct Cli {
     pub command: Command,
 }
 
-impl Cli {
-    /// Reads a command line, its own name first. A number may begin with a point, as in `-.5`, which clap takes for a flag.
-    ///
-    /// # Errors
-    /// What clap finds wrong with it; or it asks for help or the version.
-    pub fn read(arguments: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
-        let whole = |argument: OsString| match argument.to_str().and_then(|text| text.strip_prefix("-.")) {
-            Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => format!("-0.{rest}").into(),
-            _ => argument,
-        };
-        Self::try_parse_from(arguments.into_iter().map(whole))
-    }
+/// Reads a command line, its own name first. A number may begin with a point, as in `-.5`, which clap takes for a flag.
+///
+/// # Errors
+/// What clap finds wrong with it; or it asks for help or the version.
+pub fn read<P: Parser>(arguments: impl IntoIterator<Item = OsString>) -> Result<P, clap::Error> {
+    let whole = |argument: OsString| match argument.to_str().and_then(|text| text.strip_prefix("-.")) {
+        Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => format!("-0.{rest}").into(),
+        _ => argument,
+    };
+    P::try_parse_from(arguments.into_iter().map(whole))
 }
 
 /// The subcommands.
@@ -55,16 +53,23 @@ pub enum Command {
     Locate(LocateArgs),
     /// Simulate event by event, from a breather or from any state.
     Simulate(SimulateArgs),
-    /// Print the table of closed forms against simulation (docs/validation.md).
-    Validate(ValidateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
     Stripes(StripesArgs),
-    /// Draw every figure of the paper, with the numbers behind it (docs/figures.md).
-    Figures(FiguresArgs),
-    /// Print the corrections to the paper, each with its evidence (docs/errata.md).
-    Errata(ErrataArgs),
-    /// Measure error against run time, this program's methods beside others (docs/accuracy).
-    Accuracy(AccuracyArgs),
+    /// Commands that have become studies.
+    #[command(hide = true, aliases = STUDIES)]
+    Study(StudyArgs),
+}
+
+/// What is computed by the program `studies`.
+pub const STUDIES: [&str; 4] = ["validate", "figures", "errata", "accuracy"];
+
+/// What was asked of a study.
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub struct StudyArgs {
+    /// Its arguments.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, num_args = 0..)]
+    pub arguments: Vec<OsString>,
 }
 
 /// Colours of a map.
@@ -376,68 +381,4 @@ pub struct SimulateArgs {
     /// Picture of the run, .png or .svg: the impacting mass over the analytic orbit, all masses in space and time.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-}
-
-/// Arguments of `mapgen validate`.
-#[derive(Debug, Args)]
-pub struct ValidateArgs {
-    /// File to write instead of standard output (Markdown).
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-}
-
-/// Arguments of `mapgen errata`.
-#[derive(Debug, Args)]
-pub struct ErrataArgs {
-    /// File to write instead of standard output (Markdown).
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-}
-
-/// Arguments of `mapgen figures`.
-#[derive(Debug, Args)]
-pub struct FiguresArgs {
-    /// Folder to write into: figure-NUMBER.png, .svg and .csv for each figure.
-    #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
-    /// Figures to make, by number (3,9; 15 is all its panels) or name (15c, 10-strict) [default: all].
-    #[arg(long, value_name = "NUMBERS", value_delimiter = ',', allow_hyphen_values = true)]
-    pub only: Vec<String>,
-    /// Folder with scenes figure-NUMBER.toml to use instead of those built in, see scenes/figures.
-    #[arg(long, value_name = "DIR")]
-    pub scenes: Option<PathBuf>,
-    /// Also write a document (Markdown) that shows the figures and what is found in them.
-    #[arg(long, value_name = "FILE")]
-    pub document: Option<PathBuf>,
-}
-
-/// Suites of `mapgen accuracy`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum SuiteName {
-    /// The kernels χ₁, χ₂, χ₃ of the periodic impulse response.
-    Kernels,
-    /// Impulses, φ and ψ of breathers.
-    Orbits,
-    /// Floquet multipliers.
-    Spectrum,
-    /// The state after many periods of a breather.
-    Simulation,
-    /// Classes of a map's cells.
-    Map,
-    /// Extreme corners of the parameters and random points: promised and delivered errors.
-    Extremes,
-}
-
-/// Arguments of `mapgen accuracy`.
-#[derive(Debug, Args)]
-pub struct AccuracyArgs {
-    /// Folder to write into: accuracy.md and, in accuracy/, a table (CSV) and a picture (PNG, SVG) for each suite.
-    #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
-    /// Suite to run; may be given several times, accuracy.md then holds these alone [default: all].
-    #[arg(long, value_enum, value_name = "SUITE")]
-    pub suite: Vec<SuiteName>,
-    /// Fewer settings and short timings: a look, not a measurement.
-    #[arg(long)]
-    pub quick: bool,
 }

@@ -2,33 +2,28 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `program`, `console` | the whole program as a function, and what it talks to |
-//! | `accuracy` | error against run time, `mapgen accuracy` (feature `accuracy`) |
+//! | `entry`, `program`, `console` | where it begins and ends; the whole program as a function, and what it talks to |
 //! | `args` | the command line |
 //! | `threads` | threads to compute on |
 //! | `pictures` | pictures of a table that is being written |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `plot` | pictures (feature `plot`) |
-//! | `figures`, `orbit_plots` | every figure of the paper; all pictures of an orbit (feature `plot`) |
-//! | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
+//! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `orbit_modes` | signatures of the modes of a conservative orbit, and which have collided |
 //! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
 //! | `field` | all masses of a run in space and time, thinned for a picture (feature `plot`) |
-//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `simulate_command`, `validate_command` | the subcommands |
+//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `simulate_command` | the subcommands |
 
-#[cfg(feature = "accuracy")]
-pub mod accuracy;
 pub mod args;
+#[cfg(feature = "plot")]
+pub mod caption;
 pub mod console;
-pub mod errata;
+pub mod entry;
 pub mod error;
 mod estimate;
 #[cfg(feature = "plot")]
 pub mod field;
-#[cfg(feature = "plot")]
-pub mod figures;
-mod forms;
 pub mod locate_command;
 pub mod merge_command;
 mod multiplier_file;
@@ -41,12 +36,11 @@ mod pictures;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod program;
-mod recording;
+pub mod recording;
 mod report;
 pub mod simulate_command;
 pub mod start;
 #[cfg(feature = "plot")]
 pub mod stripes;
 pub mod sweep_command;
-mod threads;
-pub mod validate_command;
+pub mod threads;

@@ -378,7 +378,7 @@ mod with_plot {
     use vibrochain_breather::Motion;
 
     use super::{CliError, Console, OrbitArgs, Solution};
-    use crate::figures::solve::describe;
+    use crate::caption::describe;
     use crate::orbit_plots;
     use crate::plot::{Format, OrbitPanels, open, orbit_picture};
     use vibrochain_maps::files::Output;

@@ -16,8 +16,8 @@ use vibrochain_breather::{BreatherError, Finder, Motion, Orbit};
 use vibrochain_floquet::{Complex, FloquetMode, Stability, leading_modes};
 use vibrochain_lattice::{Decay, Spectrum, decay};
 
+use crate::caption::{beside, describe};
 use crate::error::CliError;
-use crate::figures::solve::{beside, describe};
 use crate::plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
 use vibrochain_maps::files::Output;
 

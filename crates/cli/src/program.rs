@@ -2,10 +2,10 @@
 
 use std::ffi::OsString;
 
-use crate::args::{Cli, Command};
+use crate::args::{Cli, Command, STUDIES, read};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::{errata, locate_command, merge_command, orbit_command, simulate_command, sweep_command, validate_command};
+use crate::{locate_command, merge_command, orbit_command, simulate_command, sweep_command};
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
 ///
@@ -24,27 +24,21 @@ use crate::{errata, locate_command, merge_command, orbit_command, simulate_comma
 /// # Ok::<(), vibrochain_cli::error::CliError>(())
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<'_>) -> Result<(), CliError> {
-    match &Cli::read(arguments)?.command {
+    match &read::<Cli>(arguments)?.command {
         Command::Sweep(args) => sweep_command::run(args, console),
         Command::Merge(args) => merge_command::run(args, console),
         Command::Orbit(args) => orbit_command::run(args, console),
         Command::Locate(args) => locate_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
-        Command::Validate(args) => validate_command::run(args, console),
-        Command::Errata(args) => errata::run(args, console),
         #[cfg(feature = "plot")]
         Command::Stripes(args) => crate::stripes::run(args, console),
-        #[cfg(feature = "plot")]
-        Command::Figures(args) => crate::figures::run(args, console),
         #[cfg(not(feature = "plot"))]
-        Command::Figures(_) | Command::Stripes(_) => {
+        Command::Stripes(_) => {
             Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
         }
-        #[cfg(feature = "accuracy")]
-        Command::Accuracy(args) => crate::accuracy::run(args, console),
-        #[cfg(not(feature = "accuracy"))]
-        Command::Accuracy(_) => {
-            Err(CliError::Request("this build has no accuracy suites: build with the feature `accuracy`".to_owned()))
-        }
+        Command::Study(_) => Err(CliError::Request(format!(
+            "{} are studies, a program of their own: cargo run --release -p vibrochain-studies -- --help",
+            STUDIES.join(", ")
+        ))),
     }
 }

@@ -12,7 +12,7 @@ use crate::start::Start;
 use vibrochain_maps::files::CsvFile;
 
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.
-pub(crate) fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
+pub fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
     let periods = time.periods() % u64::from(orbit.force_periods());
     periods as f64 * orbit.model().period() + time.offset() + start
 }
@@ -132,7 +132,7 @@ mod with_plot {
             let Some((format, file)) = open(args.plot.as_deref())? else { return Ok(Self(None)) };
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
             let sites = model.chain().sites();
-            let title = crate::figures::solve::describe(model);
+            let title = crate::caption::describe(model);
             Ok(Self(Some(Collected {
                 format,
                 file,

@@ -17,7 +17,7 @@ const VARIABLE: &str = "RAYON_NUM_THREADS";
 ///
 /// # Errors
 /// [`CliError::Request`] for a number out of range, [`CliError::Computation`] if the system refuses.
-pub(crate) fn threads(asked: Option<usize>) -> Result<ThreadPool, CliError> {
+pub fn threads(asked: Option<usize>) -> Result<ThreadPool, CliError> {
     let variable = std::env::var(VARIABLE).ok();
     let count = count(asked, variable.as_deref())?;
     ThreadPoolBuilder::new()
@@ -27,7 +27,7 @@ pub(crate) fn threads(asked: Option<usize>) -> Result<ThreadPool, CliError> {
 }
 
 /// The number of cores that this process may use.
-pub(crate) fn cores() -> usize {
+pub fn cores() -> usize {
     available_parallelism().map_or(1, usize::from)
 }
 

@@ -35,7 +35,6 @@ fn options() -> Vec<(String, &'static str)> {
         (format!("{orbit} --multipliers FILE"), "csv"),
         (format!("{simulate} --impacts FILE"), "csv"),
         (format!("{simulate} --trajectory FILE"), "csv"),
-        ("validate --out FILE".to_owned(), "md"),
     ];
     if cfg!(feature = "plot") {
         all.extend([
@@ -46,7 +45,6 @@ fn options() -> Vec<(String, &'static str)> {
             (format!("{simulate} --plot FILE"), "png"),
             ("stripes scene.toml --out FILE".to_owned(), "png"),
             ("stripes scene.toml --out elsewhere/lines.png --csv FILE".to_owned(), "csv"),
-            ("figures --only 3 --out elsewhere/figures --document FILE".to_owned(), "md"),
         ]);
     }
     if cfg!(feature = "compress") {
@@ -269,17 +267,10 @@ fn endings_that_promise_something_else_are_refused() {
         folders.extend([
             (format!("{orbit} a.png"), "--all-plots a.png ends as a file does"),
             (format!("{orbit} -"), "--all-plots - is standard output"),
-            ("figures --only 3 --out figures.svg".to_owned(), "--out figures.svg ends as a file does"),
         ]);
-    }
-    if cfg!(feature = "accuracy") {
-        folders.push(("accuracy --quick --out docs.md".to_owned(), "--out docs.md ends as a file does"));
     }
     for (line, told) in folders {
         desk.run(&line).with(2, &[told]);
-    }
-    for line in ["validate --out table.csv", "errata --out table.json"] {
-        desk.run(line).with(2, &["a document in Markdown is written here"]);
     }
     assert_eq!((desk.names("."), desk.names("elsewhere")), before);
     assert!(asked > 60);
@@ -342,7 +333,6 @@ fn no_file_has_two_uses_by_whatever_names() {
                 format!("{orbit} --plot new/../pics/solution-1-trace.png --all-plots pics"),
                 "a name that --all-plots uses",
             ),
-            ("figures --only 3 --out figures --document new/../figures".to_owned(), "--out and --document"),
         ]);
     }
     for (line, told) in cases {

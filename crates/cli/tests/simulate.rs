@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory;
 use tempfile::TempDir;
-use vibrochain_cli::args::Cli;
+use vibrochain_cli::args::{Cli, read};
 use vibrochain_cli::console::Console;
 use vibrochain_cli::program;
 
@@ -63,7 +63,7 @@ fn no_wrong_number_is_answered_in_the_words_of_a_programming_language() {
             let flag = format!("--{}", argument.get_long().unwrap());
             for wrong in ["two", "1,5", "0x10", ""] {
                 let line = ["mapgen", command.get_name(), &flag, wrong].map(Into::into);
-                let message = Cli::read(line).unwrap_err().to_string();
+                let message = read::<Cli>(line).unwrap_err().to_string();
                 assert!(message.contains(&flag), "{message}");
                 let rust = ["literal", "digit found", "i64", "u64", "f64", "usize"]
                     .iter()
@@ -193,17 +193,11 @@ fn periods_need_not_be_whole() {
 fn a_resonance_is_exit_code_three() {
     // 2ω on the uniform mode.
     let point = "--sites 5 --gamma1 .25 --gamma2 .1 --omega .25 --asymmetry .4 --family single-sided";
-    let folder = tempfile::tempdir().unwrap();
-    let scenes = folder.path().join("scenes");
-    fs::create_dir(&scenes).unwrap();
-    let figure = "[figure]\nkind = \"trace\"\ntitle = \"t\"\nfamily = \"single-sided\"\n[model]\nsites = 5\ngamma1 = 0.25\ngamma2 = 0.1\nomega = 0.25\nasymmetry = 0.4\n";
-    fs::write(scenes.join("figure-1.toml"), figure).unwrap();
     for command in [
         format!("orbit {point}"),
         format!("orbit --json {point}"),
         format!("simulate {point}"),
         format!("locate --event fold --free gamma2 {point}"),
-        format!("figures --scenes {} --out {}", scenes.display(), folder.path().join("out").display()),
     ] {
         let (code, out, message) = run(&format!("mapgen {command}"));
         assert!(code == 3 && out.is_empty(), "{command}: {code} {out}{message}");

@@ -36,6 +36,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 pub struct Desk {
     folder: TempDir,
+    program: &'static str,
 }
 
 /// How a run ended, and what it said.
@@ -80,10 +81,16 @@ impl Default for Desk {
 }
 
 impl Desk {
-    /// An empty folder.
+    /// An empty folder, for `mapgen`.
     #[must_use]
     pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        Self::of("mapgen")
+    }
+
+    /// An empty folder, for another program.
+    #[must_use]
+    pub fn of(program: &'static str) -> Self {
+        Self { folder: tempfile::tempdir().unwrap(), program }
     }
 
     /// The path of a file in it.
@@ -110,7 +117,7 @@ impl Desk {
     /// The program, in this folder and outside of any job.
     #[must_use]
     pub fn command(&self, line: &str) -> Command {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin("mapgen"));
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin(self.program));
         command.current_dir(self.folder.path()).args(line.split(' ')).stdin(Stdio::null());
         for variable in ["ID", "MIN", "MAX", "COUNT", "STEP"] {
             command.env_remove(format!("SLURM_ARRAY_TASK_{variable}"));
@@ -216,7 +223,17 @@ pub fn undisturbed(scene: &str) -> Vec<u8> {
 /// The program with these arguments, for a test to make demands of.
 #[must_use]
 pub fn mapgen(arguments: &[&str]) -> assert_cmd::Command {
-    let mut command = assert_cmd::Command::cargo_bin("mapgen").unwrap();
+    program("mapgen", arguments)
+}
+
+/// The program `studies` with these arguments.
+#[must_use]
+pub fn studies(arguments: &[&str]) -> assert_cmd::Command {
+    program("studies", arguments)
+}
+
+fn program(name: &str, arguments: &[&str]) -> assert_cmd::Command {
+    let mut command = assert_cmd::Command::cargo_bin(name).unwrap();
     command.args(arguments);
     command
 }

@@ -11,15 +11,15 @@ use crate::plot::canvas::PlotError;
 use crate::plot::map::tick;
 
 /// A panel with two real axes.
-pub(crate) type Panel<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub type Panel<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Draws the axes, over a light grid if the panel is not filled by a raster.
-pub(crate) fn axes<B: DrawingBackend>(panel: &mut Panel<'_, B>, x: &str, y: &str, grid: bool) -> Result<(), PlotError> {
+pub fn axes<B: DrawingBackend>(panel: &mut Panel<'_, B>, x: &str, y: &str, grid: bool) -> Result<(), PlotError> {
     labelled_axes(panel, x, y, grid, [&|value| tick(*value); 2])
 }
 
 /// The same for axes of any kind, with labels for the ticks of x and y.
-pub(crate) fn labelled_axes<B: DrawingBackend, X, Y>(
+pub fn labelled_axes<B: DrawingBackend, X, Y>(
     panel: &mut ChartContext<'_, B, Cartesian2d<X, Y>>,
     x: &str,
     y: &str,
@@ -47,7 +47,7 @@ where
 }
 
 /// Draws the two barriers as dashed lines across the panel.
-pub(crate) fn barriers<B: DrawingBackend>(
+pub fn barriers<B: DrawingBackend>(
     panel: &mut Panel<'_, B>,
     (lower, upper): (f64, f64),
     (from, to): (f64, f64),
@@ -58,7 +58,7 @@ pub(crate) fn barriers<B: DrawingBackend>(
 }
 
 /// Draws the legend of the series that have labels.
-pub(crate) fn legend<'a, B: DrawingBackend + 'a>(panel: &mut Panel<'a, B>) -> Result<(), PlotError> {
+pub fn legend<'a, B: DrawingBackend + 'a>(panel: &mut Panel<'a, B>) -> Result<(), PlotError> {
     panel
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)

@@ -17,10 +17,11 @@ use vibrochain_maps::files::{Destination, promises};
 /// A picture that could not be drawn.
 #[derive(Debug, Clone, Error)]
 #[error("could not draw the picture: {0}")]
-pub struct PlotError(pub(crate) String);
+pub struct PlotError(pub String);
 
 impl PlotError {
-    pub(crate) fn from(error: impl std::fmt::Display) -> Self {
+    /// In the words of what failed.
+    pub fn from(error: impl std::fmt::Display) -> Self {
         Self(error.to_string())
     }
 }
@@ -48,7 +49,7 @@ impl Format {
     ///
     /// # Errors
     /// [`CliError::Request`] for another ending, or a plain file without one.
-    pub(crate) fn asked(flag: &str, path: &Path) -> Result<Self, CliError> {
+    pub fn asked(flag: &str, path: &Path) -> Result<Self, CliError> {
         if let Some(format) = Self::of(path) {
             return Ok(format);
         }
@@ -64,7 +65,7 @@ impl Format {
     ///
     /// # Errors
     /// [`CliError::Request`].
-    pub(crate) fn promised(self, path: &Path) -> Result<(), CliError> {
+    pub fn promised(self, path: &Path) -> Result<(), CliError> {
         match self {
             Self::Png => promises("--png", path, "a picture of pixels", &["png"])?,
             Self::Svg => promises("--svg", path, "a picture of vectors", &["svg"])?,
@@ -77,13 +78,13 @@ impl Format {
 ///
 /// # Errors
 /// [`CliError::Request`] for another ending, or a place that cannot be written.
-pub(crate) fn open(path: Option<&Path>) -> Result<Option<(Format, Output)>, CliError> {
+pub fn open(path: Option<&Path>) -> Result<Option<(Format, Output)>, CliError> {
     let Some(path) = path else { return Ok(None) };
     Ok(Some((Format::asked("--plot", path)?, Output::create(path)?)))
 }
 
 /// A drawing that does not care which kind of file it ends up in.
-pub(crate) trait Drawing {
+pub trait Drawing {
     /// Draws on an area of the size that was asked for.
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError>;
 }
@@ -103,11 +104,7 @@ fn is_of_xml(c: char) -> bool {
 }
 
 /// The bytes of a picture.
-pub(crate) fn render(
-    drawing: &impl Drawing,
-    format: Format,
-    (width, height): (u32, u32),
-) -> Result<Vec<u8>, PlotError> {
+pub fn render(drawing: &impl Drawing, format: Format, (width, height): (u32, u32)) -> Result<Vec<u8>, PlotError> {
     font();
     match format {
         Format::Png => {

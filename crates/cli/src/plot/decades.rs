@@ -9,14 +9,14 @@ const MANY: i32 = 10;
 
 /// Whole decades from 10^low to 10^high; positions on the axis are decimal logarithms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Decades {
+pub struct Decades {
     low: i32,
     high: i32,
 }
 
 impl Decades {
     /// The decades that hold all of these logarithms with a little air, at least two.
-    pub(crate) fn holding(logarithms: impl Iterator<Item = f64>) -> Self {
+    pub fn holding(logarithms: impl Iterator<Item = f64>) -> Self {
         let (low, high) = logarithms.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         if low > high {
             return Self { low: -2, high: 0 };
@@ -26,14 +26,12 @@ impl Decades {
     }
 
     /// One more at the lower end.
-    #[cfg(any(feature = "accuracy", test))]
-    pub(crate) fn with_one_below(self) -> Self {
+    pub fn with_one_below(self) -> Self {
         Self { low: self.low - 1, ..self }
     }
 
     /// The logarithm at the lower end.
-    #[cfg(feature = "accuracy")]
-    pub(crate) fn low(self) -> f64 {
+    pub fn low(self) -> f64 {
         f64::from(self.low)
     }
 }
@@ -68,7 +66,7 @@ impl ValueFormatter<f64> for Decades {
 }
 
 /// 10 to a whole power, with a raised exponent.
-pub(crate) fn power_of_ten(exponent: f64) -> String {
+pub fn power_of_ten(exponent: f64) -> String {
     let raised = |digit: char| match digit {
         '-' => '⁻',
         '1' => '¹',

@@ -2,7 +2,7 @@
 
 /// Corners of marker number `index` in pixels about its point: circle, square, triangle, diamond, triangle on its head,
 /// star.
-pub(crate) fn marker(index: usize) -> Vec<(i32, i32)> {
+pub fn marker(index: usize) -> Vec<(i32, i32)> {
     match index % 6 {
         0 => (0..16).map(|i| f64::from(i) * std::f64::consts::TAU / 16.0).map(|t| polar(5.0, t)).collect(),
         1 => vec![(-4, -4), (4, -4), (4, 4), (-4, 4)],

@@ -59,7 +59,7 @@ impl Palette {
 }
 
 /// Colour of the pixel (x, y) of a mechanism in a legend: on a grey that is no class's, as textures are the same on all of them.
-pub(crate) fn sample(mechanism: Mechanism, x: u32, y: u32) -> Rgb {
+pub fn sample(mechanism: Mechanism, x: u32, y: u32) -> Rgb {
     shaded([225, 225, 225], is_marked(mechanism, x, y))
 }
 
@@ -80,7 +80,7 @@ fn shaded(colour: Rgb, marked: bool) -> Rgb {
 
 /// Colours of lines in a diagram, in order of use: dark and light take turns, so that neighbours in a legend are told
 /// apart in grey; the hues are apart for colour-blind eyes.
-pub(crate) const LINES: [Rgb; 6] =
+pub const LINES: [Rgb; 6] =
     [[16, 50, 98], [236, 138, 60], [0, 120, 90], [110, 190, 235], [150, 40, 90], [150, 150, 150]];
 
 #[cfg(test)]

@@ -1,0 +1,40 @@
+//! What captions say of models and orbits.
+
+use vibrochain_breather::{Impact, Orbit};
+use vibrochain_lattice::{Model, Spectrum, far_motion};
+use vibrochain_maps::force;
+
+/// "N = 20, γ₁ = 0.2, …": all that is fixed.
+pub fn describe(model: &Model) -> String {
+    in_common(&[model])
+}
+
+/// What several points of a figure have in common; what differs is told by its curves.
+pub fn in_common(models: &[&Model]) -> String {
+    let parts = |model: &Model| {
+        let chain = model.chain();
+        let mut parts = vec![
+            format!("N = {}", chain.sites() - 1),
+            format!("γ₁ = {}", chain.gamma1()),
+            format!("γ₂ = {}", chain.gamma2()),
+            format!("ω = {}", model.omega()),
+            format!("a = {}", model.asymmetry()),
+        ];
+        parts.extend(force::caption(model));
+        parts
+    };
+    let all: Vec<Vec<String>> = models.iter().map(|model| parts(model)).collect();
+    let common = |part: &&String| all.iter().all(|parts| parts.contains(part));
+    all.first().into_iter().flatten().filter(common).cloned().collect::<Vec<_>>().join(", ")
+}
+
+/// Harmonics of a far field that are added at most; the nearest neighbours need the most of them.
+const MAX_TERMS: u64 = 1_000_000;
+
+/// By how much a mass `n` ≥ 1 sites from the one that takes all impacts differs from the uniform motion, in full relative accuracy:
+/// by harmonics, of which every one falls from site to site by its own factor.
+pub fn beside(orbit: &Orbit, spectrum: &Spectrum, n: usize, time: f64) -> f64 {
+    let since = |impact: &Impact| (time - impact.time).rem_euclid(orbit.period());
+    let impulses: Vec<_> = orbit.impacts().iter().map(|impact| (since(impact), impact.impulse)).collect();
+    far_motion(spectrum, orbit.frequency(), n, &impulses, MAX_TERMS).0
+}

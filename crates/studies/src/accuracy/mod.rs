@@ -1,0 +1,212 @@
+//! `studies accuracy`: error against run time, this program's methods beside those they replace.
+//!
+//! Each suite is a list of cases; in each case several methods compute the same quantity, every one at a few settings.
+//! What comes out is one row a setting: the time of one evaluation on one thread, and its error against the truth. The
+//! document with all tables and pictures is made by the command alone.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `table`, `document` | rows and their files; sections and the Markdown they make |
+//! | `meter` | the time of one evaluation; Ctrl-C; progress |
+//! | [`extremes`] | extreme corners and random points against many digits |
+//! | `spectrum`, `simulation`, `map`, `kernels`, `orbits` | the suites |
+//! | [`paper`], `series` | the paper's procedure, and its Fourier series |
+//! | `steppers` | general solvers for ordinary differential equations |
+
+mod document;
+pub mod extremes;
+mod kernels;
+mod map;
+mod meter;
+mod orbits;
+pub mod paper;
+mod picture;
+mod series;
+mod simulation;
+mod spectrum;
+mod steppers;
+mod table;
+
+use std::path::Path;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::accuracy::document::{Block, Document, Section};
+use crate::accuracy::extremes::report::{Report, Surroundings};
+use crate::accuracy::meter::Meter;
+use crate::accuracy::table::Table;
+use crate::args::{AccuracyArgs, SuiteName};
+use vibrochain_cli::console::Console;
+use vibrochain_cli::error::CliError;
+use vibrochain_cli::threads::threads;
+use vibrochain_maps::files::Output;
+use vibrochain_maps::files::promises_folder;
+
+/// One suite: what it compares, in words, and how it is run.
+struct Suite {
+    /// The name of its files.
+    name: &'static str,
+    title: &'static str,
+    /// What is compared with what, and what the reader learns.
+    prose: &'static str,
+    /// What its errors are.
+    error: &'static str,
+    run: fn(&mut Meter<'_>) -> Result<Table, CliError>,
+}
+
+/// All suites, in the order of the document.
+const SUITES: &[(SuiteName, &Suite)] = &[
+    (SuiteName::Kernels, &kernels::SUITE),
+    (SuiteName::Orbits, &orbits::SUITE),
+    (SuiteName::Spectrum, &spectrum::SUITE),
+    (SuiteName::Simulation, &simulation::SUITE),
+    (SuiteName::Map, &map::SUITE),
+];
+
+/// The name of the document.
+const DOCUMENT: &str = "accuracy.md";
+
+/// The folder beside it, with tables and pictures.
+const FILES: &str = "accuracy";
+
+/// What `scripts/lean.sh` prints, if it has been put into that folder: the document takes it over as it stands.
+const LEAN: &str = "lean.md";
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`].
+pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    promises_folder("--out", &args.out)?;
+    let chosen = SUITES.iter().filter(|(name, _)| args.suite.is_empty() || args.suite.contains(name));
+    let chosen: Vec<&Suite> = chosen.map(|(_, suite)| *suite).collect();
+    // Destinations first: an impossible one should not cost a computation.
+    let document_file = Output::create(&args.out.join(DOCUMENT))?;
+    let folder = args.out.join(FILES);
+    let files = chosen.iter().map(|suite| Files::open(&folder, suite.name)).collect::<Result<Vec<_>, _>>()?;
+    let everything = args.suite.is_empty();
+    let extremes_file = (everything || args.suite.contains(&SuiteName::Extremes))
+        .then(|| Output::create(&folder.join(EXTREMES)))
+        .transpose()?;
+
+    let stop = (console.interrupt)()?;
+    let bar = progress(chosen.len() + usize::from(extremes_file.is_some()), console.progress);
+    let mut meter = Meter::new(&stop, &bar, args.quick);
+    let mut document = Document::new(args.quick);
+    let mut written = Vec::new();
+    for (suite, files) in chosen.into_iter().zip(files) {
+        meter.enter(suite.name);
+        let table = (suite.run)(&mut meter)?;
+        document.sections.push(section(suite, &table));
+        written.push((files, table, suite));
+        bar.inc(1);
+    }
+    let mut broken = None;
+    if let Some(file) = extremes_file {
+        meter.enter("extremes");
+        let report = Report::run(&meter, &threads(None)?, args.quick)?;
+        document.sections.push(extreme_section(&report));
+        broken = report.broken().map(|(count, row)| format!("{count} promises are broken, the first: {row:?}"));
+        file.finish_with(&report.csv()?)?;
+    }
+    if everything {
+        match std::fs::read_to_string(folder.join(LEAN)) {
+            Ok(text) => document
+                .sections
+                .push(Section { title: "What a scene pays for".to_owned(), blocks: vec![Block::Prose(text)] }),
+            Err(_) => {
+                let path = folder.join(LEAN).display().to_string();
+                console
+                    .remark(&format!("{path} is not there: the document goes without it (scripts/lean.sh makes it)"));
+            }
+        }
+    }
+    bar.finish_and_clear();
+    // All or nothing: an interrupted run leaves an older set of files as it was.
+    for (files, table, suite) in written {
+        files.write(&table, suite)?;
+    }
+    document_file.finish_with(document.markdown().as_bytes())?;
+    broken.map_or(Ok(()), |message| Err(CliError::Computation(message)))
+}
+
+/// The table of the extremes.
+const EXTREMES: &str = "extremes.csv";
+
+impl Surroundings for Meter<'_> {
+    fn at(&self, what: &str) -> Result<(), CliError> {
+        self.say(what);
+        self.go_on()
+    }
+}
+
+/// The extremes' part of the document.
+fn extreme_section(report: &Report) -> Section {
+    let mut blocks = vec![Block::Prose(extremes::report::PROSE.to_owned())];
+    blocks.push(Block::Prose(format!("All corners: [{EXTREMES}]({FILES}/{EXTREMES}).")));
+    blocks.extend(report.markdown().into_iter().map(Block::Prose));
+    Section { title: "Extremes".to_owned(), blocks }
+}
+
+/// The suite's part of the document.
+fn section(suite: &Suite, table: &Table) -> Section {
+    let mut blocks = vec![Block::Prose(suite.prose.to_owned())];
+    blocks.push(Block::Picture { file: format!("{FILES}/{}.png", suite.name), caption: suite.title.to_owned() });
+    blocks.push(Block::Prose(format!(
+        "*error*: {}. All rows: [{name}.csv]({FILES}/{name}.csv).",
+        suite.error,
+        name = suite.name
+    )));
+    blocks.extend(table.markdown().into_iter().map(Block::Prose));
+    Section { title: suite.title.to_owned(), blocks }
+}
+
+fn progress(suites: usize, shown: bool) -> ProgressBar {
+    if !shown {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(suites as u64), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {pos}/{len} suites  {elapsed}  {wide_msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// The files of one suite.
+struct Files {
+    csv: Output,
+    pictures: [(vibrochain_cli::plot::Format, Output); 2],
+}
+
+impl Files {
+    fn open(folder: &Path, name: &str) -> Result<Self, CliError> {
+        let open = |ending: &str| Output::create(&folder.join(format!("{name}.{ending}")));
+        Ok(Self {
+            csv: open("csv")?,
+            pictures: [
+                (vibrochain_cli::plot::Format::Png, open("png")?),
+                (vibrochain_cli::plot::Format::Svg, open("svg")?),
+            ],
+        })
+    }
+
+    fn write(self, table: &Table, suite: &Suite) -> Result<(), CliError> {
+        self.csv.finish_with(&table.csv()?)?;
+        {
+            let picture = table.picture(suite.title, suite.error);
+            for (format, file) in self.pictures {
+                let bytes = crate::accuracy::picture::work_precision_picture(&picture, format)
+                    .map_err(|error| CliError::Computation(error.to_string()))?;
+                file.finish_with(&bytes)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A failure of the mathematics, in this command's words.
+fn computation(error: impl std::fmt::Display) -> CliError {
+    CliError::Computation(error.to_string())
+}

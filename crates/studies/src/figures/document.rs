@@ -1,0 +1,116 @@
+//! The document: each figure with its picture, parameters, what the paper says, and what is found.
+
+use std::path::Path;
+
+use crate::figures::captions::caption;
+use crate::figures::name;
+use crate::figures::scene::{FigureScene, Kind};
+use vibrochain_maps::manifest::VERSION;
+use vibrochain_maps::point::Parameter;
+
+/// The whole.
+pub(super) struct Document {
+    /// The folder of the pictures, as seen from the document.
+    pictures: String,
+    parts: Vec<String>,
+}
+
+impl Document {
+    /// A document at `document` for pictures in `out`.
+    pub(super) fn new(out: &Path, document: Option<&Path>, only: &[String]) -> Self {
+        let beside = document.and_then(Path::parent).unwrap_or(Path::new(""));
+        let pictures = out.strip_prefix(beside).unwrap_or(out).display().to_string();
+        let only = if only.is_empty() { String::new() } else { format!(" --only {}", only.join(",")) };
+        let preface = format!(
+            "# The figures of the paper\n\n\
+             Made by `studies figures --out {} --document {}{only}`, mapgen {VERSION}; words and numbers below come from the \
+             same run. `--only 9` makes one figure; `--scenes DIR` takes the scenes from a folder, such as \
+             `scenes/figures`, instead of those built in. Each figure is written as PNG, SVG and CSV.\n\n\
+             Impulses are signed and whole (the paper's 2p₁, −2p₂); margin is the smallest distance of any mass to a \
+             barrier at a turning point; |μ| is the spectral radius, per period of the orbit. Of several solutions the one \
+             with the smallest spectral radius is shown unless all are.",
+            out.display(),
+            document.unwrap_or(Path::new("FILE")).display()
+        );
+        Self { pictures, parts: vec![preface] }
+    }
+
+    /// Adds a figure.
+    pub(super) fn add(&mut self, id: &str, scene: &FigureScene, findings: &[String]) {
+        let title = match scene {
+            FigureScene::Map(scene) => scene.heading(),
+            FigureScene::Lines(scene) => scene.title.clone(),
+        };
+        self.parts.push(format!("## Figure {id}: {title}"));
+        let file = name(id, "", "png");
+        let place = if self.pictures.is_empty() { file } else { format!("{}/{file}", self.pictures) };
+        self.parts.push(format!("![{title}]({place})"));
+        self.parts.push(format!(
+            "*Parameters:* {}. Scene: `scenes/figures/{}`.",
+            parameters(scene),
+            name(id, "", "toml")
+        ));
+        if let Some(caption) = caption(id) {
+            self.parts.push(format!("*The paper:* {}", caption.paper));
+            self.parts.push(format!("*Here:* {}", caption.here));
+        }
+        self.parts.extend(findings.iter().cloned());
+    }
+
+    /// The Markdown text.
+    pub(super) fn markdown(&self) -> String {
+        self.parts.join("\n\n") + "\n"
+    }
+}
+
+/// What is fixed, and what is varied.
+fn parameters(scene: &FigureScene) -> String {
+    match scene {
+        FigureScene::Map(scene) => {
+            let mut parts = vec![format!("N = {}", scene.base.sites - 1)];
+            for parameter in Parameter::ALL {
+                let force = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
+                if !(scene.sweeps(parameter) || force && scene.is_conservative()) {
+                    parts.push(format!("{} = {}", parameter.symbol(), scene.base.get(parameter)));
+                }
+            }
+            for axis in &scene.axes {
+                let (symbol, steps) = (axis.parameter.symbol(), axis.points() - 1);
+                parts.push(format!("{symbol} from {} to {} in {steps} steps", axis.first(), axis.last()));
+            }
+            parts.join(", ")
+        }
+        FigureScene::Lines(scene) => {
+            let Some((_, first, model)) = scene.curves.first() else { return String::new() };
+            let mut parts = Vec::new();
+            let sites: Vec<_> = scene.curves.iter().map(|(_, point, _)| (point.sites - 1) as f64).collect();
+            let mut say = |symbol: &str, values: &[f64]| {
+                let same = values.iter().all(|value| *value == values[0]);
+                let shown: Vec<_> =
+                    values.iter().take(if same { 1 } else { values.len() }).map(f64::to_string).collect();
+                parts.push(format!("{symbol} = {}", shown.join("; ")));
+            };
+            say("N", &sites);
+            for parameter in Parameter::ALL {
+                let force = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
+                if force && model.is_conservative() && first.get(Parameter::Restitution) == 1.0 {
+                    continue;
+                }
+                let values: Vec<_> = scene.curves.iter().map(|(_, point, _)| point.get(parameter)).collect();
+                say(parameter.symbol(), &values);
+            }
+            match &scene.kind {
+                Kind::Solutions { over, from, to, .. } => {
+                    parts.push(format!("in the last panel {} from {from} to {to}", over.symbol()));
+                }
+                Kind::Comparison { perturb, periods, .. } => {
+                    parts.push(format!(
+                        "perturbation {perturb:e} along the leading Floquet mode, {periods} periods of the force"
+                    ));
+                }
+                Kind::Profile { .. } | Kind::Trace => {}
+            }
+            format!("{} breathers, {}", scene.family.name(), parts.join(", "))
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! All solutions at one point (figure 9): their traces, the curve a(φ) they are the zeros of, and what becomes of them as
+//! one more parameter changes.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use vibrochain_breather::Family;
+use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
+
+use crate::figures::drawn::{Drawn, Picture, Sheet};
+use crate::figures::scene::LineScene;
+use crate::figures::solve::{COLUMNS, RULE, Solved, physical, row};
+use crate::figures::trace;
+use crate::forms::{Kernels, Reading, double_sided};
+use vibrochain_cli::error::CliError;
+use vibrochain_cli::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
+use vibrochain_maps::point::{Parameter, Point};
+
+/// Values of φ at which a(φ) is drawn.
+const PHASES: usize = 1200;
+
+/// Asymmetries beyond this have no gap to be centred in.
+const ASYMMETRY: f64 = 1.0;
+
+/// Halvings of an interval in which the number of solutions changes; below 1e-11 of it two solutions are one to rounding.
+const HALVINGS: u32 = 36;
+
+/// Computes the figure. `over` is the further parameter, its ends and its number of values.
+///
+/// # Errors
+/// [`CliError`].
+pub(super) fn draw(
+    scene: &LineScene,
+    over: (Parameter, f64, f64, usize),
+    stop: &AtomicBool,
+) -> Result<Drawn, CliError> {
+    let nothing = || CliError::Request("a figure of solutions needs a point".to_owned());
+    let (_, point, model) = scene.curves.first().ok_or_else(nothing)?;
+    let solved = physical(model, scene.family)?;
+    let mut sheet = Sheet::new(&["solution", "time", "displacement", "velocity"])?;
+    let mut lines = vec![format!("| solution | {COLUMNS}\n|---|{RULE}")];
+    let mut traces = Vec::new();
+    for (i, solved) in solved.iter().enumerate() {
+        let number = (i + 1).to_string();
+        let samples = trace::samples(&solved.orbit)?;
+        for numbers in &samples {
+            sheet.row(&[&number], numbers)?;
+        }
+        let state = if solved.stability.verdict.stable { "stable" } else { "unstable" };
+        traces.extend(trace::series(&solved.orbit, &format!("{number}: {state}"), i, &samples));
+        lines.push(format!("| {number} | {}", row(solved)));
+    }
+    let mut findings = vec![lines.join("\n")];
+    let whole = Some(0.0..1.0);
+    let first = pane("the impacting mass over a period", "time t/T", "impacting mass v₀", Scale::Linear, traces);
+    let mut panes = vec![Pane { x_range: whole.clone(), ..first }];
+    let mut more = Vec::new();
+    if scene.family == Family::DoubleSided {
+        let (series, table) = asymmetry(model, &solved)?;
+        let scale = Scale::Between(-ASYMMETRY..ASYMMETRY);
+        let mut pane = pane("asymmetry that a time φ belongs to", "second impact φ/T", "asymmetry a(φ)", scale, series);
+        (pane.levels, pane.x_range) = (vec![model.asymmetry()], whole);
+        panes.push(pane);
+        more.push(("-asymmetry", table));
+    }
+    let (series, table, found) = branches(point, scene.family, over, stop)?;
+    let name = format!("{} {}", over.0.meaning(), over.0.symbol());
+    panes.push(pane("solutions and their stability", &name, "second impact φ/T", Scale::Linear, series));
+    more.push(("-branches", table));
+    findings.extend(found);
+    let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (480, 460) };
+    Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more, findings })
+}
+
+fn pane(caption: &str, x: &str, y: &str, scale: Scale, series: Vec<Series>) -> Pane {
+    let (caption, x, y) = (caption.to_owned(), x.to_owned(), y.to_owned());
+    Pane { caption, x, y, x_range: None, scale, levels: Vec::new(), round: false, series }
+}
+
+/// Both branches of a(φ), and the solutions on them.
+fn asymmetry(model: &Model, solved: &[Solved]) -> Result<(Vec<Series>, Vec<u8>), CliError> {
+    let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega())?;
+    let force = model.force_response()?;
+    let mut sheet = Sheet::new(&["branch", "phi", "asymmetry"])?;
+    let mut all = Vec::new();
+    let branches = [(1.0, "branch +", Stroke::Solid(2)), (-1.0, "branch −", Stroke::Dashed(2))];
+    for (index, (sign, name, stroke)) in branches.into_iter().enumerate() {
+        let mut points = Vec::new();
+        for k in 1..PHASES {
+            let part = k as f64 / PHASES as f64;
+            let phi = part * model.period();
+            let kernels = Kernels::at(&response, phi);
+            let form = double_sided(&kernels, model, force, phi, sign, Reading::Mended);
+            let a = form.map_or(f64::NAN, |form| form.asymmetry);
+            points.push((part, if a.abs() <= ASYMMETRY { a } else { f64::NAN }));
+            sheet.row(&[name], &[phi, a])?;
+        }
+        all.push(Series { name: name.to_owned(), colour: index, stroke, mark: Mark::None, points });
+    }
+    let marks =
+        solved.iter().filter_map(|solved| Some((solved.orbit.phi()? / solved.orbit.period(), model.asymmetry())));
+    let (name, stroke, mark) = ("solutions".to_owned(), Stroke::None, Mark::Hollow(0));
+    all.push(Series { name, colour: 4, stroke, mark, points: marks.collect() });
+    Ok((all, sheet.bytes()?))
+}
+
+/// Series of the panel, its table, and findings.
+type Branches = (Vec<Series>, Vec<u8>, Vec<String>);
+
+/// φ of all physical solutions over a parameter.
+fn branches(
+    point: &Point,
+    family: Family,
+    (parameter, from, to, count): (Parameter, f64, f64, usize),
+    stop: &AtomicBool,
+) -> Result<Branches, CliError> {
+    let at = |value: f64| -> Result<Vec<Solved>, CliError> {
+        physical(&point.with(parameter, value).model().map_err(|error| CliError::Request(error.to_string()))?, family)
+    };
+    let mut sheet = Sheet::new(&["verdict", parameter.name(), "phi", "spectral_radius"])?;
+    let (mut stable, mut unstable, mut findings) = (Vec::new(), Vec::new(), Vec::new());
+    let mut previous: Option<(f64, usize)> = None;
+    for i in 0..count {
+        let value = if i + 1 == count { to } else { from + i as f64 * (to - from) / (count - 1) as f64 };
+        if stop.load(Ordering::Relaxed) {
+            return Err(CliError::Interrupted);
+        }
+        let solved = at(value)?;
+        for solved in &solved {
+            let verdict = solved.stability.verdict;
+            let time = solved.orbit.impacts().last().map_or(0.0, |impact| impact.time);
+            let word = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }, |m| m.name());
+            sheet.row(&[word], &[value, time, verdict.spectral_radius])?;
+            if verdict.stable { &mut stable } else { &mut unstable }.push((value, time / solved.orbit.period()));
+        }
+        if let Some((earlier, before)) = previous
+            && before != solved.len()
+        {
+            let (mut low, mut high) = (earlier, value);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                if at(middle)?.len() == before { low = middle } else { high = middle }
+            }
+            findings.push(format!(
+                "The number of physical solutions changes from {before} to {} at {} = {:.9}.",
+                solved.len(),
+                parameter.symbol(),
+                0.5 * (low + high)
+            ));
+        }
+        previous = Some((value, solved.len()));
+    }
+    let series = |name: &str, colour, mark, points| {
+        let name = name.to_owned();
+        Series { name, colour, stroke: Stroke::None, mark, points }
+    };
+    let all = vec![series("stable", 0, Mark::Filled(0), stable), series("unstable", 1, Mark::Hollow(3), unstable)];
+    Ok((all, sheet.bytes()?, findings))
+}

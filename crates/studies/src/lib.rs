@@ -1,0 +1,17 @@
+//! The parts of the program `studies`, for its tests: what vibrochain is checked by. See `studies --help`.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `program`, `args` | the whole program as a function, its command line |
+//! | `figures` | every figure of the paper, with the numbers behind it |
+//! | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
+//! | `validate` | closed forms against simulation |
+//! | `accuracy` | error against run time |
+
+pub mod accuracy;
+pub mod args;
+pub mod errata;
+pub mod figures;
+mod forms;
+pub mod program;
+pub mod validate;

@@ -1,0 +1,10 @@
+//! `studies`: what vibrochain is checked by.
+
+use std::process::ExitCode;
+
+use vibrochain_cli::entry;
+use vibrochain_studies::program;
+
+fn main() -> ExitCode {
+    entry::enter(|arguments, console| program::run(arguments, console))
+}
