@@ -10,16 +10,24 @@
 //!
 //! an odd function, so that δ > 0 is enough: −δ gives the mirror image in time.
 //!
-//! [`all`] finds every zero. A map asks only for those that can be physical, and has few of them: [`candidates`] first samples
-//! s and the rise D = K₀(φ) − K₀(0) on a grid, and searches where s can vanish and D is not too small for the
-//! bound on [`Radiation`].
+//! [`all`] finds every zero. A map asks only for those that can be physical, and has few of them. [`Rises`] samples s and the
+//! rise K₀ − K₀(0) on a grid, closes in on the places where s can vanish, and keeps those that nothing else excludes:
+//!
+//! - the rise at φ, D, must be positive and not too small for the bound on [`Radiation`];
+//! - the mass that is hit must stay inside its gap. Its motion is u₀(t) = P₁K₀(t) + P₂K₀(t−φ), and as K₀ is even,
+//!
+//! ```text
+//! u₀(t) − u₀(φ−t) = (P₁−P₂)(K₀(t) − K₀(t−φ)) ;
+//! ```
+//!
+//! at t = 0 this is the whole gap, 2, and K₀(0) − K₀(φ) = −D. So |K₀(t) − K₀(t−φ)| ≤ D at all times, whatever the asymmetry.
 
 use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
 
 use crate::conservative::{double_sided_draft, impulses};
 use crate::enclosure::Dual;
-use crate::grid::{INTERVAL, turn};
+use crate::grid::turn;
 use crate::lanes::{LANES, Lane, total};
 use crate::orbit::Draft;
 use crate::radiation::Radiation;
@@ -97,11 +105,14 @@ fn drafts(model: &Model, response: &ImpulseResponse, zeros: &Zeros, mut found: i
     }
 }
 
-/// How often an interval is halved before it is searched: the bound on radiation then knows φ to a hundredth of a radian of
-/// the fastest mode, for less than one more sample would cost.
-const HALVINGS: u32 = 6;
+/// Length of a grid's interval in radians of the fastest mode. Cubics err by 1/400 of a term then, and a place is known to
+/// a hundredth of a radian; a finer grid would cost more than it tells.
+const INTERVAL: f64 = 1.0;
 
-/// s and D on an interval as cubics in Bernstein's form, within whose coefficients they stay.
+/// Places are not narrowed below this part of an interval: the cubics know no more.
+const FINEST: f64 = 1.0 / 128.0;
+
+/// s and K₀ − K₀(0) on an interval as cubics in Bernstein's form, within whose coefficients they stay.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     from: f64,
@@ -111,34 +122,83 @@ struct Piece {
 }
 
 impl Piece {
-    fn halves(&self) -> [Self; 2] {
-        let middle = 0.5 * (self.from + self.to);
-        let ([s, s_after], [rise, rise_after]) = (halves(self.s), halves(self.rise));
+    /// The parts before and after the fraction `t`.
+    fn split(&self, t: f64) -> [Self; 2] {
+        let middle = self.from + t * (self.to - self.from);
+        let ([s, s_after], [rise, rise_after]) = (split(self.s, t), split(self.rise, t));
         [Self { to: middle, s, rise, ..*self }, Self { from: middle, s: s_after, rise: rise_after, ..*self }]
+    }
+
+    /// The fractions between which s can vanish if it is off by no more than `error`: a cubic leaves the line through its
+    /// ends by no more than its inner coefficients do. In the wrong order if it cannot.
+    fn crossing(&self, error: f64) -> [f64; 2] {
+        let [a, b, c, d] = self.s;
+        let bends = [b - (2.0 * a + d) / 3.0, c - (a + 2.0 * d) / 3.0];
+        let low = bends[0].min(bends[1]).min(0.0) - error;
+        let high = bends[0].max(bends[1]).max(0.0) + error;
+        let ends = [low, high].map(|bend| (a + bend) / (a - d));
+        // Without a slope no fraction tells.
+        if a == d { [0.0, 1.0] } else { [ends[0].min(ends[1]).max(0.0), ends[0].max(ends[1]).min(1.0)] }
     }
 }
 
-/// Both halves of a cubic (de Casteljau).
-fn halves([a, b, c, d]: [f64; 4]) -> [[f64; 4]; 2] {
-    let mean = |x: f64, y: f64| 0.5 * (x + y);
+/// Both parts of a cubic (de Casteljau).
+fn split([a, b, c, d]: [f64; 4], t: f64) -> [[f64; 4]; 2] {
+    let mean = |x: f64, y: f64| x + t * (y - x);
     let (ab, bc, cd) = (mean(a, b), mean(b, c), mean(c, d));
     let (abc, bcd) = (mean(ab, bc), mean(bc, cd));
     let middle = mean(abc, bcd);
     [[a, ab, abc, middle], [middle, bcd, cd, d]]
 }
 
+/// s, s′ and Σ a_k (1 − cos Ω_kδ)/Ω_k² = K₀(T/2) − K₀(φ) at δ = 0, h, 2h, …, T/2.
+#[derive(Debug, Clone, Copy)]
+struct Samples<'a> {
+    nodes: &'a [[f64; 3]],
+    step: f64,
+    half: f64,
+}
+
+impl Samples<'_> {
+    fn intervals(&self) -> usize {
+        self.nodes.len() - 1
+    }
+
+    fn piece(&self, i: usize) -> Piece {
+        let highest = self.nodes.last().map_or(0.0, |node| node[2]);
+        let [[s, slope, lift], [next, next_slope, next_lift]] = [self.nodes[i], self.nodes[i + 1]];
+        let (rise, next_rise, third) = (highest - lift, highest - next_lift, self.step / 3.0);
+        Piece {
+            from: i as f64 * self.step,
+            to: if i + 1 == self.intervals() { self.half } else { (i + 1) as f64 * self.step },
+            s: [s, s + third * slope, next - third * next_slope, next],
+            rise: [rise, rise - third * s, next_rise + third * next, next_rise],
+        }
+    }
+
+    /// K₀ − K₀(0) at the time T/2 + `offset`, |offset| ≤ T.
+    fn rise(&self, offset: f64) -> f64 {
+        // K₀ is even about T/2 and has the period T.
+        let (nodes, distance) = (self.intervals() as f64, offset.abs() / self.step);
+        let place = if distance > nodes { 2.0 * nodes - distance } else { distance };
+        let i = (place as usize).min(self.intervals() - 1);
+        split(self.piece(i).rise, place - i as f64)[0][3]
+    }
+}
+
 /// What decides whether a physical orbit can be on an interval.
 struct Bounds<'a> {
+    samples: Samples<'a>,
     radiation: &'a Radiation,
-    period: f64,
     asymmetry: f64,
     /// 2K₀(0), infinite for γ₁ = 0.
     twice: f64,
     /// How far the cubics can be off.
     error: f64,
     rise_error: f64,
-    /// |s′(0)|, less its rounding, and the bound on |s‴|.
+    /// |s′(0)|, less its rounding, and the bounds on |s| and |s″|.
     flat: f64,
+    steepest: f64,
     second: f64,
 }
 
@@ -146,17 +206,37 @@ impl Bounds<'_> {
     /// Whether any orbit on an interval is excluded by the sign of its impulses or by what it radiates. Half impulses have the mean
     /// 1/(2D) and half the difference a/(2(D + 2K₀(0))).
     fn radiates(&self, piece: &Piece) -> bool {
-        let most = piece.rise.into_iter().fold(f64::NEG_INFINITY, f64::max) + self.rise_error;
-        let least = piece.rise.into_iter().fold(f64::INFINITY, f64::min) - self.rise_error;
-        let [from, to] = [piece.from, piece.to].map(|delta| 0.5 + delta / self.period);
+        let [least, most] = self.rises(piece);
+        let [from, to] = [piece.from, piece.to].map(|delta| 0.5 + 0.5 * delta / self.samples.half);
         let difference = 0.5 * self.asymmetry / (most + self.twice).abs().max((least + self.twice).abs());
         // A difference larger than the mean turns one impulse round; a little of that polishing an orbit could mend.
         let turned = least > 0.0 && difference > 1.01 * 0.5 / least;
-        most <= 0.0 || turned || !self.radiation.allows_between(from, to, 0.5 / most, difference)
+        turned || !self.radiation.allows_between(from, to, 0.5 / most, difference)
+    }
+
+    /// Bounds on D.
+    fn rises(&self, piece: &Piece) -> [f64; 2] {
+        let least = piece.rise.into_iter().fold(f64::INFINITY, f64::min) - self.rise_error;
+        [least, piece.rise.into_iter().fold(f64::NEG_INFINITY, f64::max) + self.rise_error]
+    }
+
+    /// Whether the mass that is hit leaves its gap for any φ of an interval, as far as some times of a period tell.
+    fn leaves(&self, piece: &Piece) -> bool {
+        let Samples { half, .. } = self.samples;
+        let (delta, radius) = (0.5 * (piece.from + piece.to), 0.5 * (piece.to - piece.from));
+        let [_, most] = self.rises(piece);
+        let limit = most + 2.0 * self.rise_error + self.steepest * radius;
+        let times = 4 * self.samples.intervals();
+        (0..times).any(|i| {
+            // Of the time since φ.
+            let offset = half * (2.0 * i as f64 / times as f64 - 2.0);
+            (self.samples.rise(offset + half + delta) - self.samples.rise(offset)).abs() > limit
+        })
     }
 
     /// Adds the parts of an interval that are left to `places`.
-    fn narrow(&self, piece: Piece, halvings: u32, places: &mut Vec<(f64, f64)>) {
+    fn narrow(&self, piece: Piece, places: &mut Vec<(f64, f64)>) {
+        let [_, most] = self.rises(&piece);
         let no_zero = if piece.from == 0.0 {
             // But for the one at δ = 0, next to which s′ keeps its sign: s″(0) = 0.
             self.flat > 0.5 * self.second * piece.to * piece.to
@@ -164,17 +244,23 @@ impl Bounds<'_> {
             let least = piece.s.iter().map(|b| b.abs()).fold(f64::INFINITY, f64::min);
             least > self.error && piece.s.iter().all(|b| (*b > 0.0) == (piece.s[0] > 0.0))
         };
-        if no_zero {
+        if no_zero || most <= 0.0 {
             return;
         }
-        // The bound's sines are worth their while before the halvings and after them.
-        if (halvings == HALVINGS || halvings == 0) && self.radiates(&piece) {
-            return;
-        }
-        if halvings > 0 {
-            for half in piece.halves() {
-                self.narrow(half, halvings - 1, places);
+        if piece.to - piece.from > FINEST * self.samples.step {
+            let [low, high] = if piece.from == 0.0 { [0.0, 1.0] } else { piece.crossing(self.error) };
+            if high - low > 0.5 {
+                for half in piece.split(0.5) {
+                    self.narrow(half, places);
+                }
+            } else if low <= high {
+                let [before, _] = piece.split(high);
+                let [_, between] = before.split(low / high.max(f64::MIN_POSITIVE));
+                self.narrow(between, places);
             }
+            return;
+        }
+        if self.radiates(&piece) || self.leaves(&piece) {
             return;
         }
         match places.last_mut() {
@@ -184,16 +270,14 @@ impl Bounds<'_> {
     }
 }
 
-/// Four modes on their way from δ = 0 to T/2: sin(Ωδ)/Ω, cos Ωδ and (1 − cos Ωδ)/Ω², and what a step does to them.
+/// Four modes on their way from δ = 0 to T/2: a sin(Ωδ)/Ω, a cos Ωδ and a (1 − cos Ωδ)/Ω², and what a step does to them.
 #[derive(Debug, Clone, Copy)]
 struct Swing {
-    amplitude: f64x4,
-    frequency: f64x4,
     state: [f64x4; 3],
-    turn: [f64x4; 3],
+    turn: [f64x4; 4],
 }
 
-/// s, s′ and Σ a_k (1 − cos Ω_kδ)/Ω_k² = K₀(T/2) − K₀(φ) on a grid of δ from 0 to T/2, and the places where a physical orbit can be.
+/// The grid of [`Samples`], and the places where a physical orbit can be.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Rises {
     swings: Vec<Swing>,
@@ -213,51 +297,57 @@ impl Rises {
         self.places.len()
     }
 
-    /// Finds the places of δ > 0 where neither s ≠ 0 nor the bound on radiation excludes a physical orbit.
+    /// Finds the places of δ > 0 where nothing excludes a physical orbit.
     pub(crate) fn set(&mut self, model: &Model, response: &ImpulseResponse, radiation: &Radiation) {
-        self.places.clear();
+        let mut places = std::mem::take(&mut self.places);
+        places.clear();
+        match self.bounds(model, response, radiation) {
+            Some(bounds) => {
+                (0..bounds.samples.intervals()).for_each(|i| bounds.narrow(bounds.samples.piece(i), &mut places));
+            }
+            None => places.push((0.0, 0.5 * response.period())),
+        }
+        self.places = places;
+    }
+
+    /// `None` where a grid would take too many intervals.
+    fn bounds<'a>(
+        &'a mut self,
+        model: &Model,
+        response: &ImpulseResponse,
+        radiation: &'a Radiation,
+    ) -> Option<Bounds<'a>> {
         let half = 0.5 * response.period();
         let intervals = ((half * top(response) / INTERVAL).ceil() as usize).max(4);
         if intervals > MOST {
-            self.places.push((0.0, half));
-            return;
+            return None;
         }
         let step = half / intervals as f64;
-        let [second, third, size] = self.start(response, step);
+        let [first, second, third] = self.start(response, step);
         self.sample(intervals);
+        let nodes = &self.nodes;
         // Cubics through values and slopes at both ends err by h⁴/384 times the fourth derivative; rounding adds up from step
         // to step.
         let quartic = step.powi(4) / 384.0;
-        let rounding = 8.0 * f64::EPSILON * intervals as f64 * size;
-        let highest = self.nodes.last().map_or(0.0, |node| node[2]);
-        let bounds = Bounds {
+        let rounding = 8.0 * f64::EPSILON * intervals as f64 * first * half;
+        Some(Bounds {
+            samples: Samples { nodes, step, half },
             radiation,
-            period: response.period(),
             asymmetry: model.asymmetry(),
             twice: 2.0 * (response.static_stiffness().recip() + response.dynamic_at_impulse()),
             error: quartic * third + rounding,
             rise_error: quartic * second + rounding * half,
-            flat: self.nodes.first().map_or(0.0, |node| node[1].abs() - rounding / step),
+            flat: nodes.first().map_or(0.0, |node| node[1].abs() - rounding / step),
+            // No place is farther from a node than half a step.
+            steepest: nodes.iter().map(|node| node[0].abs()).fold(0.0, f64::max) + 0.5 * step * first,
             second,
-        };
-        let third_of = step / 3.0;
-        for (i, ends) in self.nodes.windows(2).enumerate() {
-            let [[s, slope, lift], [next, next_slope, next_lift]] = [ends[0], ends[1]];
-            let (rise, next_rise) = (highest - lift, highest - next_lift);
-            let piece = Piece {
-                from: i as f64 * step,
-                to: if i + 1 == intervals { half } else { (i + 1) as f64 * step },
-                s: [s, s + third_of * slope, next - third_of * next_slope, next],
-                rise: [rise, rise - third_of * s, next_rise + third_of * next, next_rise],
-            };
-            bounds.narrow(piece, HALVINGS, &mut self.places);
-        }
+        })
     }
 
-    /// Puts the modes at δ = 0. Tells Σ|a|Ω², Σ|a|Ω³ and Σ|a|·T/2, the size of terms of s.
+    /// Puts the modes at δ = 0. Tells Σ|a|, Σ|a|Ω² and Σ|a|Ω³, the bounds on |s′|, |s‴| and |s⁗|.
     fn start(&mut self, response: &ImpulseResponse, step: f64) -> [f64; 3] {
         let (frequencies, weights, sines) = (response.frequencies(), response.weights(), response.sin_half());
-        let (mut second, mut third, mut size) = (f64x4::ZERO, f64x4::ZERO, f64x4::ZERO);
+        let (mut first, mut second, mut third) = (f64x4::ZERO, f64x4::ZERO, f64x4::ZERO);
         self.swings.clear();
         for k in (0..frequencies.len()).step_by(LANES) {
             let (mut frequency, mut amplitude): (Lane, Lane) = ([0.0; LANES], [0.0; LANES]);
@@ -269,33 +359,74 @@ impl Rises {
                 amplitude[i] = weights[k + i] * factor;
             }
             let (frequency, amplitude) = (f64x4::from(frequency), f64x4::from(amplitude));
-            let [cos, sin_over, _] = turn(frequency, f64x4::splat(step));
-            // 1 − cos = sin²/(1 + cos)
-            let lift = sin_over * sin_over / (f64x4::ONE + cos);
-            let state = [f64x4::ZERO, f64x4::ONE, f64x4::ZERO];
-            self.swings.push(Swing { amplitude, frequency, state, turn: [sin_over, cos, lift] });
-            let term = amplitude.abs() * frequency * frequency;
-            (second, third, size) = (second + term, third + term * frequency, size + amplitude.abs());
+            let square = frequency * frequency;
+            // By two halves of a step, as far as its series reach: 1 − cos Ωh = 2 sin² Ωh/2.
+            let [cos_half, sin_half, _] = turn(frequency, f64x4::splat(0.5 * step));
+            let (sin, lift) = (sin_half * cos_half, sin_half * sin_half);
+            let (sin, lift) = (sin + sin, lift + lift);
+            let state = [f64x4::ZERO, amplitude, f64x4::ZERO];
+            self.swings.push(Swing { state, turn: [sin, f64x4::ONE - square * lift, lift, square * sin] });
+            let (size, term) = (amplitude.abs(), amplitude.abs() * square);
+            (first, second, third) = (first + size, second + term, third + term * frequency);
         }
-        [total(second), total(third), total(size) * 0.5 * response.period()]
+        [total(first), total(second), total(third)]
     }
 
     fn sample(&mut self, intervals: usize) {
         self.nodes.clear();
         for _ in 0..=intervals {
             let mut sums = [f64x4::ZERO; 3];
-            for Swing { amplitude, frequency, state, turn } in &mut self.swings {
-                let ([sin, cos, lift], [sin_step, cos_step, lift_step]) = (*state, *turn);
-                for (sum, value) in sums.iter_mut().zip([sin, cos, lift]) {
-                    *sum += *amplitude * value;
-                }
+            for Swing { state, turn } in &mut self.swings {
+                let ([sin, cos, lift], [sin_step, cos_step, lift_step, bend]) = (*state, *turn);
+                sums = [sums[0] + sin, sums[1] + cos, sums[2] + lift];
                 *state = [
                     sin * cos_step + cos * sin_step,
-                    cos * cos_step - *frequency * *frequency * sin * sin_step,
+                    cos * cos_step - sin * bend,
                     lift + sin * sin_step + cos * lift_step,
                 ];
             }
             self.nodes.push(sums.map(total));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Chain, Spectrum};
+
+    use super::*;
+
+    #[test]
+    fn cubics_and_crossings_are_as_good_as_they_say() {
+        let mut random = fastrand::Rng::with_seed(17);
+        let (mut rises, mut grids, mut tight) = (Rises::default(), 0, 0);
+        for _ in 0..1500 {
+            let gamma1 = 0.6 * (random.f64() - 0.1).max(0.0);
+            let chain = Chain::new(random.usize(1..40), gamma1, 0.3 * random.f64()).unwrap();
+            let omega = (0.1 + random.f64()) * (gamma1 + 4.0 * chain.gamma2()).sqrt();
+            let model = Model::conservative(chain, omega, 0.5).unwrap();
+            let Ok(response) = ImpulseResponse::new(&Spectrum::new(chain), omega) else { continue };
+            let Some(radiation) = Radiation::of(&response) else { continue };
+            let Some(bounds) = rises.bounds(&model, &response, &radiation) else { continue };
+            grids += 1;
+            for _ in 0..20 {
+                let offset = response.period() * random.f64();
+                let rise = response.value(0, 0.5 * response.period() + offset) - response.value(0, 0.0);
+                for sign in [1.0, -1.0] {
+                    assert!((bounds.samples.rise(sign * offset) - rise).abs() <= bounds.rise_error, "{model:?}");
+                }
+                let mut piece = bounds.samples.piece(random.usize(0..bounds.samples.intervals()));
+                let fraction = random.f64();
+                let delta = piece.from + fraction * (piece.to - piece.from);
+                let s = -response.derivative(0, bounds.samples.half + delta);
+                assert!((split(piece.s, fraction)[0][3] - s).abs() <= bounds.error, "{model:?}");
+                // Moved so that it vanishes there.
+                piece.s = piece.s.map(|b| b - s);
+                let [low, high] = piece.crossing(bounds.error);
+                assert!((low..=high).contains(&fraction), "{model:?}");
+                tight += u32::from(high - low < 0.2);
+            }
+        }
+        assert!(grids > 1000 && tight > 10_000, "{grids} {tight}");
     }
 }

@@ -78,6 +78,8 @@ pub struct Finder {
     pub(crate) motion: Motion,
     zeros: Zeros,
     rises: Rises,
+    /// Of the impulse response, once it has been asked for.
+    radiation: Option<Option<Radiation>>,
     plane: PlanarZeros,
     watch: Watch,
 }
@@ -93,6 +95,7 @@ impl Finder {
             motion: Motion::vacant(sites),
             zeros: Zeros::default(),
             rises: Rises::default(),
+            radiation: None,
             plane: PlanarZeros::default(),
             watch: Watch::default(),
         }
@@ -112,7 +115,7 @@ impl Finder {
         if let Some(spectrum) = &self.spectrum
             && self.current != Some(omega)
         {
-            self.current = None;
+            (self.current, self.radiation) = (None, None);
             self.response.reset(spectrum, omega)?;
             self.current = Some(omega);
         }
@@ -167,11 +170,13 @@ impl Finder {
         self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
         let (response, motion) = (&self.response, &mut self.motion);
         let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
-        let radiation = if wanted.candidates() && conservative { Radiation::of(response) } else { None };
+        let judged = wanted.candidates() && conservative;
+        let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
         let (mut failure, mut singular, mut refused) = (None, false, 0);
         let mut add = |draft: Draft| {
             let radiates = || radiation.is_some_and(|radiation| !radiation.allows(&draft));
-            if wanted.candidates() && (!draft.is_right_signed() || radiates()) {
+            let crosses = || judged && conservative::crosses(model, response, &draft);
+            if wanted.candidates() && (!draft.is_right_signed() || radiates() || crosses()) {
                 refused += 1;
                 return;
             }
