@@ -4,7 +4,6 @@
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::Admissibility;
-use crate::asymmetric::Rises;
 use crate::completeness::Completeness;
 use crate::condition::{Condition, is_delicate};
 use crate::error::{BreatherError, NoBreather};
@@ -13,6 +12,7 @@ use crate::orbit::{Draft, Family, Orbit};
 use crate::planar_roots::PlanarZeros;
 use crate::polish::polish;
 use crate::radiation::Radiation;
+use crate::rises::Rises;
 use crate::roots::Zeros;
 use crate::watch::{Depth, Watch};
 use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_single};
@@ -229,7 +229,7 @@ impl Finder {
         }
         found.unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
         found.exhausted = self.zeros.exhausted + self.plane.exhausted;
-        found.left_out = if wanted == Wanted::SymmetricCandidates { self.rises.places() } else { 0 };
+        found.left_out = if wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
         // A zero without an orbit of finite numbers.
         let lost = singular
             || found.none == Some(NoBreather::Singular)

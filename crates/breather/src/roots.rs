@@ -136,21 +136,17 @@ impl Zeros {
                 high = x;
             }
             let newton = x - value / slope;
-            let step = (newton - x).abs();
-            if newton > low && newton < high {
-                // Newton's steps as small as the root of the rounding are followed by one of its size. If they no longer fall,
-                // they are rounding of the function itself.
-                if step <= f64::EPSILON * x.abs() || (last <= SMALL * x.abs() && step >= 0.5 * last) {
-                    return Some(newton);
-                }
-                (x, last) = (newton, step);
-            } else {
-                let middle = 0.5 * (low + high);
-                if (middle - x).abs() <= f64::EPSILON * x.abs() {
-                    return Some(middle);
-                }
-                (x, last) = (middle, f64::INFINITY);
+            let (step, inside) = ((newton - x).abs(), newton > low && newton < high);
+            // After a step as small as the root of the rounding one more is enough; what is left is rounding of the function, which
+            // may also throw it out of the bracket.
+            if last <= SMALL * x.abs() || (inside && step <= f64::EPSILON * x.abs()) {
+                return Some(if inside { newton } else { x });
             }
+            let middle = 0.5 * (low + high);
+            if !inside && (middle - x).abs() <= f64::EPSILON * x.abs() {
+                return Some(middle);
+            }
+            (x, last) = if inside { (newton, step) } else { (middle, f64::INFINITY) };
         }
         Some(x)
     }
@@ -198,14 +194,15 @@ mod tests {
         assert!(zeros.simple.is_empty() && zeros.unresolved.len() == 2, "{zeros:?}");
     }
 
-    /// x² − 2 with the rounding of a sum of this size.
+    /// x² − 2 with noise like the rounding of many terms of this size.
     struct Rounded {
         size: f64,
     }
 
     impl Enclosed for Rounded {
         fn enclose(&self, x: f64, radius: f64) -> Dual {
-            Dual::from_jet([(self.size + (x * x - 2.0)) - self.size, 2.0 * x, 2.0, 0.0], 0.0, radius)
+            let noise = self.size * f64::EPSILON * (1e17 * x).sin();
+            Dual::from_jet([x * x - 2.0 + noise, 2.0 * x, 2.0, 0.0], 0.0, radius)
         }
     }
 
