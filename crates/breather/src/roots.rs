@@ -137,9 +137,10 @@ impl Zeros {
             }
             let newton = x - value / slope;
             let (step, inside) = ((newton - x).abs(), newton > low && newton < high);
-            // After a step as small as the root of the rounding one more is enough; what is left is rounding of the function, which
-            // may also throw it out of the bracket.
-            if last <= SMALL * x.abs() || (inside && step <= f64::EPSILON * x.abs()) {
+            // A step as small as the root of the rounding is followed by one of its size. One that does not fall, or leaves the
+            // bracket, is rounding of the function.
+            let rounding = last <= SMALL * x.abs() && (!inside || step >= 0.5 * last);
+            if rounding || (inside && step <= f64::EPSILON * x.abs()) {
                 return Some(if inside { newton } else { x });
             }
             let middle = 0.5 * (low + high);
