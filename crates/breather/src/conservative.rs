@@ -74,3 +74,12 @@ pub(crate) fn single_sided(model: &Model, response: &ImpulseResponse) -> Result<
         Err(NoBreather::Singular)
     }
 }
+
+/// Whether the mass of a single-sided breather goes beyond the other barrier half a period after its impact: where it must
+/// turn, and often does too late. By more than rounding.
+pub(crate) fn crosses(model: &Model, response: &ImpulseResponse, draft: &Draft) -> bool {
+    let ([_], [source]) = (draft.impacts.as_slice(), draft.sources.as_slice()) else { return false };
+    let static_displacement = source.net_impulse / response.static_stiffness();
+    let swing = source.net_impulse * response.dynamic_at_half();
+    static_displacement + swing > model.asymmetry() + 1.0 + 1e-9 * (1.0 + static_displacement.abs() + swing.abs())
+}

@@ -4,7 +4,6 @@
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::Admissibility;
-use crate::asymmetric::Rises;
 use crate::completeness::Completeness;
 use crate::condition::{Condition, is_delicate};
 use crate::error::{BreatherError, NoBreather};
@@ -13,6 +12,7 @@ use crate::orbit::{Draft, Family, Orbit};
 use crate::planar_roots::PlanarZeros;
 use crate::polish::polish;
 use crate::radiation::Radiation;
+use crate::rises::Rises;
 use crate::roots::Zeros;
 use crate::watch::{Depth, Watch};
 use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_single};
@@ -78,6 +78,8 @@ pub struct Finder {
     pub(crate) motion: Motion,
     zeros: Zeros,
     rises: Rises,
+    /// Of the impulse response, once it has been asked for.
+    radiation: Option<Option<Radiation>>,
     plane: PlanarZeros,
     watch: Watch,
 }
@@ -93,6 +95,7 @@ impl Finder {
             motion: Motion::vacant(sites),
             zeros: Zeros::default(),
             rises: Rises::default(),
+            radiation: None,
             plane: PlanarZeros::default(),
             watch: Watch::default(),
         }
@@ -112,7 +115,7 @@ impl Finder {
         if let Some(spectrum) = &self.spectrum
             && self.current != Some(omega)
         {
-            self.current = None;
+            (self.current, self.radiation) = (None, None);
             self.response.reset(spectrum, omega)?;
             self.current = Some(omega);
         }
@@ -167,11 +170,13 @@ impl Finder {
         self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
         let (response, motion) = (&self.response, &mut self.motion);
         let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
-        let radiation = if wanted.candidates() && conservative { Radiation::of(response) } else { None };
+        let judged = wanted.candidates() && conservative;
+        let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
         let (mut failure, mut singular, mut refused) = (None, false, 0);
         let mut add = |draft: Draft| {
             let radiates = || radiation.is_some_and(|radiation| !radiation.allows(&draft));
-            if wanted.candidates() && (!draft.is_right_signed() || radiates()) {
+            let crosses = || judged && conservative::crosses(model, response, &draft);
+            if wanted.candidates() && (!draft.is_right_signed() || radiates() || crosses()) {
                 refused += 1;
                 return;
             }
@@ -224,7 +229,7 @@ impl Finder {
         }
         found.unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
         found.exhausted = self.zeros.exhausted + self.plane.exhausted;
-        found.left_out = if wanted == Wanted::SymmetricCandidates { self.rises.places() } else { 0 };
+        found.left_out = if wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
         // A zero without an orbit of finite numbers.
         let lost = singular
             || found.none == Some(NoBreather::Singular)

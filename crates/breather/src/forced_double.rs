@@ -53,8 +53,13 @@ pub(crate) fn double_sided(
         if symmetric { &[[-edge, -SYMMETRIC_GUARD * half], [SYMMETRIC_GUARD * half, edge]] } else { &[[-edge, edge]] };
     let alone = search(&problem, model, zeros, ranges);
     if !zeros.unresolved.is_empty() {
-        zeros.forget();
-        return forced_harmonics::double_sided(model, response, steady, zeros, plane, found);
+        let kept = take(zeros, alone.is_some());
+        let mut drafts = Vec::new();
+        let outcome = forced_harmonics::double_sided(model, response, steady, zeros, plane, |draft| drafts.push(draft));
+        if !restored(kept, zeros, plane) {
+            drafts.into_iter().for_each(found);
+            return outcome;
+        }
     }
     let mut emit = |solution: TwoImpactSolution| {
         let phi = half + solution.delta;
@@ -95,6 +100,22 @@ fn search(problem: &TwoImpacts<'_>, model: &Model, zeros: &mut Zeros, ranges: &[
     Some(alone)
 }
 
+/// Makes room for a search of the plane; what is to be `kept` beside it of the search in δ.
+fn take(zeros: &mut Zeros, kept: bool) -> Option<Zeros> {
+    let taken = kept.then(|| zeros.clone());
+    zeros.forget();
+    taken
+}
+
+/// Next to a resonance the plane, whose kernels are large and cancel, is lost in rounding: there the zeros of the flights' equations
+/// with their few unresolved places know better.
+fn restored(kept: Option<Zeros>, zeros: &mut Zeros, plane: &mut PlanarZeros) -> bool {
+    let Some(kept) = kept.filter(|kept| kept.exhausted == 0 && plane.exhausted > 0) else { return false };
+    *zeros = kept;
+    plane.clear();
+    true
+}
+
 /// Impulses and phase at a zero that [`search`] has found.
 fn solution(problem: &TwoImpacts<'_>, alone: Option<&OneMass>, delta: f64) -> Option<TwoImpactSolution> {
     match alone {
@@ -133,8 +154,13 @@ pub(crate) fn period_doubled(
     let half = 0.5 * response.period();
     let alone = search(&problem, model, zeros, &[[SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD)]]);
     if !zeros.unresolved.is_empty() {
-        zeros.forget();
-        return forced_harmonics::period_doubled(model, response, steady, plane, found);
+        let kept = take(zeros, alone.is_some());
+        let mut drafts = Vec::new();
+        let outcome = forced_harmonics::period_doubled(model, response, steady, plane, |draft| drafts.push(draft));
+        if !restored(kept, zeros, plane) {
+            drafts.into_iter().for_each(found);
+            return outcome;
+        }
     }
     let mut count = 0;
     for solution in zeros.simple.iter().filter_map(|&delta| solution(&problem, alone.as_ref(), delta)) {

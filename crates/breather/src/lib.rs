@@ -68,6 +68,7 @@ mod polish;
 mod polynomial;
 mod radiation;
 mod reduction;
+mod rises;
 mod roots;
 mod two_impacts;
 mod watch;

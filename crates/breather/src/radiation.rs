@@ -27,7 +27,7 @@ const HARMONICS: usize = 8;
 /// What rounding can make of a sum of impulses that cancel, relative to their moduli, with a lot to spare.
 const ROUNDING: f64 = 1e-12;
 
-/// L_j for j = 1, 2, …, those in reach of the band.
+/// L_j for j = 1, 2, …, of which the first `count` are in reach of the band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Radiation {
     limits: [f64; HARMONICS],
@@ -45,12 +45,10 @@ impl Radiation {
         }
         // A wave in a ring stands, with a crest opposite to where it is driven.
         let opposite = response.sites() / 2;
-        let mut limits = [0.0; HARMONICS];
         let count = HARMONICS.min((top / omega).ceil() as usize);
-        for (j, limit) in (1..).zip(&mut limits[..count]) {
-            let [near, far] = response.driven([0, opposite], f64::from(j) * omega);
-            *limit = FRAC_2_PI * response.period() / near.abs().max(far.abs());
-        }
+        let harmonics = std::array::from_fn(|j| (j + 1) as f64 * omega);
+        let [near, far]: [[f64; HARMONICS]; 2] = response.driven([0, opposite], harmonics);
+        let limits = std::array::from_fn(|j| FRAC_2_PI * response.period() / near[j].abs().max(far[j].abs()));
         Some(Self { limits, count, omega })
     }
 

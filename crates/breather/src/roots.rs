@@ -41,6 +41,9 @@ const MOST_PER_PIECE: usize = 200;
 /// And at least this many in all, for problems of few pieces whose zeros crowd.
 const LEAST_BUDGET: usize = 20_000;
 
+/// 2⁻²⁶, the root of the rounding.
+const SMALL: f64 = 1.4901161193847656e-8;
+
 impl Zeros {
     /// Forgets what was found and spent, but keeps the memory.
     pub(crate) fn clear(&mut self) {
@@ -120,7 +123,7 @@ impl Zeros {
         if (f_low < 0.0) == (f_high < 0.0) {
             return None;
         }
-        let mut x = 0.5 * (low + high);
+        let (mut x, mut last) = (0.5 * (low + high), f64::INFINITY);
         for _ in 0..100 {
             self.evaluations += 1;
             let (value, slope) = at(x);
@@ -133,11 +136,18 @@ impl Zeros {
                 high = x;
             }
             let newton = x - value / slope;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if next == x || (next - x).abs() <= f64::EPSILON * x.abs() {
-                return Some(next);
+            let (step, inside) = ((newton - x).abs(), newton > low && newton < high);
+            // A step as small as the root of the rounding is followed by one of its size. One that does not fall, or leaves the
+            // bracket, is rounding of the function.
+            let rounding = last <= SMALL * x.abs() && (!inside || step >= 0.5 * last);
+            if rounding || (inside && step <= f64::EPSILON * x.abs()) {
+                return Some(if inside { newton } else { x });
             }
-            x = next;
+            let middle = 0.5 * (low + high);
+            if !inside && (middle - x).abs() <= f64::EPSILON * x.abs() {
+                return Some(middle);
+            }
+            (x, last) = if inside { (newton, step) } else { (middle, f64::INFINITY) };
         }
         Some(x)
     }
@@ -183,5 +193,31 @@ mod tests {
         let mut zeros = Zeros::default();
         zeros.find(&Pairs { level: 0.0 }, -1.0, 4.0, 7, resolution);
         assert!(zeros.simple.is_empty() && zeros.unresolved.len() == 2, "{zeros:?}");
+    }
+
+    /// x² − 2 with noise like the rounding of many terms of this size.
+    struct Rounded {
+        size: f64,
+    }
+
+    impl Enclosed for Rounded {
+        fn enclose(&self, x: f64, radius: f64) -> Dual {
+            let noise = self.size * f64::EPSILON * (1e17 * x).sin();
+            Dual::from_jet([x * x - 2.0 + noise, 2.0 * x, 2.0, 0.0], 0.0, radius)
+        }
+    }
+
+    #[test]
+    fn a_zero_is_closed_in_on_in_few_steps_whatever_the_rounding() {
+        for size in [0.0, 1.0, 7.0, 3e2, 1e4, 5e5] {
+            for shift in 0..50 {
+                let mut zeros = Zeros::default();
+                zeros.find(&Rounded { size }, 1.3, 1.6 + 1e-3 * f64::from(shift), 1, |_| 1e-12);
+                assert_eq!(zeros.simple.len(), 1, "{size} {shift}");
+                let error = (zeros.simple[0] - std::f64::consts::SQRT_2).abs();
+                assert!(error <= f64::EPSILON * (1.0 + size), "{size} {shift}: {error}");
+                assert!(zeros.evaluations <= 10, "{size} {shift}: {}", zeros.evaluations);
+            }
+        }
     }
 }

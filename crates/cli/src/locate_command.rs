@@ -167,6 +167,7 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
         "solution": start.number,
         "range": [search.from, search.to],
         "points": answer.located.iter().map(located_json).collect::<Vec<_>>(),
+        "unresolved": answer.unresolved.iter().map(|place| [place.from, place.to]).collect::<Vec<_>>(),
         "ends": ends,
         "evaluations": answer.evaluations,
         "spectra": answer.spectra,
@@ -181,6 +182,7 @@ fn reason(end: &End) -> &'static str {
         End::Pitchfork => "symmetric",
         End::Resonance(_) => "resonance",
         End::Unbounded => "unbounded",
+        End::ImpulsesVanish => "impulses-vanish",
         End::Lost(_) => "lost",
         End::Unwatched(_) => "unwatched",
     }
@@ -197,6 +199,9 @@ fn message(search: &Search, value: f64, end: &End) -> String {
             format!("resonance at {here}: harmonic {} meets mode {}", resonance.harmonic, resonance.mode)
         }
         End::Unbounded => format!("the impulses grow without bound towards {here}"),
+        End::ImpulsesVanish => {
+            format!("the impulses vanish at {here}: the breather ends on the motion that the force drives alone")
+        }
         End::Lost(error) => format!("the branch was lost at {here}: {error}"),
         End::Unwatched(error) => format!("stopped at {here}: {error}"),
     }
@@ -238,7 +243,12 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
     for found in &answer.located {
         located_text(&mut out, name, found);
     }
-    if answer.located.is_empty() {
+    for place in &answer.unresolved {
+        let (from, to) = (Number(place.from), Number(place.to));
+        let _ =
+            writeln!(out, "\na sign of one between {name} = {from} and {to}: rounding hides where, none is claimed");
+    }
+    if answer.located.is_empty() && answer.unresolved.is_empty() {
         let [(down, _), (up, _)] = &answer.ends;
         let _ = writeln!(out, "\nno {} between {name} = {} and {}", search.event.name(), Number(*down), Number(*up));
     }

@@ -99,6 +99,30 @@ fn no_event_is_an_answer_and_a_wrong_range_is_not() {
     locate("--event fold --free amplitude", &weak).assert().code(1).stderr(contains("the force is too weak"));
 }
 
+/// Ã = 1 − a, by hand: γ₁ = .6041, ω = 1.2617, A = .3323 give a = 1 − A/(ω² − γ₁).
+#[test]
+fn a_branch_ends_where_its_impulses_vanish() {
+    let model = "--family period-doubled --sites 3 --gamma1 .604107764506297 --gamma2 .003467397390512541 --omega 1.261681402055873 --asymmetry .5410330960427941 --amplitude .3323792762769934 --restitution .3698";
+    let flags = "--event period-doubling --free asymmetry --solution 2";
+    let json = answer(flags, model);
+    let end = &json["ends"][1];
+    let touching = 1.0 - 0.3323792762769934 / (1.261681402055873_f64.powi(2) - 0.604107764506297);
+    assert!(end["reason"] == "impulses-vanish" && (end["value"].as_f64().unwrap() - touching).abs() < 1e-12, "{end}");
+    assert_eq!(json["unresolved"], serde_json::json!([]));
+    locate(flags, model).assert().success().stdout(contains("up: the impulses vanish at asymmetry = 0.66349"));
+}
+
+/// Impacts all but elastic: rounding hides where a pair crosses the circle.
+#[test]
+fn what_rounding_hides_is_told_as_a_range() {
+    let model = "--family double-sided --sites 6 --gamma1 .5155634975092167 --gamma2 .001196266818595037 --omega 1.2437879739461413 --asymmetry .8436503755841729 --amplitude 1.5999503171718452 --restitution .9999999998293126";
+    let flags = "--event neimark-sacker --free gamma1 --solution 1";
+    let json = answer(flags, model);
+    let places = json["unresolved"].as_array().unwrap();
+    assert!(!places.is_empty() && places.iter().all(|place| place[0].as_f64() < place[1].as_f64()), "{json}");
+    locate(flags, model).assert().success().stdout(contains("rounding hides where, none is claimed"));
+}
+
 #[test]
 fn help_says_what_can_be_found_and_freed() {
     let mut command = mapgen(&[]);

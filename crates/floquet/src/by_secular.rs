@@ -6,6 +6,7 @@ use vibrochain_breather::{Finder, Orbit};
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::analyser::{Analyser, Failure};
+use crate::dense::Dense;
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 use crate::secular::{Doubt, ForcedSecular, Leading, MOST_IMPACTS, Outcome, excess, meetings};
@@ -90,7 +91,7 @@ impl Analyser {
             let slope = (mu - mu.inv()).norm().max((2.0 * error).sqrt());
             (mu, 2.0 * error * mu.norm() / slope + 4.0 * f64::EPSILON * mu.norm())
         };
-        self.forced.adopt(orbit, &condition, multipliers.into_iter().zip(errors).map(of_multiplier));
+        self.forced.adopt(orbit, &condition, multipliers.into_iter().zip(errors).map(of_multiplier), None);
         elastic(&mut self.forced, orbit, finder.response_to(orbit)?, tolerance, thorough)
     }
 
@@ -107,11 +108,12 @@ impl Analyser {
             return Ok(None);
         }
         let condition = finder.condition(orbit)?;
-        let reach = self.dense.reach;
-        self.forced.adopt(orbit, &condition, self.dense.values.iter().map(|value| (*value, reach)));
+        let Dense { values, reach, rounding, .. } = &self.dense;
+        self.forced.adopt(orbit, &condition, values.iter().map(|value| (*value, *reach)), Some(*rounding));
         let response = finder.response_to(orbit)?;
+        self.forced.settle_apart(orbit, response);
         let settled = if orbit.model().loss() == 0.0 {
-            elastic(&mut self.forced, orbit, response, tolerance, false).ok()
+            Some(told_from_circle(&mut self.forced, orbit, response).verdict(&self.forced, tolerance))
         } else {
             let leading = self.forced.leading(orbit, response);
             leading.map(|Leading { place, growth, error }| {
@@ -163,7 +165,29 @@ fn settle(values: &[Complex<f64>], place: usize, growth: f64, error: f64, tolera
     Verdict::of_growth(leading, growth, error, tolerance)
 }
 
-/// Elastic impacts: a multiplier comes with 1/μ̄, so that one next to the circle that has no other near lies on it exactly.
+/// What is known of the multipliers of elastic impacts: place, growth and error of the one that is surely the farthest outside the
+/// circle, and the places of those that may have met and left it, if they could be farther outside.
+struct Elastic {
+    leading: Option<(usize, f64, f64)>,
+    met: Vec<usize>,
+}
+
+impl Elastic {
+    /// The verdict; those that may have met count as far outside as they can be.
+    fn verdict(&self, forced: &ForcedSecular, tolerance: Tolerance) -> Verdict {
+        let (values, errors) = forced.multipliers();
+        let growth = self.leading.map_or(0.0, |(_, growth, _)| growth);
+        let farthest = self.met.iter().map(|&place| excess(values[place]).max(0.0) + ROOM * errors[place] - growth);
+        let open = farthest.fold(0.0, f64::max);
+        match (self.leading, self.met.first()) {
+            (Some((place, growth, error)), _) => settle(values, place, growth, error.max(open), tolerance),
+            (None, Some(&place)) => Verdict::unsettled(values[place], excess(values[place]).max(0.0), open, tolerance),
+            (None, None) => Verdict::on_circle(values.first().copied()),
+        }
+    }
+}
+
+/// The verdict on elastic impacts, where no pair may have met and the error is of use: else a doubt.
 fn elastic(
     forced: &mut ForcedSecular,
     orbit: &Orbit,
@@ -171,6 +195,19 @@ fn elastic(
     tolerance: Tolerance,
     thorough: bool,
 ) -> Result<Verdict, Failure> {
+    let told = told_from_circle(forced, orbit, response);
+    // A pair that may have met is a question of matrices and their eigenvectors.
+    if !told.met.is_empty() {
+        return Err(Doubt::Tangency.into());
+    }
+    if let Some((_, growth, error)) = told.leading {
+        check(growth, error, thorough, orbit)?;
+    }
+    Ok(told.verdict(forced, tolerance))
+}
+
+/// Elastic impacts: a multiplier comes with 1/μ̄, so that one next to the circle that has no other near lies on it exactly.
+fn told_from_circle(forced: &mut ForcedSecular, orbit: &Orbit, response: &ImpulseResponse) -> Elastic {
     let most = BUDGET / orbit.model().chain().even_modes();
     let mut settled = 0;
     loop {
@@ -198,17 +235,6 @@ fn elastic(
             }
             continue;
         }
-        // A pair that may have met is a question of matrices and their eigenvectors.
-        if !met.is_empty() {
-            return Err(Doubt::Tangency.into());
-        }
-        let (values, _) = forced.multipliers();
-        return match leading {
-            Some((place, growth, error)) => {
-                check(growth, error, thorough, orbit)?;
-                Ok(settle(values, place, growth, error, tolerance))
-            }
-            None => Ok(Verdict::on_circle(values.first().copied())),
-        };
+        return Elastic { leading, met };
     }
 }

@@ -103,7 +103,8 @@ impl Dense {
     ) -> Result<Verdict, FloquetError> {
         let norm = self.solve(orbit, finder)?;
         let dimension = self.values.len();
-        let mut error = dimension as f64 * f64::EPSILON * norm;
+        let rounding = dimension as f64 * f64::EPSILON * norm;
+        let mut error = rounding;
         let careful = thorough || finder.is_delicate(orbit)?;
         if careful {
             let condition = finder.condition(orbit)?;
@@ -114,7 +115,7 @@ impl Dense {
         }
         let judge = Judge { dense: self, orbit, structure: Structure::of(orbit), norm, error };
         let (verdict, reach) = (judge.verdict(tolerance, careful), judge.split());
-        self.reach = reach;
+        (self.reach, self.rounding) = (reach, (norm * rounding).sqrt());
         Ok(verdict)
     }
 }

@@ -298,3 +298,55 @@ fn nothing_is_claimed_of_what_is_no_orbit_or_no_crossing() {
     assert!((answer.ends[1].0 - 0.784627).abs() < 1e-6, "{:?}", answer.ends);
     assert!(answer.located.iter().all(|found| found.value < 0.7846), "{:?}", answer.located);
 }
+
+/// Where two impacts with vanishing impulses merge: by hand, the motion that the force drives alone, Ã cos ωt, touches the barrier,
+/// |Ã| = 1 − a.
+#[test]
+fn doubled_orbits_end_where_their_impulses_vanish() {
+    let mut rng = fastrand::Rng::with_seed(27);
+    let (mut found, mut elsewhere) = (0, Vec::new());
+    for _ in 0..600 {
+        let mut between = |low: f64, high: f64| low * (high / low).powf(rng.f64());
+        let chain = Chain::new(1 + between(1.0, 8.0) as usize, between(0.05, 0.8), between(1e-3, 0.4)).unwrap();
+        let (omega, amplitude, e) = (between(0.7, 2.0), between(0.05, 2.0), between(0.05, 1.0));
+        let model = Model::forced(chain, omega, between(0.01, 0.9), amplitude, e).unwrap();
+        let free = [Parameter::Asymmetry, Parameter::Amplitude, Parameter::Omega][rng.usize(0..3)];
+        let Ok(list) = breathers(&model, Family::PeriodDoubled) else { continue };
+        let Some(orbit) = list.orbits.last() else { continue };
+        let answer = locate(orbit, &Search::new(orbit, Event::Fold, free)).unwrap();
+        for (value, end) in &answer.ends {
+            let there = model.with(free, *value).unwrap();
+            let reach = (there.amplitude() / (there.chain().gamma1() - there.omega().powi(2))).abs();
+            match end {
+                End::ImpulsesVanish => {
+                    assert!((reach - (1.0 - there.asymmetry())).abs() < 1e-13 * (1.0 + reach), "{value} {there:?}");
+                    found += 1;
+                }
+                End::Lost(_) | End::Unwatched(_) => elsewhere.push((*value, end.clone())),
+                _ => {}
+            }
+        }
+    }
+    assert!(found >= 10 && elsewhere.is_empty(), "{found} {elsewhere:?}");
+}
+
+/// Right at e = 1 all multipliers are on the circle: no crossing, and no way lost.
+#[test]
+fn the_way_to_elastic_impacts_ends_with_its_range() {
+    let mut rng = fastrand::Rng::with_seed(28);
+    let mut there = 0;
+    for _ in 0..60 {
+        let mut between = |low: f64, high: f64| low * (high / low).powf(rng.f64());
+        let chain = Chain::new(2 + between(1.0, 6.0) as usize, between(0.05, 0.8), between(1e-3, 0.4)).unwrap();
+        let (omega, a) = (between(0.7, 2.0), between(0.01, 0.9));
+        let model = Model::forced(chain, omega, a, between(0.05, 2.0), 0.9).unwrap();
+        let Ok(list) = breathers(&model, Family::DoubleSided) else { continue };
+        for orbit in &list.orbits {
+            let answer = locate(orbit, &Search::new(orbit, Event::NeimarkSacker, Parameter::Restitution)).unwrap();
+            let up = &answer.ends[1];
+            assert!(!matches!(up.1, End::Lost(_)) || up.0 < 0.97, "{up:?} {model:?}");
+            there += usize::from(*up == (1.0, End::Range));
+        }
+    }
+    assert!(there >= 20, "{there}");
+}

@@ -364,15 +364,16 @@ impl ImpulseResponse {
         KernelJet { value, slope, curvature, third }
     }
 
-    /// Σ b_k² cos(2πkn/M)/(Ω_k² − w²) for each n of `sites`: how far a force cos wt at site 0 makes site n swing. Infinite where w meets
-    /// a mode.
-    pub fn driven<const N: usize>(&self, sites: [usize; N], frequency: f64) -> [f64; N] {
+    /// Σ b_k² cos(2πkn/M)/(Ω_k² − w²) for each n of `sites` and w of `frequencies`: how far a force cos wt at site 0 makes site n
+    /// swing. Infinite where w meets a mode.
+    pub fn driven<const N: usize, const J: usize>(&self, sites: [usize; N], frequencies: [f64; J]) -> [[f64; J]; N] {
         let mut shapes = sites.map(|site| self.cosines.shapes(site));
-        let mut sums = [0.0; N];
+        let mut sums = [[0.0; J]; N];
         for (mode, weight) in self.frequencies.iter().zip(&self.weights) {
-            let term = weight / ((mode - frequency) * (mode + frequency));
+            let terms = frequencies.map(|w| weight / ((mode - w) * (mode + w)));
             for (sum, shape) in sums.iter_mut().zip(&mut shapes) {
-                *sum += term * shape.next().unwrap_or_default();
+                let shape = shape.next().unwrap_or_default();
+                sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term * shape);
             }
         }
         sums

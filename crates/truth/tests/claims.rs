@@ -41,14 +41,20 @@ enum Place {
     Resonance,
     /// e = 1e-5 … 1e-2
     Inelastic,
+    /// Next to resonances, with coupling, e = 1.
+    Elastic,
 }
 
 fn model_at(random: &mut Random, place: Place) -> Option<Model> {
-    let sites = if place == Place::OneMass { 1 } else { 1 + random.below(16) };
+    let sites = match place {
+        Place::OneMass => 1,
+        Place::Elastic => 2 + random.below(15),
+        _ => 1 + random.below(16),
+    };
     let coupled = !matches!(place, Place::Uncoupled);
     let chain = Chain::new(sites, random.log(0.02, 1.0), if coupled { random.log(1e-3, 0.5) } else { 0.0 }).ok()?;
     let mut omega = random.log(0.15, 3.0);
-    if place == Place::Resonance || random.unit() < 0.3 {
+    if matches!(place, Place::Resonance | Place::Elastic) || random.unit() < 0.3 {
         let spectrum = Spectrum::new(chain);
         let frequency = spectrum.frequencies()[random.below(spectrum.frequencies().len())];
         let sign = (random.unit() - 0.5).signum();
@@ -58,6 +64,7 @@ fn model_at(random: &mut Random, place: Place) -> Option<Model> {
     let a = if random.unit() < 0.3 { 0.0 } else { random.between(0.0, 0.9) };
     let e = match (place, random.unit()) {
         (Place::Inelastic, _) => random.log(1e-5, 1e-2),
+        (Place::Elastic, _) => 1.0,
         (_, unit) if unit < 0.15 => 1.0,
         _ => random.between(0.05, 0.99),
     };
@@ -101,6 +108,8 @@ fn claims_hold(place: Place, draws: usize) {
     let (mut finder, mut found, mut analyser) = (Finder::new(1), Found::default(), Analyser::default());
     let mut random = Random(2026 + place as u64);
     let (mut compared, mut useless, mut ratios) = (0, 0, Vec::new());
+    // Of those on the circle errors are told that have no true one to be held against.
+    let (mut marginal, mut wide) = (0, 0);
     for _ in 0..draws {
         let Some(model) = model_at(&mut random, place) else { continue };
         let family = FAMILIES[random.below(3)];
@@ -115,6 +124,8 @@ fn claims_hold(place: Place, draws: usize) {
                 continue;
             }
             compared += 1;
+            marginal += usize::from(verdict.marginal);
+            wide += usize::from(verdict.resolution > 1e-5 * verdict.spectral_radius);
             assert!(off <= verdict.resolution, "{family:?} {number}: {verdict:?} is off by {off:e}, {model:?}");
             ratios.push(verdict.resolution / off.max(f64::EPSILON * verdict.spectral_radius));
             if verdict.marginal && 1e5 * off.max(unavoidable(&model, family, number, growth)) < growth.abs() {
@@ -126,8 +137,13 @@ fn claims_hold(place: Place, draws: usize) {
     ratios.sort_by(f64::total_cmp);
     let [median, most] = [0.5, 0.95].map(|part| ratios[((ratios.len() - 1) as f64 * part) as usize]);
     println!(
-        "{place:?}: {compared} orbits, claimed over true error {median:.0} median, {most:.1e} 95 %, {useless} useless"
+        "{place:?}: {compared} orbits, {marginal} marginal, {wide} with errors over 1e-5, claimed over true error {median:.0} median, \
+         {most:.1e} 95 %, {useless} useless"
     );
+    if place == Place::Elastic {
+        assert!(compared > 80 && 20 * wide <= compared && 200 * useless <= compared, "{compared} {wide} {useless}");
+        return;
+    }
     assert!(compared > draws / 2 && median < 1e3 && 100 * useless <= compared, "{compared} {median} {useless}");
 }
 
@@ -144,6 +160,19 @@ fn claims_for_one_mass_hold_and_are_of_use() {
 #[test]
 fn claims_next_to_resonances_hold_and_are_of_use() {
     claims_hold(Place::Resonance, 80);
+}
+
+/// A matrix next to a resonance has a norm that hides everything: its eigenvalues are settled by the impacts' equations, all together.
+#[test]
+fn claims_for_elastic_impacts_next_to_resonances_hold_and_are_of_use() {
+    claims_hold(Place::Elastic, 100);
+}
+
+#[test]
+#[ignore = "3000 orbits next to resonances in many digits: minutes"]
+fn many_claims_next_to_resonances_hold_and_are_of_use() {
+    claims_hold(Place::Resonance, 1500);
+    claims_hold(Place::Elastic, 500);
 }
 
 #[test]
@@ -226,4 +255,26 @@ fn lists_of_one_mass_next_to_a_resonance_are_complete() {
     let found = breathers(&model.unwrap(), Family::PeriodDoubled).unwrap();
     assert!(found.completeness.is_established() && found.orbits.len() == 2, "{found:?}");
     assert!(found.orbits.iter().all(|orbit| TrueOrbit::refine(orbit, DEFAULT_BITS).is_ok()));
+}
+
+/// Of 4000 lists of doubled orbits next to a resonance 598 were empty, the search cut short, although flights alone know the orbits.
+#[test]
+fn searches_for_one_mass_next_to_a_resonance_are_not_cut_short() {
+    let mut random = Random(3);
+    let (mut searches, mut unresolved, mut orbits) = (0, 0, 0);
+    for _ in 0..60 {
+        let gamma1 = random.log(0.02, 1.0);
+        let off = 1.0 + random.log(1e-10, 1e-7);
+        let omega = gamma1.sqrt() / random.log(2.0, 8.0).floor() * off;
+        let chain = Chain::new(1, gamma1, 0.0).unwrap();
+        let (a, e) = (random.between(0.0, 0.9), random.between(0.05, 0.7));
+        let model = Model::forced(chain, omega, a, random.log(0.01, 2.0), e).unwrap();
+        let Ok(found) = breathers(&model, Family::PeriodDoubled) else { continue };
+        assert_eq!(found.exhausted, 0, "{model:?}");
+        searches += 1;
+        unresolved += usize::from(found.unresolved > 0);
+        orbits += found.orbits.iter().filter(|orbit| TrueOrbit::refine(orbit, DEFAULT_BITS).is_ok()).count();
+    }
+    println!("{searches} searches, {unresolved} with unresolved places, {orbits} orbits");
+    assert!(searches > 30 && orbits > 30, "{searches} {orbits}");
 }

@@ -6,7 +6,7 @@ use vibrochain_lattice::Parameter;
 
 use super::bracket::zero;
 use super::watch::{Seen, shift_of};
-use super::{Answer, End, Event, LocateError, Located, Search};
+use super::{Answer, End, Event, LocateError, Located, Search, Unresolved};
 use crate::analyser::Analyser;
 
 /// The longest step, in units: the range is one unit, and so is a change of order 1 of the orbit.
@@ -24,6 +24,12 @@ const UNBOUNDED: f64 = 1e4;
 /// A branch that is lost this near to a resonance, as a part of the range, ends there.
 const NEAR: f64 = 1e-3;
 
+/// Impulses this much smaller than at the start, or than a mass of the ring's own speed would have, are about to vanish.
+const FAINT: f64 = 1e-2;
+
+/// Newton's steps for a peak that is nearly met.
+const PEAK_STEPS: usize = 6;
+
 /// The equations of a fold move a turning point by no more than this, in units: the root of rounding, with room.
 const SETTLED: f64 = 1e-6;
 
@@ -35,6 +41,7 @@ pub(super) struct Follower {
     pub(super) analyser: Analyser,
     pub(super) finder: Finder,
     pub(super) search: Search,
+    pub(super) unresolved: Vec<Unresolved>,
     /// Orbits assembled on other branches.
     pub(super) others: usize,
     pub(super) spectra: usize,
@@ -57,6 +64,7 @@ pub(super) fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateErr
         analyser: Analyser::default(),
         finder: Finder::new(orbit.model().chain().sites()),
         search: *search,
+        unresolved: Vec::new(),
         others: 0,
         spectra: 0,
     };
@@ -74,7 +82,8 @@ pub(super) fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateErr
     let lost = || (start, End::Lost(BranchError::NoConvergence));
     let mut ends = ends.into_iter();
     let ends = [ends.next().unwrap_or_else(lost), ends.next().unwrap_or_else(lost)];
-    Ok(Answer { located, ends, evaluations: follower.evaluations(), spectra: follower.spectra })
+    let (evaluations, spectra) = (follower.evaluations(), follower.spectra);
+    Ok(Answer { located, unresolved: follower.unresolved, ends, evaluations, spectra })
 }
 
 impl Follower {
@@ -105,7 +114,7 @@ impl Follower {
                         return Ok(end);
                     }
                     if length < SHORTEST {
-                        return Ok((point.value(), End::Lost(error)));
+                        return Ok(self.given_up(&point, first, End::Lost(error)));
                     }
                     continue;
                 }
@@ -114,7 +123,8 @@ impl Follower {
                 return Ok((value, End::Resonance(resonance)));
             }
             if next.heading() * point.heading() <= 0.0 {
-                return stopped(point.value(), self.turn(&point, &seen, &next, located));
+                let turned = self.turn(&point, &seen, &next, located);
+                return turned.or_else(|error| self.stopped(&point, first, error));
             }
             let watched = self.look(&next).and_then(|next_seen| {
                 self.all_between((&point, &seen), (&next, &next_seen), located)?;
@@ -122,7 +132,7 @@ impl Follower {
             });
             let next_seen = match watched {
                 Ok(next_seen) => next_seen,
-                Err(error) => return stopped(point.value(), Err(error)),
+                Err(error) => return self.stopped(&point, first, error),
             };
             (point, seen) = (next, next_seen);
             if last {
@@ -136,8 +146,51 @@ impl Follower {
             let longest = LONGEST * growth.clamp(1.0, 1.0 / point.heading().abs());
             length = (1.5 * length).min(longest);
         }
-        let lost = || (point.value(), End::Lost(BranchError::NoConvergence));
+        let lost = || self.given_up(&point, first, End::Lost(BranchError::NoConvergence));
         Ok(self.resonance_ahead(&point).unwrap_or_else(lost))
+    }
+
+    /// A failure on the way ends the way, it does not undo what was found before.
+    fn stopped(&self, point: &BranchPoint, first: f64, error: LocateError) -> Result<(f64, End), LocateError> {
+        match error {
+            LocateError::Branch(error) => Ok(self.given_up(point, first, End::Lost(error))),
+            LocateError::Floquet(error) => Ok(self.given_up(point, first, End::Unwatched(error))),
+            other => Err(other),
+        }
+    }
+
+    /// The end of a way that leads no farther: `otherwise`, unless the impulses vanish right ahead.
+    fn given_up(&self, point: &BranchPoint, first: f64, otherwise: End) -> (f64, End) {
+        match self.vanishing_ahead(point, first) {
+            Some(value) => (value, End::ImpulsesVanish),
+            None => (point.value(), otherwise),
+        }
+    }
+
+    /// Where, right ahead, the motion that the force drives alone touches the barrier of orbits with hardly any impulse left, of the
+    /// `first`: there the impulses vanish together, the impacts merge, and the equations have no other orbit next to them.
+    fn vanishing_ahead(&self, point: &BranchPoint, first: f64) -> Option<f64> {
+        let (orbit, free) = (point.orbit(), self.search.free);
+        let (impact, psi) = (orbit.impacts().first()?, orbit.psi()?);
+        if strength(orbit) > FAINT * first.max(orbit.model().omega()) {
+            return None;
+        }
+        let touch = |value: f64| {
+            let model = orbit.model().with(free, value).ok()?;
+            let motion = model.steady_response().ok()?;
+            // The peak, where the impact is, but for little.
+            let mut t = (impact.time + psi) * model.period() / orbit.model().period();
+            for _ in 0..PEAK_STEPS {
+                let [_, velocity, acceleration, _] = motion.jet(t);
+                t -= velocity / acceleration;
+            }
+            Some(impact.barrier.sign() * (motion.value(t) - model.barrier(impact.barrier)))
+        };
+        let (from, Search { from: least, to: most, .. }) = (point.value(), self.search);
+        let to = (from + (NEAR * (most - least)).copysign(point.heading())).clamp(least, most);
+        let (low, high) = (touch(from)?, touch(to)?);
+        ((low > 0.0) != (high > 0.0))
+            .then(|| zero((from, low), (to, high), to.abs(), |value| touch(value).ok_or(())).ok())?
     }
 
     /// Right before a resonance there is no next point that could tell.
@@ -231,15 +284,6 @@ impl Follower {
         self.spectra += answer.spectra;
         answer.located.truncate(1);
         Ok(answer.located.pop())
-    }
-}
-
-/// A failure on the way ends the way, it does not undo what was found before.
-fn stopped(value: f64, result: Result<(f64, End), LocateError>) -> Result<(f64, End), LocateError> {
-    match result {
-        Err(LocateError::Branch(error)) => Ok((value, End::Lost(error))),
-        Err(LocateError::Floquet(error)) => Ok((value, End::Unwatched(error))),
-        other => other,
     }
 }
 

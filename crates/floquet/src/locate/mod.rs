@@ -4,14 +4,15 @@
 //! | event | what vanishes |
 //! |---|---|
 //! | fold | det ∂F/∂x of the orbit's equations, solved together with them; the branch ends there in the parameter |
-//! | pitchfork | det ∂F/∂x where the branch goes on; for conservative orbits det(ν−1) |
-//! | period doubling | det(M+1) on the even subspace; for conservative orbits det(ν+1) |
+//! | pitchfork | det ∂F/∂x where the branch goes on; for conservative orbits det(ν−1) times all impulses |
+//! | period doubling | det(M+1) on the even subspace, for conservative orbits det(ν+1), times all impulses |
 //! | Neimark–Sacker | \|μ\|² − 1 of one pair, followed; without loss (ν₁−ν₂)² of the two that collide |
 //! | grazing | the smallest distance of any mass to a barrier, or the velocity before an impact |
 //!
 //! The branch is followed both ways from the start by its length ([`vibrochain_breather::Branch`]); where a function
 //! changes sign the zero is bracketed and found by Brent's method in that length. The error of the parameter is what
 //! rounding is seen to do to function and parameter next to the zero, and what rounding of all other parameters would do.
+//! One that is wider than the distance over which the sign was seen to change is no claim ([`Unresolved`]).
 //!
 //! At a period doubling of a single-sided orbit the doubled orbit is handed over, at a pitchfork of a double-sided one the
 //! pair of asymmetric orbits, on the side where they exist.
@@ -126,6 +127,16 @@ pub struct Located {
     pub evaluations: usize,
 }
 
+/// A stretch of the branch over which what vanishes at an event changes its sign, but rounding moves the zero farther than the
+/// distance over which the sign was seen to change: no point can be claimed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unresolved {
+    /// Least value of the free parameter.
+    pub from: f64,
+    /// Largest value.
+    pub to: f64,
+}
+
 /// How the way in one direction ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum End {
@@ -142,6 +153,8 @@ pub enum End {
     Resonance(Resonance),
     /// The impulses grow without bound: the conditions at the impacts become singular.
     Unbounded,
+    /// All impulses vanish: the breather ends on the motion that the force drives alone, which touches the barrier there.
+    ImpulsesVanish,
     /// Newton's method lost the branch.
     Lost(BranchError),
     /// What was to be watched could not be computed any further.
@@ -153,6 +166,8 @@ pub enum End {
 pub struct Answer {
     /// All events on the branch between the ends, the one nearest to the start first.
     pub located: Vec<Located>,
+    /// Where there may be more, hidden by rounding.
+    pub unresolved: Vec<Unresolved>,
     /// Where and how the ways down and up ended.
     pub ends: [(f64, End); 2],
     /// Orbits assembled.

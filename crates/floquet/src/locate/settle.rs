@@ -7,7 +7,7 @@ use vibrochain_lattice::Parameter;
 use super::follow::{Follower, LONGEST};
 use super::handover::hand_over;
 use super::watch::Test;
-use super::{LocateError, Located, Sign};
+use super::{LocateError, Located, Sign, Unresolved};
 use crate::multipliers::pair;
 use crate::verdict::{Tolerance, Verdict};
 
@@ -34,6 +34,16 @@ const DATA_STEP: f64 = 1e-7;
 
 /// A small step away from an event, as a part of the parameter.
 const AWAY: f64 = 1e-4;
+
+/// How well the zero of a function is known.
+pub(super) enum Known {
+    /// To this error of the parameter.
+    To(f64),
+    /// The function does not change its sign, or jumps.
+    NoZero,
+    /// It changes its sign, but rounding hides where.
+    NotResolved,
+}
 
 impl Follower {
     /// The event at `s` along a step: checked, with its error. `None` for a pole or another false alarm.
@@ -74,8 +84,13 @@ impl Follower {
             }
         }
         match self.error(point, length, s, test, &there)? {
-            Some(error) => self.describe(&there, error, sign).map(Some),
-            None => Ok(None),
+            Known::To(error) => self.describe(&there, error, sign).map(Some),
+            Known::NoZero => Ok(None),
+            Known::NotResolved => {
+                let to = self.branch.step(point, length).map_or(there.value(), |end| end.value());
+                self.unresolved.push(Unresolved { from: point.value().min(to), to: point.value().max(to) });
+                Ok(None)
+            }
         }
     }
 
@@ -104,7 +119,7 @@ impl Follower {
     }
 
     /// Error of the parameter at a zero: rounding of the function and of the parameter along the curve, as samples show
-    /// them, over the function's slope. `None` where the function does not change its sign.
+    /// them, over the function's slope.
     pub(super) fn error(
         &mut self,
         point: &BranchPoint,
@@ -112,7 +127,7 @@ impl Follower {
         s: f64,
         test: Test,
         there: &BranchPoint,
-    ) -> Result<Option<f64>, LocateError> {
+    ) -> Result<Known, LocateError> {
         let mut samples = Vec::new();
         for k in -SAMPLES..=SAMPLES {
             let at = s + f64::from(k) * SAMPLE_STEP;
@@ -136,7 +151,7 @@ impl Follower {
             reach *= CLOSER;
             (below, above) = (side(s - reach), side(s + reach));
             if same(&below, &above) {
-                return Ok(None);
+                return Ok(Known::NoZero);
             }
         }
         let (from, to) = (if below.is_ok() { s - reach } else { s }, if above.is_ok() { s + reach } else { s });
@@ -144,7 +159,7 @@ impl Follower {
         // A pair that was taken for another one makes a jump, an impulse that vanishes a pole of the determinant: no zeros.
         let here = self.value(test, there, s)?.abs();
         if here > JUMP * low.0.abs().max(high.0.abs()) {
-            return Ok(None);
+            return Ok(Known::NoZero);
         }
         let (slope, pace) = ((high.0 - low.0) / (to - from), (high.1 - low.1) / (to - from));
         // Departures from the straight line through their mean.
@@ -154,10 +169,15 @@ impl Follower {
             rests.iter().map(|rest| (rest - mean).abs()).fold(0.0, f64::max)
         };
         let (of_value, of_parameter) = (scatter(|sample| sample.1, slope), scatter(|sample| sample.2, pace));
-        let error = SAFETY * (of_value * (pace / slope).abs() + of_parameter);
         // Rounding that all samples share, such as that of the period, is a change of the data.
-        let data = self.sensitivity(s, test, there)? * (pace / slope).abs() + there.value().abs();
-        Ok(Some(error + DATA_ROUNDING * data))
+        let data = self.sensitivity(s, test, there)?;
+        let along = (SAFETY * of_value + DATA_ROUNDING * data) / slope.abs();
+        // Not a number is no claim, either.
+        Ok(if along <= to - from {
+            Known::To(along * pace.abs() + SAFETY * of_parameter + DATA_ROUNDING * there.value().abs())
+        } else {
+            Known::NotResolved
+        })
     }
 
     /// Σ |p ∂/∂p| of the function over all other parameters p of the model.

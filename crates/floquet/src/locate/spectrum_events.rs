@@ -2,6 +2,7 @@
 //! them that change sign there.
 
 use nalgebra::{Complex, DMatrix, LU};
+use vibrochain_breather::Orbit;
 
 use crate::square::Square;
 
@@ -15,8 +16,16 @@ const ON_CIRCLE: f64 = 1e-12;
 /// A match is clear if it is closer than this part of the distance to the next eigenvalue.
 const CLEAR: f64 = 0.4;
 
+/// ln|D| and the sign of D = det(A + shift) ΠP_i, A the orbit's matrix. The determinant is linear in each κ_i ∝ 1/P_i: alone it has a
+/// pole where an impulse P_i vanishes, and changes its sign there without a zero. D is regular.
+pub(crate) fn regular_determinant(orbit: &Orbit, matrix: &Square, shift: f64) -> (f64, f64) {
+    let impulses = orbit.impacts().iter().map(|impact| impact.impulse);
+    let (log, sign) = log_determinant(matrix, shift);
+    impulses.fold((log, sign), |(log, sign), impulse| (log + impulse.abs().ln(), sign * impulse.signum()))
+}
+
 /// ln|det(A + shift)| and the sign of the determinant.
-pub(crate) fn log_determinant(matrix: &Square, shift: f64) -> (f64, f64) {
+fn log_determinant(matrix: &Square, shift: f64) -> (f64, f64) {
     let n = matrix.size();
     let shifted = DMatrix::from_fn(n, n, |i, j| if i == j { matrix.at(i, j) + shift } else { matrix.at(i, j) });
     let factors = LU::new(shifted);

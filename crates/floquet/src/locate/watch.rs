@@ -1,13 +1,13 @@
 //! What is watched at each point of a branch, and the zeros of it between two.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BranchPoint, Orbit};
+use vibrochain_breather::{BranchError, BranchPoint, BreatherError, Orbit};
 
 use super::bracket::zero;
 use super::follow::Follower;
 use super::secular::{Secular, polish};
 use super::spectrum_events::{
-    Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, log_determinant, upper_half,
+    Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, regular_determinant, upper_half,
 };
 use super::{Event, LocateError, Located};
 use crate::error::FloquetError;
@@ -35,7 +35,7 @@ pub(super) enum Test {
     Margin,
     /// Determinant of the orbit's equations.
     Equations,
-    /// det(A + shift) over its size `log` at the start.
+    /// det(A + shift), made regular, over its size `log` at the start.
     Shifted { shift: f64, log: f64 },
     /// |μ|² − 1 of the pair that goes from one value to the other.
     Modulus { ends: [(f64, Complex<f64>); 2] },
@@ -50,7 +50,7 @@ pub(super) struct Seen {
     velocities: Vec<f64>,
     margin: Option<f64>,
     equations: f64,
-    /// ln|det(A + shift)| and its sign.
+    /// ln|D| and the sign of D, det(A + shift) made regular.
     determinant: (f64, f64),
     /// Eigenvalues: μ, or ν of a reversible orbit.
     values: Vec<Complex<f64>>,
@@ -71,7 +71,7 @@ impl Follower {
             (Event::NeimarkSacker, _) => seen.values = self.pairs(orbit)?,
             (_, Some(shift)) => {
                 self.spectrum(orbit)?;
-                seen.determinant = log_determinant(self.analyser.dense.matrix_of(orbit), shift);
+                seen.determinant = regular_determinant(orbit, self.analyser.dense.matrix_of(orbit), shift);
             }
             (_, None) => {}
         }
@@ -208,7 +208,7 @@ impl Follower {
             Test::Equations => point.determinant(),
             Test::Shifted { shift, log } => {
                 self.spectrum(orbit)?;
-                let (logarithm, sign) = log_determinant(self.analyser.dense.matrix_of(orbit), shift);
+                let (logarithm, sign) = regular_determinant(orbit, self.analyser.dense.matrix_of(orbit), shift);
                 sign * (logarithm - log).exp()
             }
             Test::Modulus { ends: [(a, from), (b, to)] } => {
@@ -296,6 +296,8 @@ impl Follower {
                         Ok(s) => return Ok(Some((s, test))),
                         // On its way it could not be told from the circle; from nearer points it may.
                         Err(LocateError::Floquet(_)) => {}
+                        // Right at the end of what the parameter may be: beyond it there is nothing to cross to.
+                        Err(LocateError::Branch(BranchError::Breather(BreatherError::Parameter(_)))) => {}
                         Err(error) => return Err(error),
                     }
                 }
@@ -303,7 +305,10 @@ impl Follower {
             }
             if depth < HALVINGS {
                 let middle = 0.5 * (low + high);
-                let there = self.branch.step(point, middle)?;
+                let there = match self.branch.step(point, middle) {
+                    Err(BranchError::Breather(BreatherError::Parameter(_))) => continue,
+                    there => there?,
+                };
                 let between = self.pairs(there.orbit())?;
                 parts.push((middle, between.clone(), high, to, depth + 1));
                 parts.push((low, from, middle, between, depth + 1));

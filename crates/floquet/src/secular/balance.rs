@@ -22,8 +22,8 @@ use super::forced::MOST_IMPACTS;
 
 type C = Complex<f64>;
 
-/// Steps: the first is as good as the start, the second has the digits there are.
-const STEPS: usize = 4;
+/// Steps: the first is as good as the start, the second has the digits there are; from a matrix whose norm hides them it takes more.
+const STEPS: usize = 10;
 
 /// A pole whose error is not small against its distance is not followed to first order.
 const NEAR: f64 = 1e-2;

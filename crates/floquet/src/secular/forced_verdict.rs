@@ -41,6 +41,8 @@ pub struct ForcedSecular {
     data: Vec<Origin>,
     /// A multiplier that is not among the values.
     trivial: Option<Complex<f64>>,
+    /// How far rounding alone may have carried multipliers that were taken over, if what the orbit's data do to them is not known.
+    rounding: Option<f64>,
 }
 
 /// What the impacts' equations have said of a multiplier.
@@ -130,12 +132,9 @@ impl ForcedSecular {
     /// Settles one multiplier by the impacts' equations, where they know better; `included` tells that the errors hold those of
     /// the orbit's data already.
     pub(crate) fn settle(&mut self, place: usize, orbit: &Orbit, response: &ImpulseResponse, included: bool) {
-        if !self.balanced {
-            let form = &self.multipliers;
-            self.balance.set((&form.times, &form.kappas), orbit.model().loss(), response);
-            self.balanced = true;
-        }
-        let (z, known) = (self.values[place], self.errors[place]);
+        self.set_balance(orbit, response);
+        let z = self.values[place];
+        let (known, included) = self.rounding.map_or((self.errors[place], included), |rounding| (rounding, false));
         let Some(Settled { z: settled, error, data }) = self.balance.settle(z, &self.data) else {
             self.asked[place] = State::Refused;
             return;
@@ -160,6 +159,35 @@ impl ForcedSecular {
         if let Some((partner, _)) = partner {
             (self.values[partner], self.errors[partner]) = (self.values[place].conj(), self.errors[place]);
             self.asked[partner] = State::Settled;
+        }
+    }
+
+    fn set_balance(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+        if !self.balanced {
+            let form = &self.multipliers;
+            self.balance.set((&form.times, &form.kappas), orbit.model().loss(), response);
+            self.balanced = true;
+        }
+    }
+
+    /// Settles all multipliers together: zeros of the impacts' equations that are apart from all others are as many multipliers, however
+    /// far the values were off that led to them. The rest is left open.
+    pub(crate) fn settle_apart(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+        self.set_balance(orbit, response);
+        let found: Vec<Option<Settled>> = self.values.iter().map(|z| self.balance.settle(*z, &self.data)).collect();
+        for (place, settled) in found.iter().enumerate() {
+            let Some(Settled { z, error, data }) = *settled else {
+                self.asked[place] = State::Refused;
+                continue;
+            };
+            let near = |w: Complex<f64>, other: f64| (w - z).norm() <= ALONE * (error + data + other);
+            let mut others =
+                found.iter().enumerate().filter(|(other, _)| *other != place).filter_map(|(_, other)| *other);
+            let met = others.any(|other| near(other.z, other.error + other.data));
+            if !met && !self.trivial.is_some_and(|trivial| near(trivial, 0.0)) {
+                (self.values[place], self.errors[place]) = (z, error + data);
+                self.asked[place] = State::Settled;
+            }
         }
     }
 
@@ -213,12 +241,14 @@ impl ForcedSecular {
         Ok(())
     }
 
-    /// Takes over multipliers found by other means, without a conservative orbit's trivial pair, to settle them.
+    /// Takes over multipliers found by other means, without a conservative orbit's trivial pair, to settle them; `rounding` is the part of
+    /// their errors that is not the orbit's data's, where it is known.
     pub(crate) fn adopt(
         &mut self,
         orbit: &Orbit,
         condition: &Condition,
         multipliers: impl Iterator<Item = (Complex<f64>, f64)>,
+        rounding: Option<f64>,
     ) {
         self.multipliers.take_over(orbit);
         self.values.clear();
@@ -228,6 +258,7 @@ impl ForcedSecular {
             self.errors.push(error);
         }
         self.open_all(orbit.model().is_conservative().then_some(Complex::new(1.0, 0.0)));
+        self.rounding = rounding;
         self.know_data_of(orbit, condition);
     }
 
@@ -235,6 +266,7 @@ impl ForcedSecular {
     fn open_all(&mut self, trivial: Option<Complex<f64>>) {
         self.balanced = false;
         self.trivial = trivial;
+        self.rounding = None;
         self.asked.clear();
         self.asked.resize(self.values.len(), State::Open);
         self.data.clear();
