@@ -367,13 +367,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             }
         }
         // Minutes of work, tested elsewhere.
-        Ok(
-            Command::Validate(_)
-            | Command::Accuracy(_)
-            | Command::Figures(_)
-            | Command::Errata(_)
-            | Command::Stripes(_),
-        ) => Plan::Parameters,
+        Ok(Command::Study(_) | Command::Stripes(_)) => Plan::Parameters,
     }
 }
 

@@ -5,32 +5,8 @@
 use vibrochain_breather::{Family, Finder, Found, breathers};
 use vibrochain_floquet::{Analyser, Method, Tolerance, Verdict};
 use vibrochain_lattice::{Chain, Model, Spectrum};
+use vibrochain_testkit::Random;
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
-
-/// A small generator of random numbers (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / u64::MAX as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn log(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.unit() * count as f64) as usize % count
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
