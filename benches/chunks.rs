@@ -17,7 +17,7 @@ use vibrochain_cli::console::{Console, ctrl_c};
 use vibrochain_maps::files::Output;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job, blocks};
-use vibrochain_maps::table::{Table, header};
+use vibrochain_maps::table::{Rows, header};
 
 const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/conservative-n20.toml");
 
@@ -30,11 +30,7 @@ fn rows(scene: &Scene, threads: usize, mut take: impl FnMut(&[u8])) {
     let ended = blocks(
         &job,
         &[whole],
-        |range, cells| {
-            let mut table = Table::new(scene, Vec::new());
-            table.write_all(scene, range, cells).unwrap();
-            table.finish().unwrap()
-        },
+        |range, cells| Rows::of(scene, range, cells).text,
         |block| {
             take(&block.made);
             Ok::<(), ()>(())

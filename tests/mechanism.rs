@@ -81,7 +81,7 @@ fn verdicts_on_either_side_of_an_event_have_its_name() {
     let (event, free) = (Event::Pitchfork, Parameter::Restitution);
     let answer = locate(start, &Search { event, free, from: 0.4, to: 0.7 }).unwrap();
     let pitchfork = &answer.located[0];
-    assert_eq!(pitchfork.handover.as_ref().unwrap().orbits.len(), 2);
+    assert_eq!(pitchfork.branching.as_ref().unwrap().orbits.len(), 2);
     let said: Vec<_> = pitchfork.verdicts.iter().map(|(_, verdict)| verdict.mechanism).collect();
     assert_eq!(said, [None, Some(Mechanism::Pitchfork)]);
 

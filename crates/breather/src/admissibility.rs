@@ -8,11 +8,6 @@
 
 use vibrochain_lattice::Barrier;
 
-use crate::error::BreatherError;
-use crate::motion::Motion;
-use crate::orbit::Orbit;
-use crate::watch::{Depth, Watch};
-
 /// What keeps a solution from being an orbit of the real chain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Obstruction {
@@ -86,15 +81,6 @@ impl Admissibility {
     pub fn is_physical(&self) -> bool {
         self.obstruction.is_none()
     }
-}
-
-/// Checks an orbit: the one-shot form of [`crate::Finder::admissibility`].
-///
-/// # Errors
-/// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
-pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
-    let mut motion = Motion::of(orbit)?;
-    Watch::default().check(orbit, &mut motion, Depth::Worst)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use crate::equations::{Column, MOST, System, Terms};
 use crate::flights::Flights;
 use crate::motion::Motion;
 use crate::orbit::Orbit;
+use crate::worst::worse;
 
 /// Estimated absolute errors of an impact. Dimensionless, like what they are errors of.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -215,11 +216,6 @@ pub(crate) fn is_delicate(orbit: &Orbit, response: &ImpulseResponse) -> bool {
         || fastest > orbit.model().omega() / DELICATE
         || !orbit.is_reversible()
             && Terms::new(orbit, response).system().is_some_and(|system| system.reciprocal_condition < DELICATE)
-}
-
-/// The larger of two errors; one that is not a number is as bad as can be.
-pub(crate) fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 /// Rounding of one operation, with room for the few that a term takes.

@@ -13,8 +13,8 @@
 
 use vibrochain_lattice::{ImpulseResponse, KernelJet};
 
-use crate::condition::worse;
 use crate::orbit::{Family, Orbit};
+use crate::worst::worse;
 
 /// Most unknowns: two impulses, s, t_1, ψ.
 pub(crate) const MOST: usize = 5;

@@ -23,16 +23,7 @@ use crate::one_mass::OneMass;
 use crate::orbit::{Draft, Family, Source};
 use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
-use crate::two_impacts::{TwoImpactSolution, TwoImpacts, Word};
-
-/// Where δ = 0 solves by itself (a = 0, e = 1 or γ₁ = 0, and always for a doubled orbit), E has a double zero there that
-/// is not a pair of orbits; the search stays this fraction of the half period away from it. Asymmetric orbits closer
-/// than that to their bifurcation are not told from the symmetric one.
-pub(crate) const SYMMETRIC_GUARD: f64 = 1e-7;
-
-/// What breaks the symmetry is q a gD, which puts the two orbits next to δ = 0 at δ/T of that order: below this, they
-/// are at δ = 0 to rounding.
-pub(crate) const SYMMETRIC: f64 = 1e-18;
+use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, Word, shortest_flight};
 
 /// All double-sided solutions under a cosine of response `steady`.
 pub(crate) fn double_sided(
@@ -185,13 +176,4 @@ pub(crate) fn period_doubled(
 /// ψ = θ/ω − φ/2, folded into one period of the force.
 fn phase(theta: f64, phi: f64, omega: f64) -> f64 {
     (theta - 0.5 * omega * phi).rem_euclid(std::f64::consts::TAU) / omega
-}
-
-/// A time shorter than any flight between the two barriers. From the conditions,
-/// (m²+d²)(χ₃²+q²) ≤ ω²Ã² and Dm = 1 − Y sin h; with |χ₃| ≤ V, |χ₃′| ≤ W and χ₃(0⁺) = 1 one has χ₃ ≥ ½ and D ≤ Vφ for
-/// φ ≤ 1/(2W), hence 2Vφω|Ã| ≥ 1 − ½ω|Ã|φ. `driven` is ω|Ã|, or whatever else bounds |Ġ|.
-pub(crate) fn shortest_flight(response: &ImpulseResponse, driven: f64) -> f64 {
-    let [slope, curvature, ..] = response.derivative_bounds();
-    let (v, w) = (2.0 * slope, 2.0 * curvature);
-    (0.5 / w).min(1.0 / (driven * (2.0 * v + 0.5))).min(0.5 * response.period())
 }

@@ -19,12 +19,11 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
 use crate::conservative::{double_sided_draft, single_sided_draft};
 use crate::enclosure::Dual;
 use crate::error::NoBreather;
-use crate::forced_double::{SYMMETRIC, SYMMETRIC_GUARD, shortest_flight};
 use crate::harmonic_impacts::HarmonicImpacts;
 use crate::orbit::{Draft, Family, Source};
 use crate::planar_roots::PlanarZeros;
 use crate::roots::{Enclosed, Zeros};
-use crate::two_impacts::Word;
+use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, Word, shortest_flight};
 
 /// α Ġ(ψ) + β G(ψ) + γ.
 struct Line<'a> {

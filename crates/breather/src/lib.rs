@@ -8,14 +8,14 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `orbit` | [`Orbit`], [`Impact`], [`Family`] |
+//! | `orbit`, `assembly` | [`Orbit`], [`Impact`], [`Family`]; orbits from their impulses |
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
 //! | `completeness` | [`Completeness`]: how a list of orbits is known to be all |
 //! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `radiation` | a bound on what a physical orbit can radiate |
 //! | `forced_harmonics`, `harmonic_impacts` | the forced ones under several harmonics |
 //! | `motion` | [`Motion`]: every mass at any time |
-//! | `admissibility`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
+//! | `admissibility`, `watch`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `equations`, `polish` | the orbit's equations linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
 //! | `branch`, `reduction`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
@@ -41,6 +41,7 @@
 //! ```
 
 mod admissibility;
+mod assembly;
 mod asymmetric;
 mod bordered;
 mod branch;
@@ -73,8 +74,9 @@ mod roots;
 mod two_impacts;
 mod watch;
 mod window;
+mod worst;
 
-pub use admissibility::{Admissibility, Approach, Obstruction, admissibility};
+pub use admissibility::{Admissibility, Approach, Obstruction};
 pub use branch::{Branch, BranchError, BranchPoint};
 pub use completeness::Completeness;
 pub use condition::{Condition, ImpactError, Together};
@@ -82,3 +84,4 @@ pub use error::{BreatherError, NoBreather};
 pub use finder::{Finder, Found, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Impact, Orbit};
+pub use watch::admissibility;

@@ -39,6 +39,15 @@ use vibrochain_lattice::ImpulseResponse;
 use crate::enclosure::{Algebra, Dual, Point};
 use crate::roots::{Enclosed, Zeros};
 
+/// Where δ = 0 solves by itself (a = 0, e = 1 or γ₁ = 0, and always for a doubled orbit), E has a double zero there that
+/// is not a pair of orbits; the search stays this fraction of the half period away from it. Asymmetric orbits closer
+/// than that to their bifurcation are not told from the symmetric one.
+pub(crate) const SYMMETRIC_GUARD: f64 = 1e-7;
+
+/// What breaks the symmetry is q a gD, which puts the two orbits next to δ = 0 at δ/T of that order: below this, they
+/// are at δ = 0 to rounding.
+pub(crate) const SYMMETRIC: f64 = 1e-18;
+
 /// Which of the two words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Word {
@@ -207,4 +216,13 @@ impl TwoImpacts<'_> {
         let scaled = determinant.scaled(self.force);
         x * x + y * y - scaled * scaled
     }
+}
+
+/// A time shorter than any flight between the two barriers. From the conditions,
+/// (m²+d²)(χ₃²+q²) ≤ ω²Ã² and Dm = 1 − Y sin h; with |χ₃| ≤ V, |χ₃′| ≤ W and χ₃(0⁺) = 1 one has χ₃ ≥ ½ and D ≤ Vφ for
+/// φ ≤ 1/(2W), hence 2Vφω|Ã| ≥ 1 − ½ω|Ã|φ. `driven` is ω|Ã|, or whatever else bounds |Ġ|.
+pub(crate) fn shortest_flight(response: &ImpulseResponse, driven: f64) -> f64 {
+    let [slope, curvature, ..] = response.derivative_bounds();
+    let (v, w) = (2.0 * slope, 2.0 * curvature);
+    (0.5 / w).min(1.0 / (driven * (2.0 * v + 0.5))).min(0.5 * response.period())
 }

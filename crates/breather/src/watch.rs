@@ -242,6 +242,15 @@ fn distance(a: f64, displacement: f64) -> f64 {
     1.0 - (displacement - a).abs()
 }
 
+/// Checks an orbit: the one-shot form of [`crate::Finder::admissibility`].
+///
+/// # Errors
+/// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
+pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
+    let mut motion = Motion::of(orbit)?;
+    Watch::default().check(orbit, &mut motion, Depth::Worst)
+}
+
 #[cfg(test)]
 mod tests {
     use vibrochain_lattice::{Chain, Model};

@@ -10,7 +10,7 @@
 //! | `plot` | pictures (feature `plot`) |
 //! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
-//! | `orbit_modes` | signatures of the modes of a conservative orbit, and which have collided |
+//! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
 //! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
 //! | `field` | all masses of a run in space and time, thinned for a picture (feature `plot`) |
 //! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `simulate_command` | the subcommands |
@@ -39,6 +39,7 @@ pub mod program;
 pub mod recording;
 mod report;
 pub mod simulate_command;
+mod solution;
 pub mod start;
 #[cfg(feature = "plot")]
 pub mod stripes;

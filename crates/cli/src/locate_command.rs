@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Found, Orbit};
-use vibrochain_floquet::{Answer, End, Event, HandedOver, Located, Mechanism, Search, Sign, Verdict, locate};
+use vibrochain_floquet::{Answer, BranchedOrbit, End, Event, Located, Mechanism, Search, Sign, Verdict, locate};
 use vibrochain_lattice::{Model, Parameter, Short};
 
 use crate::args::{EventName, LocateArgs};
@@ -124,8 +124,8 @@ fn located_json(found: &Located) -> Value {
         .iter()
         .map(|(value, verdict)| json!({ "value": value, "stability": verdict_json(verdict) }))
         .collect();
-    let branching = found.handover.as_ref().map(|handover| {
-        let orbits: Vec<Value> = handover
+    let branching = found.branching.as_ref().map(|branching| {
+        let orbits: Vec<Value> = branching
             .orbits
             .iter()
             .map(|branched| {
@@ -135,7 +135,7 @@ fn located_json(found: &Located) -> Value {
                 value
             })
             .collect();
-        json!({ "value": handover.value, "side": side(handover.above), "orbits": orbits })
+        json!({ "value": branching.value, "side": side(branching.above), "orbits": orbits })
     });
     json!({
         "value": found.value,
@@ -282,10 +282,11 @@ fn located_text(out: &mut String, name: &str, found: &Located) {
     for (value, verdict) in &found.verdicts {
         let _ = writeln!(out, "  at {name} = {}: {}", Number(*value), stability_text(verdict));
     }
-    if let Some(handover) = &found.handover {
-        let which = if handover.orbits.len() == 1 { "the doubled orbit" } else { "the asymmetric pair" };
-        let _ = writeln!(out, "  {which} exists {} it; at {name} = {}:", side(handover.above), Number(handover.value));
-        handover.orbits.iter().for_each(|branched| branched_text(out, branched));
+    if let Some(branching) = &found.branching {
+        let which = if branching.orbits.len() == 1 { "the doubled orbit" } else { "the asymmetric pair" };
+        let _ =
+            writeln!(out, "  {which} exists {} it; at {name} = {}:", side(branching.above), Number(branching.value));
+        branching.orbits.iter().for_each(|branched| branched_text(out, branched));
     }
 }
 
@@ -302,7 +303,7 @@ fn orbit_text(orbit: &Orbit) -> String {
     text
 }
 
-fn branched_text(out: &mut String, branched: &HandedOver) {
+fn branched_text(out: &mut String, branched: &BranchedOrbit) {
     let _ = writeln!(out, "    {}", orbit_text(&branched.orbit));
     let physical = match branched.physical {
         Some(true) => "physical",

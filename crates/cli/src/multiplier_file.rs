@@ -6,7 +6,7 @@ use vibrochain_breather::Finder;
 use vibrochain_floquet::multiplier_modes;
 
 use crate::error::CliError;
-use crate::orbit_command::Solution;
+use crate::solution::Solution;
 use vibrochain_maps::files::CsvFile;
 
 const HEADER: [&str; 6] = ["solution", "real", "imaginary", "modulus", "argument", "mode"];

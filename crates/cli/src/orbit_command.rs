@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Admissibility, Completeness, Condition, Family, Finder, Found, Obstruction, Orbit};
-use vibrochain_floquet::{Analyser, Complex, FloquetError, Stability, Tolerance};
+use vibrochain_breather::{Completeness, Family, Finder, Found, Obstruction, Orbit};
+use vibrochain_floquet::{Analyser, Complex, Tolerance};
 use vibrochain_lattice::{MAX_SITES, Model};
 
 use crate::args::{FamilyName, ModelArgs, OrbitArgs};
@@ -12,6 +12,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::multiplier_file::MultiplierFile;
 use crate::orbit_modes::OrbitModes;
+use crate::solution::Solution;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::force;
 use vibrochain_maps::numbers::Number;
@@ -43,15 +44,6 @@ pub fn family(name: FamilyName) -> Family {
 
 /// The most multipliers of a solution that JSON lists.
 const MOST_LISTED: usize = 4096;
-
-/// One orbit with all that is said about it.
-pub(crate) struct Solution {
-    pub(crate) orbit: Orbit,
-    admissibility: Admissibility,
-    condition: Condition,
-    pub(crate) stability: Result<Stability, FloquetError>,
-    modes: Option<OrbitModes>,
-}
 
 /// Runs the subcommand.
 ///

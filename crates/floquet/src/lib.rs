@@ -60,7 +60,9 @@ pub use analyser::{Analyser, Stability, stability};
 pub use eigen::eigenvalues;
 pub use eigenvectors::{FloquetMode, leading_modes};
 pub use error::FloquetError;
-pub use locate::{Answer, End, Event, HandedOver, Handover, LocateError, Located, Search, Sign, Unresolved, locate};
+pub use locate::{
+    Answer, BranchedOrbit, Branching, End, Event, LocateError, Located, Search, Sign, Unresolved, locate,
+};
 pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use multipliers::{odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;

@@ -39,9 +39,9 @@ fn period_doubling_of_the_errata_hands_over_to_the_doubled_orbit() {
     let [(low, below), (high, above)] = found.verdicts.as_slice() else { panic!("{:?}", found.verdicts) };
     assert!(*low < found.value && found.value < *high);
     assert!(below.mechanism == Some(Mechanism::PeriodDoubling) && above.stable);
-    let handover = found.handover.as_ref().unwrap();
-    assert!(!handover.above && handover.value < found.value);
-    let [doubled] = handover.orbits.as_slice() else { panic!("{handover:?}") };
+    let branching = found.branching.as_ref().unwrap();
+    assert!(!branching.above && branching.value < found.value);
+    let [doubled] = branching.orbits.as_slice() else { panic!("{branching:?}") };
     assert!(doubled.physical == Some(true) && doubled.verdict.is_some_and(|verdict| verdict.stable));
     assert_eq!(doubled.orbit.family(), Family::PeriodDoubled);
 }
@@ -105,9 +105,9 @@ fn pitchfork_of_figure_nine_from_the_symmetric_orbit_and_from_the_pair() {
         let answer = search(&start, Event::Pitchfork, Parameter::Restitution, Some((0.4, 0.7)));
         let found = &answer.located[0];
         assert!((found.value - expected).abs() < 1e-12, "{e} {which} {}", found.value);
-        let handover = found.handover.as_ref().unwrap();
-        assert!(handover.above && handover.orbits.len() == 2);
-        assert!(handover.orbits.iter().all(|branched| branched.verdict.is_some_and(|verdict| verdict.stable)));
+        let branching = found.branching.as_ref().unwrap();
+        assert!(branching.above && branching.orbits.len() == 2);
+        assert!(branching.orbits.iter().all(|branched| branched.verdict.is_some_and(|verdict| verdict.stable)));
     }
 }
 
@@ -182,7 +182,7 @@ fn a_multiplier_of_conservative_orbits_is_one_where_their_energy_is_extreme() {
         let (slope, curvature) = ((above - below) / (2.0 * h), (above + below - 2.0 * here) / (h * h));
         // How far the vertex of the parabola is from there.
         assert!((slope / curvature).abs() < 10.0 * h * h && curvature.abs() > 1.0, "{found:?}: {slope} {curvature}");
-        assert!(found.handover.is_none(), "{found:?}");
+        assert!(found.branching.is_none(), "{found:?}");
         let said: Vec<_> = found.verdicts.iter().map(|(_, verdict)| verdict.mechanism).collect();
         assert_eq!(said, [Some(Mechanism::PlusOne), None]);
     }
@@ -198,8 +198,8 @@ fn pitchfork_of_orbits_that_are_mirror_images_in_time() {
     for start in orbits.iter().filter(|orbit| half(orbit) < 1e-12) {
         for found in &search(start, Event::Pitchfork, Parameter::Omega, Some((1.2, 2.5))).located {
             assert!(half(&found.orbit) < 1e-12 && found.error < 1e-12, "{found:?}");
-            let Some(handover) = &found.handover else { continue };
-            assert!(handover.orbits.iter().all(|branched| half(&branched.orbit) > 1e-4));
+            let Some(branching) = &found.branching else { continue };
+            assert!(branching.orbits.iter().all(|branched| half(&branched.orbit) > 1e-4));
             seen += 1;
         }
     }

@@ -4,13 +4,10 @@ use nalgebra::Complex;
 use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Finder, Found, Orbit};
 use vibrochain_lattice::Parameter;
 
+use super::answer::{Answer, End, Event, LocateError, Located, Search};
 use super::bracket::zero;
-use super::watch::{Seen, shift_of};
-use super::{Answer, End, Event, LocateError, Located, Search, Unresolved};
+use super::follower::{Follower, LONGEST, Seen, shift_of};
 use crate::analyser::Analyser;
-
-/// The longest step, in units: the range is one unit, and so is a change of order 1 of the orbit.
-pub(super) const LONGEST: f64 = 0.02;
 
 /// The shortest step: where even this one fails, the branch is lost.
 const SHORTEST: f64 = 1e-9;
@@ -36,18 +33,25 @@ const SETTLED: f64 = 1e-6;
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
 
-pub(super) struct Follower {
-    pub(super) branch: Branch,
-    pub(super) analyser: Analyser,
-    pub(super) finder: Finder,
-    pub(super) search: Search,
-    pub(super) unresolved: Vec<Unresolved>,
-    /// Orbits assembled on other branches.
-    pub(super) others: usize,
-    pub(super) spectra: usize,
-}
-
-pub(super) fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateError> {
+/// Follows the branch of `orbit` both ways, to the ends of the range or of the branch, and collects all events. Two that
+/// cancel within one step (a fiftieth of the range at most) are not seen.
+///
+/// # Errors
+/// [`LocateError`].
+///
+/// ```
+/// use vibrochain_breather::{Family, breathers};
+/// use vibrochain_floquet::{Event, Search, locate};
+/// use vibrochain_lattice::{Chain, Model, Parameter};
+/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.07, 0.8, 0.165, 0.25)?;
+/// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
+/// let search = Search::new(orbit, Event::PeriodDoubling, Parameter::Amplitude);
+/// let answer = locate(orbit, &search)?;
+/// assert!((answer.located[0].value - 0.158908086).abs() < 1e-9);
+/// assert!(answer.located[0].branching.as_ref().is_some_and(|doubled| doubled.orbits.len() == 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateError> {
     let Search { free, from, to, .. } = *search;
     let start = orbit.model().get(free);
     if !(from <= start && start <= to && from < to) {

@@ -4,10 +4,10 @@ use nalgebra::Complex;
 use vibrochain_breather::{Branch, BranchPoint};
 use vibrochain_lattice::Parameter;
 
-use super::follow::{Follower, LONGEST};
-use super::handover::hand_over;
+use super::answer::{LocateError, Located, Sign, Unresolved};
+use super::branch_off::branch_off;
+use super::follower::{Follower, LONGEST};
 use super::watch::Test;
-use super::{LocateError, Located, Sign, Unresolved};
 use crate::multipliers::pair;
 use crate::verdict::{Tolerance, Verdict};
 
@@ -209,7 +209,7 @@ impl Follower {
         let physical = self.finder.admissibility(there.orbit()).ok().map(|answer| answer.is_physical());
         let search = self.search;
         let distance = AWAY * there.value().abs().max(1e-2 * (search.to - search.from));
-        let handover = hand_over(there.orbit(), search, distance, &mut self.analyser, &mut self.finder);
+        let branching = branch_off(there.orbit(), search, distance, &mut self.analyser, &mut self.finder);
         Ok(Located {
             value: there.value(),
             error,
@@ -217,7 +217,7 @@ impl Follower {
             sign,
             physical,
             verdicts,
-            handover,
+            branching,
             evaluations: self.evaluations(),
         })
     }

@@ -3,13 +3,13 @@
 use nalgebra::Complex;
 use vibrochain_breather::{BranchError, BranchPoint, BreatherError, Orbit};
 
+use super::answer::{Event, LocateError, Located};
 use super::bracket::zero;
-use super::follow::Follower;
+use super::follower::{Follower, Seen, shift_of};
 use super::secular::{Secular, polish};
 use super::spectrum_events::{
     Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, regular_determinant, upper_half,
 };
-use super::{Event, LocateError, Located};
 use crate::error::FloquetError;
 
 /// Halvings of a step within which two eigenvalues must become distinguishable.
@@ -41,19 +41,6 @@ pub(super) enum Test {
     Modulus { ends: [(f64, Complex<f64>); 2] },
     /// Discriminant of the two ν that collide.
     Collision { centre: f64 },
-}
-
-/// What was seen at a point.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Seen {
-    /// Velocity before each impact, towards its barrier.
-    velocities: Vec<f64>,
-    margin: Option<f64>,
-    equations: f64,
-    /// ln|D| and the sign of D, det(A + shift) made regular.
-    determinant: (f64, f64),
-    /// Eigenvalues: μ, or ν of a reversible orbit.
-    values: Vec<Complex<f64>>,
 }
 
 impl Follower {
@@ -315,15 +302,5 @@ impl Follower {
             }
         }
         Ok(None)
-    }
-}
-
-/// The shift s of det(A + s) that shows an event, for those that the spectrum shows; `None` where the orbit's own equations
-/// do. A holds μ, or ν of a reversible orbit, which are both ±1 together.
-pub(super) fn shift_of(event: Event, orbit: &Orbit) -> Option<f64> {
-    match event {
-        Event::PeriodDoubling => Some(1.0),
-        Event::Pitchfork if orbit.model().is_conservative() => Some(-1.0),
-        _ => None,
     }
 }

@@ -7,8 +7,8 @@
 use nalgebra::Complex;
 
 use super::doubt::Doubt;
-use super::forced::SecularMultipliers;
 use super::lanes::{Lane, ONE, ZERO, all, fill, four, total};
+use super::rational::Rational;
 
 type C = Complex<f64>;
 
@@ -23,63 +23,12 @@ pub(crate) struct Aberth {
     root_im: Vec<Lane>,
 }
 
-/// f, f′, Σ 1/(z−p), and a bound of the rounding error of f.
-pub(super) struct Value {
-    pub(super) f: C,
-    pub(super) slope: C,
-    poles: C,
-    noise: f64,
-}
-
-pub(super) fn evaluate(form: &SecularMultipliers, z: C) -> Value {
-    let (mut f_re, mut f_im, mut s_re, mut s_im) = (ZERO, ZERO, ZERO, ZERO);
-    let (mut p_re, mut p_im, mut noise) = (ZERO, ZERO, ZERO);
-    let lanes = form.pole_re.iter().zip(&form.pole_im).zip(form.residue_re.iter().zip(&form.residue_im));
-    for ((pole_re, pole_im), (residue_re, residue_im)) in lanes {
-        let (pole_im, residue_re, residue_im) = (four(*pole_im), four(*residue_re), four(*residue_im));
-        let u = all(z.re) - four(*pole_re);
-        for (v, r) in [(all(z.im) - pole_im, residue_im), (all(z.im) + pole_im, -residue_im)] {
-            let scale = ONE / (u * u + v * v);
-            let (a, b) = (u * scale, -v * scale);
-            // ρ/(z−p) and its square over ρ
-            let (x, y) = (residue_re * a - r * b, residue_re * b + r * a);
-            f_re += x;
-            f_im += y;
-            s_re -= x * a - y * b;
-            s_im -= x * b + y * a;
-            p_re += a;
-            p_im += b;
-            noise += x.abs() + y.abs();
-        }
-    }
-    Value {
-        f: C::new(1.0 + total(f_re), total(f_im)),
-        slope: C::new(total(s_re), total(s_im)),
-        poles: C::new(total(p_re), total(p_im)),
-        noise: 1.0 + total(noise),
-    }
-}
-
-/// Error of f from those of residues and poles.
-fn doubt(form: &SecularMultipliers, z: C) -> f64 {
-    let mut doubt = ZERO;
-    let lanes = form.pole_re.iter().zip(&form.pole_im).zip(form.residue_error.iter().zip(&form.pole_error));
-    for ((pole_re, pole_im), (residue, pole)) in lanes {
-        let (u, pole_im) = (all(z.re) - four(*pole_re), four(*pole_im));
-        for v in [all(z.im) - pole_im, all(z.im) + pole_im] {
-            let inverse = ONE / (u * u + v * v);
-            doubt += four(*residue) * inverse.sqrt() + four(*pole) * inverse;
-        }
-    }
-    f64::EPSILON + total(doubt)
-}
-
 const SWEEPS: usize = 100;
 
 impl Aberth {
     /// All zeros into `roots`. `angles` are those of the poles on the upper half circle. The first `trivial` ones are known to be 1:
     /// they repel the others and stay.
-    pub(crate) fn solve(&mut self, form: &SecularMultipliers, angles: &[f64], trivial: usize) -> Result<(), Doubt> {
+    pub(crate) fn solve(&mut self, form: &Rational, angles: &[f64], trivial: usize) -> Result<(), Doubt> {
         let Self { roots, errors, settled, angles: sorted, root_re, root_im } = self;
         sorted.clear();
         sorted.extend_from_slice(angles);
@@ -117,7 +66,7 @@ impl Aberth {
                     continue;
                 }
                 let z = roots[i];
-                let value = evaluate(form, z);
+                let value = form.evaluate(z);
                 let mut log = value.slope / value.f + value.poles;
                 // All others repel; from itself it has no distance.
                 let (mut re, mut im) = (ZERO, ZERO);
@@ -152,14 +101,14 @@ impl Aberth {
         }
         errors.resize(trivial.min(wanted), 0.0);
         for z in roots.iter_mut().skip(trivial) {
-            let mut value = evaluate(form, *z);
+            let mut value = form.evaluate(*z);
             let step = value.f / value.slope;
             if step.norm_sqr() <= 1e-14 * z.norm_sqr().max(1e-6) {
                 *z -= step;
-                value = evaluate(form, *z);
+                value = form.evaluate(*z);
             }
             // And it is rounded itself.
-            errors.push(doubt(form, *z) / value.slope.norm_sqr().sqrt() + 2.0 * f64::EPSILON * z.norm_sqr().sqrt());
+            errors.push(form.doubt(*z) / value.slope.norm_sqr().sqrt() + 2.0 * f64::EPSILON * z.norm_sqr().sqrt());
         }
         if open == 0 { Ok(()) } else { Err(Doubt::Incomplete { found: wanted - open, wanted }) }
     }

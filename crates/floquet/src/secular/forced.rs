@@ -21,7 +21,6 @@
 //! the trace.
 
 use nalgebra::Complex;
-use smallvec::SmallVec;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
 use wide::f64x4;
@@ -30,6 +29,8 @@ use super::aberth::Aberth;
 use super::doubt::Doubt;
 use super::forced_large::{ForcedLarge, LARGE};
 use super::lanes::{Lane, ONE, ZERO, all, fill, four, total};
+use super::linear::{determinant, determinant_and_condition};
+use super::rational::Rational;
 
 type C = Complex<f64>;
 
@@ -51,14 +52,7 @@ type C = Complex<f64>;
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct SecularMultipliers {
-    /// p and ρ
-    pub(crate) pole_re: Vec<Lane>,
-    pub(crate) pole_im: Vec<Lane>,
-    pub(crate) residue_re: Vec<Lane>,
-    pub(crate) residue_im: Vec<Lane>,
-    /// Errors of ρ, and |ρ| times those of p.
-    pub(crate) residue_error: Vec<Lane>,
-    pub(crate) pole_error: Vec<Lane>,
+    pub(super) form: Rational,
     count: usize,
     residues: Vec<C>,
     angles: Vec<f64>,
@@ -130,9 +124,9 @@ impl SecularMultipliers {
         if self.is_large() {
             let data = (self.times.as_slice(), self.kappas.as_slice());
             let outcome = self.large.set(data, (e, q), response, &mut self.residues);
-            fill(&mut self.pole_re, cos.iter().zip(sin).map(|(c, s)| (c - s) * (c + s)), 1e100);
-            fill(&mut self.pole_im, cos.iter().zip(sin).map(|(c, s)| 2.0 * s * c), 0.0);
-            fill(&mut self.residue_error, outcome?.into_iter(), 0.0);
+            fill(&mut self.form.pole_re, cos.iter().zip(sin).map(|(c, s)| (c - s) * (c + s)), 1e100);
+            fill(&mut self.form.pole_im, cos.iter().zip(sin).map(|(c, s)| 2.0 * s * c), 0.0);
+            fill(&mut self.form.residue_error, outcome?.into_iter(), 0.0);
             return Ok(());
         }
         self.modes.set(response, &self.times);
@@ -142,7 +136,7 @@ impl SecularMultipliers {
         let scale = (1.0 + e).powi(size as i32);
         self.residues.clear();
         self.angles.clear();
-        for lanes in [&mut self.residue_error, &mut self.pole_error] {
+        for lanes in [&mut self.form.residue_error, &mut self.form.pole_error] {
             fill(lanes, (0..self.count).map(|_| 0.0), 0.0);
         }
         let mut size_of_residues = 0.0;
@@ -181,17 +175,17 @@ impl SecularMultipliers {
             size_of_residues += modulus;
             let error = modulus * relative;
             total_error += error;
-            self.residue_error.as_flattened_mut()[k] = error;
-            self.pole_error.as_flattened_mut()[k] = modulus * f64::EPSILON * (2.0 + 2.0 * phase);
+            self.form.residue_error.as_flattened_mut()[k] = error;
+            self.form.pole_error.as_flattened_mut()[k] = modulus * f64::EPSILON * (2.0 + 2.0 * phase);
             self.residues.push(residue);
             self.angles.push(pole.im.atan2(pole.re).abs());
         }
         let residues = &self.residues;
         let poles = |k: usize| C::new((cos[k] - sin[k]) * (cos[k] + sin[k]), 2.0 * sin[k] * cos[k]);
-        fill(&mut self.pole_re, (0..self.count).map(|k| poles(k).re), 1e100);
-        fill(&mut self.pole_im, (0..self.count).map(|k| poles(k).im), 0.0);
-        fill(&mut self.residue_re, residues.iter().map(|r| r.re), 0.0);
-        fill(&mut self.residue_im, residues.iter().map(|r| r.im), 0.0);
+        fill(&mut self.form.pole_re, (0..self.count).map(|k| poles(k).re), 1e100);
+        fill(&mut self.form.pole_im, (0..self.count).map(|k| poles(k).im), 0.0);
+        fill(&mut self.form.residue_re, residues.iter().map(|r| r.re), 0.0);
+        fill(&mut self.form.residue_im, residues.iter().map(|r| r.im), 0.0);
         // f(0) = e^{2n}
         let product: f64 = (0..self.count).map(|k| 2.0 * (residues[k] * poles(k).conj()).re).sum();
         let defect = (1.0 - product - e.powi(size as i32)).abs();
@@ -302,7 +296,7 @@ impl SecularMultipliers {
 
     /// Poles e^{iΩ_kT} of f in the order of the modes; each has its conjugate.
     pub fn poles(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
-        let (re, im) = (self.pole_re.as_flattened(), self.pole_im.as_flattened());
+        let (re, im) = (self.form.pole_re.as_flattened(), self.form.pole_im.as_flattened());
         re.iter().zip(im).take(self.count).map(|(re, im)| C::new(*re, *im))
     }
 
@@ -328,7 +322,7 @@ impl SecularMultipliers {
             (&self.large.roots.values, &self.large.roots.errors)
         } else {
             let mut aberth = std::mem::take(&mut self.aberth);
-            let outcome = aberth.solve(self, &self.angles, self.trivial);
+            let outcome = aberth.solve(&self.form, &self.angles, self.trivial);
             self.aberth = aberth;
             outcome?;
             (&self.aberth.roots, &self.aberth.errors)
@@ -337,7 +331,7 @@ impl SecularMultipliers {
         let size: f64 = roots.iter().map(|z| z.norm()).sum();
         let slack: f64 = errors.iter().sum();
         let defect = (sum - trace).abs();
-        let own: f64 = self.residue_error.iter().flatten().sum();
+        let own: f64 = self.form.residue_error.iter().flatten().sum();
         let allowed = 16.0 * (slack + own + f64::EPSILON * size);
         if defect <= allowed.max(1e-9 * size) {
             Ok((roots, errors))
@@ -388,96 +382,5 @@ impl Modes {
         let groups = self.cos.len();
         let range = pair * groups..(pair + 1) * groups;
         (&self.turn_cos[range.clone()], &self.turn_sin[range])
-    }
-}
-
-/// Determinant by elimination with partial pivoting; the matrix is used up.
-pub(super) fn determinant(matrix: &mut [C], size: usize) -> C {
-    let mut product = C::new(1.0, 0.0);
-    for column in 0..size {
-        let (mut pivot, mut largest) = (column, 0.0);
-        for row in column..size {
-            let modulus = matrix[row * size + column].norm_sqr();
-            if modulus > largest {
-                (pivot, largest) = (row, modulus);
-            }
-        }
-        if largest == 0.0 {
-            return C::default();
-        }
-        if pivot != column {
-            for j in column..size {
-                matrix.swap(pivot * size + j, column * size + j);
-            }
-            product = -product;
-        }
-        let diagonal = matrix[column * size + column];
-        product *= diagonal;
-        let inverse = diagonal.inv();
-        for row in column + 1..size {
-            let factor = matrix[row * size + column] * inverse;
-            for j in column + 1..size {
-                let above = matrix[column * size + j];
-                matrix[row * size + j] -= factor * above;
-            }
-        }
-    }
-    product
-}
-
-/// As [`determinant`], with Σ|B⁻¹_ji||B_ij|, by which relative errors of the entries are multiplied. `sizes` is scratch space.
-fn determinant_and_condition(matrix: &mut [C], sizes: &mut Vec<f64>, size: usize) -> (C, f64) {
-    sizes.clear();
-    sizes.extend(matrix.iter().map(|entry| entry.norm()));
-    // Gauss–Jordan in place with exchange of rows: the matrix becomes B⁻¹ with its columns exchanged likewise.
-    let mut order: SmallVec<[usize; 2 * MOST_IMPACTS + 1]> = (0..size).collect();
-    let mut product = C::new(1.0, 0.0);
-    for column in 0..size {
-        let modulus = |row: &usize| matrix[row * size + column].norm_sqr();
-        let pivot = (column..size).max_by(|a, b| modulus(a).total_cmp(&modulus(b))).unwrap_or(column);
-        if pivot != column {
-            for j in 0..size {
-                matrix.swap(pivot * size + j, column * size + j);
-            }
-            order.swap(pivot, column);
-            product = -product;
-        }
-        let diagonal = matrix[column * size + column];
-        product *= diagonal;
-        let inverse = diagonal.inv();
-        matrix[column * size + column] = C::new(1.0, 0.0);
-        for j in 0..size {
-            matrix[column * size + j] *= inverse;
-        }
-        for row in (0..size).filter(|row| *row != column) {
-            let factor = matrix[row * size + column];
-            matrix[row * size + column] = C::default();
-            for j in 0..size {
-                let above = matrix[column * size + j];
-                matrix[row * size + j] -= factor * above;
-            }
-        }
-    }
-    let mut condition = 0.0;
-    for (column, row) in order.iter().enumerate() {
-        condition += (0..size).map(|i| matrix[i * size + column].norm() * sizes[row * size + i]).sum::<f64>();
-    }
-    (product, condition)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn both_determinants_agree_and_the_condition_is_that_of_the_entries() {
-        // (1 + i)·3i − 2·(4 − i) and its inverse by hand.
-        let entries = [C::new(1.0, 1.0), C::new(2.0, 0.0), C::new(4.0, -1.0), C::new(0.0, 3.0)];
-        let expected = entries[0] * entries[3] - entries[1] * entries[2];
-        assert!((determinant(&mut entries.clone(), 2) - expected).norm() < 1e-15);
-        let (found, condition) = determinant_and_condition(&mut entries.clone(), &mut Vec::new(), 2);
-        assert!((found - expected).norm() < 1e-15);
-        let by_hand = 2.0 * ((entries[0] * entries[3]).norm() + (entries[1] * entries[2]).norm()) / expected.norm();
-        assert!((condition - by_hand).abs() < 1e-14, "{condition} {by_hand}");
     }
 }

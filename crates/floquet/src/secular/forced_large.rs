@@ -146,7 +146,7 @@ impl ForcedLarge {
                 matrix[size * border + 2 * i + 1] = turn.conj() * C::new(0.0, -0.5 * omega / f);
             }
             let pole = C::new(own.d, sine(k));
-            let residue = -super::forced::determinant(matrix, border) * pole * (scale * weights[k]);
+            let residue = -super::linear::determinant(matrix, border) * pole * (scale * weights[k]);
             let mut nearest = 2.0 * own.sin * own.cos;
             for other in [place.checked_sub(1), Some(place + 1)].into_iter().flatten().filter_map(|l| sorted.get(l)) {
                 nearest = nearest.min((own.sin * other.cos - own.cos * other.sin).abs());

@@ -5,7 +5,6 @@ use nalgebra::Complex;
 use vibrochain_breather::{Condition, ImpactError, Orbit};
 use vibrochain_lattice::ImpulseResponse;
 
-use super::aberth::evaluate;
 use super::balance::{Balance, DataError, Origin, Settled};
 use super::doubt::Doubt;
 use super::forced::SecularMultipliers;
@@ -349,7 +348,7 @@ impl ForcedSecular {
                 }
                 for (z, (total, open)) in values.iter().zip(&mut open) {
                     if open {
-                        let (here, there) = (evaluate(form, *z), evaluate(moved, *z));
+                        let (here, there) = (form.form.evaluate(*z), moved.form.evaluate(*z));
                         *total += (there.f - here.f).norm() / here.slope.norm() * scale;
                     }
                 }

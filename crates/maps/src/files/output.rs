@@ -177,7 +177,7 @@ impl Output {
 
     /// As [`Output::commit_new`], but does not wait for the disk: for a file that can be made again.
     pub fn place_new(mut self) -> Result<bool, MapError> {
-        self.hand_over().map_err(|error| self.failed("finish", &error))?;
+        self.branch_off().map_err(|error| self.failed("finish", &error))?;
         let Self { sink: Sink::Temporary { file, place, .. }, path, .. } = self else { return Ok(true) };
         match file.persist_noclobber(&place) {
             Ok(_) => Ok(true),
@@ -191,7 +191,7 @@ impl Output {
     /// # Errors
     /// [`MapError::Computation`] if the disk refuses.
     pub fn settle(&mut self) -> Result<(), MapError> {
-        let settled = self.hand_over().and_then(|()| match &mut self.sink {
+        let settled = self.branch_off().and_then(|()| match &mut self.sink {
             Sink::Temporary { file, .. } => file.as_file().sync_all(),
             // Also without a byte: a reader waits for the end.
             Sink::Stream(stream) => stream.flush(),
@@ -200,7 +200,7 @@ impl Output {
     }
 
     /// Hands to the system what is held.
-    fn hand_over(&mut self) -> io::Result<()> {
+    fn branch_off(&mut self) -> io::Result<()> {
         while !self.held.is_empty() {
             let written = match &mut self.sink {
                 Sink::Temporary { file, .. } => file.write(&self.held),
@@ -233,7 +233,7 @@ impl Output {
 impl Write for Output {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
         if self.held.len() >= PIECE {
-            self.hand_over()?;
+            self.branch_off()?;
         }
         let (taken, _) = buffer.split_at(buffer.len().min(PIECE - self.held.len()));
         self.held.extend_from_slice(taken);
@@ -257,7 +257,7 @@ impl Write for Output {
     /// A stream keeps its piece: who drops a writer flushes it, and that alone must not wait for a reader.
     fn flush(&mut self) -> io::Result<()> {
         match self.sink {
-            Sink::Temporary { .. } => self.hand_over(),
+            Sink::Temporary { .. } => self.branch_off(),
             Sink::Stream(_) => Ok(()),
         }
     }

@@ -5,31 +5,9 @@
 
 use vibrochain_breather::{Branch, BranchPoint, Family, Finder, Orbit};
 
-use super::{Event, Search};
+use super::answer::{BranchedOrbit, Branching, Event, Search};
 use crate::analyser::Analyser;
-use crate::verdict::{Tolerance, Verdict};
-
-/// An orbit that branches off.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HandedOver {
-    /// The orbit.
-    pub orbit: Orbit,
-    /// Whether it is physical there; `None` where that cannot be told.
-    pub physical: Option<bool>,
-    /// Its stability, where it can be judged.
-    pub verdict: Option<Verdict>,
-}
-
-/// The orbits that branch off, at one value of the parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Handover {
-    /// The value, a small step from the bifurcation.
-    pub value: f64,
-    /// They exist for larger values (otherwise for smaller ones).
-    pub above: bool,
-    /// The doubled orbit, or the asymmetric pair.
-    pub orbits: Vec<HandedOver>,
-}
+use crate::verdict::Tolerance;
 
 /// The first step along the new branch, the factor by which it shrinks, and how often at most: down to 1e-6, where rounding of
 /// the equations, divided by the step, is as large as the bend.
@@ -51,13 +29,13 @@ const PARABOLA: f64 = 0.2;
 
 /// The orbits that branch off, if their family is known: at `distance` in the parameter where they reach that far, otherwise
 /// as near as they do.
-pub(super) fn hand_over(
+pub(super) fn branch_off(
     orbit: &Orbit,
     search: Search,
     distance: f64,
     analyser: &mut Analyser,
     finder: &mut Finder,
-) -> Option<Handover> {
+) -> Option<Branching> {
     let pair = match (search.event, orbit.family()) {
         (Event::PeriodDoubling, Family::SingleSided) => false,
         (Event::Pitchfork, Family::DoubleSided) => true,
@@ -86,9 +64,9 @@ pub(super) fn hand_over(
         let orbit = point.orbit().clone();
         let physical = finder.admissibility(&orbit).ok().map(|answer| answer.is_physical());
         let verdict = analyser.stability(&orbit, finder, Tolerance::Rounding).ok().map(|answer| answer.verdict);
-        HandedOver { orbit, physical, verdict }
+        BranchedOrbit { orbit, physical, verdict }
     });
-    Some(Handover { value, above: bend > 0.0, orbits: orbits.collect() })
+    Some(Branching { value, above: bend > 0.0, orbits: orbits.collect() })
 }
 
 /// The point at `distance` in the parameter, on the side that the bend leads to.

@@ -86,7 +86,7 @@ fn every_handover_is_in_the_lists(event: Event, family: Family, branched: Family
         }
         let Ok(answer) = locate(orbit, &Search::new(orbit, event, free)) else { continue };
         for found in &answer.located {
-            let Some(handover) = &found.handover else {
+            let Some(branching) = &found.branching else {
                 none += 1;
                 let d = 1e-4 * found.value.abs();
                 for d in [d, -d] {
@@ -98,14 +98,14 @@ fn every_handover_is_in_the_lists(event: Event, family: Family, branched: Family
                 }
                 continue;
             };
-            let d = handover.value - found.value;
-            assert_eq!(handover.above, d > 0.0);
-            assert!(!handover.orbits.is_empty());
-            let Some(here) = listed(found, free, branched, handover.value) else {
+            let d = branching.value - found.value;
+            assert_eq!(branching.above, d > 0.0);
+            assert!(!branching.orbits.is_empty());
+            let Some(here) = listed(found, free, branched, branching.value) else {
                 undecided += 1;
                 continue;
             };
-            for given in &handover.orbits {
+            for given in &branching.orbits {
                 let listed = here.iter().any(|(_, orbit)| same(orbit, &given.orbit, found.value, d));
                 assert!(listed, "not in the list: {model:?} {free:?} {} {given:?}", found.value);
             }
@@ -116,7 +116,7 @@ fn every_handover_is_in_the_lists(event: Event, family: Family, branched: Family
             };
             // All that arrive are handed over, and none arrives from the other side.
             for orbit in &there {
-                let given = handover.orbits.iter().any(|given| same(orbit, &given.orbit, found.value, d));
+                let given = branching.orbits.iter().any(|given| same(orbit, &given.orbit, found.value, d));
                 assert!(given, "left out: {model:?} {free:?} {} {orbit:?}", found.value);
             }
             assert!(beyond.is_empty(), "on the other side, too: {model:?} {free:?} {} {beyond:?}", found.value);

@@ -1,0 +1,141 @@
+//! Orbits from their impulses: velocities, accelerations and what the defining equations leave, by superposition.
+
+use smallvec::SmallVec;
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
+
+use crate::error::BreatherError;
+use crate::motion::Motion;
+use crate::orbit::{Draft, Family, Impact, Orbit, Source};
+use crate::worst::worse;
+
+impl Orbit {
+    /// Works out velocities, accelerations and the residual. `motion` is left holding this orbit.
+    pub(crate) fn assemble(
+        model: &Model,
+        response: &ImpulseResponse,
+        motion: &mut Motion,
+        draft: Draft,
+    ) -> Result<Self, BreatherError> {
+        let e = model.restitution();
+        let impact = |&(site, barrier, time, impulse): &(usize, Barrier, f64, f64)| Impact {
+            site,
+            barrier,
+            time,
+            impulse,
+            velocity_before: -impulse / (1.0 + e),
+            velocity_after: e * impulse / (1.0 + e),
+            acceleration: 0.0,
+        };
+        let mut orbit = Self {
+            model: *model,
+            family: draft.family,
+            force_periods: draft.force_periods,
+            psi: draft.psi,
+            steady: model.steady_response()?,
+            impacts: draft.impacts.iter().map(impact).collect(),
+            sources: draft.sources,
+            uniform_offset: draft.uniform_offset,
+            reversible: false,
+            residual: 0.0,
+        };
+        let half = 0.5 * response.period();
+        orbit.reversible = model.is_conservative()
+            && orbit.sources.len() == 1
+            && orbit.impacts.iter().all(|impact| impact.time == 0.0 || impact.time == half);
+        motion.load(&orbit, response);
+        for i in 0..orbit.impacts.len() {
+            let site = orbit.impacts[i].site;
+            let [position, newton] = orbit.violation(i, motion);
+            // The motion stands just after the impact now.
+            let impact = &mut orbit.impacts[i];
+            impact.acceleration = motion.acceleration_from_forces(site, motion.force_time(i, 0.0));
+            orbit.residual = [position, newton].into_iter().fold(orbit.residual, |worst, x| worse(worst, x.abs()));
+        }
+        Ok(orbit)
+    }
+
+    /// v(t_i) − (a±1) and w_i + qP_i/2 of impact `i`, over the largest terms; `motion` must hold this orbit, and is left
+    /// just after the impact.
+    pub(crate) fn violation(&self, i: usize, motion: &mut Motion) -> [f64; 2] {
+        let impact = &self.impacts[i];
+        let after = motion.after_impact(i, impact.site);
+        let mean = after.velocity - 0.5 * impact.impulse;
+        let position = after.displacement - self.model.barrier(impact.barrier);
+        [position / self.length_scale(), (mean + 0.5 * self.model.loss() * impact.impulse) / self.velocity_scale()]
+    }
+
+    /// An orbit from any list of impacts at any sites: `(site, barrier, time, impulse)`, times within the orbit's
+    /// period of `force_periods` periods of the force, rising. Whether the impacts meet their barriers and obey
+    /// Newton's law is told by [`Orbit::residual`].
+    ///
+    /// # Errors
+    /// [`BreatherError::Impact`] for a site that does not exist, a time outside the period or out of order, or an
+    /// impulse that is not finite; for a net impulse with γ₁ = 0 (with none, the ring is put where its first impact
+    /// meets the barrier). [`BreatherError::Resonance`] where the linear
+    /// ring has no periodic response.
+    ///
+    /// ```
+    /// use vibrochain_breather::Orbit;
+    /// use vibrochain_lattice::{Barrier, Chain, Model};
+    /// // A free-flying mass between its barriers: |velocity| 2/(T/2), impulses ±8/T. γ₁ is negligible.
+    /// let model = Model::conservative(Chain::new(1, 1e-20, 0.0)?, 1.0, 0.0)?;
+    /// let period = model.period();
+    /// let hits = [(0, Barrier::Upper, 0.0, -8.0 / period), (0, Barrier::Lower, period / 2.0, 8.0 / period)];
+    /// let orbit = Orbit::from_impulses(&model, 1, 0.0, &hits)?;
+    /// assert!(orbit.residual() < 1e-14);
+    /// # Ok::<(), vibrochain_breather::BreatherError>(())
+    /// ```
+    pub fn from_impulses(
+        model: &Model,
+        force_periods: u32,
+        psi: f64,
+        impacts: &[(usize, Barrier, f64, f64)],
+    ) -> Result<Self, BreatherError> {
+        let chain = model.chain();
+        let bad = |index, what| Err(BreatherError::Impact { index, what });
+        if force_periods == 0 || impacts.is_empty() {
+            return bad(0, "give at least one impact and one period");
+        }
+        let omega = model.omega() / f64::from(force_periods);
+        let response = ImpulseResponse::new(&Spectrum::new(*chain), omega)?;
+        let mut sources: SmallVec<[Source; 1]> = SmallVec::new();
+        let mut previous = 0.0;
+        for (index, &(site, _, time, impulse)) in impacts.iter().enumerate() {
+            if site >= chain.sites() {
+                return bad(index, "the site does not exist on this ring");
+            }
+            if !(previous..response.period()).contains(&time) {
+                return bad(index, "the times must rise from 0 and stay below the period");
+            }
+            if !impulse.is_finite() {
+                return bad(index, "the impulse is not finite");
+            }
+            previous = time;
+            match sources.iter_mut().find(|source| source.site == site) {
+                Some(source) => source.net_impulse += impulse,
+                None => sources.push(Source { site, net_impulse: impulse }),
+            }
+        }
+        let net: f64 = sources.iter().map(|source| source.net_impulse).sum();
+        let uniform_offset = match response.uniform_static() {
+            Some(uniform) => net * uniform,
+            None => {
+                let scale: f64 = impacts.iter().map(|impact| impact.3.abs()).sum();
+                if net.abs() > 4.0 * f64::EPSILON * scale {
+                    return bad(0, "gamma1 = 0 needs a net impulse of zero");
+                }
+                0.0
+            }
+        };
+        let mut draft =
+            Draft { family: Family::Word, force_periods, psi, impacts: impacts.into(), sources, uniform_offset };
+        let mut motion = Motion::vacant(chain.sites());
+        if chain.gamma1() == 0.0 {
+            // A ring that nothing holds may stand anywhere: where its first impact meets the barrier.
+            Self::assemble(model, &response, &mut motion, draft.clone())?;
+            let &(site, barrier, _, _) = &impacts[0];
+            draft.uniform_offset = model.barrier(barrier) - motion.after_impact(0, site).displacement;
+        }
+        Self::assemble(model, &response, &mut motion, draft)
+    }
+}

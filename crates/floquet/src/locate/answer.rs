@@ -1,0 +1,208 @@
+//! What is looked for, and what is found.
+
+use nalgebra::Complex;
+use thiserror::Error;
+use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit};
+use vibrochain_lattice::{Parameter, Resonance, Short};
+
+use crate::error::FloquetError;
+use crate::verdict::Verdict;
+
+/// What is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Event {
+    /// A mass touches a barrier from inside, or the velocity before an impact vanishes.
+    Grazing,
+    /// A multiplier +1 where the branch goes on. Another one branches off, unless a conservative orbit's energy is extreme.
+    Pitchfork,
+    /// A multiplier −1.
+    PeriodDoubling,
+    /// A complex pair of multipliers crosses the circle (without loss: two pairs collide on it).
+    NeimarkSacker,
+    /// The branch turns back in the parameter; a multiplier +1.
+    Fold,
+}
+
+impl Event {
+    /// The name in command lines and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grazing => "grazing",
+            Self::Pitchfork => "pitchfork",
+            Self::PeriodDoubling => "period-doubling",
+            Self::NeimarkSacker => "neimark-sacker",
+            Self::Fold => "fold",
+        }
+    }
+}
+
+/// A search: what, in which parameter, how far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Search {
+    /// What is looked for.
+    pub event: Event,
+    /// The parameter that is varied; the orbit has its start.
+    pub free: Parameter,
+    /// Least value to go to.
+    pub from: f64,
+    /// Largest value to go to.
+    pub to: f64,
+}
+
+impl Search {
+    /// A search over the default range of the parameter: half to twice the start of a stiffness, frequency or amplitude (0
+    /// to 1 for one that starts at 0), 0 to 0.99 of the asymmetry, 0.05 to 1 of the restitution; in any case with the
+    /// start inside.
+    pub fn new(orbit: &Orbit, event: Event, free: Parameter) -> Self {
+        let start = orbit.model().get(free);
+        let (from, to) = match free {
+            Parameter::Asymmetry => (0.0, 0.99),
+            Parameter::Restitution => (0.05, 1.0),
+            _ if start == 0.0 => (0.0, 1.0),
+            _ => (0.5 * start, 2.0 * start),
+        };
+        Self { event, free, from: start.min(from), to: start.max(to) }
+    }
+}
+
+/// What shows the event at the point found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sign {
+    /// The multiplier that meets the circle, as computed at the point.
+    Multiplier(Complex<f64>),
+    /// The mass that touches a barrier, and when.
+    Touch(Approach),
+    /// Index of the impact whose velocity vanishes.
+    Impact(usize),
+}
+
+/// An orbit that branches off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchedOrbit {
+    /// The orbit.
+    pub orbit: Orbit,
+    /// Whether it is physical there; `None` where that cannot be told.
+    pub physical: Option<bool>,
+    /// Its stability, where it can be judged.
+    pub verdict: Option<Verdict>,
+}
+
+/// The orbits that branch off, at one value of the parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Branching {
+    /// The value, a small step from the bifurcation.
+    pub value: f64,
+    /// They exist for larger values (otherwise for smaller ones).
+    pub above: bool,
+    /// The doubled orbit, or the asymmetric pair.
+    pub orbits: Vec<BranchedOrbit>,
+}
+
+/// An event that was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Located {
+    /// Value of the free parameter.
+    pub value: f64,
+    /// Its estimated error.
+    pub error: f64,
+    /// The orbit there.
+    pub orbit: Orbit,
+    /// What shows the event.
+    pub sign: Sign,
+    /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
+    pub physical: Option<bool>,
+    /// The verdict a small step away on either side in the parameter, as far as the orbit exists there.
+    pub verdicts: Vec<(f64, Verdict)>,
+    /// The orbits that branch off, at a period doubling or pitchfork.
+    pub branching: Option<Branching>,
+    /// Orbits assembled between the start and this answer.
+    pub evaluations: usize,
+}
+
+/// A stretch of the branch over which what vanishes at an event changes its sign, but rounding moves the zero farther than the
+/// distance over which the sign was seen to change: no point can be claimed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unresolved {
+    /// Least value of the free parameter.
+    pub from: f64,
+    /// Largest value.
+    pub to: f64,
+}
+
+/// How the way in one direction ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// At the end of the range.
+    Range,
+    /// The branch turns back in a fold, with its estimated error.
+    Fold {
+        /// Estimated error of the value.
+        error: f64,
+    },
+    /// The branch of asymmetric orbits ends on the symmetric one.
+    Pitchfork,
+    /// A harmonic of the orbit meets a mode.
+    Resonance(Resonance),
+    /// The impulses grow without bound: the conditions at the impacts become singular.
+    Unbounded,
+    /// All impulses vanish: the breather ends on the motion that the force drives alone, which touches the barrier there.
+    ImpulsesVanish,
+    /// Newton's method lost the branch.
+    Lost(BranchError),
+    /// What was to be watched could not be computed any further.
+    Unwatched(FloquetError),
+}
+
+/// The answer to a search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// All events on the branch between the ends, the one nearest to the start first.
+    pub located: Vec<Located>,
+    /// Where there may be more, hidden by rounding.
+    pub unresolved: Vec<Unresolved>,
+    /// Where and how the ways down and up ended.
+    pub ends: [(f64, End); 2],
+    /// Orbits assembled.
+    pub evaluations: usize,
+    /// Eigenvalue problems solved.
+    pub spectra: usize,
+}
+
+/// Why a search could not be made. An event that is not there is an answer, see [`End`].
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LocateError {
+    /// The range does not hold the start, or a parameter is out of range.
+    #[error("{} = {} is not in a range from {} to {}: search a range with from < to around the start",
+        free.name(), Short(*start), Short(*from), Short(*to))]
+    Range {
+        /// The free parameter.
+        free: Parameter,
+        /// Where it starts.
+        start: f64,
+        /// Least value asked for.
+        from: f64,
+        /// Largest value asked for.
+        to: f64,
+    },
+    /// The free parameter is one the orbit does not depend on or must not have.
+    #[error("a conservative orbit has no {}: free gamma1, gamma2, omega or asymmetry, or start under a force", free.name())]
+    NoForce {
+        /// The free parameter.
+        free: Parameter,
+    },
+    /// The ring has no multiplier that could meet the circle.
+    #[error("this orbit has no multiplier that moves: a single mass without force keeps its trivial pair alone")]
+    NoMultiplier,
+    /// The orbit cannot be followed.
+    #[error(transparent)]
+    Branch(#[from] BranchError),
+    /// The multipliers cannot be computed.
+    #[error(transparent)]
+    Floquet(#[from] FloquetError),
+}
+
+impl From<BreatherError> for LocateError {
+    fn from(error: BreatherError) -> Self {
+        Self::Branch(error.into())
+    }
+}

@@ -1,0 +1,74 @@
+//! The secular function of a forced orbit by its poles and residues, f(z) = 1 + Σ ρ/(z−p) + conj.
+
+use nalgebra::Complex;
+
+use super::lanes::{Lane, ONE, ZERO, all, four, total};
+
+type C = Complex<f64>;
+
+/// Poles of the upper half plane and their residues.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Rational {
+    /// p and ρ
+    pub(super) pole_re: Vec<Lane>,
+    pub(super) pole_im: Vec<Lane>,
+    pub(super) residue_re: Vec<Lane>,
+    pub(super) residue_im: Vec<Lane>,
+    /// Errors of ρ, and |ρ| times those of p.
+    pub(super) residue_error: Vec<Lane>,
+    pub(super) pole_error: Vec<Lane>,
+}
+
+/// f, f′, Σ 1/(z−p), and a bound of the rounding error of f.
+pub(super) struct Value {
+    pub(super) f: C,
+    pub(super) slope: C,
+    pub(super) poles: C,
+    pub(super) noise: f64,
+}
+
+impl Rational {
+    /// f and what goes with it at `z`.
+    pub(super) fn evaluate(&self, z: C) -> Value {
+        let (mut f_re, mut f_im, mut s_re, mut s_im) = (ZERO, ZERO, ZERO, ZERO);
+        let (mut p_re, mut p_im, mut noise) = (ZERO, ZERO, ZERO);
+        let lanes = self.pole_re.iter().zip(&self.pole_im).zip(self.residue_re.iter().zip(&self.residue_im));
+        for ((pole_re, pole_im), (residue_re, residue_im)) in lanes {
+            let (pole_im, residue_re, residue_im) = (four(*pole_im), four(*residue_re), four(*residue_im));
+            let u = all(z.re) - four(*pole_re);
+            for (v, r) in [(all(z.im) - pole_im, residue_im), (all(z.im) + pole_im, -residue_im)] {
+                let scale = ONE / (u * u + v * v);
+                let (a, b) = (u * scale, -v * scale);
+                // ρ/(z−p) and its square over ρ
+                let (x, y) = (residue_re * a - r * b, residue_re * b + r * a);
+                f_re += x;
+                f_im += y;
+                s_re -= x * a - y * b;
+                s_im -= x * b + y * a;
+                p_re += a;
+                p_im += b;
+                noise += x.abs() + y.abs();
+            }
+        }
+        Value {
+            f: C::new(1.0 + total(f_re), total(f_im)),
+            slope: C::new(total(s_re), total(s_im)),
+            poles: C::new(total(p_re), total(p_im)),
+            noise: 1.0 + total(noise),
+        }
+    }
+
+    /// Error of f from those of residues and poles.
+    pub(super) fn doubt(&self, z: C) -> f64 {
+        let mut doubt = ZERO;
+        let lanes = self.pole_re.iter().zip(&self.pole_im).zip(self.residue_error.iter().zip(&self.pole_error));
+        for ((pole_re, pole_im), (residue, pole)) in lanes {
+            let (u, pole_im) = (all(z.re) - four(*pole_re), four(*pole_im));
+            for v in [all(z.im) - pole_im, all(z.im) + pole_im] {
+                let inverse = ONE / (u * u + v * v);
+                doubt += four(*residue) * inverse.sqrt() + four(*pole) * inverse;
+            }
+        }
+        f64::EPSILON + total(doubt)
+    }
+}
