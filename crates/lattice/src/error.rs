@@ -4,6 +4,11 @@ use std::fmt;
 
 use thiserror::Error;
 
+/// Relative distance |Ω_k − jω|/Ω_k below which a harmonic counts as meeting a mode: 16 units in the last
+/// place, the rounding of Ω_k, ω and their quotient together. Farther away an answer exists, with as many digits
+/// lost as the distance is small.
+pub const RESONANCE_TOLERANCE: f64 = 16.0 * f64::EPSILON;
+
 /// A number as messages show it: in the fewest digits that read back the same, with an exponent where it would be a row of
 /// zeros.
 ///
@@ -53,7 +58,7 @@ pub struct Resonance {
 impl Resonance {
     fn describe(&self) -> String {
         let Self { harmonic, mode, frequency, omega, distance } = self;
-        if frequency * crate::spectrum::RESONANCE_TOLERANCE >= 0.5 * omega {
+        if frequency * RESONANCE_TOLERANCE >= 0.5 * omega {
             return format!(
                 "omega = {omega:e} is too small against mode {mode} (frequency {frequency:e}): its harmonics there are \
                  closer than rounding; raise omega, or lower gamma1 and gamma2"
@@ -66,6 +71,14 @@ impl Resonance {
             Short(*frequency)
         )
     }
+}
+
+/// The largest stiffness and frequency, and (inverted) the smallest frequency: their squares and products
+/// must stay within the range of `f64`.
+pub const MAX_MAGNITUDE: f64 = 1e100;
+
+pub(crate) fn check(ok: bool, name: &'static str, value: f64, requirement: &'static str) -> Result<(), ParameterError> {
+    if ok { Ok(()) } else { Err(ParameterError { name, value, requirement }) }
 }
 
 /// Any failure of this crate.

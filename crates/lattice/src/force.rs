@@ -9,8 +9,7 @@
 
 use std::fmt;
 
-use crate::error::ParameterError;
-use crate::params::{MAX_MAGNITUDE, check};
+use crate::error::{MAX_MAGNITUDE, ParameterError, check};
 
 /// The most harmonics of a force: it is held inline, so that a model stays a plain value.
 pub const MAX_HARMONICS: usize = 8;

@@ -19,10 +19,11 @@
 
 use rustfft::num_complex::Complex;
 
+use crate::error::RESONANCE_TOLERANCE;
 use crate::error::Resonance;
 use crate::ring::RingCosines;
 use crate::small::{cubic_defect, long_sum, sinc, sinc_from};
-use crate::spectrum::{RESONANCE_TOLERANCE, Spectrum};
+use crate::spectrum::Spectrum;
 use crate::transform::{LARGE_RING, RingTransform};
 
 /// The impulse response at one time, and its first three derivatives in t.

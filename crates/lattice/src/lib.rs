@@ -56,14 +56,14 @@ mod spectrum;
 mod transform;
 
 pub use decay::{Decay, decay, far_field, far_motion, harmonic_response};
-pub use error::{LatticeError, ParameterError, Resonance, Short};
+pub use error::{LatticeError, MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, Short};
 pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use impulse::{ImpulseResponse, KernelJet};
 pub use parameter::Parameter;
-pub use params::{Barrier, Chain, MAX_MAGNITUDE, MAX_SITES, Model};
+pub use params::{Barrier, Chain, MAX_SITES, Model};
 pub use propagator::Propagator;
 pub use ring::RingCosines;
 pub use rustfft::num_complex::Complex;
 pub use small::{sinc, sine_over};
-pub use spectrum::{RESONANCE_TOLERANCE, Spectrum};
+pub use spectrum::Spectrum;
 pub use transform::{LARGE_RING, RingTransform};

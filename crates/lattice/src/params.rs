@@ -1,19 +1,10 @@
 //! Validated parameters. A value of these types is always in range; nothing downstream checks again.
 
-use crate::error::{ParameterError, Resonance};
+use crate::error::{MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, check};
 use crate::force::{Force, Wave};
-use crate::spectrum::RESONANCE_TOLERANCE;
 
 /// The most masses a ring may have; beyond it the work arrays would not fit a usual machine.
 pub const MAX_SITES: usize = 10_000_000;
-
-/// The largest stiffness and frequency, and (inverted) the smallest frequency: their squares and products
-/// must stay within the range of `f64`.
-pub const MAX_MAGNITUDE: f64 = 1e100;
-
-pub(crate) fn check(ok: bool, name: &'static str, value: f64, requirement: &'static str) -> Result<(), ParameterError> {
-    if ok { Ok(()) } else { Err(ParameterError { name, value, requirement }) }
-}
 
 /// One of the two rigid barriers of a mass, at a − 1 and a + 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -3,11 +3,6 @@
 use crate::error::Resonance;
 use crate::params::Chain;
 
-/// Relative distance |Ω_k − jω|/Ω_k below which a harmonic counts as meeting a mode: 16 units in the last
-/// place, the rounding of Ω_k, ω and their quotient together. Farther away an answer exists, with as many digits
-/// lost as the distance is small.
-pub const RESONANCE_TOLERANCE: f64 = 16.0 * f64::EPSILON;
-
 /// Frequencies and weights of the modes even about site 0, k = 0 … ⌊M/2⌋.
 ///
 /// The modes odd about site 0 have the same frequencies, k = 1 … ⌊(M−1)/2⌋.

@@ -134,6 +134,11 @@ impl Neg for Complex {
     }
 }
 
+/// z + x
+pub(crate) fn shifted(z: &Complex, x: &Real) -> Complex {
+    Complex { re: &z.re + x, im: z.im.clone() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

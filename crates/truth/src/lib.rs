@@ -16,6 +16,7 @@
 mod complex;
 mod conditions;
 mod error;
+mod flight;
 mod kernel;
 mod linear;
 mod operators;

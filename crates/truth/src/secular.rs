@@ -11,29 +11,10 @@
 //!
 //! Mode by mode, with c = cos ΩT and ν = ½(z+1/z): (1−R(T)/z)⁻¹R(τ) = (zR(τ) − R(τ−T))/(2(ν−c)).
 
-use crate::complex::Complex;
+use crate::complex::{Complex, shifted};
+use crate::flight::Flight;
 use crate::linear::determinant;
-use crate::real::Real;
-use crate::spectrum::{TrueSpectrum, shifted};
-
-/// R(τ) = [[cos, sin/Ω], [−Ω sin, cos]] of one mode.
-#[derive(Debug, Clone)]
-pub(crate) struct Flight {
-    pub(crate) cos: Real,
-    pub(crate) sin_over: Real,
-    pub(crate) sin_times: Real,
-}
-
-impl Flight {
-    pub(crate) fn new(frequency: &Real, time: &Real) -> Self {
-        if frequency.is_zero() {
-            let (one, zero) = (Real::one(time.bits()), Real::zero(time.bits()));
-            return Self { cos: one, sin_over: time.clone(), sin_times: zero };
-        }
-        let (sin, cos) = (frequency * time).sin_cos();
-        Self { cos, sin_over: &sin / frequency, sin_times: sin * frequency }
-    }
-}
+use crate::spectrum::TrueSpectrum;
 
 /// [[a, b], [c, d]]
 type Block = [[Complex; 2]; 2];

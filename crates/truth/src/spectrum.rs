@@ -6,12 +6,12 @@
 
 use vibrochain_breather::Orbit;
 
-use crate::complex::Complex;
+use crate::complex::{Complex, shifted};
 use crate::error::TruthError;
+use crate::flight::Flight;
 use crate::kernel::Kernel;
 use crate::orbit::{TrueImpact, TrueOrbit};
 use crate::real::Real;
-use crate::secular::Flight;
 
 const MAX_STEPS: usize = 400;
 
@@ -375,11 +375,6 @@ fn pair_of(nu: &Complex) -> (Complex, Complex) {
     let large = if plus.norm_sqr() >= minus.norm_sqr() { plus } else { minus };
     let small = large.inverse();
     (large, small)
-}
-
-/// z + x
-pub(crate) fn shifted(z: &Complex, x: &Real) -> Complex {
-    Complex { re: &z.re + x, im: z.im.clone() }
 }
 
 #[cfg(test)]

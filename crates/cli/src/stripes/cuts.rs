@@ -8,8 +8,7 @@ use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance};
 
 use crate::plot::Tile;
-use crate::stripes::family;
-use crate::stripes::request::Request;
+use crate::stripes::request::{Request, family};
 use vibrochain_maps::cell::Class;
 
 /// |μ| − 1 from which a multiplier is off the circle: a dense solver, where one is asked, splits the trivial pair by 1e-7.

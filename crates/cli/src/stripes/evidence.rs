@@ -8,9 +8,8 @@ use vibrochain_breather::Family;
 
 use crate::plot::Tile;
 use crate::stripes::cuts::Group;
-use crate::stripes::family;
 use crate::stripes::lines::{Crossing, Rows};
-use crate::stripes::request::Request;
+use crate::stripes::request::{Request, family};
 
 /// The lines compared.
 const KINDS: [&str; 4] = ["sums", "differences", "bare sums", "bare differences"];

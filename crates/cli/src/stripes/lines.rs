@@ -13,8 +13,7 @@ use vibrochain_lattice::{Chain, Spectrum};
 use crate::error::CliError;
 use crate::plot::Tile;
 use crate::stripes::cuts::{Carrier, Cut};
-use crate::stripes::family;
-use crate::stripes::request::Request;
+use crate::stripes::request::{Request, family};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::point::Parameter;
 

@@ -66,17 +66,6 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     console.answer(&text, taken)
 }
 
-/// What is known of a tile's orbit: its family.
-fn family(tile: &Tile) -> Option<vibrochain_breather::Family> {
-    use vibrochain_breather::Family;
-    use vibrochain_maps::cell::Class;
-    match tile.class? {
-        Class::StableDouble | Class::UnstableDouble | Class::Double => Some(Family::DoubleSided),
-        Class::StableSingle | Class::UnstableSingle | Class::Single => Some(Family::SingleSided),
-        Class::None => None,
-    }
-}
-
 fn drawn(line: &Line, own: usize) -> MapLine {
     let (k, l) = line.modes;
     MapLine {

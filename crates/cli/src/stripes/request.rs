@@ -2,7 +2,7 @@
 
 use crate::args::StripesArgs;
 use crate::error::CliError;
-use crate::plot::Format;
+use crate::plot::{Format, Tile};
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
 
@@ -89,5 +89,16 @@ fn steps(axis: &Axis) -> Option<Steps> {
             Some(Steps { first: from, step: (to - from) / (points - 1) as f64, points })
         }
         _ => None,
+    }
+}
+
+/// What is known of a tile's orbit: its family.
+pub(super) fn family(tile: &Tile) -> Option<vibrochain_breather::Family> {
+    use vibrochain_breather::Family;
+    use vibrochain_maps::cell::Class;
+    match tile.class? {
+        Class::StableDouble | Class::UnstableDouble | Class::Double => Some(Family::DoubleSided),
+        Class::StableSingle | Class::UnstableSingle | Class::Single => Some(Family::SingleSided),
+        Class::None => None,
     }
 }

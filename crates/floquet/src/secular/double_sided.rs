@@ -28,7 +28,7 @@ use wide::f64x4;
 
 use super::lanes::{FOUR, HALF, Lane, Number, ONE, SMALL, TWO, ZERO, all, four, total, totals};
 use super::modes::{Mode, Modes};
-use super::residues::Pole;
+use super::pole::Pole;
 
 /// K, Λ and their errors in units of ε.
 #[derive(Debug, Clone, Copy)]

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 
 use super::cauchy::{complex_series, series};
 use super::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
-use super::window::Leaf;
+use super::leaf::Leaf;
 
 /// F in the neighbourhood of an origin.
 #[derive(Debug, Clone, Copy)]

@@ -10,7 +10,7 @@
 use super::cauchy::{Field, Tree};
 use super::lanes::Lane;
 use super::modes::Modes;
-use super::residues::Pole;
+use super::pole::Pole;
 use super::{double_sided, single_sided};
 
 /// Sorted positions and the modes they belong to.

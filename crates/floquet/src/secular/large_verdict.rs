@@ -9,16 +9,8 @@ use nalgebra::Complex;
 
 use super::doubt::Doubt;
 use super::gap::Lowest;
-use super::roots::Root;
+use super::root::{Root, Touching};
 use super::verdict::{Leading, Outcome, Reason, Secular, SecularVerdict, assemble, most, tangency};
-
-/// A gap whose two roots may as well be a pair, or the other way round.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Touching {
-    gap: usize,
-    t: f64,
-    reach: f64,
-}
 
 impl Touching {
     pub(crate) fn new(gap: usize, low: &Lowest) -> Self {

@@ -14,7 +14,7 @@ use super::evaluate::Local;
 use super::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
 use super::pair::Suspect;
 use super::residues::Residues;
-use super::roots::{Root, Roots};
+use super::root::{Root, Roots};
 
 type C = Complex<f64>;
 

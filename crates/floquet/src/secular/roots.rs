@@ -6,44 +6,10 @@ use nalgebra::Complex;
 use super::doubt::Doubt;
 use super::gap::{beyond, lowest, lowest_within, root};
 use super::lanes::Lane;
-use super::large_verdict::Touching;
-use super::missing::Missing;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
+use super::root::{Root, Roots, Touching};
 use super::verdict::Secular;
-
-/// A root by its offset from the pole at `place`, and its error.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Root {
-    pub(crate) place: usize,
-    pub(crate) t: Complex<f64>,
-    pub(crate) error: f64,
-}
-
-/// Roots and estimates of their errors.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Roots {
-    pub(crate) list: Vec<Root>,
-    /// The first root in each gap and behind the last one.
-    pub(crate) gaps: Vec<u32>,
-    missing: Missing,
-    /// Where errors of residues decide between two real roots and a pair.
-    pub(crate) touching: Vec<Touching>,
-    pub(crate) values: Vec<Complex<f64>>,
-    pub(crate) errors: Vec<f64>,
-    unknown: Vec<Complex<f64>>,
-}
-
-impl Roots {
-    fn push(&mut self, value: Complex<f64>, error: f64) {
-        self.values.push(value);
-        self.errors.push(error);
-    }
-
-    fn real(&mut self, place: usize, t: f64, error: f64) {
-        self.list.push(Root { place, t: Complex::new(t, 0.0), error });
-    }
-}
 
 /// A real root in a gap, from the nearer pole, and its error.
 fn bracketed(form: &Residues, scratch: &mut Vec<Lane>, gap: usize, (low, high): (f64, f64), rising: bool) -> Root {
@@ -88,7 +54,7 @@ impl Secular {
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), Doubt> {
-        let Self { residues: form, distances: scratch, suspects, pairs, roots } = self;
+        let Self { residues: form, distances: scratch, suspects, pairs, roots, missing } = self;
         roots.values.clear();
         roots.errors.clear();
         roots.list.clear();
@@ -160,9 +126,7 @@ impl Secular {
             }
         }
         if roots.list.len() < wanted && large {
-            let mut missing = std::mem::take(&mut roots.missing);
             missing.search(form, roots, suspects, wanted, scratch);
-            roots.missing = missing;
         } else if roots.list.len() < wanted {
             from_suspects(form, suspects, (wanted - roots.list.len()) / 2, scratch, pairs);
             for &Pair { place, t, error } in pairs.iter() {

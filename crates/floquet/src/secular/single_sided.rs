@@ -19,7 +19,7 @@
 
 use super::lanes::{ONE, SMALL, TWO, ZERO, all, total};
 use super::modes::{Mode, Modes};
-use super::residues::Pole;
+use super::pole::Pole;
 
 /// What the residue of one mode needs of others.
 #[derive(Debug, Clone, Copy, Default)]

@@ -19,9 +19,10 @@ use super::doubt::Doubt;
 use super::gap::{Lowest, beyond, lowest};
 use super::growth::{Nu, multiplier, outside};
 use super::lanes::Lane;
+use super::missing::Missing;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
-use super::roots::Root;
+use super::root::{Root, Roots};
 
 /// What the secular function says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -110,7 +111,8 @@ pub struct Secular {
     pub(crate) distances: Vec<Lane>,
     pub(crate) suspects: Vec<Suspect>,
     pub(crate) pairs: Vec<Pair>,
-    pub(crate) roots: super::roots::Roots,
+    pub(crate) roots: Roots,
+    pub(super) missing: Missing,
 }
 
 /// The most unstable multiplier so far.

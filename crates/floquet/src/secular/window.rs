@@ -1,32 +1,12 @@
 //! F in one gap of a large ring: the poles near it one by one, the others as a polynomial (see [`super::cauchy`]), so that a
 //! value costs the same for any number of modes.
 
-use std::ops::Range;
-
-use super::cauchy::{Nodal, Tree, derivative};
+use super::cauchy::{Tree, derivative};
 use super::evaluate::{Far, Local};
 use super::lanes::{Lane, fill};
-use super::residues::{FAR_ROOT, Residues};
-
-/// The gaps of one leaf of the tree over the poles, each gap named by the place of its left pole.
-#[derive(Debug, Clone)]
-pub(crate) struct Leaf {
-    gaps: Range<usize>,
-    residues: Vec<Lane>,
-    errors: Vec<Lane>,
-    shifts: Vec<Lane>,
-    cos: Vec<Lane>,
-    sin: Vec<Lane>,
-    middle: f64,
-    /// The field of far poles and its derivatives in u = (ν − middle)·scale, and the error of the field.
-    pub(crate) scale: f64,
-    pub(crate) value: Nodal,
-    pub(crate) slope: Nodal,
-    pub(crate) bend: Nodal,
-    pub(crate) noise: f64,
-    /// The part of it that is not due to errors of the residues.
-    pub(crate) rounding: f64,
-}
+use super::leaf::Leaf;
+use super::pole::FAR_ROOT;
+use super::residues::Residues;
 
 impl Residues {
     /// Divides the poles into leaves; for few of them there is nothing to divide.

@@ -9,7 +9,6 @@ use vibrochain_breather::Family;
 use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC, Short};
 
-use super::tolerance_from;
 use crate::cell::{SYMMETRIC, Task};
 use crate::error::MapError;
 use crate::numbers::plain;
@@ -273,5 +272,14 @@ impl Source<'_> {
             return Err(self.error(span, "collisions need stability = true: unstable orbits come from them"));
         }
         Ok(Task { families, symmetric, stability: table.stability, tolerance, collisions: asked.is_some() })
+    }
+}
+
+/// The tolerance of a threshold given by the user, or what is wrong with it.
+pub fn tolerance_from(threshold: f64) -> Result<Tolerance, String> {
+    if threshold.is_finite() && threshold >= 0.0 {
+        Ok(Tolerance::Growth(threshold))
+    } else {
+        Err(format!("threshold = {} is out of range: give a finite growth per period of 0 or more", Short(threshold)))
     }
 }

@@ -7,10 +7,9 @@ use std::path::Path;
 
 use toml::Spanned;
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::Short;
 
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
-pub use crate::scene::file::Source;
+pub use crate::scene::file::{Source, tolerance_from};
 
 use crate::cell::Task;
 use crate::error::MapError;
@@ -223,14 +222,5 @@ impl Scene {
             Tolerance::Rounding => title.to_owned(),
             Tolerance::Growth(growth) => format!("{title}, growth below {growth} a period counts as stable"),
         }
-    }
-}
-
-/// The tolerance of a threshold given by the user, or what is wrong with it.
-pub fn tolerance_from(threshold: f64) -> Result<Tolerance, String> {
-    if threshold.is_finite() && threshold >= 0.0 {
-        Ok(Tolerance::Growth(threshold))
-    } else {
-        Err(format!("threshold = {} is out of range: give a finite growth per period of 0 or more", Short(threshold)))
     }
 }

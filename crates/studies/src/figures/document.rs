@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::figures::captions::caption;
-use crate::figures::name;
+use crate::figures::drawn::file_name;
 use crate::figures::scene::{FigureScene, Kind};
 use vibrochain_maps::manifest::VERSION;
 use vibrochain_maps::point::Parameter;
@@ -42,13 +42,13 @@ impl Document {
             FigureScene::Lines(scene) => scene.title.clone(),
         };
         self.parts.push(format!("## Figure {id}: {title}"));
-        let file = name(id, "", "png");
+        let file = file_name(id, "", "png");
         let place = if self.pictures.is_empty() { file } else { format!("{}/{file}", self.pictures) };
         self.parts.push(format!("![{title}]({place})"));
         self.parts.push(format!(
             "*Parameters:* {}. Scene: `scenes/figures/{}`.",
             parameters(scene),
-            name(id, "", "toml")
+            file_name(id, "", "toml")
         ));
         if let Some(caption) = caption(id) {
             self.parts.push(format!("*The paper:* {}", caption.paper));

@@ -64,3 +64,8 @@ impl Sheet {
         self.0.into_inner().map_err(failed)
     }
 }
+
+/// The file of a figure: `figure-9.png`, `figure-9-branches.csv`.
+pub(super) fn file_name(id: &str, suffix: &str, ending: &str) -> String {
+    format!("figure-{id}{suffix}.{ending}")
+}

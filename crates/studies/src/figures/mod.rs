@@ -28,7 +28,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::FiguresArgs;
 use crate::figures::document::Document;
-use crate::figures::drawn::Drawn;
+use crate::figures::drawn::{Drawn, file_name};
 use crate::figures::scene::{FigureScene, Kind};
 use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
@@ -116,11 +116,6 @@ fn progress(figures: usize, shown: bool) -> ProgressBar {
     bar
 }
 
-/// The file of a figure: `figure-9.png`, `figure-9-branches.csv`.
-fn name(id: &str, suffix: &str, ending: &str) -> String {
-    format!("figure-{id}{suffix}.{ending}")
-}
-
 /// The files of one figure.
 struct Files {
     csv: Output,
@@ -129,14 +124,14 @@ struct Files {
 
 impl Files {
     fn open(folder: &Path, id: &str) -> Result<Self, CliError> {
-        let open = |ending: &str| Output::create(&folder.join(name(id, "", ending)));
+        let open = |ending: &str| Output::create(&folder.join(file_name(id, "", ending)));
         Ok(Self { csv: open("csv")?, pictures: [(Format::Png, open("png")?), (Format::Svg, open("svg")?)] })
     }
 
     fn write(self, folder: &Path, id: &str, drawn: Drawn) -> Result<(), CliError> {
         self.csv.finish_with(&drawn.table)?;
         for (suffix, bytes) in &drawn.more {
-            Output::create(&folder.join(name(id, suffix, "csv")))?.finish_with(bytes)?;
+            Output::create(&folder.join(file_name(id, suffix, "csv")))?.finish_with(bytes)?;
         }
         for (format, file) in self.pictures {
             let bytes = drawn.picture.bytes(format).map_err(|error| CliError::Computation(error.to_string()))?;

@@ -1,0 +1,43 @@
+//! Roots of F.
+
+use nalgebra::Complex;
+
+/// A gap whose two roots may as well be a pair, or the other way round.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touching {
+    pub(super) gap: usize,
+    pub(super) t: f64,
+    pub(super) reach: f64,
+}
+
+/// A root by its offset from the pole at `place`, and its error.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Root {
+    pub(crate) place: usize,
+    pub(crate) t: Complex<f64>,
+    pub(crate) error: f64,
+}
+
+/// Roots and estimates of their errors.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Roots {
+    pub(crate) list: Vec<Root>,
+    /// The first root in each gap and behind the last one.
+    pub(crate) gaps: Vec<u32>,
+    /// Where errors of residues decide between two real roots and a pair.
+    pub(crate) touching: Vec<Touching>,
+    pub(crate) values: Vec<Complex<f64>>,
+    pub(crate) errors: Vec<f64>,
+    pub(super) unknown: Vec<Complex<f64>>,
+}
+
+impl Roots {
+    pub(super) fn push(&mut self, value: Complex<f64>, error: f64) {
+        self.values.push(value);
+        self.errors.push(error);
+    }
+
+    pub(super) fn real(&mut self, place: usize, t: f64, error: f64) {
+        self.list.push(Root { place, t: Complex::new(t, 0.0), error });
+    }
+}
