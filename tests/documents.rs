@@ -9,7 +9,7 @@ fn every_relative_link_leads_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let docs = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
     let mut documents: Vec<PathBuf> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
-    documents.extend([root.join("README.md"), root.join("CHANGELOG.md")]);
+    documents.extend(["README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root.join(name)));
     let mut broken = Vec::new();
     for document in documents {
         let text = fs::read_to_string(&document).unwrap();
