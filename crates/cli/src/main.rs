@@ -5,5 +5,5 @@ use std::process::ExitCode;
 use vibrochain_cli::{entry, program};
 
 fn main() -> ExitCode {
-    entry::enter(|arguments, console| program::run(arguments, console))
+    entry::enter(program::run)
 }

@@ -6,5 +6,5 @@ use vibrochain_cli::entry;
 use vibrochain_studies::program;
 
 fn main() -> ExitCode {
-    entry::enter(|arguments, console| program::run(arguments, console))
+    entry::enter(program::run)
 }
