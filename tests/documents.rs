@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 #[test]
 fn every_relative_link_leads_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let docs = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let docs = ["docs", "docs/guide"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
+    let docs = docs.map(|entry| entry.unwrap().path());
     let mut documents: Vec<PathBuf> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
     documents.extend(["README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root.join(name)));
     let mut broken = Vec::new();
@@ -22,4 +23,31 @@ fn every_relative_link_leads_somewhere() {
         }
     }
     assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+/// In the guide a link to a file is followed by names that the file has.
+#[test]
+fn the_guide_names_functions_where_they_are() {
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide");
+    let (mut named, mut wrong) = (0, Vec::new());
+    for page in ["equations.md", "model.md"] {
+        let text = fs::read_to_string(guide.join(page)).unwrap();
+        for after in text.split("](").skip(1) {
+            let (link, rest) = after.split_once(')').unwrap();
+            if !link.ends_with(".rs") {
+                continue;
+            }
+            let code = fs::read_to_string(guide.join(link)).unwrap();
+            // Names up to the next link or the end of the line.
+            let names = rest.lines().next().unwrap().split("[").next().unwrap();
+            for name in names.split('`').skip(1).step_by(2) {
+                named += 1;
+                let there = |what: &str| code.contains(&format!("{what} {name}"));
+                if !there("fn") && !there("struct") {
+                    wrong.push(format!("{page}: {link} has no {name}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty() && named > 40, "{named} {}", wrong.join("\n"));
 }

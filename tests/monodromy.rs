@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use nalgebra::DMatrix;
-use vibrochain::breather::{Family, Orbit, breathers};
+use vibrochain::breather::{Family, Hit, Orbit, breathers};
 use vibrochain::floquet::{Complex, Tolerance, even_monodromy, full_monodromy, stability};
 use vibrochain::lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum};
 use vibrochain_testkit::{ReturnMap, dense};
@@ -112,7 +112,7 @@ fn two_site_orbit(sites: usize, second: usize) -> Orbit {
     });
     let wanted = nalgebra::DVector::from_iterator(4, hits.iter().map(|hit| model.barrier(hit.1)));
     let impulses = matrix.lu().solve(&wanted).unwrap();
-    let word: Vec<_> = hits.iter().zip(&impulses).map(|(hit, p)| (hit.0, hit.1, hit.2, *p)).collect();
+    let word: Vec<_> = hits.iter().zip(&impulses).map(|(hit, p)| Hit::new(hit.0, hit.1, hit.2, *p)).collect();
     Orbit::from_impulses(&model, 1, 0.0, &word).unwrap()
 }
 

@@ -1,11 +1,11 @@
 //! Orbits from their impulses: velocities, accelerations and what the defining equations leave, by superposition.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::error::BreatherError;
 use crate::motion::Motion;
-use crate::orbit::{Draft, Family, Impact, Orbit, Source};
+use crate::orbit::{Draft, Family, Hit, Impact, Orbit, Source};
 use crate::worst::worse;
 
 impl Orbit {
@@ -17,7 +17,7 @@ impl Orbit {
         draft: Draft,
     ) -> Result<Self, BreatherError> {
         let e = model.restitution();
-        let impact = |&(site, barrier, time, impulse): &(usize, Barrier, f64, f64)| Impact {
+        let impact = |&Hit { site, barrier, time, impulse }: &Hit| Impact {
             site,
             barrier,
             time,
@@ -64,7 +64,7 @@ impl Orbit {
         [position / self.length_scale(), (mean + 0.5 * self.model.loss() * impact.impulse) / self.velocity_scale()]
     }
 
-    /// An orbit from any list of impacts at any sites: `(site, barrier, time, impulse)`, times within the orbit's
+    /// An orbit from any list of impacts at any sites, times within the orbit's
     /// period of `force_periods` periods of the force, rising. Whether the impacts meet their barriers and obey
     /// Newton's law is told by [`Orbit::residual`].
     ///
@@ -75,22 +75,18 @@ impl Orbit {
     /// ring has no periodic response.
     ///
     /// ```
-    /// use vibrochain_breather::Orbit;
+    /// use vibrochain_breather::{Hit, Orbit};
     /// use vibrochain_lattice::{Barrier, Chain, Model};
     /// // A free-flying mass between its barriers: |velocity| 2/(T/2), impulses ±8/T. γ₁ is negligible.
     /// let model = Model::conservative(Chain::new(1, 1e-20, 0.0)?, 1.0, 0.0)?;
     /// let period = model.period();
-    /// let hits = [(0, Barrier::Upper, 0.0, -8.0 / period), (0, Barrier::Lower, period / 2.0, 8.0 / period)];
+    /// let first = Hit::new(0, Barrier::Upper, 0.0, -8.0 / period);
+    /// let hits = [first, Hit::new(0, Barrier::Lower, period / 2.0, 8.0 / period)];
     /// let orbit = Orbit::from_impulses(&model, 1, 0.0, &hits)?;
     /// assert!(orbit.residual() < 1e-14);
     /// # Ok::<(), vibrochain_breather::BreatherError>(())
     /// ```
-    pub fn from_impulses(
-        model: &Model,
-        force_periods: u32,
-        psi: f64,
-        impacts: &[(usize, Barrier, f64, f64)],
-    ) -> Result<Self, BreatherError> {
+    pub fn from_impulses(model: &Model, force_periods: u32, psi: f64, impacts: &[Hit]) -> Result<Self, BreatherError> {
         let chain = model.chain();
         let bad = |index, what| Err(BreatherError::Impact { index, what });
         if force_periods == 0 || impacts.is_empty() {
@@ -100,7 +96,7 @@ impl Orbit {
         let response = ImpulseResponse::new(&Spectrum::new(*chain), omega)?;
         let mut sources: SmallVec<[Source; 1]> = SmallVec::new();
         let mut previous = 0.0;
-        for (index, &(site, _, time, impulse)) in impacts.iter().enumerate() {
+        for (index, &Hit { site, time, impulse, .. }) in impacts.iter().enumerate() {
             if site >= chain.sites() {
                 return bad(index, "the site does not exist on this ring");
             }
@@ -120,7 +116,7 @@ impl Orbit {
         let uniform_offset = match response.uniform_static() {
             Some(uniform) => net * uniform,
             None => {
-                let scale: f64 = impacts.iter().map(|impact| impact.3.abs()).sum();
+                let scale: f64 = impacts.iter().map(|impact| impact.impulse.abs()).sum();
                 if net.abs() > 4.0 * f64::EPSILON * scale {
                     return bad(0, "gamma1 = 0 needs a net impulse of zero");
                 }
@@ -133,7 +129,7 @@ impl Orbit {
         if chain.gamma1() == 0.0 {
             // A ring that nothing holds may stand anywhere: where its first impact meets the barrier.
             Self::assemble(model, &response, &mut motion, draft.clone())?;
-            let &(site, barrier, _, _) = &impacts[0];
+            let Hit { site, barrier, .. } = impacts[0];
             draft.uniform_offset = model.barrier(barrier) - motion.after_impact(0, site).displacement;
         }
         Self::assemble(model, &response, &mut motion, draft)

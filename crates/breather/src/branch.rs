@@ -23,7 +23,7 @@ use crate::bordered::{Matrix, Vector, WIDTH, determinant, solve};
 use crate::equations::{Layout, Terms};
 use crate::error::BreatherError;
 use crate::finder::Finder;
-use crate::orbit::{Draft, Orbit, Source};
+use crate::orbit::{Draft, Hit, Orbit, Source};
 use crate::reduction::Reduction;
 
 /// Newton steps at most for one point; five are usual.
@@ -400,7 +400,7 @@ impl Branch {
             family: self.origin.family(),
             force_periods: periods,
             psi: psi.rem_euclid(model.period()),
-            impacts: impacts.map(|(i, &(site, barrier))| (site, barrier, time(i), full[i])).collect(),
+            impacts: impacts.map(|(i, &(site, barrier))| Hit::new(site, barrier, time(i), full[i])).collect(),
             sources: smallvec![Source { site, net_impulse: displacement * response.static_stiffness() }],
             uniform_offset: displacement * response.uniform_share(),
         };

@@ -18,7 +18,7 @@ use crate::bordered::{Vector, WIDTH, solve};
 use crate::branch::{Branch, BranchError, BranchPoint};
 use crate::equations::{Layout, Terms};
 use crate::finder::Finder;
-use crate::orbit::{Draft, Family, Orbit, Source};
+use crate::orbit::{Draft, Family, Hit, Orbit, Source};
 use crate::reduction::Reduction;
 
 /// A border that is not orthogonal to n in any symmetry.
@@ -82,7 +82,7 @@ fn twice(orbit: &Orbit, finder: &mut Finder) -> Result<Orbit, BranchError> {
     let first = orbit.impacts().first().ok_or(BranchError::Word)?;
     finder.prepare(model, 0.5 * model.omega())?;
     let (response, motion) = (&finder.response, &mut finder.motion);
-    let impact = |time: f64| (first.site, first.barrier, time, first.impulse);
+    let impact = |time: f64| Hit { time, ..Hit::from(first) };
     let draft = Draft {
         family: Family::PeriodDoubled,
         force_periods: 2,

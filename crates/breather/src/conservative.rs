@@ -8,7 +8,7 @@ use smallvec::smallvec;
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::error::NoBreather;
-use crate::orbit::{Draft, Family, Source};
+use crate::orbit::{Draft, Family, Hit, Source};
 
 /// An orbit of two opposite impacts, from its half impulses and its static displacement at site 0.
 pub(crate) fn double_sided_draft(
@@ -23,7 +23,7 @@ pub(crate) fn double_sided_draft(
         family: Family::DoubleSided,
         force_periods: 1,
         psi,
-        impacts: smallvec![(0, Barrier::Upper, 0.0, -2.0 * p2), (0, Barrier::Lower, phi, 2.0 * p1)],
+        impacts: smallvec![Hit::new(0, Barrier::Upper, 0.0, -2.0 * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)],
         sources: smallvec![Source { site: 0, net_impulse }],
         uniform_offset: static_displacement * response.uniform_share(),
     }
@@ -35,7 +35,7 @@ pub(crate) fn single_sided_draft(response: &ImpulseResponse, psi: f64, p: f64, s
         family: Family::SingleSided,
         force_periods: 1,
         psi,
-        impacts: smallvec![(0, Barrier::Lower, 0.0, 2.0 * p)],
+        impacts: smallvec![Hit::new(0, Barrier::Lower, 0.0, 2.0 * p)],
         sources: smallvec![Source { site: 0, net_impulse: 2.0 * p }],
         uniform_offset: static_displacement * response.uniform_share(),
     }

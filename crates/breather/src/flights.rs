@@ -152,6 +152,7 @@ fn answers(rate: f64, term: &WaveTerm, t: f64) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::finder::{Finder, Found};
+    use crate::orbit::Hit;
     use vibrochain_lattice::{Chain, Force, Harmonic, Model};
 
     #[test]
@@ -206,13 +207,12 @@ mod tests {
                     assert!(flights.left.iter().all(|left| *left < 1e-9 * scale), "{:?} {model:?}", flights.left);
                     // Each unknown moved a little, in an orbit written by hand.
                     let hits = |step: f64, place: usize| {
-                        let mut hits: Vec<_> =
-                            orbit.impacts().iter().map(|i| (i.site, i.barrier, i.time, i.impulse)).collect();
+                        let mut hits: Vec<_> = orbit.impacts().iter().map(Hit::from).collect();
                         let mut psi = orbit.psi_or_zero();
                         match place {
-                            place if place < n => hits[place].3 += step,
+                            place if place < n => hits[place].impulse += step,
                             place if place == 2 * n - 1 => psi += step,
-                            _ => hits[1].2 += step,
+                            _ => hits[1].time += step,
                         }
                         let moved = Orbit::from_impulses(&model, orbit.force_periods(), psi, &hits).unwrap();
                         (0..n).flat_map(|i| Flight::new(&moved, i, (i + 1) % n).left).collect::<Vec<_>>()

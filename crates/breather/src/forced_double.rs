@@ -20,7 +20,7 @@ use crate::conservative::double_sided_draft;
 use crate::error::NoBreather;
 use crate::forced_harmonics;
 use crate::one_mass::OneMass;
-use crate::orbit::{Draft, Family, Source};
+use crate::orbit::{Draft, Family, Hit, Source};
 use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
 use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, Word, shortest_flight};
@@ -163,8 +163,8 @@ pub(crate) fn period_doubled(
             force_periods: 2,
             psi: phase(solution.theta, phi, omega),
             impacts: smallvec![
-                (0, Barrier::Lower, 0.0, 2.0 * solution.p2),
-                (0, Barrier::Lower, phi, 2.0 * solution.p1)
+                Hit::new(0, Barrier::Lower, 0.0, 2.0 * solution.p2),
+                Hit::new(0, Barrier::Lower, phi, 2.0 * solution.p1)
             ],
             sources: smallvec![Source { site: 0, net_impulse }],
             uniform_offset: solution.static_displacement * response.uniform_share(),

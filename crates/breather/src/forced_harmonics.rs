@@ -20,7 +20,7 @@ use crate::conservative::{double_sided_draft, single_sided_draft};
 use crate::enclosure::Dual;
 use crate::error::NoBreather;
 use crate::harmonic_impacts::HarmonicImpacts;
-use crate::orbit::{Draft, Family, Source};
+use crate::orbit::{Draft, Family, Hit, Source};
 use crate::planar_roots::PlanarZeros;
 use crate::roots::{Enclosed, Zeros};
 use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, Word, shortest_flight};
@@ -171,8 +171,8 @@ pub(crate) fn period_doubled(
             force_periods: 2,
             psi: (place[1] - 0.5 * phi).rem_euclid(repeat),
             impacts: smallvec![
-                (0, Barrier::Lower, 0.0, 2.0 * solution.p2),
-                (0, Barrier::Lower, phi, 2.0 * solution.p1)
+                Hit::new(0, Barrier::Lower, 0.0, 2.0 * solution.p2),
+                Hit::new(0, Barrier::Lower, phi, 2.0 * solution.p1)
             ],
             sources: smallvec![Source { site: 0, net_impulse }],
             uniform_offset: solution.static_displacement * response.uniform_share(),

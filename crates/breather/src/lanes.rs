@@ -1,33 +1,38 @@
-//! Numbers in groups of four, one vector instruction each where the machine has it.
+//! Numbers in groups of four: sums over them keep four partial sums, one vector instruction each where the machine has it. (A
+//! compiler may not reorder a plain sum of floating-point numbers by itself.) The crates' own: not for others.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use wide::f64x4;
 
 /// Numbers in a group.
-pub(crate) const LANES: usize = 4;
+pub const LANES: usize = 4;
 
 /// A group.
-pub(crate) type Lane = [f64; LANES];
+pub type Lane = [f64; LANES];
 
 /// Groups in a row of `count` numbers: a few sizes only up to 12, for which there is code of its own.
-pub(crate) fn groups(count: usize) -> usize {
+pub fn groups(count: usize) -> usize {
     let least = count.div_ceil(LANES);
     [1, 2, 3, 4, 6, 8, 12].into_iter().find(|&groups| groups >= least).unwrap_or(least)
 }
 
 /// Sum of the products of two rows.
-pub(crate) fn dot(a: &[Lane], b: &[Lane]) -> f64 {
+pub fn dot(a: &[Lane], b: &[Lane]) -> f64 {
     let products = a.iter().zip(b).map(|(a, b)| f64x4::from(*a) * f64x4::from(*b));
     total(products.fold(f64x4::ZERO, |sum, product| sum + product))
 }
 
 /// Sum of a group, in the same order on every machine.
-pub(crate) fn total(sum: f64x4) -> f64 {
+#[inline]
+#[must_use]
+pub fn total(sum: f64x4) -> f64 {
     let [a, b, c, d] = sum.to_array();
     (a + c) + (b + d)
 }
 
 /// Σ factor·row over the rows of `table`, each as long as `out`; rows are added in their order.
-pub(crate) fn combine(table: &[Lane], factors: impl Iterator<Item = f64> + Clone, out: &mut [Lane]) {
+pub fn combine(table: &[Lane], factors: impl Iterator<Item = f64> + Clone, out: &mut [Lane]) {
     let width = out.len();
     let mut from = 0;
     while from < width {
@@ -60,6 +65,99 @@ fn combine_groups<const N: usize>(
     N
 }
 
+/// Replaces the content by `values`, the last group filled up with `pad`.
+pub fn fill(lanes: &mut Vec<Lane>, values: impl ExactSizeIterator<Item = f64>, pad: f64) {
+    let groups = values.len().div_ceil(4);
+    lanes.resize(groups, [pad; 4]);
+    if let Some(last) = lanes.last_mut() {
+        *last = [pad; 4];
+    }
+    for (slot, value) in lanes.as_flattened_mut().iter_mut().zip(values) {
+        *slot = value;
+    }
+}
+
+/// 0, four times.
+pub const ZERO: f64x4 = f64x4::splat(0.0);
+/// ½, four times.
+pub const HALF: f64x4 = f64x4::splat(0.5);
+/// 1, four times.
+pub const ONE: f64x4 = f64x4::splat(1.0);
+/// 2, four times.
+pub const TWO: f64x4 = f64x4::splat(2.0);
+/// 4, four times.
+pub const FOUR: f64x4 = f64x4::splat(4.0);
+/// Stands for a difference of 0: below rounding, and its inverse squared is no overflow.
+pub const SMALL: f64x4 = f64x4::splat(1e-16);
+
+/// Four times the same number.
+#[inline]
+pub fn all(value: f64) -> f64x4 {
+    f64x4::splat(value)
+}
+
+/// A group as an operand.
+#[inline]
+pub fn four(lane: Lane) -> f64x4 {
+    f64x4::from(lane)
+}
+
+/// One number or four: formulas are written once for both.
+pub trait Number:
+    Copy
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// This number, four times if there are four.
+    fn of(value: f64) -> Self;
+
+    /// The modulus.
+    fn modulus(self) -> Self;
+
+    /// The larger one.
+    fn at_least(self, other: Self) -> Self;
+}
+
+impl Number for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    fn modulus(self) -> Self {
+        self.abs()
+    }
+
+    fn at_least(self, other: Self) -> Self {
+        self.max(other)
+    }
+}
+
+impl Number for f64x4 {
+    fn of(value: f64) -> Self {
+        Self::splat(value)
+    }
+
+    fn modulus(self) -> Self {
+        self.abs()
+    }
+
+    fn at_least(self, other: Self) -> Self {
+        self.max(other)
+    }
+}
+
+/// Four sums at once, each as [`total`] has it.
+#[inline]
+pub fn totals(sums: [f64x4; 4]) -> f64x4 {
+    let [a, b, c, d] = f64x4::transpose(sums);
+    (a + c) + (b + d)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,7 +172,7 @@ mod tests {
             let mut out = vec![[f64::NAN; LANES]; groups];
             combine(&table, (0..rows).map(|k| k as f64 - 1.0), &mut out);
             for (i, sum) in out.as_flattened().iter().enumerate() {
-                assert_eq!(*sum, (0..rows).map(|k| (k as f64 - 1.0) * number(k, i)).sum());
+                assert_eq!(*sum, (0..rows).map(|k| (k as f64 - 1.0) * number(k, i)).sum::<f64>());
             }
             let direct: f64 = (0..4 * groups).map(|i| number(0, i) * number(1, i)).sum();
             assert_eq!(dot(&table[..groups], &table[groups..2 * groups]), direct);

@@ -59,7 +59,8 @@ mod forced_harmonics;
 mod forced_single;
 mod grid;
 mod harmonic_impacts;
-mod lanes;
+#[doc(hidden)]
+pub mod lanes;
 mod motion;
 mod one_mass;
 mod orbit;
@@ -83,5 +84,5 @@ pub use condition::{Condition, ImpactError, Together};
 pub use error::{BreatherError, NoBreather};
 pub use finder::{Finder, Found, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
-pub use orbit::{Family, Impact, Orbit};
+pub use orbit::{Family, Hit, Impact, Orbit};
 pub use watch::admissibility;

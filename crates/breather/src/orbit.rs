@@ -60,6 +60,32 @@ impl Impact {
     }
 }
 
+/// An impact as it is given: the rest of [`Impact`] follows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The mass that hits.
+    pub site: usize,
+    /// The barrier it hits.
+    pub barrier: Barrier,
+    /// Time within the orbit's period.
+    pub time: f64,
+    /// Momentum that the barrier gives to the mass, signed.
+    pub impulse: f64,
+}
+
+impl Hit {
+    /// An impact of mass `site` on `barrier`.
+    pub fn new(site: usize, barrier: Barrier, time: f64, impulse: f64) -> Self {
+        Self { site, barrier, time, impulse }
+    }
+}
+
+impl From<&Impact> for Hit {
+    fn from(impact: &Impact) -> Self {
+        Self::new(impact.site, impact.barrier, impact.time, impact.impulse)
+    }
+}
+
 /// A periodic orbit with impacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orbit {
@@ -88,8 +114,7 @@ pub(crate) struct Draft {
     pub(crate) family: Family,
     pub(crate) force_periods: u32,
     pub(crate) psi: f64,
-    /// (site, barrier, time, impulse)
-    pub(crate) impacts: SmallVec<[(usize, Barrier, f64, f64); 2]>,
+    pub(crate) impacts: SmallVec<[Hit; 2]>,
     /// Net impulse of each site that is hit. Given, not summed: it may be far smaller than its terms.
     pub(crate) sources: SmallVec<[Source; 1]>,
     /// Mean displacement of the ring, Σ net impulse/(γ₁MT); for γ₁ = 0 its limit.
@@ -99,8 +124,8 @@ pub(crate) struct Draft {
 impl Draft {
     /// No impulse points out of the gap by more than polishing an orbit could turn round.
     pub(crate) fn is_right_signed(&self) -> bool {
-        let largest = self.impacts.iter().map(|impact| impact.3.abs()).fold(0.0, f64::max);
-        self.impacts.iter().all(|(_, barrier, _, impulse)| -impulse * barrier.sign() > -1e-3 * largest)
+        let largest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
+        self.impacts.iter().all(|hit| -hit.impulse * hit.barrier.sign() > -1e-3 * largest)
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn polish(orbit: &mut Orbit, mut draft: Draft, response: &ImpulseResp
         let terms = Terms::new(orbit, response);
         let Some(system) = terms.system().filter(|system| system.reciprocal_condition > f64::EPSILON) else { return };
         improve(&mut draft, &system, &terms);
-        if !draft.impacts.iter().all(|impact| (0.0..response.period()).contains(&impact.2)) {
+        if !draft.impacts.iter().all(|impact| (0.0..response.period()).contains(&impact.time)) {
             return;
         }
         let Ok(next) = Orbit::assemble(orbit.model(), response, motion, draft.clone()) else { return };
@@ -54,10 +54,10 @@ fn improve(draft: &mut Draft, system: &System, terms: &Terms<'_>) {
     }
     let change = system.solve(&rows);
     for (impact, change) in draft.impacts.iter_mut().zip(&change) {
-        impact.3 -= change;
+        impact.impulse -= change;
     }
     if let (Some(time), Some(impact)) = (layout.time, draft.impacts.get_mut(1)) {
-        impact.2 -= change[time];
+        impact.time -= change[time];
     }
     if let Some(psi) = layout.psi {
         draft.psi = (draft.psi - change[psi]).rem_euclid(terms.orbit.model().period());

@@ -19,7 +19,7 @@ use std::f64::consts::{FRAC_2_PI, PI};
 
 use vibrochain_lattice::ImpulseResponse;
 
-use crate::orbit::Draft;
+use crate::orbit::{Draft, Hit};
 
 /// Harmonics looked at. The first ones that meet the band carry most; others would only cost time.
 const HARMONICS: usize = 8;
@@ -54,10 +54,10 @@ impl Radiation {
 
     /// Whether an orbit with these impacts can be physical, as far as this bound goes.
     pub(crate) fn allows(&self, draft: &Draft) -> bool {
-        let total: f64 = draft.impacts.iter().map(|impact| impact.3.abs()).sum();
+        let total: f64 = draft.impacts.iter().map(|impact| impact.impulse.abs()).sum();
         // e^{ijωt} of each impact, from j to j + 1 by one product.
         let mut sums = [[0.0; 2]; HARMONICS];
-        for &(_, _, time, impulse) in &draft.impacts {
+        for &Hit { time, impulse, .. } in &draft.impacts {
             let (sin, cos) = (self.omega * time).sin_cos();
             let mut wave = [impulse, 0.0];
             for sum in &mut sums[..self.count] {

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use fastrand::Rng;
-use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_breather::{Family, Hit, Orbit, breathers};
 use vibrochain_floquet::{Event, Located, Search, Sign, locate};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_truth::{Complex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
@@ -39,7 +39,7 @@ fn moved(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
         let hits: Vec<_> = truth
             .impacts()
             .iter()
-            .map(|hit| (hit.site, hit.barrier, hit.time.to_f64(), hit.impulse.to_f64()))
+            .map(|hit| Hit::new(hit.site, hit.barrier, hit.time.to_f64(), hit.impulse.to_f64()))
             .collect();
         here = Orbit::from_impulses(truth.model(), truth.force_periods(), truth.psi()?.to_f64(), &hits).ok()?;
         gone = to;
@@ -58,8 +58,7 @@ fn moved(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
 fn refined(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
     let model = orbit.model().with(free, value).ok()?;
     let part = model.period() / orbit.model().period();
-    let hits: Vec<_> =
-        orbit.impacts().iter().map(|hit| (hit.site, hit.barrier, part * hit.time, hit.impulse)).collect();
+    let hits: Vec<_> = orbit.impacts().iter().map(|hit| Hit { time: part * hit.time, ..Hit::from(hit) }).collect();
     let psi = part * orbit.psi()?;
     TrueOrbit::refine(&Orbit::from_impulses(&model, orbit.force_periods(), psi, &hits).ok()?, DEFAULT_BITS).ok()
 }

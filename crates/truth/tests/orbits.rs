@@ -1,7 +1,7 @@
 //! Orbits in many digits against checked numbers, closed forms by hand and the equations of motion.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_breather::{Family, Hit, Orbit, breathers};
 use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, Model};
 use vibrochain_testkit::reference;
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TruthError};
@@ -245,11 +245,7 @@ fn next_to_a_fold_it_converges_or_says_so() {
     assert!(converged >= 8, "{converged}");
     // Where there is no orbit a start from next door must not find one.
     let amplitude = f64::from_bits(some.to_bits() + (1 << 20));
-    let hits: Vec<_> = orbits(&at(amplitude), Family::SingleSided)[0]
-        .impacts()
-        .iter()
-        .map(|impact| (impact.site, impact.barrier, impact.time, impact.impulse))
-        .collect();
+    let hits: Vec<_> = orbits(&at(amplitude), Family::SingleSided)[0].impacts().iter().map(Hit::from).collect();
     let psi = orbits(&at(amplitude), Family::SingleSided)[0].psi().unwrap();
     let stranger = Orbit::from_impulses(&at(none - 1e-9), 1, psi, &hits).unwrap();
     let error = TrueOrbit::refine(&stranger, DEFAULT_BITS).unwrap_err();
@@ -263,10 +259,10 @@ fn errors_of_an_orbit_are_what_was_put_in() {
     let truth = refine(orbit);
     let error = truth.error_of(orbit).unwrap();
     assert!(error.impulse < 1e-13 && error.time < 1e-13 && error.psi < 1e-13 && error.acceleration < 1e-13);
-    let mut hits: Vec<_> = orbit.impacts().iter().map(|i| (i.site, i.barrier, i.time, i.impulse)).collect();
-    let largest = hits[0].3.abs().max(hits[1].3.abs());
-    hits[1].2 += 3e-6 * orbit.period();
-    hits[0].3 += 2e-6 * largest;
+    let mut hits: Vec<_> = orbit.impacts().iter().map(Hit::from).collect();
+    let largest = hits[0].impulse.abs().max(hits[1].impulse.abs());
+    hits[1].time += 3e-6 * orbit.period();
+    hits[0].impulse += 2e-6 * largest;
     let psi = orbit.psi().unwrap() - 1e-6 * model.period();
     let word = Orbit::from_impulses(&model, 1, psi, &hits).unwrap();
     let error = truth.error_of(&word).unwrap();
@@ -279,11 +275,11 @@ fn errors_of_an_orbit_are_what_was_put_in() {
 
     let single = &orbits(&model, Family::SingleSided)[0];
     assert!(matches!(truth.error_of(single), Err(TruthError::Mismatch { .. })));
-    hits[0].3 *= 2.0;
+    hits[0].impulse *= 2.0;
     let far = Orbit::from_impulses(&model, 1, psi, &hits).unwrap();
     assert!(TrueOrbit::refine(&far, DEFAULT_BITS).is_err());
     let lossy = Model::forced(*model.chain(), 1.5, 0.4, 0.0, 0.9).unwrap();
-    let dead = Orbit::from_impulses(&lossy, 1, 0.0, &[(0, Barrier::Lower, 0.0, 1.0)]).unwrap();
+    let dead = Orbit::from_impulses(&lossy, 1, 0.0, &[Hit::new(0, Barrier::Lower, 0.0, 1.0)]).unwrap();
     assert_eq!(TrueOrbit::refine(&dead, DEFAULT_BITS).unwrap_err(), TruthError::Dissipative);
 }
 

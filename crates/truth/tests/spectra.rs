@@ -1,7 +1,7 @@
 //! Multipliers in many digits against dense ones, closed forms by hand and exact sums and products.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_breather::{Family, Hit, Orbit, breathers};
 use vibrochain_floquet::{eigenvalues, even_monodromy};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::{Random, reference};
@@ -160,10 +160,7 @@ fn words_rings_that_nothing_holds_and_elastic_forced_orbits() {
     let forced = &orbits(&model(5, (0.2, 0.1), 1.5, 0.4, (0.1, 0.9)), Family::DoubleSided)[0];
     let twice: Vec<_> = (0..2)
         .flat_map(|n| {
-            forced
-                .impacts()
-                .iter()
-                .map(move |i| (i.site, i.barrier, i.time + f64::from(n) * forced.period(), i.impulse))
+            forced.impacts().iter().map(move |i| Hit { time: i.time + f64::from(n) * forced.period(), ..Hit::from(i) })
         })
         .collect();
     let word = Orbit::from_impulses(forced.model(), 2, forced.psi().unwrap(), &twice).unwrap();
@@ -236,7 +233,7 @@ fn what_cannot_be_answered_is_an_error() {
     let single = &orbits(&one, Family::DoubleSided)[0];
     let both = |i: usize| {
         let impact = single.impacts()[i];
-        [0, 1].map(|site| (site, impact.barrier, impact.time, impact.impulse))
+        [0, 1].map(|site| Hit { site, ..Hit::from(&impact) })
     };
     let word = Orbit::from_impulses(&two, 1, 0.0, &[both(0), both(1)].concat()).unwrap();
     let truth = TrueOrbit::refine(&word, DEFAULT_BITS).unwrap();

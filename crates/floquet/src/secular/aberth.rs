@@ -7,8 +7,8 @@
 use nalgebra::Complex;
 
 use super::doubt::Doubt;
-use super::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 use super::rational::Rational;
+use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
 

@@ -4,7 +4,7 @@
 use nalgebra::Complex;
 
 use super::cauchy::{Nodal, Tree, complex_series, derivative};
-use super::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
+use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
 pub(super) const I: C = Complex::new(0.0, 1.0);

@@ -26,9 +26,9 @@
 
 use wide::f64x4;
 
-use super::lanes::{FOUR, HALF, Lane, Number, ONE, SMALL, TWO, ZERO, all, four, total, totals};
 use super::modes::{Mode, Modes};
 use super::pole::Pole;
+use vibrochain_breather::lanes::{FOUR, HALF, Lane, Number, ONE, SMALL, TWO, ZERO, all, four, total, totals};
 
 /// K, Λ and their errors in units of ε.
 #[derive(Debug, Clone, Copy)]

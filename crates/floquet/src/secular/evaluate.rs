@@ -4,8 +4,8 @@
 use nalgebra::Complex;
 
 use super::cauchy::{complex_series, series};
-use super::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 use super::leaf::Leaf;
+use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 
 /// F in the neighbourhood of an origin.
 #[derive(Debug, Clone, Copy)]

@@ -28,9 +28,9 @@ use wide::f64x4;
 use super::aberth::Aberth;
 use super::doubt::Doubt;
 use super::forced_large::{ForcedLarge, LARGE};
-use super::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 use super::linear::{determinant, determinant_and_condition};
 use super::rational::Rational;
+use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
 

@@ -27,8 +27,8 @@ use vibrochain_lattice::ImpulseResponse;
 use super::doubt::Doubt;
 use super::evaluate::Local;
 use super::gap::root;
-use super::lanes::{Lane, fill};
 use super::modes::{Mode, Modes};
+use vibrochain_breather::lanes::{Lane, fill};
 
 /// How many multipliers are outside the unit circle, and where they left it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -9,7 +9,7 @@ use nalgebra::Complex;
 
 use super::circle::{CircleForm, I, Local, Value, inverse, whole};
 use super::doubt::Doubt;
-use super::lanes::Lane;
+use vibrochain_breather::lanes::Lane;
 
 type C = Complex<f64>;
 const PI: f64 = std::f64::consts::PI;

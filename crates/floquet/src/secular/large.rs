@@ -8,10 +8,10 @@
 //! ```
 
 use super::cauchy::{Field, Tree};
-use super::lanes::Lane;
 use super::modes::Modes;
 use super::pole::Pole;
 use super::{double_sided, single_sided};
+use vibrochain_breather::lanes::Lane;
 
 /// Sorted positions and the modes they belong to.
 fn sorted(count: usize, position: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<usize>) {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::cauchy::Nodal;
-use super::lanes::Lane;
+use vibrochain_breather::lanes::Lane;
 
 /// The gaps of one leaf of the tree over the poles, each gap named by the place of its left pole.
 #[derive(Debug, Clone)]

@@ -11,10 +11,10 @@
 use nalgebra::Complex;
 
 use super::evaluate::Local;
-use super::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
 use super::pair::Suspect;
 use super::residues::Residues;
 use super::root::{Root, Roots};
+use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
 

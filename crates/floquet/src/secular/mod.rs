@@ -34,7 +34,6 @@ mod forced_verdict;
 mod gap;
 mod growth;
 mod labels;
-mod lanes;
 mod large;
 mod large_verdict;
 mod leaf;

@@ -3,7 +3,7 @@
 use vibrochain_lattice::{ImpulseResponse, sine_over};
 use wide::f64x4;
 
-use super::lanes::{Lane, four};
+use vibrochain_breather::lanes::{Lane, four};
 
 /// One mode of the even subspace; four of them as `Mode<Lane>` or `Mode<f64x4>`.
 #[derive(Debug, Clone, Copy)]

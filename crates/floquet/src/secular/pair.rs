@@ -3,8 +3,8 @@
 use nalgebra::Complex;
 
 use super::evaluate::Local;
-use super::lanes::Lane;
 use super::residues::Residues;
+use vibrochain_breather::lanes::Lane;
 
 /// Pairs this many poles away do not draw an iteration.
 const NEIGHBOURS: usize = 64;

@@ -2,8 +2,8 @@
 
 use wide::f64x4;
 
-use super::lanes::{Lane, TWO, all, four};
 use super::modes::Mode;
+use vibrochain_breather::lanes::{Lane, TWO, all, four};
 
 /// The same as a sine or cosine.
 pub(crate) const FAR_ROOT: f64 = 1e50;

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use super::lanes::{Lane, ONE, ZERO, all, four, total};
+use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, four, total};
 
 type C = Complex<f64>;
 

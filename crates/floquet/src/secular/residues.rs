@@ -7,11 +7,11 @@ use vibrochain_lattice::ImpulseResponse;
 use super::doubt::Doubt;
 use super::evaluate::Local;
 use super::growth::Nu;
-use super::lanes::{Lane, fill};
 use super::leaf::Leaf;
 use super::modes::Modes;
 use super::pole::{FAR_ROOT, Pole};
 use super::{double_sided, large, single_sided};
+use vibrochain_breather::lanes::{Lane, fill};
 
 /// Number of modes from which Cauchy sums are faster than pairs.
 const LARGE: usize = 256;

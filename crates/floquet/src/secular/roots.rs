@@ -5,11 +5,11 @@ use nalgebra::Complex;
 
 use super::doubt::Doubt;
 use super::gap::{beyond, lowest, lowest_within, root};
-use super::lanes::Lane;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
 use super::root::{Root, Roots, Touching};
 use super::verdict::Secular;
+use vibrochain_breather::lanes::Lane;
 
 /// A real root in a gap, from the nearer pole, and its error.
 fn bracketed(form: &Residues, scratch: &mut Vec<Lane>, gap: usize, (low, high): (f64, f64), rising: bool) -> Root {

@@ -18,11 +18,11 @@ use vibrochain_lattice::ImpulseResponse;
 use super::doubt::Doubt;
 use super::gap::{Lowest, beyond, lowest};
 use super::growth::{Nu, multiplier, outside};
-use super::lanes::Lane;
 use super::missing::Missing;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
 use super::root::{Root, Roots};
+use vibrochain_breather::lanes::Lane;
 
 /// What the secular function says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -3,10 +3,10 @@
 
 use super::cauchy::{Tree, derivative};
 use super::evaluate::{Far, Local};
-use super::lanes::{Lane, fill};
 use super::leaf::Leaf;
 use super::pole::FAR_ROOT;
 use super::residues::Residues;
+use vibrochain_breather::lanes::{Lane, fill};
 
 impl Residues {
     /// Divides the poles into leaves; for few of them there is nothing to divide.
