@@ -1,11 +1,10 @@
 //! Orbits from their impulses: velocities, accelerations and what the defining equations leave, by superposition.
 
-use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::error::BreatherError;
 use crate::motion::Motion;
-use crate::orbit::{Draft, Family, Hit, Impact, Orbit, Source};
+use crate::orbit::{Draft, Family, Hit, Impact, Orbit, sources};
 use crate::worst::worse;
 
 impl Orbit {
@@ -26,6 +25,8 @@ impl Orbit {
             velocity_after: e * impulse / (1.0 + e),
             acceleration: 0.0,
         };
+        let half = 0.5 * response.period();
+        let fixed = |hit: &Hit| hit.time == 0.0 || hit.time == half;
         let mut orbit = Self {
             model: *model,
             family: draft.family,
@@ -35,13 +36,9 @@ impl Orbit {
             impacts: draft.impacts.iter().map(impact).collect(),
             sources: draft.sources,
             uniform_offset: draft.uniform_offset,
-            reversible: false,
+            fixed_times: model.is_conservative() && draft.impacts.iter().all(fixed),
             residual: 0.0,
         };
-        let half = 0.5 * response.period();
-        orbit.reversible = model.is_conservative()
-            && orbit.sources.len() == 1
-            && orbit.impacts.iter().all(|impact| impact.time == 0.0 || impact.time == half);
         motion.load(&orbit, response);
         for i in 0..orbit.impacts.len() {
             let site = orbit.impacts[i].site;
@@ -94,7 +91,6 @@ impl Orbit {
         }
         let omega = model.omega() / f64::from(force_periods);
         let response = ImpulseResponse::new(&Spectrum::new(*chain), omega)?;
-        let mut sources: SmallVec<[Source; 1]> = SmallVec::new();
         let mut previous = 0.0;
         for (index, &Hit { site, time, impulse, .. }) in impacts.iter().enumerate() {
             if site >= chain.sites() {
@@ -107,11 +103,8 @@ impl Orbit {
                 return bad(index, "the impulse is not finite");
             }
             previous = time;
-            match sources.iter_mut().find(|source| source.site == site) {
-                Some(source) => source.net_impulse += impulse,
-                None => sources.push(Source { site, net_impulse: impulse }),
-            }
         }
+        let sources = sources(impacts);
         let net: f64 = sources.iter().map(|source| source.net_impulse).sum();
         let uniform_offset = match response.uniform_static() {
             Some(uniform) => net * uniform,

@@ -14,15 +14,15 @@
 use smallvec::smallvec;
 use vibrochain_lattice::Parameter;
 
-use crate::bordered::{Vector, WIDTH, solve};
 use crate::branch::{Branch, BranchError, BranchPoint};
-use crate::equations::{Layout, Terms};
 use crate::finder::Finder;
-use crate::orbit::{Draft, Family, Hit, Orbit, Source};
+use crate::linear::{Vector, dot, unit};
+use crate::orbit::{Draft, Family, Hit, Orbit};
 use crate::reduction::Reduction;
+use crate::unknowns::{Unknowns, static_displacement};
 
 /// A border that is not orthogonal to n in any symmetry.
-const BORDER: Vector = [1.0, 0.618, 0.382, 0.729, 0.271, 0.553];
+const BORDER: [f64; 5] = [1.0, 0.618, 0.382, 0.729, 0.271];
 
 impl Branch {
     /// The branch that leaves `orbit` at a pitchfork (double-sided) or a period doubling (single-sided, under a force), and
@@ -30,7 +30,7 @@ impl Branch {
     /// same one begun half its period later. Whether the orbit stands at such a point is the caller's to know.
     ///
     /// # Errors
-    /// [`BranchError::Word`] for a family from which none is known to branch off; otherwise as [`Branch::step`].
+    /// [`BranchError::Family`] for one from which none is known to branch off; otherwise as [`Branch::step`].
     ///
     /// ```
     /// use vibrochain_breather::{Branch, Family, breathers};
@@ -42,54 +42,41 @@ impl Branch {
     /// assert!(doubled.orbit().family() == Family::PeriodDoubled && doubled.value() < start.value());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn leaving(orbit: &Orbit, free: Parameter, unit: f64) -> Result<(Self, BranchPoint), BranchError> {
+    pub fn leaving(orbit: &Orbit, free: Parameter, unit_length: f64) -> Result<(Self, BranchPoint), BranchError> {
         let model = orbit.model();
-        let mut finder = Finder::new(model.chain().sites());
         let origin = match orbit.family() {
-            Family::SingleSided if !model.is_conservative() => twice(orbit, &mut finder)?,
+            Family::SingleSided if !model.is_conservative() => twice(orbit)?,
             Family::DoubleSided => orbit.clone(),
-            _ => return Err(BranchError::Word),
+            _ => return Err(BranchError::Family),
         };
-        finder.prepare(model, origin.frequency())?;
-        let psi = (!model.is_conservative()).then_some(4);
-        let layout = Layout { impacts: 2, time: Some(3), psi, size: 4 + usize::from(psi.is_some()) };
-        let mut branch = Self::with(&origin, finder, (free, unit), layout, Reduction::none(layout));
+        let unknowns = Unknowns::free(&origin);
+        let mut branch = Self::with(&origin, (free, unit_length), unknowns, Reduction::none(&unknowns))?;
         let coordinates = branch.origin_coordinates()?;
-        let mut bordered = branch.jacobian(&coordinates)?;
         // (∂F/∂x b; cᵀ 0)(n; g) = (0; 1), regular where ∂F/∂x is singular.
-        let size = layout.size;
-        for i in 0..size {
-            bordered[i][size] = BORDER[i];
-        }
-        bordered[size] = std::array::from_fn(|j| if j < size { BORDER[j] } else { 0.0 });
-        let right: Vector = std::array::from_fn(|i| if i == size { 1.0 } else { 0.0 });
-        let direction = solve(&bordered, &right, size + 1).ok_or(BranchError::NoConvergence)?;
-        let norm = direction[..size].iter().map(|x| x * x).sum::<f64>().sqrt();
-        let mut tangent = [0.0; WIDTH];
-        for i in 0..size {
-            tangent[i] = direction[i] / norm;
-        }
-        let point = branch.point(&coordinates, &tangent)?;
+        let size = unknowns.size();
+        let border = &BORDER[..size];
+        let mut last_row: Vector = border.into();
+        last_row.push(0.0);
+        let bordered = branch.evaluate(&coordinates)?.matrix.bordered(border, &last_row);
+        let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
+        direction[size] = 0.0;
+        let norm = dot(&direction, &direction).sqrt();
+        let point = branch.point(&coordinates, direction.iter().map(|x| x / norm).collect())?;
         Ok((branch, point))
     }
 }
 
 /// A single-sided orbit as one of two impacts in two periods of the force.
-fn twice(orbit: &Orbit, finder: &mut Finder) -> Result<Orbit, BranchError> {
+fn twice(orbit: &Orbit) -> Result<Orbit, BranchError> {
     let model = orbit.model();
+    let mut finder = Finder::new(model.chain().sites());
     finder.prepare(model, orbit.frequency())?;
-    let displacement = Terms::new(orbit, &finder.response).static_displacement();
-    let first = orbit.impacts().first().ok_or(BranchError::Word)?;
+    let displacement = static_displacement(orbit, &finder.response);
+    let first = orbit.impacts().first().ok_or(BranchError::Family)?;
     finder.prepare(model, 0.5 * model.omega())?;
     let (response, motion) = (&finder.response, &mut finder.motion);
     let impact = |time: f64| Hit { time, ..Hit::from(first) };
-    let draft = Draft {
-        family: Family::PeriodDoubled,
-        force_periods: 2,
-        psi: orbit.psi_or_zero(),
-        impacts: smallvec![impact(0.0), impact(0.5 * response.period())],
-        sources: smallvec![Source { site: first.site, net_impulse: displacement * response.static_stiffness() }],
-        uniform_offset: displacement * response.uniform_share(),
-    };
+    let impacts = smallvec![impact(0.0), impact(0.5 * response.period())];
+    let draft = Draft::new(response, (Family::PeriodDoubled, 2), orbit.psi_or_zero(), impacts, displacement);
     Ok(Orbit::assemble(model, response, motion, draft)?)
 }

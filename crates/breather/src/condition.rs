@@ -7,12 +7,14 @@
 //! resonance (`flights`).
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{ImpulseResponse, WaveTerm};
+use vibrochain_lattice::{ImpulseResponse, KernelJet, WaveTerm};
 
-use crate::equations::{Column, MOST, System, Terms};
+use crate::equations::{Equations, Errors, System, UNIT};
 use crate::flights::Flights;
+use crate::linear::{Vector, dot, zeros};
 use crate::motion::Motion;
-use crate::orbit::Orbit;
+use crate::orbit::{Impact, Orbit};
+use crate::unknowns::Unknowns;
 use crate::worst::worse;
 
 /// Estimated absolute errors of an impact. Dimensionless, like what they are errors of.
@@ -40,8 +42,7 @@ pub struct Condition {
     pub grazing: f64,
     /// Distance to a fold or pitchfork: reciprocal condition number of the orbit's equations, rows and columns scaled, at
     /// most 1. For a mirror-symmetric conservative orbit, whose times are fixed, of the equations for its impulses alone.
-    /// `None` for an orbit given by its impacts.
-    pub fold: Option<f64>,
+    pub fold: f64,
     /// Estimated error of the force's phase ψ, as a time; 0 without force.
     pub psi_error: f64,
     /// Estimated errors of the impacts.
@@ -70,7 +71,7 @@ impl Condition {
         let mut condition = Self {
             resonance: 1.0 / response.condition(),
             grazing: grazing / omega,
-            fold: None,
+            fold: 0.0,
             psi_error: 0.0,
             impacts: orbit.impacts().iter().map(|_| ImpactError::default()).collect(),
             origins: Vec::new(),
@@ -79,39 +80,35 @@ impl Condition {
             condition.by_flights(orbit, &flights);
             return condition;
         }
-        let terms = Terms::new(orbit, response);
-        let system = terms.system();
-        let errors = system.as_ref().map(|system| terms.row_errors(system));
-        for i in 0..orbit.impacts().len() {
-            let mut error = terms.acceleration_rounding(i, motion);
-            condition.apart(i, ImpactError { acceleration: error, ..ImpactError::default() });
-            if let (Some(system), Some(errors)) = (&system, &errors) {
-                error += system.through(&terms.acceleration_gradient(i, system), errors);
-            }
-            condition.impacts[i].acceleration = error;
+        let equations = Equations::new(orbit, response);
+        let (unknowns, system) = (equations.unknowns, equations.system());
+        condition.fold = system.reciprocal_condition;
+        if condition.fold == 0.0 {
+            condition.lose_all();
+            return condition;
         }
-        if let (Some(system), Some(errors)) = (&system, &errors) {
-            condition.fold = Some(system.reciprocal_condition);
-            condition.take(&terms, system, &system.spread(errors));
-            let gradients: SmallVec<[Column; 2]> =
-                (0..orbit.impacts().len()).map(|i| terms.acceleration_gradient(i, system)).collect();
-            for (row, error) in errors.iter().enumerate().filter(|(_, error)| **error > 0.0) {
-                let mut rows = [0.0; MOST];
-                rows[row] = *error;
-                let moved = system.solve(&rows);
-                let carried = |gradient: &Column| gradient.iter().zip(&moved).map(|(g, x)| g * x).sum();
-                condition.origins.push(together(system, &moved, gradients.iter().map(carried)));
-            }
+        let errors = equations.row_errors(Errors::WithoutAmplitudes);
+        let gradients: SmallVec<[Vector; 2]> =
+            (0..orbit.impacts().len()).map(|i| equations.acceleration_gradient(i)).collect();
+        for (i, gradient) in gradients.iter().enumerate() {
+            let acceleration = equations.acceleration_rounding(i, motion);
+            condition.apart(i, ImpactError { acceleration, ..ImpactError::default() });
+            condition.impacts[i].acceleration = acceleration + system.through(gradient, &errors);
         }
-        terms.amplitudes(system.as_ref(), &mut condition);
+        condition.take(&equations, &system, &system.spread(&errors));
+        for (row, error) in errors.iter().enumerate().filter(|(_, error)| **error > 0.0) {
+            let mut rows = zeros(errors.len());
+            rows[row] = *error;
+            let moved = system.solve(&rows);
+            let carried = gradients.iter().map(|gradient| dot(gradient, &moved));
+            condition.origins.push(together(&unknowns, &moved, carried));
+        }
+        equations.amplitudes(&system, &gradients, &mut condition);
         for i in 1..condition.impacts.len() {
             // A time that symmetry fixes is rounded, too.
             let time = f64::EPSILON * orbit.period();
             condition.impacts[i].time += time;
             condition.apart(i, ImpactError { time, ..ImpactError::default() });
-        }
-        if condition.fold == Some(0.0) {
-            condition.lose_all();
         }
         condition
     }
@@ -126,23 +123,26 @@ impl Condition {
     /// Errors of an orbit without coupling.
     fn by_flights(&mut self, orbit: &Orbit, flights: &Flights) {
         let (model, system) = (orbit.model(), &flights.system);
-        self.fold = Some(system.reciprocal_condition);
-        if system.reciprocal_condition == 0.0 {
+        self.fold = system.reciprocal_condition;
+        if self.fold == 0.0 {
             self.lose_all();
             return;
         }
         let (force, stiffness) = (model.force_wave(), model.chain().gamma1());
         let jets: SmallVec<[[f64; 4]; 2]> =
             orbit.impacts().iter().map(|impact| force.jet(impact.time + orbit.psi_or_zero())).collect();
-        let psi = |moved: &Column| system.layout.psi.map_or(0.0, |psi| moved[psi]);
-        for row in 0..system.layout.size {
-            let mut rows = [0.0; MOST];
-            rows[row] = flights.left[row];
+        for (row, left) in flights.left.iter().enumerate() {
+            let mut rows = zeros(flights.left.len());
+            rows[row] = *left;
             let moved = system.solve(&rows);
-            let later = |i: usize| psi(&moved) + system.layout.time.filter(|_| i == 1).map_or(0.0, |time| moved[time]);
-            // At a barrier the spring's force is known.
-            self.origins.push(together(system, &moved, jets.iter().enumerate().map(|(i, jet)| jet[1] * later(i))));
-            self.psi_error += psi(&moved).abs();
+            let psi = moved[flights.psi()];
+            let time = |i: usize| flights.time(i).map_or(0.0, |place| moved[place]);
+            let error = |(i, jet): (usize, &[f64; 4])| {
+                // At a barrier the spring's force is known.
+                ImpactError { time: time(i), impulse: moved[i], acceleration: jet[1] * (psi + time(i)) }
+            };
+            self.origins.push(jets.iter().enumerate().map(error).collect());
+            self.psi_error += psi.abs();
         }
         self.psi_error += UNIT * model.period();
         for (i, (impact, jet)) in orbit.impacts().iter().zip(&jets).enumerate() {
@@ -167,27 +167,28 @@ impl Condition {
     }
 
     /// Adds errors of the unknowns.
-    fn take(&mut self, terms: &Terms<'_>, system: &System, errors: &Column) {
-        let rounded = system.impulse_rounding(f64::EPSILON);
+    fn take(&mut self, equations: &Equations<'_>, system: &System, errors: &[f64]) {
+        let unknowns = equations.unknowns;
+        let rounded = system.impulse_rounding(&unknowns, f64::EPSILON);
         for j in 0..self.impacts.len() {
-            let impulse = rounded[j] + UNIT * terms.impulse(j).abs();
+            let impulse = rounded[j] + UNIT * equations.impulse(j).abs();
             self.impacts[j].impulse += errors[j] + impulse;
             self.apart(j, ImpactError { impulse, ..ImpactError::default() });
+            if let Some(place) = unknowns.time(j) {
+                let time = UNIT * equations.response.period();
+                self.impacts[j].time += errors[place] + time;
+                self.apart(j, ImpactError { time, ..ImpactError::default() });
+            }
         }
-        if let (Some(place), 2..) = (system.layout.time, self.impacts.len()) {
-            let time = UNIT * terms.response.period();
-            self.impacts[1].time += errors[place] + time;
-            self.apart(1, ImpactError { time, ..ImpactError::default() });
-        }
-        if let Some(psi) = system.layout.psi {
-            self.psi_error += errors[psi] + UNIT * terms.orbit.model().period();
+        if let Some(psi) = unknowns.psi() {
+            self.psi_error += errors[psi] + UNIT * equations.orbit.model().period();
         }
     }
 }
 
 /// What a change of the unknowns does to the impacts, with that of their accelerations.
-fn together(system: &System, moved: &Column, accelerations: impl Iterator<Item = f64>) -> Together {
-    let time = |i: usize| system.layout.time.filter(|_| i == 1).map_or(0.0, |time| moved[time]);
+fn together(unknowns: &Unknowns, moved: &[f64], accelerations: impl Iterator<Item = f64>) -> Together {
+    let time = |i: usize| unknowns.time(i).map_or(0.0, |place| moved[place]);
     let error = |(i, acceleration)| ImpactError { time: time(i), impulse: moved[i], acceleration };
     accelerations.enumerate().map(error).collect()
 }
@@ -214,76 +215,14 @@ pub(crate) fn is_delicate(orbit: &Orbit, response: &ImpulseResponse) -> bool {
     response.condition() > 1.0 / DELICATE
         || slowest < DELICATE * fastest
         || fastest > orbit.model().omega() / DELICATE
-        || !orbit.is_reversible()
-            && Terms::new(orbit, response).system().is_some_and(|system| system.reciprocal_condition < DELICATE)
+        || !orbit.is_reversible() && Equations::new(orbit, response).system().reciprocal_condition < DELICATE
 }
 
-/// Rounding of one operation, with room for the few that a term takes.
-const UNIT: f64 = 2.0 * f64::EPSILON;
-
-impl Terms<'_> {
-    /// Error of G's derivative of some order at impact `i`.
-    fn force_rounding(&self, i: usize, order: usize) -> f64 {
-        let t = self.orbit.impacts()[i].time + self.orbit.psi_or_zero();
-        let moduli = self.orbit.steady().moduli(t);
-        UNIT * (moduli[order] + t.abs() * moduli[order + 1])
-    }
-
-    /// Rounding of the rows, the modes' amplitudes left out.
-    fn row_errors(&self, system: &System) -> Column {
-        let (orbit, layout) = (self.orbit, system.layout);
-        let (n, q) = (layout.impacts, orbit.model().loss());
-        let mut errors = [0.0; MOST];
-        let displacement = self.static_displacement();
-        for i in 0..n {
-            let impact = &orbit.impacts()[i];
-            let mut position = UNIT * (displacement.abs() + orbit.model().barrier(impact.barrier).abs());
-            let mut newton = UNIT * (0.5 * q * impact.impulse).abs() + self.force_rounding(i, 1);
-            for j in 0..n {
-                let bound = self.response.rounding_at(0, self.elapsed(i, j));
-                position += UNIT * self.impulse(j).abs() * bound.value;
-                if j != i {
-                    newton += UNIT * self.impulse(j).abs() * bound.slope;
-                }
-            }
-            errors[i] = position + self.force_rounding(i, 0);
-            if Terms::has_newton_row(layout, i) {
-                errors[n + 1 + i] = newton;
-            }
-        }
-        errors[n] = 2.0 * UNIT * (self.response.static_stiffness() * displacement).abs();
-        errors
-    }
-
-    /// How the acceleration Σ_j P_j K″(t_i−t_j) + G̈(t_i+ψ) changes with the unknowns.
-    fn acceleration_gradient(&self, i: usize, system: &System) -> Column {
-        let mut gradient = [0.0; MOST];
-        let mut jerk = self.force(i)[3];
-        if let Some(psi) = system.layout.psi {
-            gradient[psi] = jerk;
-        }
-        for j in 0..system.layout.impacts {
-            let jet = self.jet(i, j);
-            gradient[j] = jet.curvature;
-            if j != i {
-                jerk += self.impulse(j) * jet.third;
-                if let Some(time) = system.layout.time.filter(|_| j == 1) {
-                    gradient[time] -= self.impulse(j) * jet.third;
-                }
-            }
-        }
-        if let Some(time) = system.layout.time.filter(|_| i == 1) {
-            gradient[time] += jerk;
-        }
-        gradient
-    }
-
+impl Equations<'_> {
     /// Errors of the modes' amplitudes, one mode after the other, to impulses, times and accelerations.
-    fn amplitudes(&self, system: Option<&System>, condition: &mut Condition) {
-        let response = self.response;
-        let n = self.orbit.impacts().len();
-        let gradients: SmallVec<[Column; 2]> =
-            (0..n).map(|i| system.map_or([0.0; MOST], |system| self.acceleration_gradient(i, system))).collect();
+    fn amplitudes(&self, system: &System, gradients: &[Vector], condition: &mut Condition) {
+        let (response, unknowns, impacts) = (self.response, self.unknowns, self.orbit.impacts());
+        let n = impacts.len();
         let mut rest = vec![ImpactError::default(); n];
         for k in 0..response.modes() {
             let error = UNIT * response.mode_detuning(k);
@@ -291,46 +230,33 @@ impl Terms<'_> {
                 continue;
             }
             let square = response.frequencies()[k] * response.frequencies()[k];
-            let mut rows = [0.0; MOST];
-            let mut accelerations: SmallVec<[f64; 2]> = SmallVec::new();
+            let mut rows = zeros(unknowns.size());
             for i in 0..n {
-                let site = self.orbit.impacts()[i].site;
                 let (mut position, mut velocity) = (0.0, 0.0);
-                for (j, other) in self.orbit.impacts().iter().enumerate() {
-                    let distance = site.abs_diff(other.site);
-                    let weight = other.impulse * response.weights()[k] * response.cosines().shape(k, distance);
+                for (j, other) in impacts.iter().enumerate() {
+                    let weight = other.impulse * response.weights()[k] * response.shape(k, impacts[i].site, other.site);
                     let t = self.elapsed(i, j);
                     // cos x/(2Ω sin y), what the amplitude multiplies.
                     position += weight * (response.mode_dynamic(k, t) + response.mode_static(k));
                     velocity += weight * response.mode_slope(k, t);
                 }
-                accelerations.push(-square * position);
-                if let Some(system) = system {
-                    rows[i] = position;
-                    if Terms::has_newton_row(system.layout, i) {
-                        rows[n + 1 + i] = velocity;
-                    }
+                rows[i] = position;
+                if let Some(row) = unknowns.newton(i) {
+                    rows[row] = velocity;
                 }
             }
-            let moved = system.map_or([0.0; MOST], |system| system.solve(&rows));
-            let carried = |(direct, gradient): (&f64, &Column)| {
-                direct - gradient.iter().zip(&moved).map(|(g, x)| g * x).sum::<f64>()
-            };
-            let accelerations: SmallVec<[f64; 2]> = accelerations.iter().zip(&gradients).map(carried).collect();
-            let origin = Together::from_iter((0..n).map(|i| {
-                let time = system.and_then(|system| system.layout.time).filter(|_| i == 1);
-                let impulse = if system.is_some() { -error * moved[i] } else { 0.0 };
-                let acceleration = error * accelerations[i];
-                ImpactError { time: time.map_or(0.0, |time| -error * moved[time]), impulse, acceleration }
-            }));
+            let mut moved = system.solve(&rows);
+            moved.iter_mut().for_each(|x| *x *= -error);
+            let carried = (0..n).map(|i| dot(&gradients[i], &moved) - error * square * rows[i]);
+            let origin = together(&unknowns, &moved, carried);
             add_moduli(&mut condition.impacts, &origin);
             if response.mode_detuning(k) > RESONANT {
                 condition.origins.push(origin);
             } else {
                 add_moduli(&mut rest, &origin);
             }
-            if let Some(psi) = system.and_then(|system| system.layout.psi) {
-                condition.psi_error += error * moved[psi].abs();
+            if let Some(psi) = unknowns.psi() {
+                condition.psi_error += moved[psi].abs();
             }
         }
         for (i, ImpactError { time, impulse, acceleration }) in rest.into_iter().enumerate() {
@@ -349,10 +275,10 @@ impl Terms<'_> {
         motion.seek(i, 0.0);
         let (neighbours, modes) = motion.acceleration_sizes(impact.site);
         let ring = motion.sites();
-        let bound = |site: usize, part: fn(vibrochain_lattice::KernelJet) -> f64| -> f64 {
-            let term = |(j, other): (usize, &crate::orbit::Impact)| {
-                let distance = site.abs_diff(other.site) % ring;
-                other.impulse.abs() * part(self.response.rounding_at(distance, self.elapsed(i, j)))
+        let bound = |site: usize, part: fn(KernelJet) -> f64| -> f64 {
+            let term = |(j, other): (usize, &Impact)| {
+                let t = self.elapsed(i, j);
+                other.impulse.abs() * part(self.response.rounding_between(site, other.site, t))
             };
             UNIT * orbit.impacts().iter().enumerate().map(term).sum::<f64>()
         };

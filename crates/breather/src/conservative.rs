@@ -8,7 +8,7 @@ use smallvec::smallvec;
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::error::NoBreather;
-use crate::orbit::{Draft, Family, Hit, Source};
+use crate::orbit::{Draft, Family, Hit};
 
 /// An orbit of two opposite impacts, from its half impulses and its static displacement at site 0.
 pub(crate) fn double_sided_draft(
@@ -18,27 +18,26 @@ pub(crate) fn double_sided_draft(
     (p1, p2): (f64, f64),
     static_displacement: f64,
 ) -> Draft {
-    let net_impulse = static_displacement * response.static_stiffness();
-    Draft {
-        family: Family::DoubleSided,
-        force_periods: 1,
-        psi,
-        impacts: smallvec![Hit::new(0, Barrier::Upper, 0.0, -2.0 * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)],
-        sources: smallvec![Source { site: 0, net_impulse }],
-        uniform_offset: static_displacement * response.uniform_share(),
-    }
+    let impacts = smallvec![Hit::new(0, Barrier::Upper, 0.0, -2.0 * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)];
+    Draft::new(response, (Family::DoubleSided, 1), psi, impacts, static_displacement)
 }
 
 /// An orbit of one impact on the lower barrier.
 pub(crate) fn single_sided_draft(response: &ImpulseResponse, psi: f64, p: f64, static_displacement: f64) -> Draft {
-    Draft {
-        family: Family::SingleSided,
-        force_periods: 1,
-        psi,
-        impacts: smallvec![Hit::new(0, Barrier::Lower, 0.0, 2.0 * p)],
-        sources: smallvec![Source { site: 0, net_impulse: 2.0 * p }],
-        uniform_offset: static_displacement * response.uniform_share(),
-    }
+    let impacts = smallvec![Hit::new(0, Barrier::Lower, 0.0, 2.0 * p)];
+    Draft::new(response, (Family::SingleSided, 1), psi, impacts, static_displacement)
+}
+
+/// A doubled orbit: impacts on the lower barrier at 0 and φ, half impulses p₂ and p₁.
+pub(crate) fn doubled_draft(
+    response: &ImpulseResponse,
+    psi: f64,
+    phi: f64,
+    (p1, p2): (f64, f64),
+    static_displacement: f64,
+) -> Draft {
+    let impacts = smallvec![Hit::new(0, Barrier::Lower, 0.0, 2.0 * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)];
+    Draft::new(response, (Family::PeriodDoubled, 2), psi, impacts, static_displacement)
 }
 
 /// Half impulses and static displacement for impacts at 0 and φ without force, given K₀(φ)'s dynamic part.

@@ -1,130 +1,143 @@
-//! The equations of an orbit with all impacts at one site, linearised about it.
+//! The equations of an orbit of any impact word, linearised about it.
 //!
-//! The unknowns are the impulses P_i, the static displacement s they hold up and, where the family leaves them open, the
-//! time t_1 and the phase ψ. With K̂ the dynamic part of K₀:
+//! The unknowns (`unknowns`) are the impulses P_i, the static displacement s they hold up and, where symmetry leaves them open,
+//! the times t_i but the first and the phase ψ. With K̂ the kernel between the sites n_i and n_j that are hit, less what the net
+//! impulse holds up ([`ImpulseResponse::jet_between`]):
 //!
 //! ```text
 //! position  s + Σ_j P_j K̂(t_i−t_j) + G(t_i+ψ) − (a±1) = 0          net impulse   Σ P_j − g s = 0
 //! Newton    Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ) + qP_i/2 = 0
 //! ```
 //!
-//! Their Jacobian J is singular at a fold or pitchfork of the family. It serves twice: errors of the terms pass through
-//! its inverse (`condition`), and so does what is left of a residual (`polish`).
+//! Their Jacobian J is singular at a fold or pitchfork of the family. It serves three times: errors of the terms pass through
+//! its inverse (`condition`), so does what is left of a residual (`polish`), and branches follow its kernel (`branch`).
 
+use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{ImpulseResponse, KernelJet};
 
-use crate::orbit::{Family, Orbit};
+use crate::linear::{Factors, Matrix, Vector, dot, zeros};
+use crate::orbit::{Impact, Orbit};
+use crate::unknowns::{Unknowns, static_displacement};
 use crate::worst::worse;
 
-/// Most unknowns: two impulses, s, t_1, ψ.
-pub(crate) const MOST: usize = 5;
+/// Rounding of one operation, with room for the few that a term takes.
+pub(crate) const UNIT: f64 = 2.0 * f64::EPSILON;
 
-/// A vector of rows or unknowns; entries beyond the size of the system are 0.
-pub(crate) type Column = [f64; MOST];
-
-/// What the rows of the equations are made of.
-pub(crate) struct Terms<'a> {
+/// An orbit and what the rows of its equations are made of.
+pub(crate) struct Equations<'a> {
     pub(crate) orbit: &'a Orbit,
     pub(crate) response: &'a ImpulseResponse,
+    pub(crate) unknowns: Unknowns,
+    /// Which impact of the orbit each of the word's is, if its order is not that of time.
+    places: Option<SmallVec<[usize; 2]>>,
 }
 
-/// Where the unknowns stand.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Layout {
-    /// Number of impulses; also the place of s.
-    pub(crate) impacts: usize,
-    /// Place of t_1.
-    pub(crate) time: Option<usize>,
-    /// Place of ψ.
-    pub(crate) psi: Option<usize>,
-    pub(crate) size: usize,
+/// Which errors of the equations are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Errors {
+    /// Of all terms, with the worst signs, and of their sums.
+    Evaluated,
+    /// Of the terms, without those of the modes' amplitudes, which are common to all terms of a mode.
+    WithoutAmplitudes,
 }
 
 /// The Jacobian and its inverse.
+#[derive(Debug, Clone)]
 pub(crate) struct System {
-    pub(crate) layout: Layout,
-    pub(crate) matrix: [Column; MOST],
-    inverse: [Column; MOST],
+    pub(crate) matrix: Matrix,
+    inverse: Matrix,
     /// Natural sizes of the unknowns.
-    units: Column,
+    units: Vector,
     /// Reciprocal condition number of J, rows and columns scaled.
     pub(crate) reciprocal_condition: f64,
 }
 
-impl<'a> Terms<'a> {
+impl<'a> Equations<'a> {
     pub(crate) fn new(orbit: &'a Orbit, response: &'a ImpulseResponse) -> Self {
-        Self { orbit, response }
+        Self { orbit, response, unknowns: Unknowns::of(orbit), places: None }
     }
 
-    pub(crate) fn impulse(&self, j: usize) -> f64 {
-        self.orbit.impacts()[j].impulse
+    /// Of these unknowns, for impacts in another order than that of time: `places` tells which is which.
+    pub(crate) fn ordered(
+        orbit: &'a Orbit,
+        response: &'a ImpulseResponse,
+        unknowns: Unknowns,
+        places: SmallVec<[usize; 2]>,
+    ) -> Self {
+        Self { orbit, response, unknowns, places: Some(places) }
+    }
+
+    fn count(&self) -> usize {
+        self.unknowns.impacts
+    }
+
+    fn impact(&self, i: usize) -> &Impact {
+        let place = self.places.as_ref().map_or(i, |places| places[i]);
+        &self.orbit.impacts()[place]
+    }
+
+    pub(crate) fn impulse(&self, i: usize) -> f64 {
+        self.impact(i).impulse
     }
 
     /// t_i − t_j folded into the period.
     pub(crate) fn elapsed(&self, i: usize, j: usize) -> f64 {
-        let elapsed = self.orbit.impacts()[i].time - self.orbit.impacts()[j].time;
+        let elapsed = self.impact(i).time - self.impact(j).time;
         if elapsed < 0.0 { elapsed + self.response.period() } else { elapsed }
     }
 
-    pub(crate) fn jet(&self, i: usize, j: usize) -> KernelJet {
-        self.response.jet_from_half(self.elapsed(i, j) - 0.5 * self.response.period())
+    /// K̂ at t_i − t_j between the sites of the two impacts.
+    fn jet(&self, i: usize, j: usize) -> KernelJet {
+        let offset = self.elapsed(i, j) - 0.5 * self.response.period();
+        self.response.jet_between(self.impact(i).site, self.impact(j).site, offset)
+    }
+
+    /// All of them, by rows.
+    fn jets(&self) -> SmallVec<[KernelJet; 4]> {
+        let n = self.count();
+        (0..n * n).map(|at| self.jet(at / n, at % n)).collect()
     }
 
     /// G and its first three derivatives at impact `i`.
-    pub(crate) fn force(&self, i: usize) -> [f64; 4] {
-        self.orbit.steady().jet(self.orbit.impacts()[i].time + self.orbit.psi_or_zero())
+    fn force(&self, i: usize) -> [f64; 4] {
+        self.orbit.steady().jet(self.impact(i).time + self.orbit.psi_or_zero())
     }
 
-    /// Static displacement of site 0, of which the orbit carries the uniform mode's share.
-    pub(crate) fn static_displacement(&self) -> f64 {
-        self.orbit.uniform_offset() / self.response.uniform_share()
-    }
-
-    /// Newton's law stands in row n+1+i. Without a force one of the two is a consequence of the other, and both are of
-    /// mirror symmetry.
-    pub(crate) fn has_newton_row(layout: Layout, i: usize) -> bool {
-        layout.psi.is_some() || layout.time.is_some() && i == 0
-    }
-
-    /// Which unknowns there are; `None` for an orbit that was given, not solved for.
-    pub(crate) fn layout(&self) -> Option<Layout> {
-        let orbit = self.orbit;
-        let impacts = orbit.impacts().len();
-        if orbit.family() == Family::Word || orbit.impact_site().is_none() || impacts > 2 {
-            return None;
+    /// What is left of the equations.
+    pub(crate) fn residuals(&self) -> Vector {
+        let n = self.count();
+        let mut rows = zeros(self.unknowns.size());
+        for i in 0..n {
+            let [(position, _), (newton, _)] = self.balance(i);
+            rows[i] = position;
+            if let Some(row) = self.unknowns.newton(i) {
+                rows[row] = newton;
+            }
         }
-        let mut size = impacts + 1;
-        let mut place = |there: bool| {
-            there.then(|| {
-                size += 1;
-                size - 1
-            })
-        };
-        let time = place(impacts == 2 && !orbit.is_reversible());
-        let psi = place(!orbit.model().is_conservative());
-        Some(Layout { impacts, time, psi, size })
+        let net: f64 = (0..n).map(|i| self.impulse(i)).sum();
+        rows[n] = net - self.response.static_stiffness() * static_displacement(self.orbit, self.response);
+        rows
     }
 
-    /// What is left of position and Newton's law at impact `i`.
-    pub(crate) fn violation(&self, i: usize) -> [f64; 2] {
-        self.balance(i).map(|(left, _)| left)
-    }
-
-    /// Largest violation, each over the sizes of its terms.
+    /// Largest violation of position and Newton's law, where it is asked for, each over the sizes of its terms.
     pub(crate) fn worst_violation(&self) -> f64 {
         let share = |(left, size): (f64, f64)| (left / size).abs();
-        let worst = |i: usize| self.balance(i).map(share).into_iter().fold(0.0, worse);
-        (0..self.orbit.impacts().len()).map(worst).fold(0.0, worse)
+        (0..self.count()).fold(0.0, |worst, i| {
+            let [position, newton] = self.balance(i).map(share);
+            let worst = worse(worst, position);
+            if self.unknowns.newton(i).is_some() { worse(worst, newton) } else { worst }
+        })
     }
 
     /// Position and Newton's law at impact `i`: what is left, and the sum of the terms' sizes.
     fn balance(&self, i: usize) -> [(f64, f64); 2] {
-        let (impact, steady, loss) = (&self.orbit.impacts()[i], self.orbit.steady(), self.orbit.model().loss());
+        let (impact, steady, loss) = (self.impact(i), self.orbit.steady(), self.orbit.model().loss());
         let force = self.force(i);
-        let mut position = self.static_displacement() + force[0] - self.orbit.model().barrier(impact.barrier);
+        let still = static_displacement(self.orbit, self.response);
+        let mut position = still + force[0] - self.orbit.model().barrier(impact.barrier);
         let mut newton = force[1] + 0.5 * loss * impact.impulse;
         let (mut length, mut velocity) = (steady.bound(0).max(1.0), steady.bound(1));
-        for j in 0..self.orbit.impacts().len() {
+        for j in 0..self.count() {
             let (jet, impulse) = (self.jet(i, j), self.impulse(j));
             position += impulse * jet.value;
             length += (impulse * jet.value).abs();
@@ -132,151 +145,251 @@ impl<'a> Terms<'a> {
                 velocity += (0.5 * loss * impulse).abs();
             } else {
                 newton += impulse * jet.slope;
-                velocity += (impulse * jet.slope).abs();
+                // Between sites K′ is a sum of parts as large as at one site, ½ in all, however small.
+                let size = if self.impact(j).site == impact.site { jet.slope.abs() } else { jet.slope.abs().max(0.5) };
+                velocity += impulse.abs() * size;
             }
         }
         [(position, length), (newton, velocity.max(f64::MIN_POSITIVE))]
     }
 
-    /// The linearised equations.
-    pub(crate) fn system(&self) -> Option<System> {
-        Some(self.system_of(self.layout()?))
-    }
-
-    /// The linearised equations of the given unknowns.
-    pub(crate) fn system_of(&self, layout: Layout) -> System {
-        let (orbit, n) = (self.orbit, layout.impacts);
-        let mut matrix = [[0.0; MOST]; MOST];
-        let q = orbit.model().loss();
+    /// The Jacobian.
+    pub(crate) fn jacobian(&self) -> Matrix {
+        let (n, unknowns) = (self.count(), self.unknowns);
+        let (q, jets) = (self.orbit.model().loss(), self.jets());
+        let mut matrix = Matrix::zeros(unknowns.size());
         for i in 0..n {
+            let row = unknowns.newton(i);
             let force = self.force(i);
+            // Of the mass just before and after, in the mean.
             let (mut velocity, mut acceleration) = (force[1], force[2]);
             for j in 0..n {
-                let jet = self.jet(i, j);
-                matrix[i][j] = jet.value;
+                let (jet, impulse) = (jets[i * n + j], self.impulse(j));
+                matrix[(i, j)] = jet.value;
                 if j == i {
                     continue;
                 }
-                let impulse = self.impulse(j);
                 (velocity, acceleration) = (velocity + impulse * jet.slope, acceleration + impulse * jet.curvature);
-                if Self::has_newton_row(layout, i) {
-                    matrix[n + 1 + i][j] = jet.slope;
+                if let Some(time) = unknowns.time(j) {
+                    matrix[(i, time)] -= impulse * jet.slope;
                 }
-                if let Some(time) = layout.time.filter(|_| j == 1) {
-                    matrix[i][time] -= impulse * jet.slope;
-                    if Self::has_newton_row(layout, i) {
-                        matrix[n + 1 + i][time] -= impulse * jet.curvature;
+                if let Some(row) = row {
+                    matrix[(row, j)] = jet.slope;
+                    if let Some(time) = unknowns.time(j) {
+                        matrix[(row, time)] -= impulse * jet.curvature;
                     }
                 }
             }
-            matrix[i][n] = 1.0;
-            for (place, moves) in [(layout.time, i == 1), (layout.psi, true)] {
-                let Some(place) = place.filter(|_| moves) else { continue };
-                let of_psi = Some(place) == layout.psi;
-                matrix[i][place] += if of_psi { force[1] } else { velocity };
-                if Self::has_newton_row(layout, i) {
-                    matrix[n + 1 + i][place] += if of_psi { force[2] } else { acceleration };
+            matrix[(i, n)] = 1.0;
+            for (place, [first, second]) in
+                [(unknowns.time(i), [velocity, acceleration]), (unknowns.psi(), [force[1], force[2]])]
+            {
+                let Some(place) = place else { continue };
+                matrix[(i, place)] += first;
+                if let Some(row) = row {
+                    matrix[(row, place)] += second;
                 }
             }
-            if Self::has_newton_row(layout, i) {
-                matrix[n + 1 + i][i] = 0.5 * q;
+            if let Some(row) = row {
+                matrix[(row, i)] = 0.5 * q;
             }
         }
-        matrix[n][..n].fill(1.0);
-        matrix[n][n] = -self.response.static_stiffness();
-        let mut units = [1.0; MOST];
-        units[..n].fill((0..n).map(|j| self.impulse(j).abs()).fold(f64::MIN_POSITIVE, f64::max));
-        // In units of half the gap.
-        units[n] = self.static_displacement().abs().max(1.0);
-        if let Some(time) = layout.time {
-            units[time] = self.response.period();
+        matrix.row_mut(n)[..n].fill(1.0);
+        matrix[(n, n)] = -self.response.static_stiffness();
+        matrix
+    }
+
+    /// The linearised equations.
+    pub(crate) fn system(&self) -> System {
+        let largest = (0..self.count()).map(|j| self.impulse(j).abs()).fold(f64::MIN_POSITIVE, f64::max);
+        System::new(self.jacobian(), self.unknowns.units(self.orbit, self.response, largest))
+    }
+
+    /// Error of G's derivative of some order at impact `i`.
+    pub(crate) fn force_rounding(&self, i: usize, order: usize) -> f64 {
+        let t = self.impact(i).time + self.orbit.psi_or_zero();
+        let moduli = self.orbit.steady().moduli(t);
+        UNIT * (moduli[order] + t.abs() * moduli[order + 1])
+    }
+
+    /// Rounding of the equations, with the worst signs.
+    pub(crate) fn row_errors(&self, which: Errors) -> Vector {
+        let (n, model) = (self.count(), self.orbit.model());
+        let displacement = static_displacement(self.orbit, self.response);
+        let mut errors = zeros(self.unknowns.size());
+        for i in 0..n {
+            let impact = self.impact(i);
+            let mut position = UNIT * (displacement.abs() + model.barrier(impact.barrier).abs());
+            let mut newton = UNIT * (0.5 * model.loss() * impact.impulse).abs() + self.force_rounding(i, 1);
+            for j in 0..n {
+                let (to, from, t) = (impact.site, self.impact(j).site, self.elapsed(i, j));
+                let bound = match which {
+                    Errors::Evaluated => self.response.sensitivity_between(to, from, t),
+                    Errors::WithoutAmplitudes => self.response.rounding_between(to, from, t),
+                };
+                position += UNIT * self.impulse(j).abs() * bound.value;
+                if j != i {
+                    newton += UNIT * self.impulse(j).abs() * bound.slope;
+                }
+            }
+            errors[i] = position + self.force_rounding(i, 0);
+            if let Some(row) = self.unknowns.newton(i) {
+                errors[row] = newton;
+            }
         }
-        if let Some(psi) = layout.psi {
-            units[psi] = orbit.model().period();
+        errors[n] = 2.0 * UNIT * (self.response.static_stiffness() * displacement).abs();
+        if which == Errors::Evaluated {
+            errors[n] += UNIT * (0..n).map(|j| self.impulse(j).abs()).sum::<f64>();
         }
-        System::new(layout, matrix, units)
+        errors
+    }
+
+    /// How the acceleration Σ_j P_j K″(t_i−t_j) + G̈(t_i+ψ) changes with the unknowns.
+    pub(crate) fn acceleration_gradient(&self, i: usize) -> Vector {
+        let mut gradient = zeros(self.unknowns.size());
+        let mut jerk = self.force(i)[3];
+        if let Some(psi) = self.unknowns.psi() {
+            gradient[psi] = jerk;
+        }
+        for j in 0..self.count() {
+            let jet = self.jet(i, j);
+            gradient[j] = jet.curvature;
+            if j != i {
+                jerk += self.impulse(j) * jet.third;
+                if let Some(time) = self.unknowns.time(j) {
+                    gradient[time] -= self.impulse(j) * jet.third;
+                }
+            }
+        }
+        if let Some(time) = self.unknowns.time(i) {
+            gradient[time] += jerk;
+        }
+        gradient
     }
 }
 
 impl System {
-    pub(crate) fn new(layout: Layout, matrix: [Column; MOST], units: Column) -> Self {
-        let n = layout.size;
-        let mut left = [[0.0; MOST]; MOST];
-        let mut right = [[0.0; MOST]; MOST];
-        for i in 0..n {
-            let row: Column = std::array::from_fn(|j| matrix[i][j] * units[j]);
-            let size = row[..n].iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-            let size = if size > 0.0 { size } else { 1.0 };
-            left[i] = row.map(|x| x / size);
-            right[i][i] = 1.0 / size;
+    pub(crate) fn new(matrix: Matrix, units: Vector) -> Self {
+        let n = matrix.size();
+        let mut scaled = Matrix::from_fn(n, |i, j| matrix[(i, j)] * units[j]);
+        let mut sizes: Vector = smallvec![1.0; n];
+        for (i, size) in sizes.iter_mut().enumerate() {
+            let largest = scaled.row(i).iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+            if largest > 0.0 {
+                *size = largest;
+                scaled.row_mut(i).iter_mut().for_each(|x| *x /= largest);
+            }
         }
-        let scaled_inverse = |right: &[Column; MOST], rows: &[Column; MOST]| {
-            // Undo the scaling of the rows, to speak of the scaled matrix alone.
-            let sizes: Column = std::array::from_fn(|i| if i < n { rows[i][i] } else { 1.0 });
-            (0..n).map(|i| (0..n).map(|j| (right[i][j] / sizes[j]).abs()).sum::<f64>()).fold(0.0, f64::max)
+        let norm =
+            |matrix: &Matrix| (0..n).map(|i| matrix.row(i).iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+        let forward = norm(&scaled);
+        let Some(factors) = Factors::new(scaled) else {
+            let inverse = Matrix::from_fn(n, |_, _| f64::INFINITY);
+            return Self { matrix, inverse, units, reciprocal_condition: 0.0 };
         };
-        let norm = (0..n).map(|i| left[i][..n].iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
-        let rows = right;
-        // Gauss–Jordan with row exchanges: `right` becomes the inverse.
-        for column in 0..n {
-            let pivot = (column..n).max_by(|&i, &j| left[i][column].abs().total_cmp(&left[j][column].abs()));
-            let pivot = pivot.unwrap_or(column);
-            left.swap(column, pivot);
-            right.swap(column, pivot);
-            let head = left[column][column];
-            if head == 0.0 || !head.is_finite() {
-                let inverse = [[f64::INFINITY; MOST]; MOST];
-                return Self { layout, matrix, inverse, units, reciprocal_condition: 0.0 };
-            }
-            left[column] = left[column].map(|x| x / head);
-            right[column] = right[column].map(|x| x / head);
-            for i in (0..n).filter(|i| *i != column) {
-                let factor = left[i][column];
-                for j in 0..n {
-                    left[i][j] -= factor * left[column][j];
-                    right[i][j] -= factor * right[column][j];
-                }
-            }
-        }
-        let reciprocal_condition = (1.0 / (norm * scaled_inverse(&right, &rows))).min(1.0);
-        let inverse = std::array::from_fn(|i| right[i].map(|x| x * units[i]));
-        Self { layout, matrix, inverse, units, reciprocal_condition }
+        let scaled = factors.inverse();
+        let reciprocal_condition = (1.0 / (forward * norm(&scaled))).min(1.0);
+        let inverse = Matrix::from_fn(n, |i, j| units[i] * scaled[(i, j)] / sizes[j]);
+        Self { matrix, inverse, units, reciprocal_condition }
     }
 
     /// J⁻¹ r
-    pub(crate) fn solve(&self, rows: &Column) -> Column {
-        let n = self.layout.size;
-        std::array::from_fn(|i| if i < n { (0..n).map(|j| self.inverse[i][j] * rows[j]).sum() } else { 0.0 })
+    pub(crate) fn solve(&self, rows: &[f64]) -> Vector {
+        (0..rows.len()).map(|i| dot(self.inverse.row(i), rows)).collect()
     }
 
     /// |J⁻¹| r for r ≥ 0; an error of 0 stays 0 next to a singular J.
-    pub(crate) fn spread(&self, rows: &Column) -> Column {
-        let n = self.layout.size;
-        let term = |i: usize, j: usize| if rows[j] == 0.0 { 0.0 } else { self.inverse[i][j].abs() * rows[j] };
-        std::array::from_fn(|i| if i < n { (0..n).map(|j| term(i, j)).sum() } else { 0.0 })
+    pub(crate) fn spread(&self, rows: &[f64]) -> Vector {
+        let carried = |i: usize| self.inverse.row(i).iter().zip(rows).filter(|(_, row)| **row != 0.0);
+        (0..rows.len()).map(|i| carried(i).map(|(entry, row)| entry.abs() * row).sum()).collect()
     }
 
     /// |g J⁻¹| r for r ≥ 0.
-    pub(crate) fn through(&self, gradient: &Column, rows: &Column) -> f64 {
-        let n = self.layout.size;
-        let carried = |j: usize| (0..n).map(|i| gradient[i] * self.inverse[i][j]).sum::<f64>();
+    pub(crate) fn through(&self, gradient: &[f64], rows: &[f64]) -> f64 {
+        let n = rows.len();
+        let carried = |j: usize| (0..n).map(|i| gradient[i] * self.inverse[(i, j)]).sum::<f64>();
         (0..n).map(|j| if rows[j] == 0.0 { 0.0 } else { carried(j).abs() * rows[j] }).sum()
     }
 
-    /// What rounding of the open time and phase, each by `unit` of its period, does to impulses worked out from them by
+    /// What rounding of the open times and phase, each by `unit` of its period, does to impulses worked out from them by
     /// the conditions of position alone.
-    pub(crate) fn impulse_rounding(&self, unit: f64) -> Column {
-        let n = self.layout.impacts;
-        let mut errors = [0.0; MOST];
-        let Some(time) = self.layout.time else { return errors };
-        let positions = System::new(Layout { size: n + 1, ..self.layout }, self.matrix, self.units);
-        for place in [Some(time), self.layout.psi].into_iter().flatten() {
-            let rows: Column = std::array::from_fn(|i| if i < n { self.matrix[i][place] } else { 0.0 });
+    pub(crate) fn impulse_rounding(&self, unknowns: &Unknowns, unit: f64) -> Vector {
+        let n = unknowns.impacts;
+        let mut errors = zeros(n);
+        if unknowns.times().next().is_none() {
+            return errors;
+        }
+        let positions = Matrix::from_fn(n + 1, |i, j| self.matrix[(i, j)]);
+        let positions = Self::new(positions, self.units[..=n].into());
+        for place in unknowns.times().chain(unknowns.psi()) {
+            let rows: Vector = (0..=n).map(|i| if i < n { self.matrix[(i, place)] } else { 0.0 }).collect();
             let moved = positions.solve(&rows);
-            for (error, moved) in errors.iter_mut().zip(moved).take(n) {
+            for (error, moved) in errors.iter_mut().zip(moved) {
                 *error += unit * (self.units[place] * moved).abs();
             }
         }
         errors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Barrier, Chain, Model, Spectrum};
+
+    use super::*;
+    use crate::orbit::Hit;
+
+    /// Words of one to five impacts at any sites, not orbits at all: the Jacobian is what differences of the residuals say.
+    #[test]
+    fn the_jacobian_is_the_derivative_of_the_residuals() {
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut checked = [0; 5];
+        for round in 0..200 {
+            let (sites, conservative) = (1 + random.usize(0..7), random.bool());
+            let chain = Chain::new(sites, 0.1 + random.f64(), 0.3 * random.f64()).unwrap();
+            let (omega, a) = (0.4 + 2.0 * random.f64(), 0.5 * random.f64());
+            let model = match conservative {
+                true => Model::conservative(chain, omega, a),
+                false => Model::forced(chain, omega, a, 0.1 + random.f64(), 0.3 + 0.7 * random.f64()),
+            };
+            let (model, count) = (model.unwrap(), 1 + round % 5);
+            let mut times: Vec<f64> = (0..count).map(|_| model.period() * random.f64()).collect();
+            times[0] = 0.0;
+            times.sort_by(f64::total_cmp);
+            let psi = if conservative { 0.0 } else { 0.3 };
+            let hits: Vec<_> = (times.iter().enumerate())
+                .map(|(i, &time)| {
+                    let barrier = if random.bool() { Barrier::Upper } else { Barrier::Lower };
+                    Hit::new((i * 3 + round) % sites, barrier, time, random.f64() - 0.5)
+                })
+                .collect();
+            let Ok(response) = ImpulseResponse::new(&Spectrum::new(chain), model.omega()) else { continue };
+            let Ok(orbit) = Orbit::from_impulses(&model, 1, psi, &hits) else { continue };
+            let equations = Equations::new(&orbit, &response);
+            let (unknowns, jacobian) = (equations.unknowns, equations.jacobian());
+            let (x, word) = (unknowns.read(&orbit, &response), crate::unknowns::Word::of(&orbit));
+            let residuals = |x: &[f64]| {
+                let (draft, places) = word.draft(&unknowns, x, &model, &response).unwrap();
+                let mut motion = crate::motion::Motion::vacant(sites);
+                let moved = Orbit::assemble(&model, &response, &mut motion, draft).unwrap();
+                Equations::ordered(&moved, &response, unknowns, places).residuals()
+            };
+            let h = 1e-6;
+            let size = 1.0 + response.derivative_bounds()[2];
+            for j in 0..unknowns.size() {
+                let moved = |step: f64| {
+                    let mut x = x.clone();
+                    x[j] += step;
+                    residuals(&x)
+                };
+                let (plus, minus) = (moved(h), moved(-h));
+                for i in 0..unknowns.size() {
+                    let slope = (plus[i] - minus[i]) / (2.0 * h);
+                    assert!((slope - jacobian[(i, j)]).abs() < 1e-6 * size, "{i} {j}: {slope} {}", jacobian[(i, j)]);
+                }
+            }
+            checked[count - 1] += 1;
+        }
+        assert!(checked.iter().all(|count| *count > 20), "{checked:?}");
     }
 }

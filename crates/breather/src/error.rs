@@ -33,6 +33,14 @@ pub enum BreatherError {
         /// What is wrong with it.
         what: &'static str,
     },
+    /// Newton's method does not lead from a given word to an orbit.
+    #[error(
+        "no orbit found near the given impacts: Newton's method leaves a violation of {violation:e} (relative to the terms of the conditions at the impacts); start nearer to an orbit"
+    )]
+    NotConverged {
+        /// The largest violation left.
+        violation: f64,
+    },
 }
 
 /// Why a family has no orbit at a point.

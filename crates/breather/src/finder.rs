@@ -10,7 +10,7 @@ use crate::error::{BreatherError, NoBreather};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
 use crate::planar_roots::PlanarZeros;
-use crate::polish::polish;
+use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::radiation::Radiation;
 use crate::rises::Rises;
 use crate::roots::Zeros;
@@ -180,9 +180,12 @@ impl Finder {
                 refused += 1;
                 return;
             }
-            match Orbit::assemble(model, response, motion, draft.clone()) {
+            match Orbit::assemble(model, response, motion, draft) {
                 Ok(mut orbit) => {
-                    polish(&mut orbit, draft, response, motion);
+                    // Mirror-symmetric orbits come from closed forms that leave nothing to improve.
+                    if !orbit.is_reversible() {
+                        polish(&mut orbit, STEPS, response, motion);
+                    }
                     // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
                     if orbit.residual().is_finite() { found.orbits.push(orbit) } else { singular = true }
                 }
@@ -278,6 +281,36 @@ impl Finder {
         self.prepare(orbit.model(), orbit.frequency())?;
         self.motion.load(orbit, &self.response);
         Ok(&mut self.motion)
+    }
+
+    /// The orbit near one that was given by its impacts roughly ([`Orbit::from_impulses`]), by Newton's method; it must be so near
+    /// that every step improves it. Impulses and, where symmetry in time does not hold them, all times but the first and the phase are
+    /// free. [`Orbit::residual`] tells how well the conditions at the impacts are met.
+    ///
+    /// # Errors
+    /// [`BreatherError::NotConverged`]; as [`Finder::admissibility`].
+    ///
+    /// ```
+    /// use vibrochain_breather::{Finder, Hit, Orbit};
+    /// use vibrochain_lattice::{Barrier, Chain, Model};
+    /// // Two neighbours in phase, roughly.
+    /// let model = Model::conservative(Chain::new(21, 0.2, 0.05)?, 1.5, 0.2)?;
+    /// let half = 0.5 * model.period();
+    /// let both = |barrier, time, impulse| [0, 1].map(|site| Hit::new(site, barrier, time, impulse));
+    /// let hits = [both(Barrier::Upper, 0.0, -1.9), both(Barrier::Lower, half, 1.9)].concat();
+    /// let orbit = Finder::new(21).polish(&Orbit::from_impulses(&model, 1, 0.0, &hits)?)?;
+    /// assert!(orbit.residual() < 1e-14);
+    /// # Ok::<(), vibrochain_breather::BreatherError>(())
+    /// ```
+    pub fn polish(&mut self, orbit: &Orbit) -> Result<Orbit, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        let mut polished = orbit.clone();
+        let violation = polish(&mut polished, STEPS_FROM_AFAR, &self.response, &mut self.motion);
+        // Not: greater. It may not be a number.
+        if !(violation <= CONVERGED) {
+            return Err(BreatherError::NotConverged { violation });
+        }
+        Ok(polished)
     }
 
     /// How far an orbit can be trusted. Not part of a sweep's inner loop: it costs as much as finding the orbit.

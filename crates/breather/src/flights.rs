@@ -10,56 +10,61 @@
 //! answer to an impulse is large there, and so is the steady answer to the force, but a flight is not. The orbit's errors
 //! follow from what is left of these equations, rounding allowed for.
 
-use crate::equations::{Column, Layout, MOST, System};
-use crate::orbit::{Family, Orbit};
+use crate::equations::{System, UNIT};
+use crate::linear::{Matrix, Vector, zeros};
+use crate::orbit::Orbit;
 use vibrochain_lattice::{WaveTerm, sine_over};
-
-const UNIT: f64 = 2.0 * f64::EPSILON;
 
 /// Of |Ω−ω|/(Ω+ω) below which Ω² − ω² is taken out of the force's answer.
 const NEAR: f64 = 0.1;
 
-/// What the equations say of an orbit: what may be left of each, and how the unknowns follow from it.
+/// What the equations say of an orbit: what may be left of each, and how the unknowns follow from it. The unknowns stand as the
+/// impulses, the times but the first, the phase.
 pub(crate) struct Flights {
+    impacts: usize,
     pub(crate) system: System,
-    pub(crate) left: Column,
+    pub(crate) left: Vector,
 }
 
 impl Flights {
-    /// `None` for an orbit that is not of this kind: with coupling, without force, or given by its impacts.
+    /// `None` for an orbit that is not of this kind: with coupling, at several sites, or without force.
     pub(crate) fn of(orbit: &Orbit) -> Option<Self> {
         let (model, n) = (orbit.model(), orbit.impacts().len());
-        let known = orbit.family() == Family::Word || orbit.impact_site().is_none() || n == 0 || n > 2;
-        if known || model.is_conservative() || !model.chain().is_uncoupled() {
+        if orbit.impact_site().is_none() || model.is_conservative() || !model.chain().is_uncoupled() {
             return None;
         }
-        let layout = Layout { impacts: n, time: (n == 2).then_some(2), psi: Some(2 * n - 1), size: 2 * n };
-        let mut matrix = [[0.0; MOST]; MOST];
-        let mut left = [0.0; MOST];
+        let (mut matrix, mut left) = (Matrix::zeros(2 * n), zeros(2 * n));
+        let e = model.restitution();
         for i in 0..n {
             let j = (i + 1) % n;
             let flight = Flight::new(orbit, i, j);
-            let e = model.restitution();
             for (row, of) in [(2 * i, 0), (2 * i + 1, 1)] {
-                matrix[row][i] += flight.by_velocity[of] * e / (1.0 + e);
-                matrix[row][layout.impacts - 1 + n] += flight.by_start[of] + flight.by_end[of];
+                matrix[(row, i)] += flight.by_velocity[of] * e / (1.0 + e);
+                matrix[(row, 2 * n - 1)] += flight.by_start[of] + flight.by_end[of];
                 left[row] = flight.left[of].abs() + flight.rounding[of];
-            }
-            matrix[2 * i + 1][j] += 1.0 / (1.0 + e);
-            if let Some(time) = layout.time {
-                for (row, of) in [(2 * i, 0), (2 * i + 1, 1)] {
-                    matrix[row][time] += if j == 1 { flight.by_end[of] } else { flight.by_start[of] };
+                for (impact, change) in [(i, flight.by_start[of]), (j, flight.by_end[of])] {
+                    if impact > 0 {
+                        matrix[(row, n + impact - 1)] += change;
+                    }
                 }
             }
+            matrix[(2 * i + 1, j)] += 1.0 / (1.0 + e);
         }
-        let mut units = [1.0; MOST];
-        let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        units[..n].fill(largest);
-        if let Some(time) = layout.time {
-            units[time] = orbit.period();
-        }
+        let mut units = zeros(2 * n);
+        units[..n].fill(orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max));
+        units[n..].fill(orbit.period());
         units[2 * n - 1] = model.period();
-        Some(Self { system: System::new(layout, matrix, units), left })
+        Some(Self { impacts: n, system: System::new(matrix, units), left })
+    }
+
+    /// Place of the time of impact `i`.
+    pub(crate) fn time(&self, i: usize) -> Option<usize> {
+        (i > 0).then_some(self.impacts + i - 1)
+    }
+
+    /// Place of the phase.
+    pub(crate) fn psi(&self) -> usize {
+        2 * self.impacts - 1
     }
 }
 
@@ -152,7 +157,7 @@ fn answers(rate: f64, term: &WaveTerm, t: f64) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::finder::{Finder, Found};
-    use crate::orbit::Hit;
+    use crate::orbit::{Family, Hit};
     use vibrochain_lattice::{Chain, Force, Harmonic, Model};
 
     #[test]
@@ -222,7 +227,7 @@ mod tests {
                         let (plus, minus) = (hits(h, place), hits(-h, place));
                         for row in 0..2 * n {
                             let slope = (plus[row] - minus[row]) / (2.0 * h);
-                            let known = flights.system.matrix[row][place];
+                            let known = flights.system.matrix[(row, place)];
                             assert!(
                                 (slope - known).abs() < 1e-6 * scale * (1.0 + known.abs()),
                                 "{row} {place}: {slope} {known}"

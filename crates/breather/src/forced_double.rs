@@ -13,14 +13,13 @@
 //! plane of φ and ψ they are apart, so that whatever E leaves unresolved is searched for there (`forced_harmonics`).
 //! There, a double zero is a fold.
 
-use smallvec::smallvec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
+use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
-use crate::conservative::double_sided_draft;
+use crate::conservative::{double_sided_draft, doubled_draft};
 use crate::error::NoBreather;
 use crate::forced_harmonics;
 use crate::one_mass::OneMass;
-use crate::orbit::{Draft, Family, Hit, Source};
+use crate::orbit::Draft;
 use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
 use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, Word, shortest_flight};
@@ -156,19 +155,9 @@ pub(crate) fn period_doubled(
     let mut count = 0;
     for solution in zeros.simple.iter().filter_map(|&delta| solution(&problem, alone.as_ref(), delta)) {
         let phi = half + solution.delta;
-        let net_impulse = solution.static_displacement * response.static_stiffness();
+        let psi = phase(solution.theta, phi, omega);
         count += 1;
-        found(Draft {
-            family: Family::PeriodDoubled,
-            force_periods: 2,
-            psi: phase(solution.theta, phi, omega),
-            impacts: smallvec![
-                Hit::new(0, Barrier::Lower, 0.0, 2.0 * solution.p2),
-                Hit::new(0, Barrier::Lower, phi, 2.0 * solution.p1)
-            ],
-            sources: smallvec![Source { site: 0, net_impulse }],
-            uniform_offset: solution.static_displacement * response.uniform_share(),
-        });
+        found(doubled_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement));
     }
     if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }

@@ -13,14 +13,13 @@
 //! A force whose harmonics are all multiples of one repeats within the period T; ψ then runs over that repetition alone,
 //! because orbits with other ψ are the same.
 
-use smallvec::smallvec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
+use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
-use crate::conservative::{double_sided_draft, single_sided_draft};
+use crate::conservative::{double_sided_draft, doubled_draft, single_sided_draft};
 use crate::enclosure::Dual;
 use crate::error::NoBreather;
 use crate::harmonic_impacts::HarmonicImpacts;
-use crate::orbit::{Draft, Family, Hit, Source};
+use crate::orbit::Draft;
 use crate::planar_roots::PlanarZeros;
 use crate::roots::{Enclosed, Zeros};
 use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, Word, shortest_flight};
@@ -164,19 +163,9 @@ pub(crate) fn period_doubled(
     for &place in &plane.simple {
         let Some(solution) = problem.solution(place) else { continue };
         let phi = half + solution.delta;
-        let net_impulse = solution.static_displacement * response.static_stiffness();
+        let psi = (place[1] - 0.5 * phi).rem_euclid(repeat);
         count += 1;
-        found(Draft {
-            family: Family::PeriodDoubled,
-            force_periods: 2,
-            psi: (place[1] - 0.5 * phi).rem_euclid(repeat),
-            impacts: smallvec![
-                Hit::new(0, Barrier::Lower, 0.0, 2.0 * solution.p2),
-                Hit::new(0, Barrier::Lower, phi, 2.0 * solution.p1)
-            ],
-            sources: smallvec![Source { site: 0, net_impulse }],
-            uniform_offset: solution.static_displacement * response.uniform_share(),
-        });
+        found(doubled_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement));
     }
     outcome(count, plane.unresolved.len() + plane.exhausted)
 }

@@ -16,9 +16,9 @@
 //! | `forced_harmonics`, `harmonic_impacts` | the forced ones under several harmonics |
 //! | `motion` | [`Motion`]: every mass at any time |
 //! | `admissibility`, `watch`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
-//! | `equations`, `polish` | the orbit's equations linearised; Newton steps on them |
+//! | `unknowns`, `equations`, `polish` | the equations of any impact word, linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
-//! | `branch`, `reduction`, `bordered` | [`Branch`]: orbits along one parameter, through folds |
+//! | `branch`, `corrector`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
@@ -43,12 +43,12 @@
 mod admissibility;
 mod assembly;
 mod asymmetric;
-mod bordered;
 mod branch;
 mod branching;
 mod completeness;
 mod condition;
 mod conservative;
+mod corrector;
 mod enclosure;
 mod equations;
 mod error;
@@ -61,6 +61,7 @@ mod grid;
 mod harmonic_impacts;
 #[doc(hidden)]
 pub mod lanes;
+mod linear;
 mod motion;
 mod one_mass;
 mod orbit;
@@ -70,9 +71,11 @@ mod polish;
 mod polynomial;
 mod radiation;
 mod reduction;
+mod resonances;
 mod rises;
 mod roots;
 mod two_impacts;
+mod unknowns;
 mod watch;
 mod window;
 mod worst;

@@ -7,7 +7,7 @@
 //! ```
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, Model, Wave};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
 
 /// The families of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -97,7 +97,7 @@ pub struct Orbit {
     pub(crate) impacts: SmallVec<[Impact; 2]>,
     pub(crate) sources: SmallVec<[Source; 1]>,
     pub(crate) uniform_offset: f64,
-    pub(crate) reversible: bool,
+    pub(crate) fixed_times: bool,
     pub(crate) residual: f64,
 }
 
@@ -122,11 +122,39 @@ pub(crate) struct Draft {
 }
 
 impl Draft {
+    /// From impacts in order of time and what their net impulse holds up at a site that is hit.
+    pub(crate) fn new(
+        response: &ImpulseResponse,
+        (family, force_periods): (Family, u32),
+        psi: f64,
+        impacts: SmallVec<[Hit; 2]>,
+        static_displacement: f64,
+    ) -> Self {
+        let mut sources = sources(&impacts);
+        if let [source] = sources.as_mut_slice() {
+            source.net_impulse = static_displacement * response.static_stiffness();
+        }
+        let uniform_offset = static_displacement * response.uniform_share();
+        Self { family, force_periods, psi, impacts, sources, uniform_offset }
+    }
+
     /// No impulse points out of the gap by more than polishing an orbit could turn round.
     pub(crate) fn is_right_signed(&self) -> bool {
         let largest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
         self.impacts.iter().all(|hit| -hit.impulse * hit.barrier.sign() > -1e-3 * largest)
     }
+}
+
+/// The sites that are hit, each with the sum of its impulses.
+pub(crate) fn sources(impacts: &[Hit]) -> SmallVec<[Source; 1]> {
+    let mut sources: SmallVec<[Source; 1]> = SmallVec::new();
+    for &Hit { site, impulse, .. } in impacts {
+        match sources.iter_mut().find(|source| source.site == site) {
+            Some(source) => source.net_impulse += impulse,
+            None => sources.push(Source { site, net_impulse: impulse }),
+        }
+    }
+    sources
 }
 
 impl Orbit {
@@ -206,7 +234,12 @@ impl Orbit {
     /// The orbit is its own mirror image in time about t = 0 (conservative, impacts at 0 and half a period): half a
     /// period tells all.
     pub fn is_reversible(&self) -> bool {
-        self.reversible
+        self.fixed_times && self.sources.len() == 1
+    }
+
+    /// Symmetry in time holds all impacts at 0 and half a period (conservative, any number of sites).
+    pub(crate) fn has_fixed_times(&self) -> bool {
+        self.fixed_times
     }
 
     /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)| over the

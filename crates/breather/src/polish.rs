@@ -1,70 +1,59 @@
-//! Newton steps on the equations themselves, for orbits whose reduced equation left digits behind.
+//! Newton steps on the equations themselves, for orbits whose reduced equation left digits behind and for words given by
+//! hand.
 //!
 //! The zero of E fixes φ to its own rounding; where X, Y and Δ of Cramer's rule nearly vanish together the phase that
 //! follows from it is worse than the equations allow. What is left of the equations shows it.
 
 use vibrochain_lattice::ImpulseResponse;
 
-use crate::equations::{MOST, System, Terms};
+use crate::equations::Equations;
 use crate::motion::Motion;
-use crate::orbit::{Draft, Orbit};
+use crate::orbit::Orbit;
+use crate::unknowns::Word;
 
 /// Violations below this many roundings of the largest term are as good as zero.
 const SOUND: f64 = 16.0 * f64::EPSILON;
 
 /// Steps at most; each squares the error.
-const STEPS: usize = 4;
+pub(crate) const STEPS: usize = 4;
 
-/// Improves `orbit`, assembled from `draft`, as long as its violations fall. Mirror-symmetric orbits come from closed forms
-/// that leave nothing to improve.
-pub(crate) fn polish(orbit: &mut Orbit, mut draft: Draft, response: &ImpulseResponse, motion: &mut Motion) {
-    if orbit.is_reversible() {
-        return;
-    }
-    let mut worst = Terms::new(orbit, response).worst_violation();
-    for _ in 0..STEPS {
+/// The same from a guess, whose first steps only halve it or so.
+pub(crate) const STEPS_FROM_AFAR: usize = 50;
+
+/// Violations up to this are those of an orbit whose terms lose a few digits, as next to a fold.
+pub(crate) const CONVERGED: f64 = 1e-12;
+
+/// Improves `orbit` by at most `steps` steps, as long as its violations fall, and returns what is left.
+pub(crate) fn polish(orbit: &mut Orbit, steps: usize, response: &ImpulseResponse, motion: &mut Motion) -> f64 {
+    let mut worst = Equations::new(orbit, response).worst_violation();
+    for _ in 0..steps {
         if worst <= SOUND {
-            return;
+            break;
         }
-        let terms = Terms::new(orbit, response);
-        let Some(system) = terms.system().filter(|system| system.reciprocal_condition > f64::EPSILON) else { return };
-        improve(&mut draft, &system, &terms);
-        if !draft.impacts.iter().all(|impact| (0.0..response.period()).contains(&impact.time)) {
-            return;
-        }
-        let Ok(next) = Orbit::assemble(orbit.model(), response, motion, draft.clone()) else { return };
-        let left = Terms::new(&next, response).worst_violation();
-        if left >= worst {
-            return;
+        let Some(next) = improved(orbit, response, motion) else { break };
+        let left = Equations::new(&next, response).worst_violation();
+        // Also where it is not a number.
+        if !(left < worst) {
+            break;
         }
         (*orbit, worst) = (next, left);
     }
+    worst
 }
 
-/// One Newton step of the draft.
-fn improve(draft: &mut Draft, system: &System, terms: &Terms<'_>) {
-    let (layout, response) = (system.layout, terms.response);
-    let mut rows = [0.0; MOST];
-    for i in 0..layout.impacts {
-        let [position, newton] = terms.violation(i);
-        rows[i] = position;
-        if Terms::has_newton_row(layout, i) {
-            rows[layout.impacts + 1 + i] = newton;
-        }
+/// One Newton step.
+fn improved(orbit: &Orbit, response: &ImpulseResponse, motion: &mut Motion) -> Option<Orbit> {
+    let equations = Equations::new(orbit, response);
+    let (unknowns, system) = (equations.unknowns, equations.system());
+    if !(system.reciprocal_condition > f64::EPSILON) {
+        return None;
     }
+    let mut x = unknowns.read(orbit, response);
+    let mut rows = equations.residuals();
+    // The net impulse is what s says; summed it would only be rounded.
+    rows[unknowns.impacts] = 0.0;
     let change = system.solve(&rows);
-    for (impact, change) in draft.impacts.iter_mut().zip(&change) {
-        impact.impulse -= change;
-    }
-    if let (Some(time), Some(impact)) = (layout.time, draft.impacts.get_mut(1)) {
-        impact.time -= change[time];
-    }
-    if let Some(psi) = layout.psi {
-        draft.psi = (draft.psi - change[psi]).rem_euclid(terms.orbit.model().period());
-    }
-    let static_displacement = terms.static_displacement() - change[layout.impacts];
-    if let Some(source) = draft.sources.first_mut() {
-        source.net_impulse = static_displacement * response.static_stiffness();
-    }
-    draft.uniform_offset = static_displacement * response.uniform_share();
+    x.iter_mut().zip(change).for_each(|(x, change)| *x -= change);
+    let (draft, _) = Word::of(orbit).draft(&unknowns, &x, orbit.model(), response)?;
+    Orbit::assemble(orbit.model(), response, motion, draft).ok()
 }

@@ -94,7 +94,9 @@ impl From<BreatherError> for CliError {
         match error {
             BreatherError::Resonance(resonance) => resonance.into(),
             BreatherError::Parameter(parameter) => parameter.into(),
-            BreatherError::TooStiff { .. } | BreatherError::Impact { .. } => Self::Computation(error.to_string()),
+            BreatherError::TooStiff { .. } | BreatherError::Impact { .. } | BreatherError::NotConverged { .. } => {
+                Self::Computation(error.to_string())
+            }
         }
     }
 }

@@ -341,7 +341,6 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
             let _ = writeln!(out, "  {modes}");
         }
         let condition = &solution.condition;
-        let fold = condition.fold.map_or(String::new(), |fold| format!(", to a fold {fold:.1e}"));
         let _ = writeln!(
             out,
             "  residual {:.1e}; errors: impulses {}, times {} of a period",
@@ -351,8 +350,8 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
         );
         let _ = writeln!(
             out,
-            "  distance to resonance {:.1e}, to grazing {:.1e}{fold}",
-            condition.resonance, condition.grazing
+            "  distance to resonance {:.1e}, to grazing {:.1e}, to a fold {:.1e}",
+            condition.resonance, condition.grazing, condition.fold
         );
     }
     out

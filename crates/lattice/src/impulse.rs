@@ -347,22 +347,54 @@ impl ImpulseResponse {
     /// Dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
+        let [value, slope, curvature, third] =
+            long_sum(self.modes(), |k| self.mode_jet(k, offset, self.scales[k], self.half_phase[k] < 1.0));
+        KernelJet { value, slope, curvature, third }
+    }
+
+    /// As [`ImpulseResponse::jet_from_half`], of site `to` where site `from` receives the impulses. What the mean force holds
+    /// up less at `to` than at `from`, Σ b_k² [1 − cos(2πk(to−from)/M)]/(Ω_k²T), is taken from the value: then for any sites, and
+    /// for γ₁ = 0, displacement = (net impulse)·S₀ + Σ impulse·value.
+    pub fn jet_between(&self, to: usize, from: usize, offset: f64) -> KernelJet {
+        let distance = to.abs_diff(from);
+        if distance == 0 {
+            return self.jet_from_half(offset);
+        }
         let [value, slope, curvature, third] = long_sum(self.modes(), |k| {
-            let (frequency, scale, defect) = (self.frequencies[k], self.scales[k], self.offsets[k]);
-            if self.half_phase[k] < 1.0 {
-                let xi = offset / self.period;
-                let x = frequency * offset;
-                let (s, c) = (xi * sinc(0.5 * x), x.cos());
-                let slope = scale * xi * sinc(x);
-                let value = scale * self.period * (defect - 2.0 * s * s) * 0.25;
-                [value, -slope, -scale * c / self.period, frequency * frequency * slope]
-            } else {
-                let (sin, cos) = (frequency * offset).sin_cos();
-                let value = scale * (cos - defect) / frequency;
-                [value, -scale * sin, -scale * frequency * cos, scale * frequency * frequency * sin]
-            }
+            let scale = self.scales[k] * self.cosines.shape(k, distance);
+            let mut jet = self.mode_jet(k, offset, scale, self.half_phase[k] < 1.0);
+            jet[0] -= self.static_drop(k, distance);
+            jet
         });
         KernelJet { value, slope, curvature, third }
+    }
+
+    /// What mode `k` lacks of its static response at some distance from the impulses, weight included.
+    pub(crate) fn static_drop(&self, k: usize, distance: usize) -> f64 {
+        self.weights[k] * self.mode_static(k) * self.cosines.defect(k, distance)
+    }
+
+    /// The term of mode `k` in the dynamic part and its derivatives, `scale` in place of its own; `soft` for y < 1.
+    #[inline(always)]
+    fn mode_jet(&self, k: usize, offset: f64, scale: f64, soft: bool) -> [f64; 4] {
+        let (frequency, defect) = (self.frequencies[k], self.offsets[k]);
+        if soft {
+            let xi = offset / self.period;
+            let x = frequency * offset;
+            let (s, c) = (xi * sinc(0.5 * x), x.cos());
+            let slope = scale * xi * sinc(x);
+            let value = scale * self.period * (defect - 2.0 * s * s) * 0.25;
+            [value, -slope, -scale * c / self.period, frequency * frequency * slope]
+        } else {
+            let (sin, cos) = (frequency * offset).sin_cos();
+            let value = scale * (cos - defect) / frequency;
+            [value, -scale * sin, -scale * frequency * cos, scale * frequency * frequency * sin]
+        }
+    }
+
+    /// Displacement of site `to` in mode `k` where that of site `from` is 1.
+    pub fn shape(&self, k: usize, to: usize, from: usize) -> f64 {
+        self.cosines.shape(k, to.abs_diff(from))
     }
 
     /// Σ b_k² cos(2πkn/M)/(Ω_k² − w²) for each n of `sites` and w of `frequencies`: how far a force cos wt at site 0 makes site n
@@ -510,6 +542,36 @@ mod tests {
                     assert!(value.abs() <= bound * (1.0 + 1e-14), "{omega} {fraction}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn jets_between_sites_are_the_kernel_but_for_what_the_net_impulse_holds_up() {
+        for (sites, omega) in [(2, 0.6), (9, 1.5), (8, 0.21), (5, 40.0)] {
+            let r = response(sites, 0.2, 0.1, omega);
+            let still: f64 = (0..r.modes()).map(|k| r.weights[k] * r.mode_static(k)).sum();
+            for (to, from) in [(1, 0), (0, sites - 1), (sites / 2, 0)] {
+                for fraction in [-0.5, -0.3, 0.0, 0.21] {
+                    let offset = fraction * r.period;
+                    let (jet, t) = (r.jet_between(to, from, offset), 0.5 * r.period + offset);
+                    let distance = to.abs_diff(from);
+                    assert!((jet.value + still - r.value(distance, t)).abs() < 1e-13 * still, "{sites} {to} {from}");
+                    assert!((jet.slope - r.derivative(distance, t)).abs() < 1e-14);
+                    let h = 1e-4 * r.period;
+                    let step = |o: f64| r.jet_between(to, from, offset + o);
+                    assert!(
+                        (jet.curvature - (step(h).slope - step(-h).slope) / (2.0 * h)).abs() < 1e-5 * omega.max(1.0)
+                    );
+                }
+            }
+        }
+        // A ring that nothing holds: the mean displacement apart, finite.
+        let spectrum = Spectrum::new(Chain::new(5, 0.0, 0.1).unwrap());
+        let free = ImpulseResponse::new(&spectrum, 1.5).unwrap();
+        let held = response(5, 1e-9, 0.1, 1.5);
+        for offset in [-0.3, 0.1] {
+            let (free, held) = (free.jet_between(2, 0, offset), held.jet_between(2, 0, offset));
+            assert!((free.value - held.value).abs() < 1e-7, "{free:?} {held:?}");
         }
     }
 

@@ -24,6 +24,14 @@ impl RingCosines {
         self.table[((k % sites) as u128 * (n % sites) as u128 % sites as u128) as usize]
     }
 
+    /// 1 − cos(2πkn/M) to its own last digits.
+    pub fn defect(&self, k: usize, n: usize) -> f64 {
+        let sites = self.table.len();
+        let j = ((k % sites) as u128 * (n % sites) as u128 % sites as u128) as usize;
+        let half = (std::f64::consts::PI * j.min(sites - j) as f64 / sites as f64).sin();
+        2.0 * half * half
+    }
+
     /// cos(2πkn/M) for k = 0, 1, 2, …: the amplitudes at site `n` of all modes, without a multiplication a step.
     pub fn shapes(&self, n: usize) -> impl Iterator<Item = f64> + '_ {
         let sites = self.table.len();
@@ -64,6 +72,7 @@ mod tests {
             for j in 0..m {
                 let expected = (std::f64::consts::TAU * j as f64 / m as f64).cos();
                 assert!((ring.shape(1, j) - expected).abs() < 2e-15, "{j}/{m}");
+                assert!((ring.defect(1, j) - (1.0 - expected)).abs() < 2e-15, "{j}/{m}");
             }
         }
         let ring = RingCosines::new(21);

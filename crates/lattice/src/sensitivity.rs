@@ -30,10 +30,24 @@ impl ImpulseResponse {
         self.response_to(site, t, |k| self.mode_detuning(k))
     }
 
-    /// As [`ImpulseResponse::sensitivity_at`], without what changes a mode at all times alike: its amplitude
+    /// As [`ImpulseResponse::sensitivity`], for [`ImpulseResponse::jet_between`].
+    pub fn sensitivity_between(&self, to: usize, from: usize, t: f64) -> KernelJet {
+        self.between(to.abs_diff(from), t, |k| self.mode_detuning(k))
+    }
+
+    /// As [`ImpulseResponse::sensitivity_between`], without what changes a mode at all times alike: its amplitude
     /// 1/(2 sin y), which answers to a relative change of y with [`ImpulseResponse::mode_detuning`].
-    pub fn rounding_at(&self, site: usize, t: f64) -> KernelJet {
-        self.response_to(site, t, |_| 0.0)
+    pub fn rounding_between(&self, to: usize, from: usize, t: f64) -> KernelJet {
+        self.between(to.abs_diff(from), t, |_| 0.0)
+    }
+
+    fn between(&self, distance: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
+        let mut sum = self.response_to(distance, t, detuning);
+        if distance > 0 {
+            // Terms of one sign: the frequency twice, the period once, a few operations.
+            sum.value += 6.0 * (0..self.modes()).map(|k| self.static_drop(k, distance)).sum::<f64>();
+        }
+        sum
     }
 
     /// 2|y cot y|: relative change of the amplitude of mode `k` when frequency and period change by a relative unit each;

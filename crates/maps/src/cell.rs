@@ -147,6 +147,7 @@ impl Status {
         match error {
             BreatherError::Resonance(_) => Self::Resonance,
             BreatherError::TooStiff { .. } => Self::TooStiff,
+            BreatherError::NotConverged { .. } => Self::NotConverged,
             // Neither can happen to a validated model; the cell is marked, not dropped.
             BreatherError::Parameter(_) | BreatherError::Impact { .. } => Self::IllConditioned,
         }

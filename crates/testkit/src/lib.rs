@@ -8,6 +8,7 @@ mod net;
 mod random;
 mod reference;
 mod ring;
+mod words;
 
 pub use desk::*;
 pub use digest::Digest;
@@ -15,3 +16,4 @@ pub use net::Net;
 pub use random::Random;
 pub use reference::{Case, reference};
 pub use ring::{ReturnMap, Ring, dense};
+pub use words::{WordCase, words};

@@ -209,7 +209,7 @@ fn check_orbit(
         (Err(error), _) => return keep(refused(error)),
         (_, Err(error)) => return keep(Row::new(case, format!("{family} orbits")).told(error.to_string())),
     };
-    let fold = condition.fold.unwrap_or(1.0);
+    let fold = condition.fold;
     let distances = format!(
         "residual {:.0e}, resonance {:.0e}, grazing {:.0e}, fold {fold:.0e}",
         orbit.residual(),

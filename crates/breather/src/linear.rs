@@ -1,0 +1,205 @@
+//! Linear systems of a few unknowns: the Jacobian of an orbit's equations, with or without the parameter's column and one
+//! more row. Words of up to two impacts need no allocation.
+
+use std::ops::{Index, IndexMut};
+
+use smallvec::{SmallVec, smallvec};
+
+/// Unknowns of a word of two impacts under a force: impulses, static displacement, a time and the phase; and a parameter.
+pub(crate) const USUAL: usize = 6;
+
+/// Numbers by row or by unknown.
+pub(crate) type Vector = SmallVec<[f64; USUAL]>;
+
+/// A vector of `size` zeros.
+pub(crate) fn zeros(size: usize) -> Vector {
+    smallvec![0.0; size]
+}
+
+/// The vector of `size` entries whose entry `place` is 1 and whose others are 0.
+pub(crate) fn unit(size: usize, place: usize) -> Vector {
+    (0..size).map(|i| if i == place { 1.0 } else { 0.0 }).collect()
+}
+
+/// Σ a_i b_i
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A square matrix by rows.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Matrix {
+    size: usize,
+    entries: SmallVec<[f64; USUAL * USUAL]>,
+}
+
+impl Matrix {
+    pub(crate) fn zeros(size: usize) -> Self {
+        Self { size, entries: smallvec![0.0; size * size] }
+    }
+
+    pub(crate) fn from_fn(size: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
+        Self { size, entries: (0..size * size).map(|at| entry(at / size, at % size)).collect() }
+    }
+
+    pub(crate) fn size(&self) -> usize {
+        self.size
+    }
+
+    pub(crate) fn row(&self, i: usize) -> &[f64] {
+        &self.entries[i * self.size..(i + 1) * self.size]
+    }
+
+    pub(crate) fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.entries[i * self.size..(i + 1) * self.size]
+    }
+
+    pub(crate) fn transposed(&self) -> Self {
+        Self::from_fn(self.size, |i, j| self[(j, i)])
+    }
+
+    /// (A b; cᵀ d) with the column (b; d) and the row c.
+    pub(crate) fn bordered(&self, column: &[f64], row: &[f64]) -> Self {
+        let n = self.size;
+        Self::from_fn(n + 1, |i, j| match (i < n, j < n) {
+            (true, true) => self[(i, j)],
+            (true, false) => column[i],
+            (false, _) => row[j],
+        })
+    }
+
+    /// The solution of A x = `right`; `None` for a singular matrix.
+    pub(crate) fn solve(&self, right: &[f64]) -> Option<Vector> {
+        let solution = Factors::new(self.clone())?.solve(right);
+        solution.iter().all(|x| x.is_finite()).then_some(solution)
+    }
+
+    /// The determinant with rows scaled to length 1.
+    pub(crate) fn determinant(&self) -> f64 {
+        Factors::new(self.clone()).map_or(0.0, |factors| factors.determinant)
+    }
+}
+
+impl Index<(usize, usize)> for Matrix {
+    type Output = f64;
+
+    fn index(&self, (i, j): (usize, usize)) -> &f64 {
+        &self.entries[i * self.size + j]
+    }
+}
+
+impl IndexMut<(usize, usize)> for Matrix {
+    fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut f64 {
+        &mut self.entries[i * self.size + j]
+    }
+}
+
+/// A matrix, its rows scaled to length 1, as a product of two triangular ones, by elimination with exchange of rows.
+#[derive(Debug, Clone)]
+pub(crate) struct Factors {
+    /// Both triangles in one; the lower one has ones on its diagonal.
+    triangles: Matrix,
+    /// The row of the matrix that stands in each row of the triangles, and its length.
+    rows: SmallVec<[(usize, f64); USUAL]>,
+    /// Of the matrix with its rows scaled.
+    pub(crate) determinant: f64,
+}
+
+impl Factors {
+    /// `None` for a singular matrix, exactly only where elimination breaks down.
+    pub(crate) fn new(mut matrix: Matrix) -> Option<Self> {
+        let n = matrix.size;
+        let mut rows = SmallVec::with_capacity(n);
+        let mut determinant = 1.0;
+        for i in 0..n {
+            let row = matrix.row_mut(i);
+            let length = dot(row, row).sqrt();
+            if !(length > 0.0 && length.is_finite()) {
+                return None;
+            }
+            row.iter_mut().for_each(|x| *x /= length);
+            rows.push((i, length));
+        }
+        for column in 0..n {
+            let larger = |&i: &usize, &j: &usize| matrix[(i, column)].abs().total_cmp(&matrix[(j, column)].abs());
+            let pivot = (column..n).max_by(larger).unwrap_or(column);
+            if pivot != column {
+                rows.swap(column, pivot);
+                (0..n).for_each(|j| matrix.entries.swap(column * n + j, pivot * n + j));
+                determinant = -determinant;
+            }
+            let head = matrix[(column, column)];
+            if head == 0.0 || !head.is_finite() {
+                return None;
+            }
+            determinant *= head;
+            for i in column + 1..n {
+                let factor = matrix[(i, column)] / head;
+                matrix[(i, column)] = factor;
+                for j in column + 1..n {
+                    matrix[(i, j)] -= factor * matrix[(column, j)];
+                }
+            }
+        }
+        Some(Self { triangles: matrix, rows, determinant })
+    }
+
+    pub(crate) fn solve(&self, right: &[f64]) -> Vector {
+        let mut x: Vector = self.rows.iter().map(|&(row, length)| right[row] / length).collect();
+        for i in 0..x.len() {
+            x[i] -= dot(&self.triangles.row(i)[..i], &x[..i]);
+        }
+        for i in (0..x.len()).rev() {
+            let known = dot(&self.triangles.row(i)[i + 1..], &x[i + 1..]);
+            x[i] = (x[i] - known) / self.triangles[(i, i)];
+        }
+        x
+    }
+
+    pub(crate) fn inverse(&self) -> Matrix {
+        let n = self.triangles.size;
+        let mut inverse = Matrix::zeros(n);
+        for j in 0..n {
+            for (i, x) in self.solve(&unit(n, j)).into_iter().enumerate() {
+                inverse[(i, j)] = x;
+            }
+        }
+        inverse
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solutions_solve_and_determinants_have_their_sign() {
+        // 0 in the first place asks for an exchange; the second row is a thousand times the natural size.
+        let rows = [[0.0, 2.0, 1.0], [3000.0, -1000.0, 4000.0], [1.0, 1.0, 1.0]];
+        let mut matrix = Matrix::from_fn(3, |i, j| rows[i][j]);
+        let right = [7.0, 13_000.0, 6.0];
+        let x = matrix.solve(&right).unwrap();
+        for (x, expected) in x.iter().zip([1.0, 2.0, 3.0]) {
+            assert!((x - expected).abs() < 1e-14, "{x} {expected}");
+        }
+        let inverse = Factors::new(matrix.clone()).unwrap().inverse();
+        for i in 0..3 {
+            assert!((dot(inverse.row(i), &right) - x[i]).abs() < 1e-14);
+        }
+        // det = 6000, over the lengths of the rows.
+        let lengths = 5f64.sqrt() * 26e6f64.sqrt() * 3f64.sqrt();
+        assert!((matrix.determinant() - 6000.0 / lengths).abs() < 1e-15);
+        (0..3).for_each(|j| matrix[(2, j)] = matrix[(0, j)]);
+        assert_eq!(matrix.determinant(), 0.0);
+        assert!(matrix.solve(&right).is_none());
+    }
+
+    #[test]
+    fn a_bordered_matrix_is_one_larger() {
+        let matrix = Matrix::from_fn(2, |i, j| (2 * i + j) as f64);
+        let bordered = matrix.bordered(&[7.0, 8.0], &[4.0, 5.0, 6.0]);
+        let rows: Vec<_> = (0..3).map(|i| bordered.row(i).to_vec()).collect();
+        assert_eq!(rows, [[0.0, 1.0, 7.0], [2.0, 3.0, 8.0], [4.0, 5.0, 6.0]]);
+        assert_eq!(bordered.transposed().row(0), [0.0, 2.0, 4.0]);
+    }
+}

@@ -1,0 +1,142 @@
+//! Orbits of any impact word: polished, conditioned, checked, followed and judged, against many digits and a simulated return map.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use vibrochain_breather::{Branch, BreatherError, Family, Finder, Hit, Impact, Orbit, breathers};
+use vibrochain_floquet::{Tolerance, full_monodromy, stability};
+use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
+use vibrochain_testkit::{Random, ReturnMap, dense, words};
+use vibrochain_truth::{DEFAULT_BITS, TrueOrbit};
+
+/// The errors that an orbit's condition claims, against many digits. Returns the largest true error of an impulse.
+fn assert_claims_hold(orbit: &Orbit, finder: &mut Finder) -> f64 {
+    let condition = finder.condition(orbit).unwrap();
+    let truth = TrueOrbit::refine(orbit, DEFAULT_BITS).unwrap();
+    let mut worst = 0.0_f64;
+    for ((impact, true_impact), claimed) in orbit.impacts().iter().zip(truth.impacts()).zip(&condition.impacts) {
+        let errors = [
+            (&true_impact.impulse - impact.impulse, claimed.impulse),
+            (&true_impact.time - impact.time, claimed.time),
+            (&true_impact.acceleration - impact.acceleration, claimed.acceleration),
+        ];
+        for (error, claimed) in errors {
+            let error = error.to_f64().abs();
+            // Without equality a time at 0 would have to be better than exact.
+            assert!(error <= claimed.max(f64::EPSILON), "{error:e} {claimed:e} {orbit:?}");
+        }
+        worst = worst.max((&true_impact.impulse - impact.impulse).to_f64().abs());
+    }
+    worst
+}
+
+/// All multipliers' power sums and the monodromy matrix itself, against differences of a simulated return map.
+fn assert_monodromy(orbit: &Orbit) {
+    let map = ReturnMap::new(orbit);
+    let point = map.fixed_point();
+    assert!((map.apply(&point) - &point).amax() < 1e-10);
+    let lead = map.ring.flow(-map.start);
+    let matrix = dense(&full_monodromy(orbit).unwrap());
+    let difference = (&matrix * &lead - &lead * map.jacobian()).amax();
+    assert!(difference < 1e-6 * matrix.amax().max(1.0), "{difference:e} {orbit:?}");
+}
+
+/// Single-sided orbits of one mass alone, put side by side: each hits when the common force has the phase it needs.
+fn side_by_side(model: &Model, sites: &[usize], solutions: &[usize]) -> Orbit {
+    let alone = model.with(Parameter::Gamma2, 0.0).unwrap();
+    let found = breathers(&alone, Family::SingleSided).unwrap().orbits;
+    let phases: Vec<f64> = solutions.iter().map(|&i| found[i].psi().unwrap()).collect();
+    let mut hits: Vec<Hit> = (sites.iter().zip(solutions).zip(&phases))
+        .map(|((&site, &i), psi)| {
+            let impact = found[i].impacts()[0];
+            Hit::new(site, impact.barrier, (psi - phases[0]).rem_euclid(model.period()), impact.impulse)
+        })
+        .collect();
+    hits.sort_by(|a, b| a.time.total_cmp(&b.time));
+    Orbit::from_impulses(model, 1, phases[0], &hits).unwrap()
+}
+
+#[test]
+fn three_impacts_at_three_sites_from_a_guess_to_a_verdict() {
+    let chain = Chain::new(8, 0.2, 0.002).unwrap();
+    let model = Model::forced(chain, 1.07, 0.7, 0.3, 0.6).unwrap();
+    let mut finder = Finder::new(8);
+    let mut checked = 0;
+    for solutions in [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 1]] {
+        let guess = side_by_side(&model, &[0, 1, 4], &solutions);
+        assert!(guess.residual() > 1e-4, "coupling is felt: {:e}", guess.residual());
+        let orbit = finder.polish(&guess).unwrap();
+        assert!(orbit.residual() < 1e-14 && orbit.impacts().len() == 3);
+        assert!(assert_claims_hold(&orbit, &mut finder) < 1e-13);
+        // Followed in the coupling, to the value and back.
+        let mut branch = Branch::through(&orbit, Parameter::Gamma2, 0.05).unwrap();
+        let mut point = branch.start().unwrap();
+        while point.value() < 0.006 {
+            point = branch.step(&point, 0.01).unwrap();
+            assert!(assert_claims_hold(point.orbit(), &mut finder) < 1e-12);
+        }
+        assert_monodromy(point.orbit());
+        let verdict = stability(point.orbit(), Tolerance::Rounding).unwrap().verdict;
+        let map = ReturnMap::new(point.orbit()).jacobian();
+        let radius = map.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
+        assert!((verdict.spectral_radius - radius).abs() < 1e-5 * radius, "{} {radius}", verdict.spectral_radius);
+        // Physical or not: against a fine look at all masses.
+        let admissibility = finder.admissibility(point.orbit()).unwrap();
+        let (a, motion) = (model.asymmetry(), finder.motion(point.orbit()).unwrap());
+        let period = model.period();
+        let mut highest = f64::NEG_INFINITY;
+        for i in 0..4000 {
+            let values = motion.displacements(period * (f64::from(i) + 0.5) / 4000.0);
+            highest = values.iter().map(|v| (v - a).abs()).fold(highest, f64::max);
+        }
+        let right = point.orbit().impacts().iter().all(Impact::is_right_signed);
+        assert_eq!(admissibility.is_physical(), right && highest < 1.0 + 1e-9, "{highest} {admissibility:?}");
+        let mut back = point.reversed();
+        while back.value() > model.chain().gamma2() {
+            back = branch.step(&back, 0.01).unwrap();
+        }
+        let home = branch.at(&back, model.chain().gamma2()).unwrap();
+        for (impact, first) in home.orbit().impacts().iter().zip(orbit.impacts()) {
+            assert!((impact.impulse - first.impulse).abs() < 1e-12 && impact.site == first.site);
+        }
+        checked += 1;
+    }
+    assert_eq!(checked, 4);
+}
+
+#[test]
+fn checked_words_are_found_again_from_a_guess() {
+    let mut random = Random(8);
+    for case in words() {
+        let mut rough = case.hits.clone();
+        rough.iter_mut().for_each(|hit| hit.impulse *= 1.0 + 0.02 * (random.unit() - 0.5));
+        let sites = case.model.chain().sites();
+        let mut finder = Finder::new(sites);
+        let guess = Orbit::from_impulses(&case.model, 1, case.psi, &rough).unwrap();
+        let orbit = finder.polish(&guess).unwrap_or_else(|error| panic!("{}: {error}", case.word));
+        assert!(orbit.residual() < 1e-14, "{}: {:e}", case.word, orbit.residual());
+        for hit in &case.hits {
+            let same = |impact: &&Impact| impact.site == hit.site && impact.barrier == hit.barrier;
+            let impact = orbit.impacts().iter().find(same).unwrap();
+            assert!((impact.impulse - hit.impulse).abs() < 1e-12 * hit.impulse.abs().max(1.0), "{}", case.word);
+        }
+        if let Some(physical) = case.physical {
+            assert_eq!(finder.admissibility(&orbit).unwrap().is_physical(), physical, "{}", case.word);
+        }
+        assert_claims_hold(&orbit, &mut finder);
+        let verdict = stability(&orbit, Tolerance::Rounding).unwrap().verdict;
+        // The table's radius is that of dense eigenvalues: the trivial pair is split.
+        let difference = (verdict.spectral_radius - case.spectral_radius).abs();
+        assert!(difference < 1e-6 * case.spectral_radius, "{}: {}", case.word, verdict.spectral_radius);
+    }
+}
+
+/// Losses that no force makes good: there is no orbit, and no phase to look for.
+#[test]
+fn a_guess_that_leads_nowhere_is_an_error() {
+    let model = Model::forced(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.0, 0.7).unwrap();
+    let hits = [(0, 0.0), (2, 1.3), (3, 1.7)].map(|(site, time)| Hit::new(site, Barrier::Upper, time, -1.0));
+    let guess = Orbit::from_impulses(&model, 1, 0.0, &hits).unwrap();
+    match Finder::new(5).polish(&guess) {
+        Err(BreatherError::NotConverged { violation }) => assert!(violation > 1e-6, "{violation}"),
+        other => panic!("{other:?}"),
+    }
+}
