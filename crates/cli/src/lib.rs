@@ -7,12 +7,10 @@
 //! | `threads` | threads to compute on |
 //! | `pictures` | pictures of a table that is being written |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
-//! | `plot` | pictures (feature `plot`) |
 //! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
 //! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
-//! | `field` | all masses of a run in space and time, thinned for a picture (feature `plot`) |
 //! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `simulate_command` | the subcommands |
 
 pub mod args;
@@ -22,8 +20,6 @@ pub mod console;
 pub mod entry;
 pub mod error;
 mod estimate;
-#[cfg(feature = "plot")]
-pub mod field;
 pub mod locate_command;
 pub mod merge_command;
 mod multiplier_file;
@@ -33,8 +29,6 @@ mod orbit_modes;
 mod orbit_plots;
 mod pace;
 mod pictures;
-#[cfg(feature = "plot")]
-pub mod plot;
 pub mod program;
 pub mod recording;
 mod report;

@@ -371,9 +371,9 @@ mod with_plot {
     use super::{CliError, Console, OrbitArgs, Solution};
     use crate::caption::describe;
     use crate::orbit_plots;
-    use crate::plot::{Format, OrbitPanels, open, orbit_picture};
     use vibrochain_maps::files::Output;
     use vibrochain_maps::files::{name_within, promises_folder};
+    use vibrochain_plot::{Format, OrbitPanels, open, orbit_picture};
 
     /// Points of a trace: a few pixels each, smooth to the eye.
     const SAMPLES: usize = 160;

@@ -18,8 +18,8 @@ use vibrochain_lattice::{Decay, Spectrum, decay};
 
 use crate::caption::{beside, describe};
 use crate::error::CliError;
-use crate::plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
 use vibrochain_maps::files::Output;
+use vibrochain_plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
 
 /// Samples of one flight between impacts.
 const FLIGHT: usize = 160;

@@ -11,11 +11,11 @@ mod with_pictures {
 
     use crate::args::{PaletteName, PictureArgs};
     use crate::error::CliError;
-    use crate::plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
     use vibrochain_maps::cell::Cell;
     use vibrochain_maps::files::Output;
     use vibrochain_maps::scene::Scene;
     use vibrochain_maps::sweep::Watcher;
+    use vibrochain_plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
 
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures<'a> {

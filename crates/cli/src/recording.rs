@@ -91,9 +91,9 @@ mod with_plot {
     use vibrochain_lattice::Model;
 
     use super::{CliError, SimulateArgs, Start, orbit_time};
-    use crate::field::FieldWriter;
-    use crate::plot::{Format, RunPicture, open, run_picture};
     use vibrochain_maps::files::Output;
+    use vibrochain_plot::field::FieldWriter;
+    use vibrochain_plot::{Format, RunPicture, open, run_picture};
 
     /// Periods at the end of the run of which the impacting mass is shown.
     const SHOWN: f64 = 8.0;

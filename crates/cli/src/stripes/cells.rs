@@ -8,12 +8,12 @@ use vibrochain_floquet::Mechanism;
 use vibrochain_lattice::Short;
 
 use crate::error::CliError;
-use crate::plot::Tile;
 use crate::stripes::request::Request;
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::sweep::{Ended, sweep};
 use vibrochain_maps::table::{names, parameters};
+use vibrochain_plot::Tile;
 
 /// Class and mechanism of every cell, by rows.
 ///

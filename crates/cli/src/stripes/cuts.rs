@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance};
 
-use crate::plot::Tile;
 use crate::stripes::request::{Request, family};
 use vibrochain_maps::cell::Class;
+use vibrochain_plot::Tile;
 
 /// |μ| − 1 from which a multiplier is off the circle: a dense solver, where one is asked, splits the trivial pair by 1e-7.
 const OFF: f64 = 1e-6;

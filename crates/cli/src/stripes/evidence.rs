@@ -6,10 +6,10 @@ use std::fmt::Write as _;
 
 use vibrochain_breather::Family;
 
-use crate::plot::Tile;
 use crate::stripes::cuts::Group;
 use crate::stripes::lines::{Crossing, Rows};
 use crate::stripes::request::{Request, family};
+use vibrochain_plot::Tile;
 
 /// The lines compared.
 const KINDS: [&str; 4] = ["sums", "differences", "bare sums", "bare differences"];

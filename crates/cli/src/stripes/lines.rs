@@ -11,11 +11,11 @@ use vibrochain_floquet::DressedModes;
 use vibrochain_lattice::{Chain, Spectrum};
 
 use crate::error::CliError;
-use crate::plot::Tile;
 use crate::stripes::cuts::{Carrier, Cut};
 use crate::stripes::request::{Request, family};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::point::Parameter;
+use vibrochain_plot::Tile;
 
 /// The most places where lines meet rows: some 50 bytes each, 300 MB with the lines drawn of them. The fullest map of docs/stripes.md
 /// draws 92 thousand.

@@ -18,7 +18,6 @@ mod request;
 use crate::args::StripesArgs;
 use crate::console::Console;
 use crate::error::CliError;
-use crate::plot::{MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
 use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
 use crate::stripes::lines::{Line, joined, rows, table};
@@ -26,6 +25,7 @@ use crate::stripes::request::Request;
 use crate::threads::threads;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{distinct, promises};
+use vibrochain_plot::{MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
 
 /// Runs the subcommand.
 ///

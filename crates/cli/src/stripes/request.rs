@@ -2,9 +2,9 @@
 
 use crate::args::StripesArgs;
 use crate::error::CliError;
-use crate::plot::{Format, Tile};
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
+use vibrochain_plot::{Format, Tile};
 
 /// The most cells of a map: it is held whole, at about ten bytes a cell.
 const MOST_CELLS: u64 = 10_000_000;

@@ -177,7 +177,7 @@ fn progress(suites: usize, shown: bool) -> ProgressBar {
 /// The files of one suite.
 struct Files {
     csv: Output,
-    pictures: [(vibrochain_cli::plot::Format, Output); 2],
+    pictures: [(vibrochain_plot::Format, Output); 2],
 }
 
 impl Files {
@@ -185,10 +185,7 @@ impl Files {
         let open = |ending: &str| Output::create(&folder.join(format!("{name}.{ending}")));
         Ok(Self {
             csv: open("csv")?,
-            pictures: [
-                (vibrochain_cli::plot::Format::Png, open("png")?),
-                (vibrochain_cli::plot::Format::Svg, open("svg")?),
-            ],
+            pictures: [(vibrochain_plot::Format::Png, open("png")?), (vibrochain_plot::Format::Svg, open("svg")?)],
         })
     }
 

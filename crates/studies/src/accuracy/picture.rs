@@ -5,11 +5,11 @@ use plotters::coord::Shift;
 use plotters::element::{EmptyElement, PathElement, Polygon, Text};
 use plotters::prelude::{BLACK, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE};
 
-use vibrochain_cli::plot::axes::labelled_axes;
-use vibrochain_cli::plot::canvas::{Drawing, Format, PlotError, render};
-use vibrochain_cli::plot::decades::{Decades, power_of_ten};
-use vibrochain_cli::plot::markers::marker;
-use vibrochain_cli::plot::palette::LINES;
+use vibrochain_plot::axes::labelled_axes;
+use vibrochain_plot::canvas::{Drawing, Format, PlotError, render};
+use vibrochain_plot::decades::{Decades, power_of_ten};
+use vibrochain_plot::markers::marker;
+use vibrochain_plot::palette::LINES;
 
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq)]

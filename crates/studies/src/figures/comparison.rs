@@ -9,9 +9,9 @@ use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
 use crate::figures::solve::{COLUMNS, RULE, computation, leading, row};
 use vibrochain_cli::error::CliError;
-use vibrochain_cli::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 use vibrochain_cli::recording::orbit_time;
 use vibrochain_cli::start::{Start, leading_mode_at};
+use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Samples a period of the force in the windows shown.
 const SAMPLES: u64 = 64;

@@ -1,12 +1,10 @@
 //! What comes of a scene: a picture, the numbers behind it, and what is found in them.
 
 use vibrochain_cli::error::CliError;
-use vibrochain_cli::plot::{
-    Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture,
-};
 use vibrochain_maps::cell::Cell;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
+use vibrochain_plot::{Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture};
 
 /// A figure that has been computed.
 pub(super) struct Drawn {

@@ -32,10 +32,10 @@ use crate::figures::drawn::{Drawn, file_name};
 use crate::figures::scene::{FigureScene, Kind};
 use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
-use vibrochain_cli::plot::Format;
 use vibrochain_cli::threads::threads;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{distinct, promises_folder};
+use vibrochain_plot::Format;
 
 /// Runs the subcommand.
 ///

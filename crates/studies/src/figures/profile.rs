@@ -8,7 +8,7 @@ use crate::figures::scene::LineScene;
 use crate::figures::solve::{COLUMNS, RULE, leading, row};
 use vibrochain_cli::caption::beside;
 use vibrochain_cli::error::CliError;
-use vibrochain_cli::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
+use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Two instants and their names: the impacts, or the only impact and half a period later.
 fn instants(orbit: &Orbit) -> Vec<(String, f64)> {

@@ -12,8 +12,8 @@ use crate::figures::solve::{COLUMNS, RULE, Solved, physical, row};
 use crate::figures::trace;
 use crate::forms::{Kernels, Reading, double_sided};
 use vibrochain_cli::error::CliError;
-use vibrochain_cli::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 use vibrochain_maps::point::{Parameter, Point};
+use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Values of φ at which a(φ) is drawn.
 const PHASES: usize = 1200;

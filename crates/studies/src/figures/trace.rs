@@ -6,7 +6,7 @@ use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
 use crate::figures::solve::{COLUMNS, RULE, leading, row};
 use vibrochain_cli::error::CliError;
-use vibrochain_cli::plot::{Curves, Mark, Pane, Scale, Series, Stroke};
+use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Steps of a trace, a few pixels each.
 const SAMPLES: usize = 240;

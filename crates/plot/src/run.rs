@@ -7,10 +7,10 @@ use plotters::prelude::{
     BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE,
 };
 
+use crate::axes::{axes, barriers, legend};
+use crate::canvas::{Drawing, Format, PlotError, render};
 use crate::field::{Field, Shown};
-use crate::plot::axes::{axes, barriers, legend};
-use crate::plot::canvas::{Drawing, Format, PlotError, render};
-use crate::plot::map::tick;
+use crate::map::tick;
 
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq)]

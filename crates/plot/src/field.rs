@@ -38,7 +38,7 @@ pub struct Field {
 }
 
 /// A field under way.
-pub(crate) struct FieldWriter {
+pub struct FieldWriter {
     field: Field,
     /// Samples from one column to the next.
     stride: u64,
@@ -50,7 +50,7 @@ pub(crate) struct FieldWriter {
 
 impl FieldWriter {
     /// Of a run over so many periods, of which each gives so many samples.
-    pub(crate) fn new(chain: &Chain, periods: f64, samples: u64) -> Self {
+    pub fn new(chain: &Chain, periods: f64, samples: u64) -> Self {
         let sparse = (periods * samples as f64 / COLUMNS).ceil().max(1.0);
         // Who asks for few samples wants to see those.
         let resolved = sparse * LEAST as f64 <= samples as f64 || samples < LEAST;
@@ -70,7 +70,7 @@ impl FieldWriter {
     }
 
     /// Whether the next sample is looked at.
-    pub(crate) fn wants(&self) -> bool {
+    pub fn wants(&self) -> bool {
         self.field.shown == Shown::Amplitude || self.is_column()
     }
 
@@ -79,7 +79,7 @@ impl FieldWriter {
     }
 
     /// Takes the next sample: all displacements, if it is wanted, after so many periods.
-    pub(crate) fn see(&mut self, displacement: &[f64], periods: f64) {
+    pub fn see(&mut self, displacement: &[f64], periods: f64) {
         self.field.covered = periods;
         let column = self.is_column();
         match self.field.shown {
@@ -115,7 +115,7 @@ impl FieldWriter {
     }
 
     /// The field. What is left of a run after its last column has no whole period; it counts only if there is no other.
-    pub(crate) fn finish(mut self) -> Field {
+    pub fn finish(mut self) -> Field {
         if self.field.shown == Shown::Amplitude && self.field.columns.is_empty() && self.seen > 0 {
             self.close();
         }

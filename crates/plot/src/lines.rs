@@ -8,7 +8,7 @@ use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{BLACK, Color, DrawingArea, DrawingBackend, IntoFont, RGBColor, WHITE};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::plot::canvas::PlotError;
+use crate::canvas::PlotError;
 
 /// A line over a map.
 #[derive(Debug, Clone, PartialEq)]

@@ -11,13 +11,13 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::element::{DashedPathElement, EmptyElement, PathElement, Polygon, Text};
 use plotters::prelude::{BLACK, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE};
 
-use crate::plot::axes::labelled_axes;
-use crate::plot::canvas::{Drawing, Format, PlotError, render};
-use crate::plot::decades::{Decades, power_of_ten};
-use crate::plot::map::tick;
-use crate::plot::markers::marker;
-use crate::plot::palette::LINES;
-use crate::plot::words::Heading;
+use crate::axes::labelled_axes;
+use crate::canvas::{Drawing, Format, PlotError, render};
+use crate::decades::{Decades, power_of_ten};
+use crate::map::tick;
+use crate::markers::marker;
+use crate::palette::LINES;
+use crate::words::Heading;
 
 /// A picture of panels side by side.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,11 +6,11 @@ use plotters::prelude::{BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend,
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use vibrochain_floquet::Mechanism;
 
-use crate::plot::canvas::{Drawing, Format, PlotError, render};
-pub use crate::plot::lines::MapLine;
-use crate::plot::lines::{Frame, draw_key, draw_lines};
-use crate::plot::palette::{Palette, Tile, sample};
-use crate::plot::words::Heading;
+use crate::canvas::{Drawing, Format, PlotError, render};
+pub use crate::lines::MapLine;
+use crate::lines::{Frame, draw_key, draw_lines};
+use crate::palette::{Palette, Tile, sample};
+use crate::words::Heading;
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::force::listed;
 use vibrochain_maps::point::Parameter;

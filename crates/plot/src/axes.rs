@@ -7,8 +7,8 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
 use plotters::prelude::{Color, DrawingBackend, RGBColor, WHITE};
 
-use crate::plot::canvas::PlotError;
-use crate::plot::map::tick;
+use crate::canvas::PlotError;
+use crate::map::tick;
 
 /// A panel with two real axes.
 pub type Panel<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;

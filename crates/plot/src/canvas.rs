@@ -10,7 +10,7 @@ use plotters::prelude::{BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingA
 use plotters::style::{FontStyle, register_font};
 use thiserror::Error;
 
-use crate::error::CliError;
+use vibrochain_maps::error::MapError;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{Destination, promises};
 
@@ -48,8 +48,8 @@ impl Format {
     /// As the end of the name that `flag` gives says; what has no ending and is no plain file gets a PNG.
     ///
     /// # Errors
-    /// [`CliError::Request`] for another ending, or a plain file without one.
-    pub fn asked(flag: &str, path: &Path) -> Result<Self, CliError> {
+    /// [`MapError::Request`] for another ending, or a plain file without one.
+    pub fn asked(flag: &str, path: &Path) -> Result<Self, MapError> {
         if let Some(format) = Self::of(path) {
             return Ok(format);
         }
@@ -58,14 +58,14 @@ impl Format {
         }
         let name = path.display();
         let advice = "the kind of picture is not known; end the name in .png or .svg";
-        Err(CliError::Request(format!("{flag} {name}: {advice}")))
+        Err(MapError::Request(format!("{flag} {name}: {advice}")))
     }
 
     /// Makes sure that a name given to the flag of this format, --png or --svg, promises nothing else.
     ///
     /// # Errors
-    /// [`CliError::Request`].
-    pub fn promised(self, path: &Path) -> Result<(), CliError> {
+    /// [`MapError::Request`].
+    pub fn promised(self, path: &Path) -> Result<(), MapError> {
         match self {
             Self::Png => promises("--png", path, "a picture of pixels", &["png"])?,
             Self::Svg => promises("--svg", path, "a picture of vectors", &["svg"])?,
@@ -77,8 +77,8 @@ impl Format {
 /// Opens the file of a picture that was asked for with --plot; its ending says what kind it is.
 ///
 /// # Errors
-/// [`CliError::Request`] for another ending, or a place that cannot be written.
-pub fn open(path: Option<&Path>) -> Result<Option<(Format, Output)>, CliError> {
+/// [`MapError::Request`] for another ending, or a place that cannot be written.
+pub fn open(path: Option<&Path>) -> Result<Option<(Format, Output)>, MapError> {
     let Some(path) = path else { return Ok(None) };
     Ok(Some((Format::asked("--plot", path)?, Output::create(path)?)))
 }
@@ -94,7 +94,7 @@ fn font() {
     static REGISTERED: Once = Once::new();
     REGISTERED.call_once(|| {
         // The font is part of the program: that it can be read is checked by the tests.
-        let _ = register_font("sans-serif", FontStyle::Normal, include_bytes!("../../assets/DejaVuSans.ttf"));
+        let _ = register_font("sans-serif", FontStyle::Normal, include_bytes!("../assets/DejaVuSans.ttf"));
     });
 }
 

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::element::Text;
 use plotters::prelude::{DrawingArea, DrawingBackend, IntoFont, RGBColor};
 
-use crate::plot::canvas::PlotError;
+use crate::canvas::PlotError;
 
 /// About the width of a text over the size of the font, on the generous side.
 fn width_of(text: &str) -> f64 {

@@ -3,9 +3,9 @@
 use plotters::coord::Shift;
 use plotters::prelude::{BLACK, DrawingArea, DrawingBackend, WHITE};
 
-use crate::plot::canvas::{Drawing, Format, PlotError, render};
-use crate::plot::curves::{Mark, Pane, Scale, Series, Stroke, draw_row};
-use crate::plot::words::Heading;
+use crate::canvas::{Drawing, Format, PlotError, render};
+use crate::curves::{Mark, Pane, Scale, Series, Stroke, draw_row};
+use crate::words::Heading;
 
 /// One orbit's data.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,38 @@
+//! Pictures: maps, curves, orbits, runs, as bytes of PNG or SVG. All of them are drawn with a font that is shipped with the crate,
+//! so that a bare machine will do.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
+//! | `map`, `lines`, `palette` | the picture of a map, lines over it, its colours and textures |
+//! | `curves`, `axes`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
+//! | `orbit`, `run` | an orbit in profile and time; a simulated run |
+//! | `field` | all masses of a run in space and time, thinned while it runs |
+//!
+//! ```
+//! use vibrochain_plot::{Format, OrbitPanels, orbit_picture};
+//! let trace = (0..100).map(|i| (f64::from(i) / 100.0, (0.0628 * f64::from(i)).cos())).collect();
+//! let orbit = OrbitPanels { caption: "a swing".to_owned(), profiles: Vec::new(), trace, barriers: (-1.0, 1.0) };
+//! assert!(orbit_picture(&[orbit], Format::Svg)?.starts_with(b"<svg"));
+//! # Ok::<(), vibrochain_plot::PlotError>(())
+//! ```
+
+pub mod axes;
+pub mod canvas;
+mod curves;
+pub mod decades;
+pub mod field;
+mod lines;
+mod map;
+pub mod markers;
+mod orbit;
+pub mod palette;
+mod run;
+mod words;
+
+pub use canvas::{Format, PlotError, open};
+pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
+pub use map::{MapLine, MapPicture, is_shown, map_picture, map_with_lines};
+pub use orbit::{OrbitPanels, orbit_picture};
+pub use palette::{Palette, Tile};
+pub use run::{RunPicture, run_picture};
