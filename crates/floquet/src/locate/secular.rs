@@ -9,7 +9,7 @@
 //! G_ij = Σ_k b_k² (R_k(τ) − R_k(τ−T)/z) / (1 − 2cos(Ω_kT)/z + 1/z²)     τ = t_i − t_j > 0, otherwise (…)/z at τ + T
 //! ```
 //!
-//! with the flights R_k of the modes (docs/guide/stability.md). Newton's method from the dense eigenvalue; sums over modes only.
+//! with the flights R_k of the modes (design, sec. 4). Newton's method from the dense eigenvalue; sums over modes only.
 
 use nalgebra::Complex;
 use smallvec::SmallVec;
