@@ -3,7 +3,7 @@
 //! ```text
 //! v_n(t) = Σ_i P_i K_{n−n_i}(t−t_i) + G(t+ψ),          G(t) = Ã cos ωt, or Σ Ã_j cos(jωt+θ_j)   (superposition)
 //! velocity before/after impact i:  w_i ∓ P_i/2,         w_i = Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ)
-//! Newton's law:  w_i = −q P_i/2,   q = (1−e)/(1+e);     position:  v(t_i) = a ± 1         (design, sec. 3)
+//! Newton's law:  w_i = −q P_i/2,   q = (1−e)/(1+e);     position:  v(t_i) = a ± 1         (docs/guide/orbits.md)
 //! ```
 
 use smallvec::SmallVec;

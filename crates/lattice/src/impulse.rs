@@ -2,7 +2,7 @@
 //! t = 0, ±T, ±2T, ….
 //!
 //! ```text
-//! K_n(t) = Σ_k b_k² cos(2πkn/M) · cos(Ω_k(t−T/2)) / (2Ω_k sin(Ω_kT/2)),      0 ≤ t ≤ T          (design, sec. 2)
+//! K_n(t) = Σ_k b_k² cos(2πkn/M) · cos(Ω_k(t−T/2)) / (2Ω_k sin(Ω_kT/2)),      0 ≤ t ≤ T          (docs/guide/model.md)
 //! ```
 //!
 //! exact, at the cost of one sine a mode, where the paper sums a Fourier series that converges like 1/J.

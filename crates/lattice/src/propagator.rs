@@ -1,4 +1,4 @@
-//! Exact free flight of the whole ring: exp(At) is a circulant of four kernels (design, sec. 2), never a general
+//! Exact free flight of the whole ring: exp(At) is a circulant of four kernels (docs/guide/stability.md), never a general
 //! matrix exponential.
 
 use crate::ring::RingCosines;
