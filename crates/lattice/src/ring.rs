@@ -24,6 +24,14 @@ impl RingCosines {
         self.table[((k % sites) as u128 * (n % sites) as u128 % sites as u128) as usize]
     }
 
+    /// sin(2πkn/M), the displacement of site `n` in the other mode of the frequency of mode `k`, which has a node at site 0.
+    pub fn sine(&self, k: usize, n: usize) -> f64 {
+        let sites = self.table.len();
+        let j = ((k % sites) as u128 * (n % sites) as u128 % sites as u128) as usize;
+        // sin x = cos(x − π/2)
+        cos_turn((4 * j + 3 * sites) % (4 * sites), 4 * sites)
+    }
+
     /// cos(2πkn/M) for k = 0, 1, 2, …: the amplitudes at site `n` of all modes, without a multiplication a step.
     pub fn shapes(&self, n: usize) -> impl Iterator<Item = f64> + '_ {
         let sites = self.table.len();
@@ -64,6 +72,8 @@ mod tests {
             for j in 0..m {
                 let expected = (std::f64::consts::TAU * j as f64 / m as f64).cos();
                 assert!((ring.shape(1, j) - expected).abs() < 2e-15, "{j}/{m}");
+                let expected = (std::f64::consts::TAU * j as f64 / m as f64).sin();
+                assert!((ring.sine(1, j) - expected).abs() < 2e-15, "{j}/{m}");
             }
         }
         let ring = RingCosines::new(21);
@@ -72,5 +82,6 @@ mod tests {
         }
         assert_eq!(RingCosines::new(4).shape(1, 1), 0.0);
         assert_eq!(RingCosines::new(12).shape(2, 3), -1.0);
+        assert_eq!((ring.sine(0, 3), ring.sine(7, 0), RingCosines::new(4).sine(2, 3)), (0.0, 0.0, 0.0));
     }
 }

@@ -9,7 +9,9 @@
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
-//! | `balance` | a multiplier settled by the impacts' own equations, and its error |
+//! | `impact_matrix` | K̂: what all of them are the determinant of |
+//! | `other_modes` | K̂ at the poles |
+//! | `settle` | a multiplier settled by the impacts' own equations, and its error |
 //! | `meetings` | which multipliers of elastic impacts may have met on the circle |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
@@ -20,7 +22,6 @@
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
 mod aberth;
-mod balance;
 mod cauchy;
 mod circle;
 mod double_sided;
@@ -33,6 +34,7 @@ mod forced_roots;
 mod forced_verdict;
 mod gap;
 mod growth;
+mod impact_matrix;
 mod labels;
 mod large;
 mod large_verdict;
@@ -41,12 +43,14 @@ mod linear;
 mod meetings;
 mod missing;
 mod modes;
+mod other_modes;
 mod pair;
 mod pole;
 mod rational;
 mod residues;
 mod root;
 mod roots;
+mod settle;
 mod shapes;
 mod single_sided;
 mod verdict;
@@ -59,6 +63,7 @@ pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;
 pub(crate) use forced_verdict::Leading;
 pub(crate) use growth::excess;
+pub(crate) use impact_matrix::ImpactMatrix;
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
 pub use residues::Residues;
