@@ -18,6 +18,7 @@
 //! | `labels` | the mode that a multiplier is next to |
 //! | `large`, `cauchy`, `window`, `missing`, `large_verdict` | the same for large rings in O(M) |
 //! | `forced_large`, `circle`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
+//! | `search` | zeros of a large ring next to poles and anywhere else, for both |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
@@ -50,6 +51,7 @@ mod rational;
 mod residues;
 mod root;
 mod roots;
+mod search;
 mod settle;
 mod shapes;
 mod single_sided;

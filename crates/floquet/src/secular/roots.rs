@@ -5,6 +5,7 @@ use nalgebra::Complex;
 
 use super::doubt::Doubt;
 use super::gap::{beyond, lowest, lowest_within, root};
+use super::missing::seek;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
 use super::root::{Root, Roots, Touching};
@@ -54,7 +55,7 @@ impl Secular {
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), Doubt> {
-        let Self { residues: form, distances: scratch, suspects, pairs, roots, missing } = self;
+        let Self { residues: form, distances: scratch, suspects, pairs, roots, search } = self;
         roots.values.clear();
         roots.errors.clear();
         roots.list.clear();
@@ -126,7 +127,7 @@ impl Secular {
             }
         }
         if roots.list.len() < wanted && large {
-            missing.search(form, roots, suspects, wanted, scratch);
+            seek(search, form, roots, suspects, wanted);
         } else if roots.list.len() < wanted {
             from_suspects(form, suspects, (wanted - roots.list.len()) / 2, scratch, pairs);
             for &Pair { place, t, error } in pairs.iter() {

@@ -18,10 +18,10 @@ use vibrochain_lattice::ImpulseResponse;
 use super::doubt::Doubt;
 use super::gap::{Lowest, beyond, lowest};
 use super::growth::{Nu, multiplier, outside};
-use super::missing::Missing;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
 use super::root::{Root, Roots};
+use super::search::Search;
 use vibrochain_breather::lanes::Lane;
 
 /// What the secular function says.
@@ -112,7 +112,7 @@ pub struct Secular {
     pub(crate) suspects: Vec<Suspect>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) roots: Roots,
-    pub(super) missing: Missing,
+    pub(super) search: Search,
 }
 
 /// The most unstable multiplier so far.
