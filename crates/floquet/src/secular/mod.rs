@@ -16,13 +16,15 @@
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
 //! | `labels` | the mode that a multiplier is next to |
-//! | `large`, `cauchy`, `window`, `missing`, `large_verdict` | the same for large rings in O(M) |
+//! | `large`, `cauchy`, `window`, `missing` | the same for large rings in O(M) |
+//! | `by_roots` | the verdict from all ν |
 //! | `forced_large`, `circle`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
 //! | `search` | zeros of a large ring next to poles and anywhere else, for both |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
 mod aberth;
+mod by_roots;
 mod cauchy;
 mod circle;
 mod double_sided;
@@ -38,7 +40,6 @@ mod growth;
 mod impact_matrix;
 mod labels;
 mod large;
-mod large_verdict;
 mod leaf;
 mod linear;
 mod meetings;
