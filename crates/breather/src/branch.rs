@@ -81,7 +81,7 @@ impl BranchPoint {
         self.tangent[self.tangent.len() - 1]
     }
 
-    /// Determinant of the Jacobian of the orbit's equations, rows and columns scaled: 0 where an orbit under a force has a
+    /// Determinant of the Jacobian of the orbit's equations, columns in units and rows of length 1: 0 where an orbit under a force has a
     /// multiplier +1.
     pub fn determinant(&self) -> f64 {
         self.full_determinant

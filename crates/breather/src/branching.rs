@@ -21,8 +21,10 @@ use crate::orbit::{Draft, Family, Hit, Orbit};
 use crate::reduction::Reduction;
 use crate::unknowns::{Unknowns, static_displacement};
 
-/// A border that is not orthogonal to n in any symmetry.
-const BORDER: [f64; 5] = [1.0, 0.618, 0.382, 0.729, 0.271];
+/// A border that is not orthogonal to n in any symmetry: no two of its entries are alike, none is small.
+fn border(size: usize) -> Vector {
+    (0..size).map(|i| 0.5 + (0.618 * i as f64).fract()).collect()
+}
 
 impl Branch {
     /// The branch that leaves `orbit` at a pitchfork (double-sided) or a period doubling (single-sided, under a force), and
@@ -54,10 +56,10 @@ impl Branch {
         let coordinates = branch.origin_coordinates()?;
         // (∂F/∂x b; cᵀ 0)(n; g) = (0; 1), regular where ∂F/∂x is singular.
         let size = unknowns.size();
-        let border = &BORDER[..size];
-        let mut last_row: Vector = border.into();
+        let border = border(size);
+        let mut last_row = border.clone();
         last_row.push(0.0);
-        let bordered = branch.evaluate(&coordinates)?.matrix.bordered(border, &last_row);
+        let bordered = branch.evaluate(&coordinates)?.matrix.bordered(&border, &last_row);
         let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
         direction[size] = 0.0;
         let norm = dot(&direction, &direction).sqrt();

@@ -61,6 +61,8 @@ pub enum NoBreather {
     NoPhase,
     /// The conditions at the impacts are singular: the two impacts do not determine their impulses.
     Singular,
+    /// Words are not searched for: they are given by their impacts ([`crate::Orbit::from_impulses`]).
+    NotSearched,
 }
 
 impl fmt::Display for NoBreather {
@@ -84,6 +86,7 @@ impl fmt::Display for NoBreather {
             }
             Self::NoPhase => write!(f, "no phase of the force meets the conditions at the impacts"),
             Self::Singular => write!(f, "the conditions at the impacts are singular here"),
+            Self::NotSearched => write!(f, "words of impacts are not searched for: give the impacts"),
         }
     }
 }

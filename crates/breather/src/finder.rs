@@ -221,7 +221,7 @@ impl Finder {
             (Family::PeriodDoubled, None) => {
                 forced_harmonics::period_doubled(model, response, &steady, plane, &mut add)
             }
-            (Family::Word, _) => Err(NoBreather::Singular),
+            (Family::Word, _) => Err(NoBreather::NotSearched),
         };
         found.none = outcome.err();
         if let Some(error) = failure {

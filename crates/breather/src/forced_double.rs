@@ -22,7 +22,7 @@ use crate::one_mass::OneMass;
 use crate::orbit::Draft;
 use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
-use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, Word, shortest_flight};
+use crate::two_impacts::{Pattern, SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, shortest_flight};
 
 /// All double-sided solutions under a cosine of response `steady`.
 pub(crate) fn double_sided(
@@ -34,7 +34,7 @@ pub(crate) fn double_sided(
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
-    let problem = TwoImpacts::new(Word::DoubleSided, response, omega, a, q, force);
+    let problem = TwoImpacts::new(Pattern::DoubleSided, response, omega, a, q, force);
     let half = 0.5 * response.period();
     let edge = half - shortest_flight(response, omega * force.abs());
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
@@ -84,7 +84,7 @@ fn search(problem: &TwoImpacts<'_>, model: &Model, zeros: &mut Zeros, ranges: &[
     if zeros.unresolved.len() + zeros.exhausted == 0 {
         return None;
     }
-    let alone = OneMass::new(problem.word, model)?;
+    let alone = OneMass::new(problem.pattern, model)?;
     zeros.forget();
     ranges.iter().for_each(|[from, to]| alone.zeros(zeros, *from, *to));
     Some(alone)
@@ -140,7 +140,7 @@ pub(crate) fn period_doubled(
     if response.static_stiffness() == 0.0 {
         return Err(NoBreather::NetImpulse);
     }
-    let problem = TwoImpacts::new(Word::PeriodDoubled, response, omega, a, q, force);
+    let problem = TwoImpacts::new(Pattern::PeriodDoubled, response, omega, a, q, force);
     let half = 0.5 * response.period();
     let alone = search(&problem, model, zeros, &[[SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD)]]);
     if !zeros.unresolved.is_empty() {

@@ -22,7 +22,7 @@ use crate::harmonic_impacts::HarmonicImpacts;
 use crate::orbit::Draft;
 use crate::planar_roots::PlanarZeros;
 use crate::roots::{Enclosed, Zeros};
-use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, Word, shortest_flight};
+use crate::two_impacts::{Pattern, SYMMETRIC, SYMMETRIC_GUARD, shortest_flight};
 
 /// α Ġ(ψ) + β G(ψ) + γ.
 struct Line<'a> {
@@ -117,7 +117,7 @@ pub(crate) fn double_sided(
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
-    let problem = HarmonicImpacts::new(Word::DoubleSided, response, steady, omega, a, q);
+    let problem = HarmonicImpacts::new(Pattern::DoubleSided, response, steady, omega, a, q);
     let (half, repeat) = (0.5 * response.period(), repetition(model));
     let mut count = 0;
     let mut emit = |place: [f64; 2]| {
@@ -156,7 +156,7 @@ pub(crate) fn period_doubled(
         return Err(NoBreather::NetImpulse);
     }
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
-    let problem = HarmonicImpacts::new(Word::PeriodDoubled, response, steady, omega, a, q);
+    let problem = HarmonicImpacts::new(Pattern::PeriodDoubled, response, steady, omega, a, q);
     let (half, repeat) = (0.5 * response.period(), repetition(model));
     problem.zeros(plane, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD), repeat);
     let mut count = 0;

@@ -31,14 +31,14 @@ use vibrochain_lattice::{ImpulseResponse, MAX_HARMONICS, Wave};
 
 use crate::patch::Patch;
 use crate::planar_roots::{Planar, PlanarZeros};
-use crate::two_impacts::{TwoImpactSolution, Word};
+use crate::two_impacts::{Pattern, TwoImpactSolution};
 
 /// Intervals of δ, and of τ, that a search starts from at most.
 const MOST_PIECES: usize = 256;
 
 /// One parameter point.
 pub(crate) struct HarmonicImpacts<'a> {
-    pub(crate) word: Word,
+    pub(crate) pattern: Pattern,
     pub(crate) response: &'a ImpulseResponse,
     /// G
     pub(crate) steady: &'a Wave,
@@ -63,7 +63,7 @@ pub(crate) struct Strip {
 
 impl<'a> HarmonicImpacts<'a> {
     pub(crate) fn new(
-        word: Word,
+        pattern: Pattern,
         response: &'a ImpulseResponse,
         steady: &'a Wave,
         omega: f64,
@@ -73,7 +73,7 @@ impl<'a> HarmonicImpacts<'a> {
         // sin(jπ/2) for the odd j.
         let sign = |rate: f64| if (rate / omega).round() % 4.0 == 1.0 { 1.0 } else { -1.0 };
         Self {
-            word,
+            pattern,
             response,
             steady,
             omega,
@@ -110,9 +110,9 @@ impl<'a> HarmonicImpacts<'a> {
     fn right_sides(&self, strip: &Strip, tau: f64, radius: [f64; 2]) -> [Patch; 4] {
         let [g_sum, g_difference, v_sum, v_difference] = self.waves(strip, tau, radius);
         let (a, g) = (self.asymmetry, self.stiffness);
-        match self.word {
-            Word::DoubleSided => [(-g_difference).shifted(1.0), (-g_sum).shifted(a).scaled(g), v_sum, -v_difference],
-            Word::PeriodDoubled => [g_difference, g_sum.shifted(1.0 - a).scaled(g), -v_sum, v_difference],
+        match self.pattern {
+            Pattern::DoubleSided => [(-g_difference).shifted(1.0), (-g_sum).shifted(a).scaled(g), v_sum, -v_difference],
+            Pattern::PeriodDoubled => [g_difference, g_sum.shifted(1.0 - a).scaled(g), -v_sum, v_difference],
         }
     }
 
@@ -143,18 +143,18 @@ impl<'a> HarmonicImpacts<'a> {
         };
         let (y, displacement) = if sum.excludes_zero() || self.stiffness == 0.0 {
             // gΣ (Y/g) = R: finite for γ₁ = 0, where Y itself is 0.
-            let rest = match self.word {
-                Word::DoubleSided => self.asymmetry - self.waves(&strip, tau, [0.0; 2])[0].value,
-                Word::PeriodDoubled => 1.0 - self.asymmetry + self.waves(&strip, tau, [0.0; 2])[0].value,
+            let rest = match self.pattern {
+                Pattern::DoubleSided => self.asymmetry - self.waves(&strip, tau, [0.0; 2])[0].value,
+                Pattern::PeriodDoubled => 1.0 - self.asymmetry + self.waves(&strip, tau, [0.0; 2])[0].value,
             };
             (r.value / sum.value, 4.0 * rest / sum.value)
         } else {
             let y = (self.loss * v1.value + chi3.value * v2.value) / norm;
             (y, 4.0 * y / self.stiffness)
         };
-        let (half_sum, half_difference, static_displacement) = match self.word {
-            Word::DoubleSided => (x, y, -displacement),
-            Word::PeriodDoubled => (y, x, displacement),
+        let (half_sum, half_difference, static_displacement) = match self.pattern {
+            Pattern::DoubleSided => (x, y, -displacement),
+            Pattern::PeriodDoubled => (y, x, displacement),
         };
         let (p1, p2) = (half_sum - half_difference, half_sum + half_difference);
         let finite = p1.is_finite() && p2.is_finite() && tau.is_finite() && static_displacement.is_finite();
@@ -179,11 +179,11 @@ impl Planar for HarmonicImpacts<'_> {
             let (sin, cos) = (rate * delta).sin_cos();
             let cosine = Patch::wave(0, cos, sin, rate, 0.0, radius);
             let sine = Patch::wave(0, sin, -cos, rate, 0.0, radius);
-            match self.word {
+            match self.pattern {
                 // h_j = jπ/2 + jωδ/2
-                Word::DoubleSided => (sine.scaled(-sign), cosine.scaled(sign)),
+                Pattern::DoubleSided => (sine.scaled(-sign), cosine.scaled(sign)),
                 // h_j = jπ + jωδ/2
-                Word::PeriodDoubled => (-cosine, -sine),
+                Pattern::PeriodDoubled => (-cosine, -sine),
             }
         };
         Strip {

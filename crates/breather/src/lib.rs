@@ -3,8 +3,8 @@
 //! Between impacts the chain is linear, so that a periodic orbit is a superposition of periodic impulse responses.
 //! What remains are the conditions at the impacts: position on the barrier, Newton's law. Every family of the paper has
 //! a closed form or, with a force and two impacts, one analytic function of one variable whose zeros are all its
-//! orbits; under several harmonics two functions of two variables. An orbit is *physical* if every impact meets its barrier from inside and every mass stays strictly inside
-//! the gap at all other times.
+//! orbits; under several harmonics two functions of two variables. An orbit is *physical* if every impact meets its
+//! barrier from inside and every mass stays strictly inside the gap at all other times.
 //!
 //! | module | holds |
 //! |---|---|
@@ -12,13 +12,14 @@
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
 //! | `completeness` | [`Completeness`]: how a list of orbits is known to be all |
 //! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
-//! | `radiation` | a bound on what a physical orbit can radiate |
+//! | `one_mass`, `flights` | a mass without coupling: equations that know of no resonance |
+//! | `radiation`, `rises` | bounds that tell where no physical orbit can be |
 //! | `forced_harmonics`, `harmonic_impacts` | the forced ones under several harmonics |
 //! | `motion` | [`Motion`]: every mass at any time |
-//! | `admissibility`, `watch`, `window` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
+//! | `admissibility`, `watch`, `window`, `grid`, `polynomial` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `unknowns`, `equations`, `polish` | the equations of any impact word, linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
-//! | `branch`, `corrector`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
+//! | `branch`, `corrector`, `resonances`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |

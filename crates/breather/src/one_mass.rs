@@ -24,11 +24,11 @@ use vibrochain_lattice::{Model, sine_over};
 
 use crate::enclosure::{Algebra, Dual, Point};
 use crate::roots::{Enclosed, Zeros};
-use crate::two_impacts::Word;
+use crate::two_impacts::Pattern;
 
 /// One parameter point.
 pub(crate) struct OneMass {
-    word: Word,
+    pattern: Pattern,
     rate: f64,
     omega: f64,
     period: f64,
@@ -48,14 +48,14 @@ struct Both<T> {
 
 impl OneMass {
     /// `None` with coupling, under several harmonics or without springs.
-    pub(crate) fn new(word: Word, model: &Model) -> Option<Self> {
+    pub(crate) fn new(pattern: Pattern, model: &Model) -> Option<Self> {
         let (chain, amplitude) = (model.chain(), model.force().cosine_amplitude()?);
         if !chain.is_uncoupled() || chain.gamma1() == 0.0 {
             return None;
         }
-        let (a, doubled) = (model.asymmetry(), word == Word::PeriodDoubled);
+        let (a, doubled) = (model.asymmetry(), pattern == Pattern::PeriodDoubled);
         Some(Self {
-            word,
+            pattern,
             rate: chain.gamma1().sqrt(),
             omega: model.omega(),
             period: model.period() * if doubled { 2.0 } else { 1.0 },
@@ -116,7 +116,7 @@ impl OneMass {
         // u_A w_B + u_B w_A and u_A w_B − u_B w_A.
         let even = |u: Both<T>, w: Both<T>| (u.sum * w.sum - u.difference * w.difference).scaled(0.5);
         let odd = |u: Both<T>, w: Both<T>| (u.difference * w.sum - u.sum * w.difference).scaled(0.5);
-        let doubled = self.word == Word::PeriodDoubled;
+        let doubled = self.pattern == Pattern::PeriodDoubled;
         let (f1, f4, f2, f3) = if doubled {
             (even(w, s), odd(w, s).scaled(-1.0), even(v, c), odd(v, c).scaled(-1.0))
         } else {

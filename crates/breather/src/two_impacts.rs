@@ -50,14 +50,14 @@ pub(crate) const SYMMETRIC: f64 = 1e-18;
 
 /// Which of the two words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Word {
+pub(crate) enum Pattern {
     DoubleSided,
     PeriodDoubled,
 }
 
 /// One parameter point of a two-impact problem.
 pub(crate) struct TwoImpacts<'a> {
-    pub(crate) word: Word,
+    pub(crate) pattern: Pattern,
     pub(crate) response: &'a ImpulseResponse,
     /// Frequency ω of the force.
     pub(crate) omega: f64,
@@ -86,7 +86,7 @@ pub(crate) struct TwoImpactSolution {
 
 impl<'a> TwoImpacts<'a> {
     pub(crate) fn new(
-        word: Word,
+        pattern: Pattern,
         response: &'a ImpulseResponse,
         omega: f64,
         asymmetry: f64,
@@ -94,7 +94,7 @@ impl<'a> TwoImpacts<'a> {
         force: f64,
     ) -> Self {
         Self {
-            word,
+            pattern,
             response,
             omega,
             asymmetry,
@@ -116,9 +116,9 @@ impl<'a> TwoImpacts<'a> {
         let rate = 0.5 * self.omega;
         let (sin, cos) = (rate * delta).sin_cos();
         // h = π/2 + ωδ/2 for the double-sided word; π + ωδ/2 for the doubled one, whose period is twice the force's.
-        let (sin_h, cos_h) = match self.word {
-            Word::DoubleSided => (Dual::wave(cos, sin, rate, radius), Dual::wave(-sin, cos, rate, radius)),
-            Word::PeriodDoubled => (Dual::wave(-sin, cos, rate, radius), Dual::wave(-cos, -sin, rate, radius)),
+        let (sin_h, cos_h) = match self.pattern {
+            Pattern::DoubleSided => (Dual::wave(cos, sin, rate, radius), Dual::wave(-sin, cos, rate, radius)),
+            Pattern::PeriodDoubled => (Dual::wave(-sin, cos, rate, radius), Dual::wave(-cos, -sin, rate, radius)),
         };
         [difference, slope.scaled(2.0), sum, sin_h, cos_h]
     }
@@ -133,9 +133,9 @@ impl<'a> TwoImpacts<'a> {
         let rate = 0.5 * self.omega;
         let (sin, cos) = (rate * delta).sin_cos();
         let wave = |cos: f64, sin: f64| Point { value: cos, slope: -rate * sin };
-        let (sin_h, cos_h) = match self.word {
-            Word::DoubleSided => (wave(cos, sin), wave(-sin, cos)),
-            Word::PeriodDoubled => (wave(-sin, cos), wave(-cos, -sin)),
+        let (sin_h, cos_h) = match self.pattern {
+            Pattern::DoubleSided => (wave(cos, sin), wave(-sin, cos)),
+            Pattern::PeriodDoubled => (wave(-sin, cos), wave(-cos, -sin)),
         };
         [difference, slope.scaled(2.0), sum, sin_h, cos_h]
     }
@@ -147,13 +147,13 @@ impl<'a> TwoImpacts<'a> {
         let (d_cos, sum_sin) = (d * cos, sum * sin);
         let determinant = (chi3 * ((d_cos * cos).scaled(g) + sum_sin * sin)).scaled(w)
             - sin * cos * (s.scaled(g) + (d * sum).scaled(w * w));
-        match self.word {
-            Word::DoubleSided => {
+        match self.pattern {
+            Pattern::DoubleSided => {
                 let x = (chi3 * d_cos).scaled(a * w * g) - (s * sin).scaled(a * g) - (sum * cos).scaled(w * q);
                 let y = (chi3 * sum_sin + (d * sin).scaled(a * q * g)).scaled(w) - (s * cos).scaled(g);
                 [x, y, determinant]
             }
-            Word::PeriodDoubled => {
+            Pattern::PeriodDoubled => {
                 let gap = (1.0 - a) * g;
                 let x = (s * sin - (chi3 * d_cos).scaled(w)).scaled(gap);
                 [x, (d * sin).scaled(-gap * w * q), determinant]
@@ -182,12 +182,12 @@ impl<'a> TwoImpacts<'a> {
     pub(crate) fn with_phase(&self, delta: f64, theta: f64) -> Option<TwoImpactSolution> {
         let [d, _, sum, sin_h, cos_h] = self.pieces_at(delta).map(|point| point.value);
         let (x, y) = (self.force * theta.cos(), self.force * theta.sin());
-        let (half_sum, half_difference, static_displacement) = match self.word {
-            Word::DoubleSided => {
+        let (half_sum, half_difference, static_displacement) = match self.pattern {
+            Pattern::DoubleSided => {
                 let rest = self.asymmetry - x * cos_h;
                 ((1.0 - y * sin_h) / d, rest * self.stiffness / sum, -4.0 * rest / sum)
             }
-            Word::PeriodDoubled => {
+            Pattern::PeriodDoubled => {
                 let rest = x * cos_h + 1.0 - self.asymmetry;
                 (rest * self.stiffness / sum, y * sin_h / d, 4.0 * rest / sum)
             }

@@ -25,7 +25,7 @@ mod bracket;
 mod branch_off;
 mod follow;
 mod follower;
-mod secular;
+mod polish;
 mod settle;
 mod spectrum_events;
 mod watch;

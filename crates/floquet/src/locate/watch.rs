@@ -6,7 +6,7 @@ use vibrochain_breather::{BranchError, BranchPoint, BreatherError, Orbit};
 use super::answer::{Event, LocateError, Located};
 use super::bracket::zero;
 use super::follower::{Follower, Seen, shift_of};
-use super::secular::{Secular, polish};
+use super::polish::{Polisher, polish};
 use super::spectrum_events::{
     Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, regular_determinant, upper_half,
 };
@@ -221,7 +221,7 @@ impl Follower {
         let expected = from + (to - from) * ((s - a) / (b - a));
         // An impact without speed has a matrix that tells nothing, but hardly moves the pair.
         if orbit.impact_site().is_some()
-            && let Some(found) = Secular::new(orbit, &mut self.finder)?.polished(expected, (to - from).norm())
+            && let Some(found) = Polisher::new(orbit, &mut self.finder)?.polished(expected, (to - from).norm())
         {
             return Ok(Some(found));
         }

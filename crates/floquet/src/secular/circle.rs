@@ -4,6 +4,7 @@
 use nalgebra::Complex;
 
 use super::cauchy::{Nodal, Tree, complex_series, derivative};
+use super::search::inverse;
 use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
@@ -42,10 +43,12 @@ impl CirclePole {
 pub(crate) struct CircleForm {
     pub(crate) poles: Vec<CirclePole>,
     leaves: Vec<Leaf>,
+    /// All poles, and no field of others.
+    pub(super) whole: Leaf,
 }
 
 /// The gaps of one leaf of the tree over the poles, each named by the place of its left pole.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Leaf {
     end: usize,
     a: Vec<Lane>,
@@ -62,12 +65,6 @@ pub(super) struct Leaf {
     rounding: f64,
 }
 
-/// f and df/dθ.
-pub(super) struct Value {
-    pub(super) f: C,
-    pub(super) slope: C,
-}
-
 impl CircleForm {
     /// Divides the poles into leaves.
     pub(crate) fn divide(&mut self) {
@@ -81,31 +78,38 @@ impl CircleForm {
             })
             .collect();
         let total_error: f64 = self.poles.iter().map(|pole| pole.error).sum();
-        self.leaves.clear();
-        for field in Tree::new(&points, false).fields(&points, &charges, &Tree::new(&points, true)) {
-            let places: Vec<usize> = field.near.iter().flat_map(Clone::clone).collect();
+        let near = |places: &mut dyn Iterator<Item = usize>| {
+            let places: Vec<usize> = places.collect();
             let lanes = |value: &dyn Fn(&CirclePole) -> f64, pad: f64| {
                 let mut lanes = Vec::new();
                 fill(&mut lanes, places.iter().map(|&place| value(&self.poles[place])), pad);
                 lanes
             };
-            let size = |channel: usize| field.far[channel].iter().map(|c: &f64| c.abs()).sum::<f64>();
-            let rounding = 1e-14 * (size(0) + size(1));
-            self.leaves.push(Leaf {
-                end: field.targets.end,
+            Leaf {
                 a: lanes(&|pole| pole.charges()[0], 0.0),
                 b: lanes(&|pole| pole.charges()[1], 0.0),
                 cos: lanes(&|pole| pole.cos, 1e50),
                 sin: lanes(&|pole| pole.sin, 1e50),
                 errors: lanes(&|pole| pole.error, 0.0),
                 shifts: lanes(&|pole| pole.shift * pole.residue.norm(), 0.0),
+                ..Leaf::default()
+            }
+        };
+        self.leaves.clear();
+        for field in Tree::new(&points, false).fields(&points, &charges, &Tree::new(&points, true)) {
+            let size = |channel: usize| field.far[channel].iter().map(|c: &f64| c.abs()).sum::<f64>();
+            let rounding = 1e-14 * (size(0) + size(1));
+            self.leaves.push(Leaf {
+                end: field.targets.end,
                 middle: field.middle,
                 scale: if field.half > 0.0 { 1.0 / field.half } else { 0.0 },
                 far: [field.far[0], field.far[1], derivative(&field.far[0]), derivative(&field.far[1])],
                 noise: rounding + 2.0 * (field.far[2][0].abs() + total_error),
                 rounding,
+                ..near(&mut field.near.iter().flat_map(Clone::clone))
             });
         }
+        self.whole = near(&mut (0..self.poles.len()));
     }
 
     pub(super) fn leaf(&self, place: usize) -> Option<&Leaf> {
@@ -152,7 +156,8 @@ impl Local<'_> {
         u.re.abs() <= 1.2 && u.im.abs() <= 0.5
     }
 
-    pub(super) fn value(&self, (t, inverse, sine): (C, C, C)) -> Value {
+    /// f and df/dθ.
+    pub(super) fn value(&self, (t, inverse, sine): (C, C, C)) -> (C, C) {
         let (x, y) = (all(t.re), all(t.im));
         let mut sums = [ZERO; 8];
         for ((a, b), distance) in self.leaf.a.iter().zip(&self.leaf.b).zip(self.distances) {
@@ -169,7 +174,7 @@ impl Local<'_> {
         let (a, b) = (sum(0) + far(0), sum(2) + far(1));
         let (a_slope, b_slope) = (far(2) * self.leaf.scale - sum(4), far(3) * self.leaf.scale - sum(6));
         let f = a - b * inverse + 1.0;
-        Value { f, slope: I * b * inverse - sine * (a_slope - b_slope * inverse) }
+        (f, I * b * inverse - sine * (a_slope - b_slope * inverse))
     }
 
     /// Errors of f: of the sums alone, and of residues and poles, too.
@@ -188,11 +193,6 @@ impl Local<'_> {
         let rounding = 4.0 * f64::EPSILON * (1.0 + total(size)) + leaf.rounding * (1.0 + inverse.norm());
         (rounding, rounding + total(noise) + leaf.noise * (1.0 + inverse.norm()))
     }
-}
-
-pub(super) fn inverse(z: C) -> C {
-    let scale = 1.0 / (z.re * z.re + z.im * z.im);
-    C::new(z.re * scale, -z.im * scale)
 }
 
 /// f, f′ and f″ in z over all poles.

@@ -28,6 +28,7 @@ use super::doubt::Doubt;
 use super::evaluate::Local;
 use super::gap::root;
 use super::modes::{Mode, Modes};
+use crate::saltation::Saltation;
 use vibrochain_breather::lanes::{Lane, fill};
 
 /// How many multipliers are outside the unit circle, and where they left it.
@@ -83,12 +84,12 @@ impl OutsideCounter {
     /// [`Doubt::NotReversible`] unless the orbit has one impact a period and e < 1; [`Doubt::Tangency`] if rounding decides:
     /// a multiplier is on the circle to within it.
     pub fn count(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<OutsideCount, Doubt> {
-        let (e, q) = (orbit.model().restitution(), orbit.model().loss());
+        let q = orbit.model().loss();
         let [impact] = orbit.impacts() else { return Err(Doubt::NotReversible) };
         if q <= 0.0 {
             return Err(Doubt::NotReversible);
         }
-        let twice_kappa = 2.0 * impact.acceleration / ((1.0 + e) * impact.velocity_before);
+        let twice_kappa = 2.0 * Saltation::reduced(impact, orbit.model().restitution());
         self.modes.set(response);
         let count = self.modes.count();
         self.table.clear();

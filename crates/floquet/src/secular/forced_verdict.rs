@@ -5,11 +5,12 @@ use nalgebra::Complex;
 use vibrochain_breather::{Condition, ImpactError, Orbit};
 use vibrochain_lattice::ImpulseResponse;
 
-use super::balance::{Balance, DataError, Origin, Settled};
 use super::doubt::Doubt;
 use super::forced::SecularMultipliers;
 use super::forced_count::OutsideCounter;
 use super::growth::excess;
+use super::impact_matrix::ImpactMatrix;
+use super::settle::{DataError, Origin, Settled};
 use super::verdict::{Outcome, Reason, SecularVerdict};
 
 /// Work space for verdicts on orbits with a force or losses, all impacts at one site.
@@ -32,9 +33,9 @@ pub struct ForcedSecular {
     moved: SecularMultipliers,
     values: Vec<Complex<f64>>,
     errors: Vec<f64>,
-    balance: Balance,
-    /// `balance` is set to the orbit.
-    balanced: bool,
+    matrix: ImpactMatrix,
+    /// `matrix` is that of the orbit.
+    has_matrix: bool,
     asked: Vec<State>,
     /// Errors of the orbit's data by origin.
     data: Vec<Origin>,
@@ -131,10 +132,10 @@ impl ForcedSecular {
     /// Settles one multiplier by the impacts' equations, where they know better; `included` tells that the errors hold those of
     /// the orbit's data already.
     pub(crate) fn settle(&mut self, place: usize, orbit: &Orbit, response: &ImpulseResponse, included: bool) {
-        self.set_balance(orbit, response);
+        self.set_matrix(orbit, response);
         let z = self.values[place];
         let (known, included) = self.rounding.map_or((self.errors[place], included), |rounding| (rounding, false));
-        let Some(Settled { z: settled, error, data }) = self.balance.settle(z, &self.data) else {
+        let Some(Settled { z: settled, error, data }) = self.matrix.settle(z, &self.data) else {
             self.asked[place] = State::Refused;
             return;
         };
@@ -161,19 +162,18 @@ impl ForcedSecular {
         }
     }
 
-    fn set_balance(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
-        if !self.balanced {
-            let form = &self.multipliers;
-            self.balance.set((&form.times, &form.kappas), orbit.model().loss(), response);
-            self.balanced = true;
+    fn set_matrix(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+        if !self.has_matrix {
+            self.matrix.set(orbit, response);
+            self.has_matrix = true;
         }
     }
 
     /// Settles all multipliers together: zeros of the impacts' equations that are apart from all others are as many multipliers, however
     /// far the values were off that led to them. The rest is left open.
     pub(crate) fn settle_apart(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
-        self.set_balance(orbit, response);
-        let found: Vec<Option<Settled>> = self.values.iter().map(|z| self.balance.settle(*z, &self.data)).collect();
+        self.set_matrix(orbit, response);
+        let found: Vec<Option<Settled>> = self.values.iter().map(|z| self.matrix.settle(*z, &self.data)).collect();
         for (place, settled) in found.iter().enumerate() {
             let Some(Settled { z, error, data }) = *settled else {
                 self.asked[place] = State::Refused;
@@ -263,7 +263,7 @@ impl ForcedSecular {
 
     /// Nothing has been asked of the impacts' equations yet; `trivial` is a multiplier that is not among the values.
     fn open_all(&mut self, trivial: Option<Complex<f64>>) {
-        self.balanced = false;
+        self.has_matrix = false;
         self.trivial = trivial;
         self.rounding = None;
         self.asked.clear();

@@ -23,6 +23,7 @@ impl Nu {
         }
     }
 
+    #[cfg(test)]
     pub(crate) fn of(nu: Complex<f64>) -> Self {
         Self { below: nu.re - 1.0, above: nu.re + 1.0, im: nu.im }
     }

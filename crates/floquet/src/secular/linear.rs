@@ -1,85 +1,121 @@
-//! Determinants of small complex matrices, by rows.
+//! One elimination for small complex matrices, stored by rows: determinant, its condition, null vectors. Of our own, since matrices of
+//! 3 × 3 to 5 × 5 are factored once for every mode of every forced orbit of a map, in work space that other words make larger.
 
 use nalgebra::Complex;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 
 type C = Complex<f64>;
 
 /// Rows up to which nothing is allocated: two for each of eight impacts, and one.
 const MOST: usize = 17;
 
-/// Determinant by elimination with partial pivoting; the matrix is used up.
-pub(super) fn determinant(matrix: &mut [C], size: usize) -> C {
-    let mut product = C::new(1.0, 0.0);
-    for column in 0..size {
-        let (mut pivot, mut largest) = (column, 0.0);
-        for row in column..size {
-            let modulus = matrix[row * size + column].norm_sqr();
-            if modulus > largest {
-                (pivot, largest) = (row, modulus);
+/// Where pivots are sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Pivots {
+    /// In their column.
+    Partial,
+    /// In all that is left: the last one tells how singular the matrix is.
+    Full,
+}
+
+/// The order of rows and columns in which a matrix is LU; both factors have taken its place.
+pub(super) struct Factors {
+    pub(super) rows: SmallVec<[usize; MOST]>,
+    pub(super) columns: SmallVec<[usize; MOST]>,
+    odd: bool,
+}
+
+/// Factors a matrix in place; `None` where a pivot but the last is 0 or not a number.
+#[inline]
+pub(super) fn eliminate(matrix: &mut [C], size: usize, pivots: Pivots) -> Option<Factors> {
+    let order = || (0..size).collect::<SmallVec<[usize; MOST]>>();
+    let mut factors = Factors { rows: order(), columns: order(), odd: false };
+    for step in 0..size.saturating_sub(1) {
+        let (mut at, mut largest) = ((step, step), 0.0);
+        let columns = if pivots == Pivots::Full { step..size } else { step..step + 1 };
+        for row in step..size {
+            for column in columns.clone() {
+                let modulus = matrix[row * size + column].norm_sqr();
+                if modulus > largest {
+                    (at, largest) = ((row, column), modulus);
+                }
             }
         }
         if largest == 0.0 {
-            return C::default();
+            return None;
         }
-        if pivot != column {
-            for j in column..size {
-                matrix.swap(pivot * size + j, column * size + j);
-            }
-            product = -product;
+        if at.0 != step {
+            (0..size).for_each(|column| matrix.swap(at.0 * size + column, step * size + column));
+            factors.rows.swap(at.0, step);
+            factors.odd = !factors.odd;
         }
-        let diagonal = matrix[column * size + column];
-        product *= diagonal;
-        let inverse = diagonal.inv();
-        for row in column + 1..size {
-            let factor = matrix[row * size + column] * inverse;
-            for j in column + 1..size {
-                let above = matrix[column * size + j];
-                matrix[row * size + j] -= factor * above;
+        if at.1 != step {
+            (0..size).for_each(|row| matrix.swap(row * size + at.1, row * size + step));
+            factors.columns.swap(at.1, step);
+            factors.odd = !factors.odd;
+        }
+        let (head, tail) = matrix.split_at_mut((step + 1) * size);
+        let above = &head[step * size + step..];
+        let inverse = above[0].inv();
+        for row in tail.chunks_exact_mut(size) {
+            let row = &mut row[step..];
+            let factor = row[0] * inverse;
+            row[0] = factor;
+            for (entry, above) in row.iter_mut().zip(above).skip(1) {
+                *entry -= factor * above;
             }
         }
     }
-    product
+    Some(factors)
+}
+
+impl Factors {
+    fn determinant(&self, matrix: &[C], size: usize) -> C {
+        let one = C::new(if self.odd { -1.0 } else { 1.0 }, 0.0);
+        (0..size).fold(one, |product, i| product * matrix[i * size + i])
+    }
+
+    /// x and y with xᵀA = Ay = 0, the last pivot taken for 0, on a scale of their own and in the order of the factors.
+    pub(super) fn null_vectors(matrix: &[C], size: usize) -> [SmallVec<[C; MOST]>; 2] {
+        let (mut x, mut y) = (smallvec![C::default(); size], smallvec![C::default(); size]);
+        (x[size - 1], y[size - 1]) = (C::new(1.0, 0.0), C::new(1.0, 0.0));
+        for i in (0..size - 1).rev() {
+            for j in i + 1..size {
+                let (a, b) = (matrix[j * size + i] * x[j], matrix[i * size + j] * y[j]);
+                x[i] -= a;
+                y[i] -= b;
+            }
+            y[i] *= matrix[i * size + i].inv();
+        }
+        [x, y]
+    }
+}
+
+/// Determinant; the matrix is used up.
+pub(super) fn determinant(matrix: &mut [C], size: usize) -> C {
+    eliminate(matrix, size, Pivots::Partial).map_or(C::default(), |factors| factors.determinant(matrix, size))
 }
 
 /// As [`determinant`], with Σ|B⁻¹_ji||B_ij|, by which relative errors of the entries are multiplied. `sizes` is scratch space.
 pub(super) fn determinant_and_condition(matrix: &mut [C], sizes: &mut Vec<f64>, size: usize) -> (C, f64) {
     sizes.clear();
     sizes.extend(matrix.iter().map(|entry| entry.norm()));
-    // Gauss–Jordan in place with exchange of rows: the matrix becomes B⁻¹ with its columns exchanged likewise.
-    let mut order: SmallVec<[usize; MOST]> = (0..size).collect();
-    let mut product = C::new(1.0, 0.0);
-    for column in 0..size {
-        let modulus = |row: &usize| matrix[row * size + column].norm_sqr();
-        let pivot = (column..size).max_by(|a, b| modulus(a).total_cmp(&modulus(b))).unwrap_or(column);
-        if pivot != column {
-            for j in 0..size {
-                matrix.swap(pivot * size + j, column * size + j);
-            }
-            order.swap(pivot, column);
-            product = -product;
-        }
-        let diagonal = matrix[column * size + column];
-        product *= diagonal;
-        let inverse = diagonal.inv();
-        matrix[column * size + column] = C::new(1.0, 0.0);
-        for j in 0..size {
-            matrix[column * size + j] *= inverse;
-        }
-        for row in (0..size).filter(|row| *row != column) {
-            let factor = matrix[row * size + column];
-            matrix[row * size + column] = C::default();
-            for j in 0..size {
-                let above = matrix[column * size + j];
-                matrix[row * size + j] -= factor * above;
-            }
-        }
-    }
+    let Some(factors) = eliminate(matrix, size, Pivots::Partial) else { return (C::default(), f64::INFINITY) };
     let mut condition = 0.0;
-    for (column, row) in order.iter().enumerate() {
-        condition += (0..size).map(|i| matrix[i * size + column].norm() * sizes[row * size + i]).sum::<f64>();
+    for (unit, row) in factors.rows.iter().enumerate() {
+        // A column of B⁻¹.
+        let mut v: SmallVec<[C; MOST]> = smallvec![C::default(); size];
+        v[unit] = C::new(1.0, 0.0);
+        for i in unit + 1..size {
+            v[i] = -(unit..i).map(|j| matrix[i * size + j] * v[j]).sum::<C>();
+        }
+        for i in (0..size).rev() {
+            let rest: C = (i + 1..size).map(|j| matrix[i * size + j] * v[j]).sum();
+            v[i] = (v[i] - rest) * matrix[i * size + i].inv();
+        }
+        condition += v.iter().zip(&sizes[row * size..]).map(|(v, size)| v.norm() * size).sum::<f64>();
     }
-    (product, condition)
+    (factors.determinant(matrix, size), condition)
 }
 
 #[cfg(test)]
@@ -96,5 +132,29 @@ mod tests {
         assert!((found - expected).norm() < 1e-15);
         let by_hand = 2.0 * ((entries[0] * entries[3]).norm() + (entries[1] * entries[2]).norm()) / expected.norm();
         assert!((condition - by_hand).abs() < 1e-14, "{condition} {by_hand}");
+    }
+
+    /// A product of a tall and a wide matrix has one null vector on either side.
+    #[test]
+    fn null_vectors_of_a_singular_matrix() {
+        let mut random = vibrochain_testkit::Random(3);
+        for size in [2, 3, 4, 6, 12] {
+            let mut entry = || C::new(random.unit() - 0.5, random.unit() - 0.5);
+            let (tall, wide): (Vec<C>, Vec<C>) = (0..size * (size - 1)).map(|_| (entry(), entry())).unzip();
+            let inner = size - 1;
+            let matrix: Vec<C> = (0..size * size)
+                .map(|at| (0..inner).map(|k| tall[at / size * inner + k] * wide[k * size + at % size]).sum())
+                .collect();
+            let mut factored = matrix.clone();
+            let factors = eliminate(&mut factored, size, Pivots::Full).unwrap();
+            let [x, y] = Factors::null_vectors(&factored, size);
+            let length = |v: &[C]| v.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+            let allowed = 1e-13 * length(&x) * length(&y);
+            for i in 0..size {
+                let left: C = (0..size).map(|j| x[j] * matrix[factors.rows[j] * size + i]).sum();
+                let right: C = (0..size).map(|j| matrix[i * size + factors.columns[j]] * y[j]).sum();
+                assert!(left.norm() < allowed && right.norm() < allowed, "{size}: {left} {right}");
+            }
+        }
     }
 }

@@ -9,18 +9,22 @@
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
-//! | `balance` | a multiplier settled by the impacts' own equations, and its error |
+//! | `impact_matrix` | K̂: what all of them are the determinant of |
+//! | `other_modes` | K̂ at the poles |
+//! | `settle` | a multiplier settled by the impacts' own equations, and its error |
 //! | `meetings` | which multipliers of elastic impacts may have met on the circle |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
 //! | `labels` | the mode that a multiplier is next to |
-//! | `large`, `cauchy`, `window`, `missing`, `large_verdict` | the same for large rings in O(M) |
+//! | `large`, `cauchy`, `window`, `missing` | the same for large rings in O(M) |
+//! | `by_roots` | the verdict from all ν |
 //! | `forced_large`, `circle`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
+//! | `search` | zeros of a large ring next to poles and anywhere else, for both |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
 //! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
 
 mod aberth;
-mod balance;
+mod by_roots;
 mod cauchy;
 mod circle;
 mod double_sided;
@@ -33,20 +37,23 @@ mod forced_roots;
 mod forced_verdict;
 mod gap;
 mod growth;
+mod impact_matrix;
 mod labels;
 mod large;
-mod large_verdict;
 mod leaf;
 mod linear;
 mod meetings;
 mod missing;
 mod modes;
+mod other_modes;
 mod pair;
 mod pole;
 mod rational;
 mod residues;
 mod root;
 mod roots;
+mod search;
+mod settle;
 mod shapes;
 mod single_sided;
 mod verdict;
@@ -59,6 +66,7 @@ pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;
 pub(crate) use forced_verdict::Leading;
 pub(crate) use growth::excess;
+pub(crate) use impact_matrix::ImpactMatrix;
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
 pub use residues::Residues;

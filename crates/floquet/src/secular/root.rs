@@ -28,15 +28,9 @@ pub(crate) struct Roots {
     pub(crate) touching: Vec<Touching>,
     pub(crate) values: Vec<Complex<f64>>,
     pub(crate) errors: Vec<f64>,
-    pub(super) unknown: Vec<Complex<f64>>,
 }
 
 impl Roots {
-    pub(super) fn push(&mut self, value: Complex<f64>, error: f64) {
-        self.values.push(value);
-        self.errors.push(error);
-    }
-
     pub(super) fn real(&mut self, place: usize, t: f64, error: f64) {
         self.list.push(Root { place, t: Complex::new(t, 0.0), error });
     }

@@ -1,13 +1,13 @@
-//! All roots ν of F: real ones from their brackets, complex ones by Newton from the lowest points of |F|, and what is
-//! missing then by Ehrlich and Aberth's simultaneous iteration with the known ones divided out.
+//! All roots ν of F: real ones from their brackets, and what is missing then by searches with the known ones divided out.
 
 use nalgebra::Complex;
 
 use super::doubt::Doubt;
 use super::gap::{beyond, lowest, lowest_within, root};
-use super::pair::{Pair, Suspect, from_suspects};
+use super::missing::seek;
+use super::pair::Suspect;
 use super::residues::Residues;
-use super::root::{Root, Roots, Touching};
+use super::root::{Root, Touching};
 use super::verdict::Secular;
 use vibrochain_breather::lanes::Lane;
 
@@ -54,7 +54,7 @@ impl Secular {
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), Doubt> {
-        let Self { residues: form, distances: scratch, suspects, pairs, roots, missing } = self;
+        let Self { residues: form, distances: scratch, suspects, roots, search, .. } = self;
         roots.values.clear();
         roots.errors.clear();
         roots.list.clear();
@@ -125,20 +125,12 @@ impl Secular {
                 roots.real(place, end * (delta + room), local.root_error(delta));
             }
         }
-        if roots.list.len() < wanted && large {
-            missing.search(form, roots, suspects, wanted, scratch);
-        } else if roots.list.len() < wanted {
-            from_suspects(form, suspects, (wanted - roots.list.len()) / 2, scratch, pairs);
-            for &Pair { place, t, error } in pairs.iter() {
-                roots.list.extend([t, t.conj()].map(|t| Root { place, t, error }));
-            }
+        if roots.list.len() < wanted {
+            seek(search, form, roots, suspects, wanted);
         }
         for Root { place, t, error } in &roots.list {
             roots.values.push(form.nu(*place, *t).complex());
             roots.errors.push(*error);
-        }
-        if roots.values.len() < wanted && !large {
-            roots.simultaneous(form, scratch, wanted);
         }
         let found = roots.values.len();
         if found != wanted {
@@ -153,91 +145,5 @@ impl Secular {
         // Against the roots themselves: residues that cancel would let anything pass.
         let passes = defect <= allowed.max(1e-9 * wanted as f64);
         if passes { Ok(()) } else { Err(Doubt::Certificate { defect, allowed }) }
-    }
-}
-
-impl Roots {
-    /// Ehrlich–Aberth for the roots still missing. They are added if the iteration settles.
-    fn simultaneous(&mut self, form: &Residues, scratch: &mut Vec<Lane>, wanted: usize) {
-        let missing = wanted - self.values.len();
-        let one = Complex::new(1.0, 0.0);
-        scratch.clear();
-        scratch.extend(form.poles.iter().map(|lane| lane.map(|d| -d)));
-        let known_sum: Complex<f64> = self.values.iter().sum();
-        let centre = (form.sum_of_roots() - known_sum.re) / missing as f64;
-        let radius = 0.5 + 0.1 * centre.abs();
-        self.unknown.clear();
-        if missing == 2 {
-            // Their sum is known, and their product from the value of F at one point.
-            let (z, sum) = (3.0, 2.0 * centre);
-            let value = form.about(scratch).value(z);
-            let top: f64 = form.poles().iter().map(|pole| z - pole).product();
-            let bottom: Complex<f64> = self.values.iter().map(|known| z - known).product();
-            let product = (value * top / bottom.re) - z * (z - sum);
-            let root = Complex::new(centre * centre - product, 0.0).sqrt();
-            // Off the axis: on it a pair that is complex after all would never be found.
-            let nudge = Complex::new(0.0, 1e-3 * (1e-3 + root.norm()));
-            self.unknown.extend([centre + root + nudge, centre - root + nudge]);
-        } else {
-            // No symmetry about the real axis: pairs may turn out real.
-            let turn = std::f64::consts::TAU / missing as f64;
-            self.unknown.extend((0..missing).map(|i| centre + Complex::from_polar(radius, 0.7 + turn * i as f64)));
-        }
-        for _ in 0..60 {
-            let mut largest = 0.0_f64;
-            for i in 0..missing {
-                let z = self.unknown[i];
-                let (value, slope) = form.about(scratch).complex(z);
-                // Logarithmic derivative of the numerator, the known roots divided out.
-                let mut log = slope / value;
-                for pole in form.poles() {
-                    log += one / (z - pole);
-                }
-                for known in &self.values {
-                    log -= one / (z - known);
-                }
-                for (j, other) in self.unknown.iter().enumerate() {
-                    if j != i {
-                        log -= one / (z - other);
-                    }
-                }
-                let step = log.inv();
-                if step.re.is_finite() && step.im.is_finite() {
-                    self.unknown[i] = z - step;
-                    largest = largest.max(step.norm() / (1.0 + z.norm()));
-                }
-            }
-            // Of third order: the next step would be lost in rounding.
-            if largest < 1e-9 {
-                break;
-            }
-        }
-        let local = form.about(scratch);
-        let found = self.values.len();
-        for i in 0..missing {
-            // A last step without the others in the way; one that is not small is no root.
-            let (value, slope) = local.complex(self.unknown[i]);
-            let step = value / slope;
-            let z = self.unknown[i] - step;
-            let error = 4.0 * local.noise(z) / local.complex(z).1.norm();
-            if !(step.norm() < (1e-7 * (1.0 + z.norm())).max(error) && error < 1e-3 * (1.0 + z.norm())) {
-                continue;
-            }
-            // Real is what F says is real, by a change of sign within rounding; two roots too close to be told apart may be
-            // off the axis as well as on it and stay where the iteration left them.
-            let reach = 8.0 * f64::EPSILON * (1.0 + z.norm());
-            let crosses = || (local.value(z.re - reach) > 0.0) != (local.value(z.re + reach) > 0.0);
-            if z.im.abs() <= reach || (z.im.abs() <= error && crosses()) {
-                self.push(Complex::new(z.re, 0.0), error);
-            } else if z.im > 0.0 {
-                self.push(z, error);
-                self.push(z.conj(), error);
-            }
-        }
-        // Only complete or not at all.
-        if self.values.len() != wanted {
-            self.values.truncate(found);
-            self.errors.truncate(found);
-        }
     }
 }

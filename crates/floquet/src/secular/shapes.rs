@@ -1,11 +1,11 @@
 //! Eigenvectors from the secular form: what a perturbation of known multiplier z looks like, at the cost of a few passes
 //! over the modes.
 //!
-//! Its value y_i = (u, v) at the site just before impact i solves y_i = Σ_j G(t_i−t_j)D_j y_j (see [`super::forced`]): a null
-//! vector of a 2n×2n matrix. Mode k just before the first impact is then what all past impacts made of it,
+//! What impact j does to it, h_j = D_jy_j, is a null vector of K̂(z) (see [`super::impact_matrix`]). Mode k just before the first impact is
+//! then what all past impacts made of it,
 //!
 //! ```text
-//! (x_k, ẋ_k) = b_k Σ_j [ p/(z−p) e^{iΩ(t₁−t_j)} wṽ + conj. ] D_j y_j .
+//! (x_k, ẋ_k) = b_k Σ_j [ p/(z−p) e^{iΩ(t₁−t_j)} wṽ + conj. ] h_j .
 //! ```
 
 use nalgebra::Complex;
@@ -13,9 +13,12 @@ use vibrochain_breather::Orbit;
 use vibrochain_lattice::{ImpulseResponse, RingTransform};
 
 use super::doubt::Doubt;
-use super::forced::MOST_IMPACTS;
+use super::impact_matrix::{ImpactMatrix, Mode};
 
 type C = Complex<f64>;
+
+/// What a multiplier may leave of K̂, as a part of its largest entry.
+const MOST_DEFECT: f64 = 1e-4;
 
 /// The perturbation of a multiplier in normalised even modes (u_site = Σ b_k x_k), just before the first impact.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,78 +57,36 @@ impl ModalShape {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(orbit: &Orbit, response: &ImpulseResponse, multiplier: C) -> Result<Self, Doubt> {
-        let impacts = orbit.impacts();
-        let n = impacts.len();
-        if orbit.impact_site().is_none() || n == 0 || n > MOST_IMPACTS {
+        if orbit.impact_site().is_none() {
             return Err(Doubt::NotReversible);
         }
-        let (frequencies, weights) = (response.frequencies(), response.weights());
-        let (cos, sin) = (response.cos_half(), response.sin_half());
-        let (e, omega, z) = (orbit.model().restitution(), response.omega(), multiplier);
-        // Velocities in units of ω. Entry (u, v) of b² e^{iΩτ}/(1−p/z) wṽ + conj. for a mode; for τ ≤ 0 another p/z.
-        let kernel = |k: usize, tau: f64, later: bool| -> Option<[C; 4]> {
-            let f = frequencies[k];
-            let pole = C::new((cos[k] - sin[k]) * (cos[k] + sin[k]), 2.0 * sin[k] * cos[k]);
-            let turn = C::from_polar(1.0, f * tau);
-            let part = |pole: C, turn: C| {
-                let distance = z - pole;
-                (distance.norm_sqr() > 0.0).then(|| turn * (if later { z } else { pole }) / distance)
-            };
-            let (a, b) = (part(pole, turn)?, part(pole.conj(), turn.conj())?);
-            let (even, odd) = ((a + b) * 0.5, (a - b) * C::new(0.0, 0.5));
-            // sin Ωτ/Ω is what a rigid mode has: odd/Ω stays finite with Ω, but not by this formula.
-            Some([even, -odd * (omega / f), odd * (f / omega), even])
-        };
-        let kick = |j: usize, [u, v]: [C; 2]| {
-            let kappa = (1.0 + e) * impacts[j].acceleration / (impacts[j].velocity_before * omega);
-            [-u * (1.0 + e), u * kappa - v * (1.0 + e)]
-        };
-        let size = 2 * n;
-        let mut matrix = vec![C::default(); size * size];
-        for i in 0..n {
-            for j in 0..n {
-                let tau = impacts[i].time - impacts[j].time;
-                let mut sum = [C::default(); 4];
-                for (k, weight) in weights.iter().enumerate() {
-                    let block = kernel(k, tau, i > j).ok_or(Doubt::Coincident { mode: k })?;
-                    sum.iter_mut().zip(block).for_each(|(sum, entry)| *sum += entry * *weight);
-                }
-                for column in 0..2 {
-                    let mut unit = [C::default(); 2];
-                    unit[column] = C::new(1.0, 0.0);
-                    let [u, v] = kick(j, unit);
-                    matrix[2 * i * size + 2 * j + column] -= sum[0] * u + sum[1] * v;
-                    matrix[(2 * i + 1) * size + 2 * j + column] -= sum[2] * u + sum[3] * v;
-                }
-            }
-            for a in 0..2 {
-                matrix[(2 * i + a) * size + 2 * i + a] += 1.0;
-            }
+        let mut matrix = ImpactMatrix::default();
+        matrix.set(orbit, response);
+        let (z, omega) = (multiplier, response.omega());
+        let at_pole = |(mode, one): (usize, &Mode)| one.distances(z).is_none().then_some(mode);
+        if let Some(mode) = matrix.modes.iter().enumerate().find_map(at_pole) {
+            return Err(Doubt::Coincident { mode });
         }
-        let dense = nalgebra::DMatrix::from_row_slice(size, size, &matrix);
-        let failed = Doubt::Incomplete { found: 0, wanted: 1 };
-        let svd = nalgebra::SVD::try_new(dense, false, true, f64::EPSILON, 1000).ok_or(failed)?;
-        let v_t = svd.v_t.ok_or(failed)?;
-        let (least, defect) = svd.singular_values.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).ok_or(failed)?;
-        let allowed = 1e-4 * svd.singular_values.iter().copied().fold(0.0, f64::max);
+        let singular = matrix.null_vectors(z).ok_or(Doubt::Incomplete { found: 0, wanted: 1 })?;
         // Not a number is no multiplier, either.
-        if defect.is_nan() || *defect > allowed {
-            return Err(Doubt::Certificate { defect: *defect, allowed });
+        if singular.defect.is_nan() || singular.defect > MOST_DEFECT {
+            return Err(Doubt::Certificate { defect: singular.defect, allowed: MOST_DEFECT });
         }
-        let hits: Vec<[C; 2]> =
-            (0..n).map(|j| kick(j, [v_t[(least, 2 * j)].conj(), v_t[(least, 2 * j + 1)].conj()])).collect();
-        let modes = weights.len();
-        let (mut displacement, mut velocity) = (vec![C::default(); modes], vec![C::default(); modes]);
-        let first = impacts[0].time;
-        for k in 0..modes {
-            for (impact, [u, v]) in impacts.iter().zip(&hits) {
-                let block = kernel(k, first - impact.time, false).ok_or(Doubt::Coincident { mode: k })?;
-                displacement[k] += block[0] * u + block[1] * v;
-                velocity[k] += block[2] * u + block[3] * v;
+        let mut displacement = Vec::with_capacity(matrix.modes.len());
+        let mut velocity = displacement.clone();
+        for (k, (mode, waves)) in matrix.modes.iter().zip(matrix.waves.chunks_exact(matrix.impacts)).enumerate() {
+            let [(plus, _), (minus, _)] = mode.distances(z).ok_or(Doubt::Coincident { mode: k })?;
+            let (mut x, mut v) = (C::default(), C::default());
+            for (wave, hit) in waves.iter().zip(matrix.right.chunks_exact(2)) {
+                let (a, b) = (mode.pole * plus * wave.conj(), mode.pole.conj() * minus * wave);
+                let (even, odd) = ((a + b) * 0.5, (a - b) * C::new(0.0, 0.5));
+                // sin Ωτ/Ω is what a rigid mode has: odd/Ω stays finite with Ω, but not by this formula.
+                x += even * hit[0] - odd * hit[1] / mode.ratio;
+                v += odd * hit[0] * mode.ratio + even * hit[1];
             }
-            let b = weights[k].sqrt();
-            displacement[k] *= b;
-            velocity[k] *= b;
+            let b = mode.weight.sqrt();
+            displacement.push(x * b);
+            velocity.push(v * b);
         }
         let norm: f64 = displacement.iter().chain(&velocity).map(|z| z.norm_sqr()).sum();
         let scale = if norm > 0.0 { norm.sqrt().recip() } else { 1.0 };

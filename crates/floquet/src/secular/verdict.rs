@@ -7,7 +7,7 @@
 //!   is stable however close its poles are.
 //! - Otherwise each gap of opposite signatures may hide a pair: the least |F| in it decides. (A gap without roots means
 //!   nothing by itself: a root may have crossed a pole.)
-//! - If roots are still missing they are complex: Newton from the lowest points, then all roots at once.
+//! - If roots are still missing they are complex: Newton from the lowest points, then all roots, see `by_roots`.
 //!
 //! The count is the certificate: no search that fails can pass for an answer.
 
@@ -18,10 +18,10 @@ use vibrochain_lattice::ImpulseResponse;
 use super::doubt::Doubt;
 use super::gap::{Lowest, beyond, lowest};
 use super::growth::{Nu, multiplier, outside};
-use super::missing::Missing;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
 use super::root::{Root, Roots};
+use super::search::Search;
 use vibrochain_breather::lanes::Lane;
 
 /// What the secular function says.
@@ -112,7 +112,7 @@ pub struct Secular {
     pub(crate) suspects: Vec<Suspect>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) roots: Roots,
-    pub(super) missing: Missing,
+    pub(super) search: Search,
 }
 
 /// The most unstable multiplier so far.
@@ -147,14 +147,9 @@ impl Secular {
     pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, Doubt> {
         self.solve()?;
         let form = &self.residues;
-        let large = !form.leaves.is_empty();
-        let offset = |root: &Root| form.nu(root.place, root.t);
-        let both = |(i, (nu, error)): (usize, (&Complex<f64>, &f64))| {
-            // A large ring's roots are kept as offsets from poles that are known from ±1 as well.
-            let nu = match self.roots.list.get(i).filter(|_| large) {
-                Some(root) => offset(root),
-                None => near_end(form, *nu, *error),
-            };
+        let both = |root: &Root| {
+            // Roots are kept as offsets from poles that are known from ±1 as well.
+            let nu = form.nu(root.place, root.t);
             if nu.im == 0.0 && nu.below <= 0.0 && nu.above >= 0.0 {
                 let on_circle = Complex::new(nu.complex().re, (-nu.below * nu.above).sqrt());
                 return [on_circle, on_circle.conj()];
@@ -162,7 +157,7 @@ impl Secular {
             let large = multiplier(&nu);
             [large, large.inv()]
         };
-        Ok(self.roots.values.iter().zip(&self.roots.errors).enumerate().flat_map(both).collect())
+        Ok(self.roots.list.iter().flat_map(both).collect())
     }
 
     /// Poles, residues, signatures.
@@ -273,33 +268,11 @@ impl Secular {
         if counted != wanted {
             // All roots at once know nothing of signs that are lost in rounding.
             let lost = marginal.is_some();
-            return if lost { Err(Doubt::Incomplete { found: counted, wanted }) } else { self.last_resort() };
+            return match lost {
+                true => Err(Doubt::Incomplete { found: counted, wanted }),
+                false => self.judge_all_roots(None, None, f64::INFINITY),
+            };
         }
-        assemble(leading, marginal, clearance, WORST)
-    }
-
-    /// The last resort: all roots at once.
-    fn last_resort(&mut self) -> Result<SecularVerdict, Doubt> {
-        self.solve()?;
-        let mut leading: Option<Leading> = None;
-        let mut marginal: Option<Leading> = None;
-        for (nu, error) in self.roots.values.iter().zip(&self.roots.errors) {
-            let nu = Nu::of(*nu);
-            let growth = nu.growth();
-            if growth == 0.0 || nu.im < 0.0 {
-                continue;
-            }
-            let error = nu.growth_error(growth, error + f64::EPSILON);
-            let reason = if nu.im == 0.0 { Reason::RealRoot } else { Reason::ComplexPair };
-            let this = Leading { nu, growth, error, reason };
-            if error < growth {
-                leading = most(leading, this);
-            } else {
-                marginal = most(marginal, Leading { reason: Reason::Tangency, ..this });
-            }
-        }
-        let distance = |nu: &Complex<f64>| if nu.im == 0.0 { (nu.re.abs() - 1.0).abs() } else { nu.im.abs() };
-        let clearance = self.roots.values.iter().map(distance).fold(f64::INFINITY, f64::min);
         assemble(leading, marginal, clearance, WORST)
     }
 }
@@ -342,34 +315,8 @@ pub(super) fn assemble(
     }
 }
 
-/// A root next to ±1 by its distance from there: μ goes with the root of it, which ν itself no longer holds.
-fn near_end(form: &Residues, nu: Complex<f64>, error: f64) -> Nu {
-    let (end, distances) = if nu.re > 0.0 { (1.0, &form.below_one) } else { (-1.0, &form.above_minus_one) };
-    let from = Complex::new(end * nu.re - 1.0, end * nu.im);
-    if from.norm() > NEAR_END {
-        return Nu::of(nu);
-    }
-    let local = form.about(distances);
-    let mut offset = from;
-    for _ in 0..4 {
-        let (value, slope) = local.complex(offset);
-        offset -= value / slope;
-    }
-    // Newton from a root rounded to ε stays there, or it has gone to another one.
-    let settled = (offset - from).norm() <= 4.0 * f64::EPSILON + error;
-    let offset = if settled { offset } else { from };
-    let im = if nu.im == 0.0 { 0.0 } else { end * offset.im };
-    match end > 0.0 {
-        true => Nu { below: offset.re, above: 2.0 + offset.re, im },
-        false => Nu { below: -2.0 - offset.re, above: -offset.re, im },
-    }
-}
-
-/// Distance from ±1 within which a root is worked out once more: beyond it 1 ∓ ν has lost no more than three digits.
-const NEAR_END: f64 = 1e-3;
-
 /// The largest error of a growth, in units of the multiplier, that is worth an answer: a dense solver's.
-const WORST: f64 = 1e-5;
+pub(super) const WORST: f64 = 1e-5;
 
 /// How far off the real axis a pair could be whose least |F| is lost in its error.
 pub(super) fn tangency(low: &Lowest) -> f64 {

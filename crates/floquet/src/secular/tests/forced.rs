@@ -11,7 +11,7 @@ use crate::secular::{ForcedSecular, ModalShape, Outcome, OutsideCounter, Secular
 use crate::verdict::{Method, Tolerance};
 
 /// A random forced orbit's dense multipliers on the even subspace.
-fn forced_cases(
+pub(super) fn forced_cases(
     seed: u64,
     cases: usize,
     family: Family,

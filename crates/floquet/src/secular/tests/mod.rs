@@ -2,6 +2,7 @@
 //! impulse response.
 
 mod forced;
+mod impact_matrix;
 mod large;
 mod reversible;
 

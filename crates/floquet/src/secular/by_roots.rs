@@ -1,5 +1,5 @@
-//! The verdict on a large ring, from all of its roots: with the known ones nearby divided out they cost less than a search for
-//! those off the axis alone would.
+//! The verdict from all roots: where signs and searches from the lowest points leave some open, and for large rings, where with the known ones
+//! nearby divided out all of them cost less than a search for those off the axis alone would.
 //!
 //! Among thousands of poles some always meet so closely that their residues are as good as lost. The roots are those of F as
 //! it has been worked out, complete; what errors of the residues could make of them is told apart: a pair that may have met
@@ -10,7 +10,7 @@ use nalgebra::Complex;
 use super::doubt::Doubt;
 use super::gap::Lowest;
 use super::root::{Root, Touching};
-use super::verdict::{Leading, Outcome, Reason, Secular, SecularVerdict, assemble, most, tangency};
+use super::verdict::{Leading, Outcome, Reason, Secular, SecularVerdict, WORST, assemble, most, tangency};
 
 impl Touching {
     pub(crate) fn new(gap: usize, low: &Lowest) -> Self {
@@ -50,7 +50,8 @@ impl Secular {
             let growth = nu.growth();
             marginal = most(marginal, Leading { nu, growth, error: growth, reason: Reason::Tangency });
         }
-        let verdict = assemble(leading, marginal, clearance, f64::INFINITY)?;
+        let worst = if form.leaves.is_empty() { WORST } else { f64::INFINITY };
+        let verdict = assemble(leading, marginal, clearance, worst)?;
         match unknown {
             Some(mode) if verdict.outcome == Outcome::Stable => Err(Doubt::Signature { mode }),
             _ => Ok(verdict),

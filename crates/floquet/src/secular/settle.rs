@@ -1,13 +1,13 @@
 //! A multiplier held against the impacts' own equations, and how wrong it can be.
 //!
 //! Residues next to coincident poles are large and cancel, and sums over the moduli of their errors say next to nothing: an error of
-//! one pole changes two residues at once. The equations K̂(z)y = 0 (see [`super::forced`]) know of no such thing. With x, y the
+//! one pole changes two residues at once. The equations K̂(z)y = 0 (see [`super::impact_matrix`]) know of no such thing. With x, y the
 //! null vectors, a first-order change of K̂ moves z by −xᵀδK̂y/xᵀK̂′y, and all of K̂ but its diagonal is a sum of dyads:
 //!
 //! ```text
 //! xᵀK̂y = Σ b² [p/(z−p) AC + Σ_{i>j} a_i c_j] + conj. + Σ_i [½(q+1) x_i·y_i + κ'_i x_{v,i} y_{u,i}]
 //!      = Σ b² [z/(z−p) AC − Σ_{i<j} a_i c_j] + conj. + Σ_i [½(q−1) x_i·y_i + κ'_i x_{v,i} y_{u,i}],
-//! xᵀK̂′y = −Σ b² p/(z−p)² AC + conj.,   a_i = e^{iΩt_i}(x_i·w),  c_j = e^{−iΩt_j}(ṽ·y_j),  A = Σa_i,  C = Σc_j,
+//! xᵀK̂′y = −Σ b² p/(z−p)² AC + conj.,   a_i = φ_ie^{iΩt_i}(x_i·w),  c_j = φ_je^{−iΩt_j}(ṽ·y_j),  A = Σa_i,  C = Σc_j,
 //! ```
 //!
 //! the first form outside the circle and the second one inside, where nothing is left of them as z → ∞ and z → 0;
@@ -15,10 +15,10 @@
 //! order. As −xᵀK̂y/xᵀK̂′y is a step of Newton's method besides, the multiplier is settled on the way.
 
 use nalgebra::Complex;
-use smallvec::SmallVec;
-use vibrochain_lattice::ImpulseResponse;
+use smallvec::{SmallVec, smallvec};
 
-use super::forced::MOST_IMPACTS;
+use super::impact_matrix::{ImpactMatrix, Mode};
+use super::linear::{Factors, Pivots, eliminate};
 
 type C = Complex<f64>;
 
@@ -50,35 +50,14 @@ pub(crate) struct Settled {
     pub(crate) data: f64,
 }
 
-/// The equations of one orbit; also the work space.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Balance {
-    impacts: usize,
-    half_loss: f64,
-    /// κ'_i/ω
-    kappas: Vec<f64>,
-    /// Longest time since the first impact.
-    longest: f64,
-    modes: Vec<Mode>,
-    /// e^{iΩ(t_i−t_1)}: [mode][impact]
-    turns: Vec<C>,
-    matrix: Vec<C>,
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    scales: Vec<f64>,
-    left: Vec<C>,
-    right: Vec<C>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Mode {
-    pole: C,
-    weight: f64,
-    frequency: f64,
-    /// Ω/ω
-    ratio: f64,
-    /// Of the pole.
-    error: f64,
+/// How singular K̂ is, in units that make it as even as can be.
+pub(super) struct Singular {
+    /// A norm of |x||K̂||y|.
+    norm: f64,
+    /// The last pivot but one, to the scale of |x||y|.
+    second: f64,
+    /// The last pivot, as a part of the largest entry.
+    pub(super) defect: f64,
 }
 
 /// xᵀK̂y, xᵀK̂′y and bounds of their errors, the last of the former from the orbit's data.
@@ -90,37 +69,12 @@ struct Product {
     data: f64,
 }
 
-impl Balance {
-    /// Takes over an orbit's times, saltations κ' and losses q. `response` is that of its chain and frequency.
-    pub(crate) fn set(&mut self, (times, kappas): (&[f64], &[f64]), q: f64, response: &ImpulseResponse) {
-        let omega = response.omega();
-        self.impacts = times.len();
-        self.half_loss = 0.5 * q;
-        self.kappas.clear();
-        self.kappas.extend(kappas.iter().map(|kappa| kappa / omega));
-        let first = times.first().copied().unwrap_or(0.0);
-        self.longest = times.iter().map(|t| t - first).fold(0.0, f64::max);
-        self.modes.clear();
-        self.turns.clear();
-        let halves = response.cos_half().iter().zip(response.sin_half());
-        for ((f, weight), (c, s)) in response.frequencies().iter().zip(response.weights()).zip(halves) {
-            self.modes.push(Mode {
-                pole: C::new((c - s) * (c + s), 2.0 * s * c),
-                weight: *weight,
-                frequency: *f,
-                ratio: f / omega,
-                // The phase carries a relative error of 2ε.
-                error: f64::EPSILON * (2.0 + 2.0 * f * response.period()),
-            });
-            self.turns.extend(times.iter().map(|t| C::from_polar(1.0, f * (t - first))));
-        }
-    }
-
+impl ImpactMatrix {
     /// The multiplier next to `start`; `None` where first order is not enough.
     pub(crate) fn settle(&mut self, start: C, data: &[Origin]) -> Option<Settled> {
         let mut z = start;
         for _ in 0..STEPS {
-            let (norm, second) = self.null_vectors(z)?;
+            let Singular { norm, second, .. } = self.null_vectors(z)?;
             let Product { value, slope, value_error, slope_error, data } = self.product(z, data)?;
             // Errors of x and y, of both at once.
             let off = 16.0 * f64::EPSILON * norm;
@@ -146,89 +100,34 @@ impl Balance {
         None
     }
 
-    /// x and y, on a scale of their own, by elimination with full pivoting. Returns a norm of |x||K̂||y| and the last pivot but one,
-    /// to the scale of |x||y|.
-    fn null_vectors(&mut self, z: C) -> Option<(f64, f64)> {
+    /// Works out K̂(z) and its null vectors x and y, `left` and `right`, on a scale of their own.
+    pub(super) fn null_vectors(&mut self, z: C) -> Option<Singular> {
         let size = 2 * self.impacts;
         self.fill(z)?;
         self.balance_scales(size);
-        let matrix = &mut self.matrix;
-        let largest_entry = matrix.iter().map(|entry| entry.norm_sqr()).fold(0.0, f64::max).sqrt();
-        self.rows.clear();
-        self.rows.extend(0..size);
-        self.columns.clear();
-        self.columns.extend(0..size);
-        let mut second = 0.0;
-        for step in 0..size - 1 {
-            let (mut at, mut largest) = ((step, step), -1.0);
-            for row in step..size {
-                for column in step..size {
-                    let modulus = matrix[row * size + column].norm_sqr();
-                    if modulus > largest {
-                        (at, largest) = ((row, column), modulus);
-                    }
-                }
-            }
-            // Not a number is no pivot, either.
-            let sound = largest > 0.0;
-            if !sound {
-                return None;
-            }
-            second = largest.sqrt();
-            if at.0 != step {
-                self.rows.swap(at.0, step);
-                for column in 0..size {
-                    matrix.swap(at.0 * size + column, step * size + column);
-                }
-            }
-            if at.1 != step {
-                self.columns.swap(at.1, step);
-                for row in 0..size {
-                    matrix.swap(row * size + at.1, row * size + step);
-                }
-            }
-            let inverse = matrix[step * size + step].inv();
-            for row in step + 1..size {
-                let factor = matrix[row * size + step] * inverse;
-                matrix[row * size + step] = factor;
-                for column in step + 1..size {
-                    let above = matrix[step * size + column];
-                    matrix[row * size + column] -= factor * above;
-                }
-            }
-        }
-        // U y = 0 and xᵀL = (0 … 0 1), the last pivot left out.
-        self.left.clear();
-        self.left.resize(size, C::default());
-        self.right.clear();
-        self.right.resize(size, C::default());
-        let (mut x, mut y) = ([C::default(); 2 * MOST_IMPACTS], [C::default(); 2 * MOST_IMPACTS]);
-        (x[size - 1], y[size - 1]) = (C::new(1.0, 0.0), C::new(1.0, 0.0));
-        for i in (0..size - 1).rev() {
-            for j in i + 1..size {
-                let (a, b) = (matrix[j * size + i] * x[j], matrix[i * size + j] * y[j]);
-                x[i] -= a;
-                y[i] -= b;
-            }
-            y[i] *= matrix[i * size + i].inv();
-        }
+        let largest = self.entries.iter().map(|entry| entry.norm_sqr()).fold(0.0, f64::max).sqrt();
+        let factors = eliminate(&mut self.entries, size, Pivots::Full)?;
+        let pivot = |i: usize| self.entries[i * size + i].norm_sqr().sqrt();
+        let (second, last) = (pivot(size - 2), pivot(size - 1));
+        let [x, y] = Factors::null_vectors(&self.entries, size);
         let length = |v: &[C]| v.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
         let scale = length(&x) * length(&y);
+        for vector in [&mut self.left, &mut self.right] {
+            vector.clear();
+            vector.resize(size, C::default());
+        }
         for i in 0..size {
-            self.left[self.rows[i]] = x[i];
-            self.right[self.columns[i]] = y[i];
+            let (row, column) = (factors.rows[i], factors.columns[i]);
+            self.left[row] = x[i] / self.scales[row];
+            self.right[column] = y[i] * self.scales[column];
         }
-        for (i, scale) in self.scales.iter().enumerate() {
-            self.left[i] /= scale;
-            self.right[i] *= scale;
-        }
-        Some((largest_entry * size as f64 * scale, second * scale))
+        Some(Singular { norm: largest * size as f64 * scale, second: second * scale, defect: last / largest })
     }
 
     /// Units in which rows and columns of one number are alike (as before a dense eigenvalue problem): neither stiff saltations nor
     /// soft answers, nor what far-off multipliers do to the order of impacts, stand out then.
     fn balance_scales(&mut self, size: usize) {
-        let Self { matrix, scales, .. } = self;
+        let Self { entries: matrix, scales, .. } = self;
         scales.clear();
         scales.resize(size, 1.0);
         for _ in 0..if size > 2 { 3 } else { 1 } {
@@ -250,53 +149,14 @@ impl Balance {
         }
     }
 
-    /// ½(q ± 1)
-    fn even(&self, outside: bool) -> f64 {
-        if outside { self.half_loss + 0.5 } else { self.half_loss - 0.5 }
-    }
-
-    /// K̂(z).
-    fn fill(&mut self, z: C) -> Option<()> {
-        let n = self.impacts;
-        let size = 2 * n;
-        let outside = z.norm_sqr() >= 1.0;
-        self.matrix.clear();
-        self.matrix.resize(size * size, C::default());
-        for (mode, turns) in self.modes.iter().zip(self.turns.chunks_exact(n)) {
-            let [(plus, _), (minus, _)] = mode.distances(z)?;
-            let (up, down) = (0.5 / mode.ratio, 0.5 * mode.ratio);
-            for i in 0..n {
-                for j in 0..n {
-                    let factor = |pole: C| if i > j || (i == j && !outside) { z } else { pole };
-                    let turn = turns[i] * turns[j].conj();
-                    let forth = factor(mode.pole) * plus * turn * mode.weight;
-                    let back = factor(mode.pole.conj()) * minus * turn.conj() * mode.weight;
-                    let (even, odd) = ((forth + back) * 0.5, (forth - back) * C::new(0.0, 1.0));
-                    let at = 2 * i * size + 2 * j;
-                    self.matrix[at] += even;
-                    self.matrix[at + size + 1] += even;
-                    self.matrix[at + 1] -= odd * up;
-                    self.matrix[at + size] += odd * down;
-                }
-            }
-        }
-        let even = self.even(outside);
-        for (i, kappa) in self.kappas.iter().enumerate() {
-            let at = 2 * i * size + 2 * i;
-            self.matrix[at] += even;
-            self.matrix[at + size + 1] += even;
-            self.matrix[at + size] += *kappa;
-        }
-        Some(())
-    }
-
     /// The products with the null vectors last found.
     fn product(&self, z: C, data: &[Origin]) -> Option<Product> {
         const EPSILON: f64 = f64::EPSILON;
         let n = self.impacts;
         let mut out =
             Product { value: C::default(), slope: C::default(), value_error: 0.0, slope_error: 0.0, data: 0.0 };
-        let mut slides = [C::default(); MOST_IMPACTS];
+        let mut slides: SmallVec<[C; 8]> = smallvec![C::default(); n];
+        let (mut a, mut c) = (slides.clone(), slides.clone());
         let outside = z.norm_sqr() >= 1.0;
         let loss = self.even(outside);
         let mut sizes = 0.0;
@@ -322,7 +182,7 @@ impl Balance {
             out.value_error += 4.0 * EPSILON * (even_size + odd.norm());
             sizes += even_size + odd.norm();
         }
-        for (mode, turns) in self.modes.iter().zip(self.turns.chunks_exact(n)) {
+        for (mode, waves) in self.modes.iter().zip(self.waves.chunks_exact(n)) {
             let Mode { pole, weight, frequency, ratio, error } = *mode;
             // Moduli of all a and c, relative errors of each.
             let (a_size, c_size) = (x[0] + ratio * x[1], 0.5 * (y[0] + y[1] / ratio));
@@ -331,15 +191,17 @@ impl Balance {
             let [uu, vu, uv, vv] = pairs;
             let ordered_error = relative * (uu + ratio * vu + uv / ratio + vv);
             let distances = mode.distances(z)?;
+            if !distances.iter().all(|(_, near)| error * near < NEAR) {
+                return None;
+            }
             for (sign, pole, (inverse, near)) in [(1.0, pole, distances[0]), (-1.0, pole.conj(), distances[1])] {
-                let (mut a, mut c) = ([C::default(); MOST_IMPACTS], [C::default(); MOST_IMPACTS]);
                 let (mut a_sum, mut c_sum, mut ordered) = (C::default(), C::default(), C::default());
                 let (forth, back) = (C::new(0.0, sign * ratio), C::new(0.0, -sign / ratio));
                 for i in 0..n {
                     let ((xu, xv), (yu, yv)) = (entries(&self.left, i), entries(&self.right, i));
-                    let turn = if sign > 0.0 { turns[i] } else { turns[i].conj() };
-                    a[i] = (xu + forth * xv) * turn;
-                    c[i] = (yu + back * yv) * turn.conj() * 0.5;
+                    let wave = if sign > 0.0 { waves[i] } else { waves[i].conj() };
+                    a[i] = (xu + forth * xv) * wave;
+                    c[i] = (yu + back * yv) * wave.conj() * 0.5;
                     ordered += if outside { a[i] * c_sum } else { -(a_sum * c[i]) };
                     a_sum += a[i];
                     c_sum += c[i];
@@ -385,19 +247,5 @@ impl Balance {
             })
             .sum();
         Some(out)
-    }
-}
-
-impl Mode {
-    /// 1/(z−p) and 1/(z−p̄) and their moduli, unless the pole's error counts.
-    fn distances(&self, z: C) -> Option<[(C, f64); 2]> {
-        let inverse = |pole: C| {
-            let distance = z - pole;
-            let square = distance.norm_sqr();
-            let near = square.sqrt().recip();
-            // Not a number is too near, too.
-            (self.error * near < NEAR).then(|| (distance.conj() / square, near))
-        };
-        Some([inverse(self.pole)?, inverse(self.pole.conj())?])
     }
 }
