@@ -69,6 +69,36 @@ fn forced() -> String {
     SCENE.replace("sites = 11", "sites = 11\nforcing = { amplitude = 0.1, restitution = 0.9 }")
 }
 
+/// What a manifest says of its scene is the scene; and its model may be pasted into one.
+#[test]
+fn a_manifest_is_a_scene() {
+    let desk = Desk::new();
+    let harmonics = "force = [{ harmonic = 1, amplitude = 0.1 }, { harmonic = 3, amplitude = 0.02, phase = 1.0 }]";
+    let small = |text: &str| text.replace("points = 40", "points = 7").replace("points = 30", "points = 3");
+    let harmonics = format!("sites = 11\n{harmonics}\nrestitution = 0.9");
+    let third = SCENE.replace(
+        "points = 30 }",
+        "points = 30, spacing = 'linear' }\naxes = [{ parameter = 'amplitude', values = [0.1, 0.2] }]",
+    );
+    let third = third.replace("asymmetry = 0.4", "asymmetry = 0.4\nrestitution = 0.8");
+    for text in [SCENE.to_owned(), forced(), SCENE.replace("sites = 11", &harmonics), third] {
+        sweep(&desk, &desk.scene(&small(&text)), &["--threshold", "1e-3"]).success();
+        let manifest = desk.path("map.manifest.json");
+        let (table, first) = (fs::read(desk.path("map.csv")).unwrap(), fs::read(&manifest).unwrap());
+        fs::write(desk.path("again.json"), first).unwrap();
+        mapgen(&["sweep"]).arg(desk.path("again.json")).arg("--out").arg(desk.path("again.csv")).assert().success();
+        assert_eq!(fs::read(desk.path("again.csv")).unwrap(), table, "{text}");
+        // The model alone, as `key = value`.
+        let manifest: Value = serde_json::from_slice(&fs::read(manifest).unwrap()).unwrap();
+        let line = |(key, value): (&String, &Value)| format!("{key} = {}\n", value.to_string().replace("\":", "\"="));
+        let model: String = manifest["model"].as_object().unwrap().iter().map(line).collect();
+        let text = small(&text);
+        let sweep_part = &text[text.find("[sweep]").unwrap()..];
+        sweep(&desk, &desk.scene(&format!("[model]\n{model}{sweep_part}")), &["--threshold", "1e-3"]).success();
+        assert_eq!(fs::read(desk.path("map.csv")).unwrap(), table, "{model}");
+    }
+}
+
 #[test]
 fn threads_do_not_change_a_byte() {
     let desk = Desk::new();
@@ -148,7 +178,12 @@ fn wrong_scenes() {
         ("gamma1 = 0.2", "gamma1 = 0.2\ngamma2 = 0.1".into(), "5:10: gamma2 is given twice"),
         ("asymmetry = 0.4", "asymmetry = 1.0".into(), "asymmetry = 1 is out of range: give a number from 0 up to"),
         ("asymmetry = 0.4", "asymmetry = \"0.4\"".into(), "string \"0.4\" is not a number"),
-        ("sites = 11", forcing("amplitude = 0.1"), "restitution is missing: set it in [model] forcing"),
+        ("sites = 11", forcing("amplitude = 0.1"), "restitution is missing: set it in [model]"),
+        (
+            "sites = 11",
+            format!("{}\namplitude = 0.2", forcing("amplitude = 0.1, restitution = 0.5")),
+            "amplitude is given twice, in [model] and in forcing",
+        ),
         (
             "sites = 11",
             forcing("amplitude = 0.1, restitution = 1.5"),

@@ -83,12 +83,9 @@ mod tests {
             for j in 0..m {
                 let expected = (std::f64::consts::TAU * j as f64 / m as f64).cos();
                 assert!((ring.shape(1, j) - expected).abs() < 2e-15, "{j}/{m}");
-<<<<<<< HEAD
                 assert!((ring.defect(1, j) - (1.0 - expected)).abs() < 2e-15, "{j}/{m}");
-=======
                 let expected = (std::f64::consts::TAU * j as f64 / m as f64).sin();
                 assert!((ring.sine(1, j) - expected).abs() < 2e-15, "{j}/{m}");
->>>>>>> kmatrix
             }
         }
         let ring = RingCosines::new(21);

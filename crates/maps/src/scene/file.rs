@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use serde::Deserialize;
+use serde_json::{Map, Value};
 use toml::Spanned;
 use vibrochain_breather::Family;
 use vibrochain_floquet::Tolerance;
@@ -33,6 +34,8 @@ pub(super) struct ModelTable {
     pub(super) gamma2: Option<Spanned<f64>>,
     pub(super) omega: Option<Spanned<f64>>,
     pub(super) asymmetry: Option<Spanned<f64>>,
+    pub(super) amplitude: Option<Spanned<f64>>,
+    pub(super) restitution: Option<Spanned<f64>>,
     pub(super) forcing: Option<ForcingTable>,
     pub(super) force: Option<Spanned<Vec<HarmonicTable>>>,
 }
@@ -85,6 +88,40 @@ impl SweepTable {
         let axes: Vec<_> = self.x.iter().chain(&self.y).chain(&self.axes).collect();
         Ok(axes)
     }
+}
+
+impl ModelTable {
+    /// Amplitude and restitution, wherever they stand.
+    pub(super) fn driving(&self, source: &Source<'_>) -> Result<[Option<&Spanned<f64>>; 2], MapError> {
+        let table = self.forcing.as_ref();
+        let [amplitude, restitution] = [
+            ("amplitude", &self.amplitude, table.and_then(|table| table.amplitude.as_ref())),
+            ("restitution", &self.restitution, table.and_then(|table| table.restitution.as_ref())),
+        ]
+        .map(|(name, plain, nested)| match (plain.as_ref(), nested) {
+            (Some(_), Some(nested)) => {
+                let message = format!("{name} is given twice, in [model] and in forcing: remove one of them");
+                Err(source.error(nested.span(), message))
+            }
+            (plain, nested) => Ok(plain.or(nested)),
+        });
+        Ok([amplitude?, restitution?])
+    }
+}
+
+/// The scene that a manifest describes, as the text of a scene file. A scene file itself never begins with a brace.
+pub(super) fn of_manifest(path: &Path, text: &str) -> Result<Option<String>, MapError> {
+    if !text.trim_start().starts_with('{') {
+        return Ok(None);
+    }
+    let wrong = |what: &dyn std::fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));
+    let mut manifest: Map<String, Value> = serde_json::from_str(text).map_err(|error| wrong(&error))?;
+    manifest.retain(|key, value| matches!(key.as_str(), "title" | "model" | "sweep" | "compute") && !value.is_null());
+    // TOML has no null; what is null in a manifest is absent in a scene.
+    for part in manifest.values_mut().filter_map(Value::as_object_mut) {
+        part.retain(|_, value| !value.is_null());
+    }
+    toml::to_string(&manifest).map(Some).map_err(|error| wrong(&error))
 }
 
 impl AxisTable {

@@ -14,7 +14,7 @@ pub use crate::scene::file::{Source, tolerance_from};
 use crate::cell::Task;
 use crate::error::MapError;
 use crate::point::{Parameter, Point};
-use crate::scene::file::File;
+use crate::scene::file::{File, of_manifest};
 use crate::text::read_text;
 
 /// The most cells of one sweep.
@@ -46,7 +46,7 @@ impl Scene {
         Self::parse(path, &read_text("scene", path, MAX_BYTES)?)
     }
 
-    /// Checks a scene's text; `path` is for messages.
+    /// Checks a scene's text, or that of a manifest, whose table it then describes once more; `path` is for messages.
     ///
     /// # Errors
     /// As [`Scene::read`].
@@ -69,6 +69,8 @@ impl Scene {
     /// assert!(Scene::parse(Path::new("map.toml"), &text.replace("0.4,", "-0.4,")).is_err());
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, MapError> {
+        let manifest = of_manifest(path, text)?;
+        let text = manifest.as_deref().unwrap_or(text);
         let source = Source { path, text };
         let file: File = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
         let tables = file.sweep.get_ref().axes(&source)?;
@@ -98,37 +100,36 @@ impl Scene {
             source.error(file.model.sites.span(), message)
         })?;
         let mut base = Point { sites, values: [0.0; 6], force: None };
-        let forcing = file.model.forcing.as_ref();
+        let [amplitude, restitution] = file.model.driving(&source)?;
         let force = file.model.force.as_ref().map(|list| source.force(list)).transpose()?;
         let given = [
-            (Parameter::Gamma1, &file.model.gamma1),
-            (Parameter::Gamma2, &file.model.gamma2),
-            (Parameter::Omega, &file.model.omega),
-            (Parameter::Asymmetry, &file.model.asymmetry),
-            (Parameter::Amplitude, forcing.map_or(&None, |forcing| &forcing.amplitude)),
-            (Parameter::Restitution, forcing.map_or(&None, |forcing| &forcing.restitution)),
+            (Parameter::Gamma1, file.model.gamma1.as_ref()),
+            (Parameter::Gamma2, file.model.gamma2.as_ref()),
+            (Parameter::Omega, file.model.omega.as_ref()),
+            (Parameter::Asymmetry, file.model.asymmetry.as_ref()),
+            (Parameter::Amplitude, amplitude),
+            (Parameter::Restitution, restitution),
         ];
         let axis_of = |parameter| axes.iter().find(|axis| axis.parameter == parameter);
         let is_swept = |parameter| axis_of(parameter).is_some();
         // Without any word of force or restitution the model is conservative.
-        let conservative = forcing.is_none()
+        let conservative = file.model.forcing.is_none()
+            && amplitude.is_none()
+            && restitution.is_none()
             && force.is_none()
             && !is_swept(Parameter::Amplitude)
             && !is_swept(Parameter::Restitution);
         // A restitution of 1 needs no force either.
-        let elastic =
-            forcing.and_then(|forcing| forcing.restitution.as_ref()).is_some_and(|value| *value.get_ref() == 1.0);
+        let elastic = restitution.is_some_and(|value| *value.get_ref() == 1.0);
         let mut spans = [const { None }; 6];
         for (parameter, value) in given {
             let name = parameter.name();
-            let forcing = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-            let place = if forcing { "[model] forcing" } else { "[model]" };
             if parameter == Parameter::Amplitude
                 && let Some(force) = &force
             {
                 let message = "amplitude and force are both given, but the harmonics of force have their own amplitudes: remove one of the two";
                 let axis = tables.iter().map(|table| &table.get_ref().parameter).find(|axis| axis.get_ref() == name);
-                if let Some(span) = value.as_ref().map(Spanned::span).or(axis.map(Spanned::span)) {
+                if let Some(span) = value.map(Spanned::span).or(axis.map(Spanned::span)) {
                     return Err(source.error(span, message));
                 }
                 base = base.under(force);
@@ -147,7 +148,7 @@ impl Scene {
                 (None, None) if (conservative || elastic) && parameter == Parameter::Amplitude => 0.0,
                 (None, None) if conservative && parameter == Parameter::Restitution => 1.0,
                 (None, None) => {
-                    let message = format!("{name} is missing: set it in {place}, or sweep it");
+                    let message = format!("{name} is missing: set it in [model], or sweep it");
                     return Err(source.error(file.model.sites.span(), message));
                 }
             };
