@@ -4,7 +4,7 @@
 
 use vibrochain::breather::{Family, Motion, Orbit, breathers};
 use vibrochain::eventsim::{Limits, Simulation, Time};
-use vibrochain::floquet::{Complex, Event, Located, Search, Sign, locate};
+use vibrochain::floquet::{Complex, Event, Evidence, Located, Search, locate};
 use vibrochain::lattice::{Chain, Model, Parameter};
 use vibrochain_testkit::ReturnMap;
 
@@ -54,7 +54,7 @@ fn multipliers_of_a_simulated_return_map_meet_the_circle() {
         Parameter::Gamma2,
         (0.08, 0.09),
     );
-    let Sign::Multiplier(multiplier) = circle.sign else { panic!("{:?}", circle.sign) };
+    let Evidence::Multiplier(multiplier) = circle.evidence else { panic!("{:?}", circle.evidence) };
     let found = simulated(&circle.orbit, multiplier);
     assert!((found.norm() - 1.0).abs() < 1e-7 && (found - multiplier).norm() < 1e-6, "{found} {multiplier}");
 }

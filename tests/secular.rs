@@ -4,8 +4,8 @@
 use proptest::prelude::*;
 use vibrochain::breather::{Family, Finder, Found, Orbit};
 use vibrochain::floquet::{
-    Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Outcome, Secular, SecularMultipliers,
-    SecularVerdict, Tolerance, even_monodromy, full_monodromy,
+    Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Secular, SecularMultipliers, SecularVerdict,
+    Standing, Tolerance, even_monodromy, full_monodromy,
 };
 use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
 use vibrochain_testkit::{Random, dense, reference};
@@ -38,15 +38,15 @@ fn spectral_radii_of_the_table() {
         let Some(verdict) = verdict(orbit.unwrap(), &mut finder) else { continue };
         let radius = case.number("spectral_radius").unwrap();
         match verdict.outcome {
-            Outcome::Unstable => {
+            Standing::Unstable => {
                 let error = (verdict.spectral_radius() / radius - 1.0).abs();
                 assert!(error < if radius > 1000.0 { 1e-6 } else { 1e-9 }, "{name}: {verdict:?}, table {radius}");
                 let table = &case.values["leading_multiplier"];
                 let leading = Complex::new(table[0].as_f64().unwrap(), table[1].as_f64().unwrap());
                 assert_eq!(Mechanism::of(verdict.leading.unwrap()), Mechanism::of(leading), "{name}");
             }
-            Outcome::Stable => assert!(radius < 1.0 + 1e-9, "{name}: {verdict:?}, table {radius}"),
-            Outcome::Marginal => assert!((radius - 1.0).abs() < 1e-6, "{name}: {verdict:?}, table {radius}"),
+            Standing::Stable => assert!(radius < 1.0 + 1e-9, "{name}: {verdict:?}, table {radius}"),
+            Standing::Marginal => assert!((radius - 1.0).abs() < 1e-6, "{name}: {verdict:?}, table {radius}"),
         }
         answered += 1;
     }

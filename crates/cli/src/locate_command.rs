@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Found, Orbit};
-use vibrochain_floquet::{Answer, BranchedOrbit, End, Event, Located, Mechanism, Search, Sign, Verdict, locate};
+use vibrochain_floquet::{Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate};
 use vibrochain_lattice::{Model, Parameter, Short};
 
 use crate::args::{EventName, LocateArgs};
@@ -110,11 +110,11 @@ fn verdict_json(verdict: &Verdict) -> Value {
     })
 }
 
-fn sign_json(sign: &Sign) -> Value {
+fn sign_json(sign: &Evidence) -> Value {
     match sign {
-        Sign::Multiplier(multiplier) => json!({ "multiplier": [multiplier.re, multiplier.im] }),
-        Sign::Touch(touch) => json!({ "site": touch.site, "barrier": touch.barrier.name(), "time": touch.time }),
-        Sign::Impact(impact) => json!({ "impact": impact }),
+        Evidence::Multiplier(multiplier) => json!({ "multiplier": [multiplier.re, multiplier.im] }),
+        Evidence::Touch(touch) => json!({ "site": touch.site, "barrier": touch.barrier.name(), "time": touch.time }),
+        Evidence::Impact(impact) => json!({ "impact": impact }),
     }
 }
 
@@ -140,7 +140,7 @@ fn located_json(found: &Located) -> Value {
     json!({
         "value": found.value,
         "error": found.error.is_finite().then_some(found.error),
-        "sign": sign_json(&found.sign),
+        "sign": sign_json(&found.evidence),
         "physical": found.physical,
         "orbit": orbit_value(&found.orbit),
         "sides": sides,
@@ -263,20 +263,20 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
 fn located_text(out: &mut String, name: &str, found: &Located) {
     let error = if found.error.is_finite() { format!("± {:.0e}", found.error) } else { "(error unknown)".to_owned() };
     let _ = writeln!(out, "\n{name} = {} {error}", Number(found.value));
-    let _ = match found.sign {
-        Sign::Multiplier(mu) if mu.im == 0.0 => writeln!(out, "  multiplier {}", mu.re),
-        Sign::Multiplier(mu) => writeln!(out, "  multiplier {} ± {}i", mu.re, mu.im.abs()),
-        Sign::Touch(touch) => writeln!(
+    let _ = match found.evidence {
+        Evidence::Multiplier(mu) if mu.im == 0.0 => writeln!(out, "  multiplier {}", mu.re),
+        Evidence::Multiplier(mu) => writeln!(out, "  multiplier {} ± {}i", mu.re, mu.im.abs()),
+        Evidence::Touch(touch) => writeln!(
             out,
             "  site {} touches the {} barrier at t = {}",
             touch.site,
             touch.barrier.name(),
             Number(touch.time)
         ),
-        Sign::Impact(impact) => writeln!(out, "  impact {impact} has no velocity left"),
+        Evidence::Impact(impact) => writeln!(out, "  impact {impact} has no velocity left"),
     };
     let _ = writeln!(out, "  {}", orbit_text(&found.orbit));
-    if found.physical == Some(false) && matches!(found.sign, Sign::Multiplier(_)) {
+    if found.physical == Some(false) && matches!(found.evidence, Evidence::Multiplier(_)) {
         let _ = writeln!(out, "  not physical there");
     }
     for (value, verdict) in &found.verdicts {

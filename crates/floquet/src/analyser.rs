@@ -17,7 +17,7 @@ use crate::dense::{Dense, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
-use crate::secular::{Doubt, ForcedSecular, Secular};
+use crate::secular::{ForcedSecular, Secular, SecularError};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Tolerance, Verdict};
 
@@ -56,14 +56,14 @@ pub struct Analyser {
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// A dense solver may have one.
-    Doubt(Doubt),
+    SecularError(SecularError),
     /// Nor has a dense solver.
     Floquet(FloquetError),
 }
 
-impl From<Doubt> for Failure {
-    fn from(doubt: Doubt) -> Self {
-        Self::Doubt(doubt)
+impl From<SecularError> for Failure {
+    fn from(doubt: SecularError) -> Self {
+        Self::SecularError(doubt)
     }
 }
 
@@ -124,7 +124,7 @@ impl Analyser {
         finder: &mut Finder,
     ) -> Result<Vec<Complex<f64>>, Failure> {
         if orbit.impact_site().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
-            return Err(Doubt::NotReversible.into());
+            return Err(SecularError::NotReversible.into());
         }
         self.by_secular_function(orbit, finder, Tolerance::Rounding, true).map(|(_, multipliers)| multipliers)
     }
@@ -163,7 +163,7 @@ impl Analyser {
             match self.by_secular_function(orbit, finder, tolerance, thorough) {
                 Ok(answer) => return Ok(answer),
                 Err(Failure::Floquet(error)) => return Err(error),
-                Err(Failure::Doubt(why)) => doubt = Some(why),
+                Err(Failure::SecularError(why)) => doubt = Some(why),
             }
         }
         if let Some(doubt) = doubt {

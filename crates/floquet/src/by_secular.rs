@@ -9,7 +9,7 @@ use crate::analyser::{Analyser, Failure};
 use crate::dense::Dense;
 use crate::error::FloquetError;
 use crate::saltation::saltations;
-use crate::secular::{Doubt, ForcedSecular, Leading, MOST_IMPACTS, Outcome, excess, meetings};
+use crate::secular::{ForcedSecular, Leading, MOST_IMPACTS, SecularError, Standing, excess, meetings};
 use crate::verdict::{Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -54,7 +54,7 @@ impl Analyser {
         self.secular.set_within(orbit, response, ratio_error)?;
         let found = self.secular.verdict();
         let open = match &found {
-            Ok(verdict) => verdict.outcome == Outcome::Marginal,
+            Ok(verdict) => verdict.outcome == Standing::Marginal,
             // A dense matrix knows of other ways, unless it would take too long.
             Err(_) => orbit.model().chain().even_modes() > WORTH_A_MATRIX,
         };
@@ -63,11 +63,11 @@ impl Analyser {
         }
         let found = found?;
         Ok(match (found.outcome, found.leading) {
-            (Outcome::Unstable, Some(leading)) => {
+            (Standing::Unstable, Some(leading)) => {
                 check(found.growth, found.growth_error, thorough, orbit)?;
                 Verdict::of_growth(leading, found.growth, found.growth_error, tolerance)
             }
-            (Outcome::Marginal, Some(leading)) => {
+            (Standing::Marginal, Some(leading)) => {
                 Verdict::unsettled(leading, found.growth, found.growth_error, tolerance)
             }
             _ => Verdict::on_circle(None),
@@ -142,7 +142,7 @@ impl Analyser {
             return elastic(&mut self.forced, orbit, response, tolerance, thorough);
         }
         let leading = self.forced.leading(orbit, response);
-        let Some(Leading { place, growth, error }) = leading else { return Err(Doubt::NotReversible.into()) };
+        let Some(Leading { place, growth, error }) = leading else { return Err(SecularError::NotReversible.into()) };
         check(growth, error, thorough, orbit)?;
         Ok(settle(self.forced.multipliers().0, place, growth, error, tolerance))
     }
@@ -155,7 +155,7 @@ fn check(growth: f64, error: f64, thorough: bool, orbit: &Orbit) -> Result<(), F
     }
     // Not a number is a doubt, too.
     let precise = error <= if thorough { WORST } else { WORST_OF_SWEEP } * (2.0 + growth);
-    if precise { Ok(()) } else { Err(Doubt::Imprecise { growth, growth_error: error }.into()) }
+    if precise { Ok(()) } else { Err(SecularError::Imprecise { growth, growth_error: error }.into()) }
 }
 
 /// The verdict on a leading multiplier.
@@ -198,7 +198,7 @@ fn elastic(
     let told = told_from_circle(forced, orbit, response);
     // A pair that may have met is a question of matrices and their eigenvectors.
     if !told.met.is_empty() {
-        return Err(Doubt::Tangency.into());
+        return Err(SecularError::Tangency.into());
     }
     if let Some((_, growth, error)) = told.leading {
         check(growth, error, thorough, orbit)?;

@@ -11,7 +11,7 @@ use crate::dense::uncoupled;
 use crate::error::FloquetError;
 use crate::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 use crate::multipliers::sort_multipliers;
-use crate::secular::{Doubt, ModalShape};
+use crate::secular::{ModalShape, SecularError};
 
 /// A multiplier and its perturbation just before the first impact.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,13 +29,13 @@ impl FloquetMode {
     /// all at one site. O(M log M).
     ///
     /// # Errors
-    /// [`Doubt`], also for a number that is no multiplier of the orbit.
-    pub fn of(orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>) -> Result<Self, Doubt> {
+    /// [`SecularError`], also for a number that is no multiplier of the orbit.
+    pub fn of(orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>) -> Result<Self, SecularError> {
         let home = orbit
             .impact_site()
             .filter(|_| orbit.model().chain().sites() == 1 || !uncoupled(orbit))
-            .ok_or(Doubt::NotReversible)?;
-        let response = finder.response_to(orbit).map_err(|_| Doubt::NotReversible)?;
+            .ok_or(SecularError::NotReversible)?;
+        let response = finder.response_to(orbit).map_err(|_| SecularError::NotReversible)?;
         let shape = ModalShape::new(orbit, response, multiplier)?;
         let (displacement, velocity) = shape.at_sites(orbit.model().chain().sites(), home);
         let mut mode = Self { multiplier, displacement, velocity };
@@ -81,7 +81,7 @@ pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, Fl
     match by_secular_function(orbit, &mut finder, count) {
         Ok(modes) => Ok(modes),
         Err(Failure::Floquet(error)) => Err(error),
-        Err(Failure::Doubt(doubt)) => {
+        Err(Failure::SecularError(doubt)) => {
             let dimension = 2 * orbit.model().chain().even_modes();
             if orbit.impact_site().is_some() && dimension > MAX_DIMENSION {
                 return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
@@ -94,11 +94,11 @@ pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, Fl
 fn by_secular_function(orbit: &Orbit, finder: &mut Finder, count: usize) -> Result<Vec<FloquetMode>, Failure> {
     let mut multipliers = Analyser::default().secular_multipliers(orbit, finder)?;
     if multipliers.len() < count {
-        return Err(Doubt::NotReversible.into());
+        return Err(SecularError::NotReversible.into());
     }
     sort_multipliers(&mut multipliers);
     let modes = multipliers.into_iter().take(count).map(|multiplier| FloquetMode::of(orbit, finder, multiplier));
-    Ok(modes.collect::<Result<_, Doubt>>()?)
+    Ok(modes.collect::<Result<_, SecularError>>()?)
 }
 
 fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {

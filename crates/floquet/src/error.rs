@@ -3,7 +3,7 @@
 use thiserror::Error;
 use vibrochain_breather::BreatherError;
 
-use crate::secular::Doubt;
+use crate::secular::SecularError;
 
 /// Failures of this layer; an unstable orbit is an answer, not a failure.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -36,7 +36,7 @@ pub enum FloquetError {
     )]
     InDoubt {
         /// The doubt.
-        doubt: Doubt,
+        doubt: SecularError,
         /// Size of the matrix.
         dimension: usize,
         /// The most that is done, [`crate::MAX_DIMENSION`].

@@ -38,6 +38,7 @@
 
 mod alone;
 mod analyser;
+mod bracket;
 mod by_secular;
 mod certainty;
 mod dense;
@@ -61,15 +62,15 @@ pub use eigen::eigenvalues;
 pub use eigenvectors::{FloquetMode, leading_modes};
 pub use error::FloquetError;
 pub use locate::{
-    Answer, BranchedOrbit, Branching, End, Event, LocateError, Located, Search, Sign, Unresolved, locate,
+    Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved, locate,
 };
 pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use multipliers::{odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;
 pub use saltation::{Saltation, saltations};
 pub use secular::{
-    Doubt, ForcedSecular, ModalShape, Outcome, OutsideCount, OutsideCounter, Reason, Residues, Secular,
-    SecularMultipliers, SecularVerdict, multiplier_modes,
+    ForcedSecular, ModalShape, OutsideCount, OutsideCounter, Reason, Residues, Secular, SecularError,
+    SecularMultipliers, SecularVerdict, Standing, multiplier_modes,
 };
 pub use square::Square;
 pub use stripes::{Collision, DressedModes, OwnMode, Signature, bare_signature, signature};

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use crate::secular::Doubt;
+use crate::secular::SecularError;
 
 /// Where the leading multiplier of an unstable orbit is: how stability is lost.
 ///
@@ -89,7 +89,7 @@ pub enum Method {
     Secular,
     /// From a matrix: for impacts at several sites, for masses without coupling (2 × 2: one mass alone is left), where it
     /// was asked for ([`crate::Analyser::dense`]); with the doubt where the secular function had no answer.
-    Dense(Option<Doubt>),
+    Dense(Option<SecularError>),
 }
 
 impl Method {
@@ -102,7 +102,7 @@ impl Method {
     }
 
     /// Why it is not the secular function, if that was tried.
-    pub fn doubt(&self) -> Option<Doubt> {
+    pub fn doubt(&self) -> Option<SecularError> {
         match self {
             Self::Secular => None,
             Self::Dense(doubt) => *doubt,

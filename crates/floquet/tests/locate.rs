@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Family, Motion, Orbit, breathers};
-use vibrochain_floquet::{Answer, End, Event, LocateError, Mechanism, Search, Sign, Verdict, locate};
+use vibrochain_floquet::{Answer, End, Event, Evidence, LocateError, Mechanism, Search, Verdict, locate};
 use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Spectrum};
 
 fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
@@ -33,7 +33,7 @@ fn period_doubling_of_the_errata_hands_over_to_the_doubled_orbit() {
     // Three more digits than the nine of the errata.
     assert!((found.value - 0.158908086).abs() < 5e-10, "{}", found.value);
     assert!(found.error < 1e-12, "{:e}", found.error);
-    let Sign::Multiplier(multiplier) = found.sign else { panic!("{:?}", found.sign) };
+    let Evidence::Multiplier(multiplier) = found.evidence else { panic!("{:?}", found.evidence) };
     assert!((multiplier + 1.0).norm() < 1e-10);
     // Supercritical: below it the single-sided orbit is unstable and the doubled one stable.
     let [(low, below), (high, above)] = found.verdicts.as_slice() else { panic!("{:?}", found.verdicts) };
@@ -72,7 +72,7 @@ fn neimark_sacker_of_the_errata() {
     let found = answer.located.iter().find(|found| lost(&found.verdicts)).unwrap();
     assert!((found.value - 0.088347387971).abs() < 1e-12, "{}", found.value);
     assert!(found.error < 1e-11, "{:e}", found.error);
-    let Sign::Multiplier(multiplier) = found.sign else { panic!("{:?}", found.sign) };
+    let Evidence::Multiplier(multiplier) = found.evidence else { panic!("{:?}", found.evidence) };
     assert!((multiplier.norm() - 1.0).abs() < 1e-13 && multiplier.im != 0.0);
 }
 
@@ -84,7 +84,7 @@ fn grazing_of_the_errata_from_both_families() {
     let found = &answer.located[0];
     assert!((found.value - expected).abs() < 1e-13, "{}", found.value);
     assert!(found.error < 1e-13, "{:e}", found.error);
-    let Sign::Touch(touch) = found.sign else { panic!("{:?}", found.sign) };
+    let Evidence::Touch(touch) = found.evidence else { panic!("{:?}", found.evidence) };
     assert_eq!((touch.site, touch.barrier), (0, Barrier::Upper));
     assert!((touch.time / found.orbit.period() - 0.51121).abs() < 1e-5);
     // The double-sided one ends there, where its impact on the upper barrier has no velocity left.
@@ -92,7 +92,7 @@ fn grazing_of_the_errata_from_both_families() {
     let answer = search(&start, Event::Grazing, Parameter::Omega, Some((0.9, 1.0)));
     let found = &answer.located[0];
     assert!((found.value - expected).abs() < 1e-13, "{}", found.value);
-    assert_eq!(found.sign, Sign::Impact(0));
+    assert_eq!(found.evidence, Evidence::Impact(0));
     assert!(found.orbit.impacts()[0].impulse.abs() < 1e-13);
 }
 

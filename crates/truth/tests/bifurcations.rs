@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Family, Orbit, breathers};
-use vibrochain_floquet::{Event, Located, Search, Sign, locate};
+use vibrochain_floquet::{Event, Evidence, Located, Search, locate};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_truth::{Complex, DEFAULT_BITS, Kernel, Real, TrueOrbit, TrueSpectrum};
 
@@ -75,7 +75,7 @@ fn period_doublings() {
 fn neimark_sacker() {
     let start = model((0.2, 0.09), 0.92, 0.7, (0.05, 0.9));
     for found in find(&start, Family::SingleSided, 0, (Event::NeimarkSacker, Parameter::Gamma2, 0.08, 0.11)) {
-        let Sign::Multiplier(multiplier) = found.sign else { panic!("{:?}", found.sign) };
+        let Evidence::Multiplier(multiplier) = found.evidence else { panic!("{:?}", found.evidence) };
         println!("{} ± {:e}", found.value, found.error);
         assert_within_error(&found, Parameter::Gamma2, |orbit| growth(orbit, (multiplier.re, multiplier.im)));
     }
@@ -85,7 +85,7 @@ fn neimark_sacker() {
 fn grazing_at_a_peak_and_by_an_impact() {
     let single = model((0.2, 0.1), 0.92, 0.4, (0.1, 0.9));
     for found in find(&single, Family::SingleSided, 0, (Event::Grazing, Parameter::Omega, 0.78, 0.95)) {
-        let Sign::Touch(touch) = found.sign else { panic!("{:?}", found.sign) };
+        let Evidence::Touch(touch) = found.evidence else { panic!("{:?}", found.evidence) };
         println!("{} ± {:e} {touch:?}", found.value, found.error);
         // The peak: Newton's method for zero velocity, from the time of the answer.
         assert_within_error(&found, Parameter::Omega, |orbit| {
@@ -100,7 +100,7 @@ fn grazing_at_a_peak_and_by_an_impact() {
     }
     let double = model((0.2, 0.1), 0.95, 0.4, (0.1, 0.9));
     for found in find(&double, Family::DoubleSided, 0, (Event::Grazing, Parameter::Omega, 0.9, 1.0)) {
-        let Sign::Impact(impact) = found.sign else { panic!("{:?}", found.sign) };
+        let Evidence::Impact(impact) = found.evidence else { panic!("{:?}", found.evidence) };
         println!("{} ± {:e}", found.value, found.error);
         assert_within_error(&found, Parameter::Omega, |orbit| orbit.impacts()[impact].velocity_before.clone());
     }

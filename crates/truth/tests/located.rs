@@ -4,7 +4,7 @@
 
 use fastrand::Rng;
 use vibrochain_breather::{Family, Hit, Orbit, breathers};
-use vibrochain_floquet::{Event, Located, Search, Sign, locate};
+use vibrochain_floquet::{Event, Evidence, Located, Search, locate};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_truth::{Complex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
 
@@ -64,12 +64,12 @@ fn refined(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
 }
 
 /// What vanishes at the event.
-fn condition(orbit: &TrueOrbit, event: Event, sign: Sign) -> Option<Real> {
+fn condition(orbit: &TrueOrbit, event: Event, sign: Evidence) -> Option<Real> {
     let spectrum = TrueSpectrum::new(orbit).ok()?;
     let at = |z: f64| Some(spectrum.characteristic(&Complex::new(z, 0.0, 256))?.re);
     match (event, sign) {
         (Event::PeriodDoubling, _) => at(-1.0),
-        (Event::NeimarkSacker, Sign::Multiplier(multiplier)) => {
+        (Event::NeimarkSacker, Evidence::Multiplier(multiplier)) => {
             let (found, _) = spectrum.refine((multiplier.re, multiplier.im)).ok()?;
             Some(found.norm_sqr() - 1.0)
         }
@@ -80,7 +80,7 @@ fn condition(orbit: &TrueOrbit, event: Event, sign: Sign) -> Option<Real> {
 /// Whether the condition changes its sign within `times` the error.
 fn holds(found: &Located, event: Event, free: Parameter, times: f64) -> Option<bool> {
     let reach = times * found.error.max(f64::EPSILON * found.value.abs());
-    let side = |sign: f64| condition(&moved(&found.orbit, free, found.value + sign * reach)?, event, found.sign);
+    let side = |sign: f64| condition(&moved(&found.orbit, free, found.value + sign * reach)?, event, found.evidence);
     Some(side(-1.0)?.is_negative() != side(1.0)?.is_negative())
 }
 
@@ -109,7 +109,7 @@ fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize
                     free.name(),
                     found.value,
                     found.error,
-                    found.sign
+                    found.evidence
                 )
             };
             for other in &answer.located[..i] {
@@ -148,8 +148,8 @@ fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize
 
 /// Distance of the multipliers that two events stand for.
 fn sign_distance(a: &Located, b: &Located) -> f64 {
-    match (a.sign, b.sign) {
-        (Sign::Multiplier(a), Sign::Multiplier(b)) => (a - b).norm(),
+    match (a.evidence, b.evidence) {
+        (Evidence::Multiplier(a), Evidence::Multiplier(b)) => (a - b).norm(),
         _ => f64::INFINITY,
     }
 }
@@ -247,7 +247,7 @@ fn no_period_doubling_where_an_impulse_vanishes() {
         let orbit = &breathers(&at(point), family).unwrap().orbits[which];
         let search = |event| locate(orbit, &Search::new(orbit, event, free)).unwrap();
         // The branch passes an impact without speed.
-        let without_speed = |found: &Located| matches!(found.sign, Sign::Impact(_));
+        let without_speed = |found: &Located| matches!(found.evidence, Evidence::Impact(_));
         passed += search(Event::Grazing).located.iter().filter(|found| without_speed(found)).count();
         for found in search(Event::PeriodDoubling).located {
             assert!(found.error < 1e-9, "{} ± {:e}", found.value, found.error);

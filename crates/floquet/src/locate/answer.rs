@@ -67,7 +67,7 @@ impl Search {
 
 /// What shows the event at the point found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Sign {
+pub enum Evidence {
     /// The multiplier that meets the circle, as computed at the point.
     Multiplier(Complex<f64>),
     /// The mass that touches a barrier, and when.
@@ -108,7 +108,7 @@ pub struct Located {
     /// The orbit there.
     pub orbit: Orbit,
     /// What shows the event.
-    pub sign: Sign,
+    pub evidence: Evidence,
     /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
     pub physical: Option<bool>,
     /// The verdict a small step away on either side in the parameter, as far as the orbit exists there.

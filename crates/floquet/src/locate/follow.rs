@@ -5,9 +5,9 @@ use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Finde
 use vibrochain_lattice::Parameter;
 
 use super::answer::{Answer, End, Event, LocateError, Located, Search};
-use super::bracket::zero;
-use super::follower::{Follower, LONGEST, Seen, shift_of};
+use super::follower::{Follower, LONGEST, Observation, shift_of};
 use crate::analyser::Analyser;
+use crate::bracket::zero;
 
 /// The shortest step: where even this one fails, the branch is lost.
 const SHORTEST: f64 = 1e-9;
@@ -228,7 +228,7 @@ impl Follower {
     fn turn(
         &mut self,
         point: &BranchPoint,
-        seen: &Seen,
+        seen: &Observation,
         next: &BranchPoint,
         located: &mut Vec<Located>,
     ) -> Result<(f64, End), LocateError> {

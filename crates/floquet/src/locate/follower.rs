@@ -23,7 +23,7 @@ pub(super) struct Follower {
 
 /// What was seen at a point.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Seen {
+pub(super) struct Observation {
     /// Velocity before each impact, towards its barrier.
     pub(super) velocities: Vec<f64>,
     pub(super) margin: Option<f64>,

@@ -21,7 +21,6 @@
 //! branch. That is found as a pitchfork, too, but nothing is handed over: nothing branches off.
 
 mod answer;
-mod bracket;
 mod branch_off;
 mod follow;
 mod follower;
@@ -30,5 +29,5 @@ mod settle;
 mod spectrum_events;
 mod watch;
 
-pub use answer::{Answer, BranchedOrbit, Branching, End, Event, LocateError, Located, Search, Sign, Unresolved};
+pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};
 pub use follow::locate;

@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use vibrochain_breather::{Branch, BranchPoint};
 use vibrochain_lattice::Parameter;
 
-use super::answer::{LocateError, Located, Sign, Unresolved};
+use super::answer::{Evidence, LocateError, Located, Unresolved};
 use super::branch_off::branch_off;
 use super::follower::{Follower, LONGEST};
 use super::watch::Test;
@@ -56,15 +56,15 @@ impl Follower {
     ) -> Result<Option<Located>, LocateError> {
         let there = self.branch.step(point, s)?;
         let sign = match test {
-            Test::Impact(i) => Sign::Impact(i),
+            Test::Impact(i) => Evidence::Impact(i),
             Test::Margin => match self.finder.admissibility(there.orbit())?.closest {
-                Some(closest) => Sign::Touch(closest),
+                Some(closest) => Evidence::Touch(closest),
                 None => return Ok(None),
             },
             Test::Equations => self.nearest_to(&there, Complex::new(1.0, 0.0))?,
             Test::Shifted { shift, .. } => self.nearest_to(&there, Complex::new(-shift, 0.0))?,
             Test::Modulus { ends } => match self.followed(ends, there.orbit(), s)? {
-                Some(multiplier) => Sign::Multiplier(multiplier),
+                Some(multiplier) => Evidence::Multiplier(multiplier),
                 None => return Ok(None),
             },
             Test::Collision { centre } => {
@@ -72,7 +72,7 @@ impl Follower {
                 self.nearest_to(&there, Complex::from_polar(1.0, angle))?
             }
         };
-        if let Sign::Multiplier(multiplier) = sign {
+        if let Evidence::Multiplier(multiplier) = sign {
             let goal = match test {
                 Test::Modulus { .. } => multiplier / multiplier.norm(),
                 Test::Collision { centre } => Complex::from_polar(1.0, centre.clamp(-1.0, 1.0).acos()),
@@ -95,8 +95,13 @@ impl Follower {
     }
 
     /// Whether the multiplier told is where it should be.
-    pub(super) fn is_at(&self, sign: Sign, goal: Complex<f64>, point: &BranchPoint) -> Result<bool, LocateError> {
-        let Sign::Multiplier(multiplier) = sign else { return Ok(false) };
+    pub(super) fn is_at(
+        &self,
+        evidence: Evidence,
+        goal: Complex<f64>,
+        point: &BranchPoint,
+    ) -> Result<bool, LocateError> {
+        let Evidence::Multiplier(multiplier) = evidence else { return Ok(false) };
         // Written so that a multiplier that is not a number is no event either.
         Ok((multiplier - goal).norm() <= POLE * (1.0 + self.analyser_norm(point)?.ln()))
     }
@@ -107,7 +112,7 @@ impl Follower {
     }
 
     /// The multiplier nearest to `goal`.
-    pub(super) fn nearest_to(&mut self, point: &BranchPoint, goal: Complex<f64>) -> Result<Sign, LocateError> {
+    pub(super) fn nearest_to(&mut self, point: &BranchPoint, goal: Complex<f64>) -> Result<Evidence, LocateError> {
         let orbit = point.orbit();
         let values = self.spectrum(orbit)?;
         let multipliers = values.iter().flat_map(|&value| {
@@ -115,7 +120,7 @@ impl Follower {
             [large, small]
         });
         let nearest = multipliers.min_by(|a, b| (a - goal).norm_sqr().total_cmp(&(b - goal).norm_sqr()));
-        nearest.map(Sign::Multiplier).ok_or(LocateError::NoMultiplier)
+        nearest.map(Evidence::Multiplier).ok_or(LocateError::NoMultiplier)
     }
 
     /// Error of the parameter at a zero: rounding of the function and of the parameter along the curve, as samples show
@@ -204,7 +209,12 @@ impl Follower {
     }
 
     /// The answer at a point.
-    pub(super) fn describe(&mut self, there: &BranchPoint, error: f64, sign: Sign) -> Result<Located, LocateError> {
+    pub(super) fn describe(
+        &mut self,
+        there: &BranchPoint,
+        error: f64,
+        evidence: Evidence,
+    ) -> Result<Located, LocateError> {
         let verdicts = self.verdicts(there);
         let physical = self.finder.admissibility(there.orbit()).ok().map(|answer| answer.is_physical());
         let search = self.search;
@@ -214,7 +224,7 @@ impl Follower {
             value: there.value(),
             error,
             orbit: there.orbit().clone(),
-            sign,
+            evidence,
             physical,
             verdicts,
             branching,

@@ -4,12 +4,12 @@ use nalgebra::Complex;
 use vibrochain_breather::{BranchError, BranchPoint, BreatherError, Orbit};
 
 use super::answer::{Event, LocateError, Located};
-use super::bracket::zero;
-use super::follower::{Follower, Seen, shift_of};
+use super::follower::{Follower, Observation, shift_of};
 use super::polish::{Polisher, polish};
 use super::spectrum_events::{
     Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, regular_determinant, upper_half,
 };
+use crate::bracket::zero;
 use crate::error::FloquetError;
 
 /// Halvings of a step within which two eigenvalues must become distinguishable.
@@ -45,9 +45,9 @@ pub(super) enum Test {
 
 impl Follower {
     /// What the search needs to know of a point.
-    pub(super) fn look(&mut self, point: &BranchPoint) -> Result<Seen, LocateError> {
+    pub(super) fn look(&mut self, point: &BranchPoint) -> Result<Observation, LocateError> {
         let orbit = point.orbit();
-        let mut seen = Seen { equations: point.determinant(), ..Seen::default() };
+        let mut seen = Observation { equations: point.determinant(), ..Observation::default() };
         match (self.search.event, shift_of(self.search.event, orbit)) {
             (Event::Fold, _) => {}
             (Event::Grazing, _) => {
@@ -101,8 +101,8 @@ impl Follower {
     /// All events between two neighbouring points.
     pub(super) fn all_between(
         &mut self,
-        from: (&BranchPoint, &Seen),
-        to: (&BranchPoint, &Seen),
+        from: (&BranchPoint, &Observation),
+        to: (&BranchPoint, &Observation),
         located: &mut Vec<Located>,
     ) -> Result<(), LocateError> {
         let (mut point, mut seen) = (from.0.clone(), from.1.clone());
@@ -124,8 +124,8 @@ impl Follower {
     /// The first zero between two neighbouring points, and the event there if it is one.
     pub(super) fn between(
         &mut self,
-        (point, seen): (&BranchPoint, &Seen),
-        (next, next_seen): (&BranchPoint, &Seen),
+        (point, seen): (&BranchPoint, &Observation),
+        (next, next_seen): (&BranchPoint, &Observation),
     ) -> Result<Option<(f64, Option<Located>)>, LocateError> {
         let length = self.branch.length_between(point, next);
         let changes = |a: f64, b: f64| (a > 0.0) != (b > 0.0);
@@ -236,8 +236,8 @@ impl Follower {
         &mut self,
         point: &BranchPoint,
         length: f64,
-        seen: &Seen,
-        next_seen: &Seen,
+        seen: &Observation,
+        next_seen: &Observation,
     ) -> Result<Option<(f64, Test)>, LocateError> {
         let reversible = point.orbit().is_reversible();
         if point.orbit().model().loss() == 0.0 {

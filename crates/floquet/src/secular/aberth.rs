@@ -6,7 +6,7 @@
 
 use nalgebra::Complex;
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::rational::Rational;
 use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
@@ -28,7 +28,7 @@ const SWEEPS: usize = 100;
 impl Aberth {
     /// All zeros into `roots`. `angles` are those of the poles on the upper half circle. The first `trivial` ones are known to be 1:
     /// they repel the others and stay.
-    pub(crate) fn solve(&mut self, form: &Rational, angles: &[f64], trivial: usize) -> Result<(), Doubt> {
+    pub(crate) fn solve(&mut self, form: &Rational, angles: &[f64], trivial: usize) -> Result<(), SecularError> {
         let Self { roots, errors, settled, angles: sorted, root_re, root_im } = self;
         sorted.clear();
         sorted.extend_from_slice(angles);
@@ -110,6 +110,6 @@ impl Aberth {
             // And it is rounded itself.
             errors.push(form.doubt(*z) / value.slope.norm_sqr().sqrt() + 2.0 * f64::EPSILON * z.norm_sqr().sqrt());
         }
-        if open == 0 { Ok(()) } else { Err(Doubt::Incomplete { found: wanted - open, wanted }) }
+        if open == 0 { Ok(()) } else { Err(SecularError::Incomplete { found: wanted - open, wanted }) }
     }
 }

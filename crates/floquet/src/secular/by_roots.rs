@@ -7,10 +7,10 @@
 
 use nalgebra::Complex;
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::gap::Lowest;
 use super::root::{Root, Touching};
-use super::verdict::{Leading, Outcome, Reason, Secular, SecularVerdict, WORST, assemble, most, tangency};
+use super::verdict::{LeadingRoot, Reason, Secular, SecularVerdict, Standing, WORST, assemble, most, tangency};
 
 impl Touching {
     pub(crate) fn new(gap: usize, low: &Lowest) -> Self {
@@ -23,12 +23,12 @@ impl Secular {
     pub(super) fn judge_all_roots(
         &mut self,
         unknown: Option<usize>,
-        mut marginal: Option<Leading>,
+        mut marginal: Option<LeadingRoot>,
         mut clearance: f64,
-    ) -> Result<SecularVerdict, Doubt> {
+    ) -> Result<SecularVerdict, SecularError> {
         self.solve()?;
         let Self { residues: form, roots, .. } = self;
-        let mut leading: Option<Leading> = None;
+        let mut leading: Option<LeadingRoot> = None;
         for Root { place, t, error } in &roots.list {
             let nu = form.nu(*place, *t);
             let growth = nu.growth();
@@ -38,22 +38,22 @@ impl Secular {
             }
             let error = nu.growth_error(growth, *error);
             let reason = if nu.im == 0.0 { Reason::RealRoot } else { Reason::ComplexPair };
-            let this = Leading { nu, growth, error, reason };
+            let this = LeadingRoot { nu, growth, error, reason };
             if error < growth {
                 leading = most(leading, this);
             } else {
-                marginal = most(marginal, Leading { reason: Reason::Tangency, growth: growth + error, ..this });
+                marginal = most(marginal, LeadingRoot { reason: Reason::Tangency, growth: growth + error, ..this });
             }
         }
         for &Touching { gap, t, reach } in &roots.touching {
             let nu = form.nu(gap, Complex::new(t, reach));
             let growth = nu.growth();
-            marginal = most(marginal, Leading { nu, growth, error: growth, reason: Reason::Tangency });
+            marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
         }
         let worst = if form.leaves.is_empty() { WORST } else { f64::INFINITY };
         let verdict = assemble(leading, marginal, clearance, worst)?;
         match unknown {
-            Some(mode) if verdict.outcome == Outcome::Stable => Err(Doubt::Signature { mode }),
+            Some(mode) if verdict.outcome == Standing::Stable => Err(SecularError::Signature { mode }),
             _ => Ok(verdict),
         }
     }

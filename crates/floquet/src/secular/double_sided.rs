@@ -1,15 +1,15 @@
 //! Residues of two impacts half a period apart, signed impulses P₀ and P₁.
 //!
-//! Let S₀,₁ = S̄ ± δE be the two saltations, E the entry (v, u), κ̄ = (κ₀+κ₁)/2, δ = (κ₀−κ₁)/2, and L half a period's
-//! flight. Sums and differences of the two halves split det(w² − LS₁LS₀) into det(w−LS̄)·det(w+LS̄) and a dyad each
-//! way; ∂f_h/∂κ = −g̃/2 of the one-impact function f_h of *half* a period gives the dyads' factor:
+//! Let S̄ be the mean of the two saltations, K = κ'₀+κ'₁, δ = κ'₀−κ'₁, and L half a period's flight. Sums and differences of the two
+//! halves split det(w² − LS₁LS₀) into det(w−LS̄)·det(w+LS̄) and a dyad each way; ∂f_h/∂K = −g̃ of the one-impact function f_h of *half* a
+//! period gives the dyads' factor:
 //!
 //! ```text
-//! f(ν) = f_h(ρ)f_h(−ρ) − (δ²/4) g̃(ρ)g̃(−ρ),   ρ² = (1+ν)/2,   f_h(ρ) = (ρ²−1)σ̃² + g̃(h̃ − κ̄/2),
+//! f(ν) = f_h(ρ)f_h(−ρ) − δ² g̃(ρ)g̃(−ρ),   ρ² = (1+ν)/2,   f_h(ρ) = (ρ²−1)σ̃² + g̃(h̃ − K),
 //! σ̃ = Σ b²/(ρ−c),   g̃ = Σ b²x/(ρ−c),   h̃ = Σ b²y/(ρ−c),   x = s/Ω,   y = sΩ.
 //! ```
 //!
-//! With f_h = Q − Kg̃, K = κ̄/2, that is QQ⁻ − K(Qg̃⁻ + Q⁻g̃) + Λg̃g̃⁻, Λ = κ₀κ₁/4: the squares of κ, which grow without
+//! With f_h = Q − Kg̃ that is QQ⁻ − K(Qg̃⁻ + Q⁻g̃) + Λg̃g̃⁻, Λ = 4κ'₀κ'₁: the squares of κ', which grow without
 //! bound as one impact turns to grazing, have cancelled. The orbit's velocities −P/2 and accelerations give, with
 //! X = P₁/P₀, K = Σ b²(c+χ)/x, χ = (X+1/X)/2, and Λ = Σ b²(c+X)/x · Σ b²(c+1/X)/x. Then f(1) = 0, F = f/(ν−1), and with
 //! dν = 4ρ dρ, d − 1 = −2s²

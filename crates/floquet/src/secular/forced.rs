@@ -14,7 +14,7 @@ use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
 
 use super::aberth::Aberth;
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::forced_large::{self, ForcedLarge, LARGE};
 use super::linear::{determinant, determinant_and_condition};
 use super::other_modes::{OtherModes, Sums};
@@ -67,13 +67,13 @@ impl SecularMultipliers {
     /// Takes over an orbit. `response` is that of the orbit's chain and frequency.
     ///
     /// # Errors
-    /// [`Doubt::NotReversible`] for impacts at several sites, or more than 8; [`Doubt::Coincident`] where two poles coincide
-    /// (γ₂ → 0, a rigid mode, Ω_k ± Ω_l = jω); [`Doubt::Certificate`].
-    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+    /// [`SecularError::NotReversible`] for impacts at several sites, or more than 8; [`SecularError::Coincident`] where two poles coincide
+    /// (γ₂ → 0, a rigid mode, Ω_k ± Ω_l = jω); [`SecularError::Certificate`].
+    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
         let impacts = orbit.impacts();
         let n = impacts.len();
         if orbit.impact_site().is_none() || n == 0 || n > MOST_IMPACTS {
-            return Err(Doubt::NotReversible);
+            return Err(SecularError::NotReversible);
         }
         self.take_over(orbit);
         let e = orbit.model().restitution();
@@ -91,7 +91,7 @@ impl SecularMultipliers {
     }
 
     /// Residues for the times and saltations taken over.
-    pub(super) fn assemble(&mut self, e: f64, q: f64, response: &ImpulseResponse) -> Result<(), Doubt> {
+    pub(super) fn assemble(&mut self, e: f64, q: f64, response: &ImpulseResponse) -> Result<(), SecularError> {
         let n = self.times.len();
         let (frequencies, weights) = (response.frequencies(), response.weights());
         let (cos, sin) = (response.cos_half(), response.sin_half());
@@ -172,7 +172,7 @@ impl SecularMultipliers {
         if defect <= allowed && allowed < 1.0 + size_of_residues {
             Ok(())
         } else {
-            Err(Doubt::Certificate { defect, allowed })
+            Err(SecularError::Certificate { defect, allowed })
         }
     }
 
@@ -201,8 +201,8 @@ impl SecularMultipliers {
     /// their errors.
     ///
     /// # Errors
-    /// [`Doubt::Incomplete`] if the iteration does not settle; [`Doubt::Certificate`] if their sum is not the trace.
-    pub fn multipliers(&mut self) -> Result<(&[Complex<f64>], &[f64]), Doubt> {
+    /// [`SecularError::Incomplete`] if the iteration does not settle; [`SecularError::Certificate`] if their sum is not the trace.
+    pub fn multipliers(&mut self) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
         let trace = self.trace();
         let (roots, errors) = if self.is_large() {
             self.large.solve(self.trivial)?;
@@ -223,7 +223,7 @@ impl SecularMultipliers {
         if defect <= allowed.max(1e-9 * size) {
             Ok((roots, errors))
         } else {
-            Err(Doubt::Certificate { defect, allowed })
+            Err(SecularError::Certificate { defect, allowed })
         }
     }
 }

@@ -1,10 +1,10 @@
 //! One impact a period with losses: how many multipliers are outside the unit circle, exactly, without computing one.
 //!
-//! With S − 1 = −(1+e)(1 − κ'E), κ' = (v̈/v⁻), and G = Bᵀ(z−R)⁻¹RB = ½(N − 1), N = [[ζσ, g], [−h, ζσ]], ζ = ½(z − 1/z), the
-//! quotient det(z−M)/det(z−R) = det(1 − (S−1)G) of the characteristic polynomials with and without impact is
+//! K̂ of one impact (see [`super::impact_matrix`]) is ½[[q + ζσ, g], [2κ' − h, q + ζσ]], ζ = ½(z − 1/z), so that the quotient
+//! det(z−M)/det(z−R) of the characteristic polynomials with and without impact is
 //!
 //! ```text
-//! f(z) = ¼(1+e)² { [q + ζσ]² + g(h − 2κ) },   q = (1−e)/(1+e),   κ = v̈/((1+e)v⁻),
+//! f(z) = ¼(1+e)² { [q + ζσ]² + g(h − 2κ') },   q = (1−e)/(1+e),
 //! σ = Σ b²/(ν−d),   g = Σ 2b²xc/(ν−d),   h = Σ 2b²yc/(ν−d),   ν = ½(z + 1/z).
 //! ```
 //!
@@ -15,16 +15,16 @@
 //! f has no pole outside, so clockwise turns are zeros outside:
 //!
 //! ```text
-//! N = 2·#{σ(ν) = 0 : q² + g(h − 2κ) < 0} + [f(1) < 0] + [f(−1) < 0].
+//! N = 2·#{σ(ν) = 0 : q² + g(h − 2κ') < 0} + [f(1) < 0] + [f(−1) < 0].
 //! ```
 //!
-//! q² + g(h − 2κ) < 0 at a zero of σ means a complex pair, f(±1) < 0 a real multiplier beyond ±1.
+//! q² + g(h − 2κ') < 0 at a zero of σ means a complex pair, f(±1) < 0 a real multiplier beyond ±1.
 
 use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::evaluate::Local;
 use super::gap::root;
 use super::modes::{Mode, Modes};
@@ -81,13 +81,13 @@ impl OutsideCounter {
     /// Counts. `response` is that of the orbit's chain and frequency.
     ///
     /// # Errors
-    /// [`Doubt::NotReversible`] unless the orbit has one impact a period and e < 1; [`Doubt::Tangency`] if rounding decides:
+    /// [`SecularError::NotReversible`] unless the orbit has one impact a period and e < 1; [`SecularError::Tangency`] if rounding decides:
     /// a multiplier is on the circle to within it.
-    pub fn count(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<OutsideCount, Doubt> {
+    pub fn count(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<OutsideCount, SecularError> {
         let q = orbit.model().loss();
-        let [impact] = orbit.impacts() else { return Err(Doubt::NotReversible) };
+        let [impact] = orbit.impacts() else { return Err(SecularError::NotReversible) };
         if q <= 0.0 {
-            return Err(Doubt::NotReversible);
+            return Err(SecularError::NotReversible);
         }
         let twice_kappa = 2.0 * Saltation::reduced(impact, orbit.model().restitution());
         self.modes.set(response);
@@ -111,7 +111,7 @@ impl OutsideCounter {
             let size = h.abs() + twice_kappa.abs();
             let error = g_error * size + g.abs() * (h_error + 8.0 * f64::EPSILON * size) + f64::EPSILON * q * q;
             // Not a number is a doubt, too.
-            if value.abs() > error { Ok(value < 0.0) } else { Err(Doubt::Tangency) }
+            if value.abs() > error { Ok(value < 0.0) } else { Err(SecularError::Tangency) }
         };
         let mut result =
             OutsideCount { pairs: 0, beyond_plus_one: negative(plus)?, beyond_minus_one: negative(minus)? };

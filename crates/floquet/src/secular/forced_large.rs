@@ -19,7 +19,7 @@ use vibrochain_lattice::ImpulseResponse;
 
 use super::cauchy::Tree;
 use super::circle::{CircleForm, CirclePole};
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::forced_roots::CircleRoots;
 use super::other_modes::{OtherModes, Sums, pairs};
 
@@ -65,7 +65,7 @@ fn cauchy<const CHANNELS: usize>(
     tree: &Tree,
     points: &[f64],
     charges: &[[f64; CHANNELS]],
-) -> Result<Vec<[f64; CHANNELS]>, Doubt> {
+) -> Result<Vec<[f64; CHANNELS]>, SecularError> {
     let mut out = vec![[0.0; CHANNELS]; sorted.len()];
     for field in tree.fields(points, charges, tree) {
         for k in field.targets.clone() {
@@ -80,7 +80,7 @@ fn cauchy<const CHANNELS: usize>(
                     2.0 * (own.sin - other.sin) * (own.sin + other.sin)
                 };
                 if difference == 0.0 {
-                    return Err(Doubt::Coincident { mode: own.mode });
+                    return Err(SecularError::Coincident { mode: own.mode });
                 }
                 let inverse = 1.0 / difference;
                 sum.iter_mut().zip(&charges[l]).for_each(|(sum, charge)| *sum += charge * inverse);
@@ -92,7 +92,7 @@ fn cauchy<const CHANNELS: usize>(
 }
 
 /// What all K̂(p_k) of `n` impacts need of the other modes, in the order of the modes.
-pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> Result<Vec<Sums>, Doubt> {
+pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> Result<Vec<Sums>, SecularError> {
     let (frequencies, weights, omega) = (response.frequencies(), response.weights(), response.omega());
     let sorted = sorted(response);
     let points: Vec<f64> = sorted.iter().map(|mode| mode.d).collect();
@@ -161,7 +161,7 @@ impl ForcedLarge {
     }
 
     /// All multipliers, the first `trivial` of them 1.
-    pub(crate) fn solve(&mut self, trivial: usize) -> Result<(), Doubt> {
+    pub(crate) fn solve(&mut self, trivial: usize) -> Result<(), SecularError> {
         self.roots.solve(&self.form, trivial)
     }
 }

@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use smallvec::SmallVec;
 
 use super::circle::{CircleForm, I, Local, whole};
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::search::{Near, Poles, REACH, Search, Zero, inverse};
 use vibrochain_breather::lanes::Lane;
 
@@ -26,7 +26,7 @@ pub(crate) struct CircleRoots {
 
 impl CircleRoots {
     /// All zeros of f, of which the first `trivial` are known to be 1.
-    pub(crate) fn solve(&mut self, form: &CircleForm, trivial: usize) -> Result<(), Doubt> {
+    pub(crate) fn solve(&mut self, form: &CircleForm, trivial: usize) -> Result<(), SecularError> {
         let Self { search, values, errors } = self;
         let m = form.poles.len();
         let wanted = 2 * m;
@@ -60,7 +60,7 @@ impl CircleRoots {
             }
         }
         let found = values.len();
-        if found == wanted { Ok(()) } else { Err(Doubt::Incomplete { found, wanted }) }
+        if found == wanted { Ok(()) } else { Err(SecularError::Incomplete { found, wanted }) }
     }
 
     /// |f₂/f′| of another function with the same poles at all zeros, in the order of `values`; both functions are evaluated alike,

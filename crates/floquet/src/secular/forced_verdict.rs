@@ -5,25 +5,25 @@ use nalgebra::Complex;
 use vibrochain_breather::{Condition, ImpactError, Orbit};
 use vibrochain_lattice::ImpulseResponse;
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::forced::SecularMultipliers;
 use super::forced_count::OutsideCounter;
 use super::growth::excess;
 use super::impact_matrix::ImpactMatrix;
 use super::settle::{DataError, Origin, Settled};
-use super::verdict::{Outcome, Reason, SecularVerdict};
+use super::verdict::{Reason, SecularVerdict, Standing};
 
 /// Work space for verdicts on orbits with a force or losses, all impacts at one site.
 ///
 /// ```
 /// use vibrochain_breather::{Family, Finder, Found};
-/// use vibrochain_floquet::{ForcedSecular, Outcome};
+/// use vibrochain_floquet::{ForcedSecular, Standing};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
 /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), ForcedSecular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let verdict = secular.verdict(&found.orbits[0], finder.response())?;
-/// assert!(verdict.outcome == Outcome::Unstable && (verdict.growth - 0.0016290236374028).abs() < 1e-11);
+/// assert!(verdict.outcome == Standing::Unstable && (verdict.growth - 0.0016290236374028).abs() < 1e-11);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]
@@ -72,23 +72,23 @@ impl ForcedSecular {
     /// says marginal where it does not say unstable.
     ///
     /// # Errors
-    /// [`Doubt`]; [`Doubt::NotReversible`] also for conservative orbits, whose trivial pair this form does not split off.
-    pub fn verdict(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<SecularVerdict, Doubt> {
+    /// [`SecularError`]; [`SecularError::NotReversible`] also for conservative orbits, whose trivial pair this form does not split off.
+    pub fn verdict(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<SecularVerdict, SecularError> {
         if orbit.model().is_conservative() {
-            return Err(Doubt::NotReversible);
+            return Err(SecularError::NotReversible);
         }
         self.solve(orbit, response)?;
-        let Some(leading) = self.leading(orbit, response) else { return Err(Doubt::NotReversible) };
+        let Some(leading) = self.leading(orbit, response) else { return Err(SecularError::NotReversible) };
         let Leading { place, growth, error } = leading;
         let leading = self.values[place];
         let clearance = self.values.iter().map(|z| excess(*z).abs()).fold(f64::INFINITY, f64::min);
         let real = leading.im.abs() <= error;
         let (outcome, reason) = if growth > error {
-            (Outcome::Unstable, if real { Reason::RealRoot } else { Reason::ComplexPair })
+            (Standing::Unstable, if real { Reason::RealRoot } else { Reason::ComplexPair })
         } else if growth < -error {
-            (Outcome::Stable, Reason::NoneOutside)
+            (Standing::Stable, Reason::NoneOutside)
         } else {
-            (Outcome::Marginal, Reason::Tangency)
+            (Standing::Marginal, Reason::Tangency)
         };
         let leading = Some(if real { Complex::new(leading.re, 0.0) } else { leading });
         Ok(SecularVerdict { outcome, reason, leading, growth, growth_error: error, clearance })
@@ -195,9 +195,13 @@ impl ForcedSecular {
     ///
     /// # Errors
     /// As [`ForcedSecular::verdict`].
-    pub fn settled(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(&[Complex<f64>], &[f64]), Doubt> {
+    pub fn settled(
+        &mut self,
+        orbit: &Orbit,
+        response: &ImpulseResponse,
+    ) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
         if orbit.model().is_conservative() {
-            return Err(Doubt::NotReversible);
+            return Err(SecularError::NotReversible);
         }
         self.solve(orbit, response)?;
         self.settle_all(orbit, response, true);
@@ -214,7 +218,7 @@ impl ForcedSecular {
 
     /// All multipliers of the even subspace but a conservative orbit's trivial pair, held against the count of those outside the circle
     /// where there is one.
-    pub(crate) fn solve(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+    pub(crate) fn solve(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
         self.multipliers.set(orbit, response)?;
         // A conservative orbit's trivial pair is known.
         let trivial = self.multipliers.trivial;
@@ -234,7 +238,7 @@ impl ForcedSecular {
             };
             let (wanted, surely, found) = (count.total(), beyond(1.0), beyond(-1.0));
             if wanted < surely || wanted > found {
-                return Err(Doubt::Incomplete { found, wanted });
+                return Err(SecularError::Incomplete { found, wanted });
             }
         }
         Ok(())
@@ -283,7 +287,7 @@ impl ForcedSecular {
         orbit: &Orbit,
         condition: &Condition,
         response: &ImpulseResponse,
-    ) -> Result<(), Doubt> {
+    ) -> Result<(), SecularError> {
         self.know_data_of(orbit, condition);
         if !self.multipliers.is_large() {
             self.settle_all(orbit, response, false);
@@ -314,7 +318,7 @@ impl ForcedSecular {
     }
 
     /// Errors of the orbit's data by difference quotients, for those that are not settled.
-    fn add_differences(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+    fn add_differences(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
         let Self { multipliers: form, moved, values, errors, asked, data, .. } = self;
         let mut worst: Origin = form.kappas.iter().map(|_| DataError::default()).collect();
         for origin in data.iter() {
@@ -335,7 +339,7 @@ impl ForcedSecular {
                 (if of_time { &mut moved.times } else { &mut moved.kappas })[i] += step;
                 // The certificate is the orbit's own business; here a derivative is all.
                 match moved.assemble(e, q, response) {
-                    Ok(()) | Err(Doubt::Certificate { .. }) => {}
+                    Ok(()) | Err(SecularError::Certificate { .. }) => {}
                     Err(doubt) => return Err(doubt),
                 }
                 let scale = error / step;

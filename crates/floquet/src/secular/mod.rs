@@ -1,5 +1,5 @@
-//! Floquet spectra of orbits whose impacts are all at one site, without matrices: the multipliers are the zeros of a
-//! scalar function that costs one pass over the modes.
+//! Floquet spectra without matrices of the ring's size: the multipliers are the zeros of the determinant of a matrix from impact to impact
+//! (`impact_matrix`, for any word), which costs one pass over the modes.
 //!
 //! | module | holds |
 //! |---|---|
@@ -21,14 +21,14 @@
 //! | `forced_large`, `circle`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
 //! | `search` | zeros of a large ring next to poles and anywhere else, for both |
 //! | `gap`, `pair`, `evaluate`, `lanes`, `growth` | what they need |
-//! | `doubt` | [`Doubt`]: when to ask a dense solver instead |
+//! | `error` | [`SecularError`]: when to ask a dense solver instead |
 
 mod aberth;
 mod by_roots;
 mod cauchy;
 mod circle;
 mod double_sided;
-mod doubt;
+mod error;
 mod evaluate;
 mod forced;
 mod forced_count;
@@ -59,7 +59,7 @@ mod single_sided;
 mod verdict;
 mod window;
 
-pub use doubt::Doubt;
+pub use error::SecularError;
 pub(crate) use forced::MOST_IMPACTS;
 pub use forced::SecularMultipliers;
 pub use forced_count::{OutsideCount, OutsideCounter};
@@ -71,7 +71,7 @@ pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
 pub use residues::Residues;
 pub use shapes::ModalShape;
-pub use verdict::{Outcome, Reason, Secular, SecularVerdict};
+pub use verdict::{Reason, Secular, SecularVerdict, Standing};
 
 #[cfg(test)]
 mod tests;

@@ -16,7 +16,7 @@ use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 use vibrochain_lattice::ImpulseResponse;
 use wide::f64x4;
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 
 type C = Complex<f64>;
 
@@ -139,7 +139,13 @@ impl OtherModes {
 
     /// The sums at the pole of mode k, which has these cos, sin(Ω_kT/2), of `count` pairs of impacts.
     #[inline]
-    pub(super) fn sums(&mut self, k: usize, (ck, sk): (f64, f64), count: usize, sums: &mut Sums) -> Result<(), Doubt> {
+    pub(super) fn sums(
+        &mut self,
+        k: usize,
+        (ck, sk): (f64, f64),
+        count: usize,
+        sums: &mut Sums,
+    ) -> Result<(), SecularError> {
         let Self { half_weight, cos, sin, ratio, inverse, turn_cos, turn_sin, scratch } = self;
         let groups = cos.len();
         let (ck, sk) = (all(ck), all(sk));
@@ -174,7 +180,7 @@ impl OtherModes {
         sums.nearest = nearest.to_array().into_iter().fold(f64::INFINITY, f64::min);
         // It meets itself once.
         if total(coincident) != 1.0 || sums.nearest == 0.0 {
-            return Err(Doubt::Coincident { mode: k });
+            return Err(SecularError::Coincident { mode: k });
         }
         sums.own = own.map(|sum| 0.5 * total(sum));
         sums.pairs.clear();

@@ -6,9 +6,6 @@ use super::evaluate::Local;
 use super::residues::Residues;
 use vibrochain_breather::lanes::Lane;
 
-/// Pairs this many poles away do not draw an iteration.
-const NEIGHBOURS: usize = 64;
-
 /// A gap whose least |F| is not zero: complex roots may be near.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Suspect {
@@ -48,21 +45,15 @@ pub(crate) fn from_suspects(
         let from = |pair: &Pair, t: Complex<f64>| t + form.distance(place, pair.place) - pair.t;
         let weight = |t: Complex<f64>| {
             let ends = one / t + one / (t - width);
-            pairs.iter().filter(|pair| pair.place.abs_diff(place) < NEIGHBOURS).fold(ends, |sum, pair| {
+            pairs.iter().fold(ends, |sum, pair| {
                 let upper = from(pair, t);
                 let lower = upper + Complex::new(0.0, 2.0 * pair.t.im);
                 sum - one / upper - one / lower
             })
         };
-        let mut local = form.window(place, place, scratch);
-        let mut found = newton(local, start, weight);
-        let inside = |t: Complex<f64>| local.far.is_none_or(|far| far.holds(t));
-        if found.is_none_or(|(t, _)| !inside(t)) && local.far.is_some() {
-            // Too far off for the polynomial of the far poles: all of them one by one.
-            form.distances(place, scratch);
-            local = form.about(scratch);
-            found = newton(local, start, weight);
-        }
+        form.distances(place, scratch);
+        let local = form.about(scratch);
+        let found = newton(local, start, weight);
         let Some((t, slope)) = found else { continue };
         if pairs.iter().any(|pair| from(pair, t).norm() < 1e-6 * t.im) {
             continue;
@@ -74,7 +65,7 @@ pub(crate) fn from_suspects(
 
 /// Newton's method for a complex root, from next to a gap's lowest point: the poles that `weight` names and the roots
 /// already found are divided out. `None` unless it settles off the real axis.
-pub(crate) fn newton(
+fn newton(
     local: Local<'_>,
     start: Complex<f64>,
     weight: impl Fn(Complex<f64>) -> Complex<f64>,

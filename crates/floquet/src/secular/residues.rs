@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::evaluate::Local;
 use super::growth::Nu;
 use super::leaf::Leaf;
@@ -69,9 +69,9 @@ impl Residues {
     /// finder that has just found or loaded the orbit holds it.
     ///
     /// # Errors
-    /// [`Doubt::NotReversible`]; [`Doubt::Certificate`] if ΣR = 1 or the trace is violated by more than the errors of the
+    /// [`SecularError::NotReversible`]; [`SecularError::Certificate`] if ΣR = 1 or the trace is violated by more than the errors of the
     /// residues explain: then they are worth nothing.
-    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
         self.set_within(orbit, response, 0.0)
     }
 
@@ -81,10 +81,10 @@ impl Residues {
         orbit: &Orbit,
         response: &ImpulseResponse,
         ratio_error: f64,
-    ) -> Result<(), Doubt> {
+    ) -> Result<(), SecularError> {
         let impacts = orbit.impacts();
         if !orbit.is_reversible() {
-            return Err(Doubt::NotReversible);
+            return Err(SecularError::NotReversible);
         }
         self.modes.set(response);
         let large = self.modes.count() > LARGE;
@@ -107,7 +107,7 @@ impl Residues {
                 }
                 self.expected_trace = double_sided::trace(&self.modes, &saltations);
             }
-            _ => return Err(Doubt::NotReversible),
+            _ => return Err(SecularError::NotReversible),
         }
         if let [only] = self.table.as_mut_slice() {
             // One mode: the trivial pair is all there is.
@@ -181,7 +181,7 @@ impl Residues {
         }
     }
 
-    fn certify(&mut self) -> Result<(), Doubt> {
+    fn certify(&mut self) -> Result<(), SecularError> {
         (self.sum, self.trace, self.total_error) = (0.0, 0.0, 0.0);
         let mut size = 0.0;
         for pole in &self.table {
@@ -195,7 +195,11 @@ impl Residues {
         // Not a number is a doubt, too. And errors that could hide the 1 itself leave nothing to certify, however small they are
         // against residues that cancel.
         let most = MOST_DOUBT * (self.count() as f64 / LARGE as f64).clamp(1.0, 500.0);
-        if defect <= allowed && allowed < size.min(most) { Ok(()) } else { Err(Doubt::Certificate { defect, allowed }) }
+        if defect <= allowed && allowed < size.min(most) {
+            Ok(())
+        } else {
+            Err(SecularError::Certificate { defect, allowed })
+        }
     }
 
     /// Poles d_k = cos Ω_kT, rising.

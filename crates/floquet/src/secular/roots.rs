@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::gap::{beyond, lowest, lowest_within, root};
 use super::missing::seek;
 use super::pair::Suspect;
@@ -32,7 +32,7 @@ impl Secular {
     /// conjugate pairs.
     ///
     /// # Errors
-    /// [`Doubt::Incomplete`].
+    /// [`SecularError::Incomplete`].
     ///
     /// ```
     /// use vibrochain_breather::{Family, Finder, Found};
@@ -48,12 +48,12 @@ impl Secular {
     /// assert!(roots.len() == 10 && (largest - 1.5775134618876).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn roots(&mut self) -> Result<(&[Complex<f64>], &[f64]), Doubt> {
+    pub fn roots(&mut self) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
         self.solve()?;
         Ok((&self.roots.values, &self.roots.errors))
     }
 
-    pub(crate) fn solve(&mut self) -> Result<(), Doubt> {
+    pub(crate) fn solve(&mut self) -> Result<(), SecularError> {
         let Self { residues: form, distances: scratch, suspects, roots, search, .. } = self;
         roots.values.clear();
         roots.errors.clear();
@@ -134,7 +134,7 @@ impl Secular {
         }
         let found = roots.values.len();
         if found != wanted {
-            return Err(Doubt::Incomplete { found, wanted });
+            return Err(SecularError::Incomplete { found, wanted });
         }
         // Σν is known: a root found twice and another missed would show.
         let sum: f64 = roots.values.iter().map(|nu| nu.re).sum();
@@ -144,6 +144,6 @@ impl Secular {
         let allowed = 16.0 * (slack + f64::EPSILON * size);
         // Against the roots themselves: residues that cancel would let anything pass.
         let passes = defect <= allowed.max(1e-9 * wanted as f64);
-        if passes { Ok(()) } else { Err(Doubt::Certificate { defect, allowed }) }
+        if passes { Ok(()) } else { Err(SecularError::Certificate { defect, allowed }) }
     }
 }

@@ -12,7 +12,7 @@ use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::{ImpulseResponse, RingTransform};
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::impact_matrix::{ImpactMatrix, Mode};
 
 type C = Complex<f64>;
@@ -36,8 +36,8 @@ impl ModalShape {
     /// all at one site. `response` is that of the orbit's chain and frequency.
     ///
     /// # Errors
-    /// [`Doubt::NotReversible`] for impacts at several sites; [`Doubt::Coincident`] if the multiplier is a pole e^{±iΩT}
-    /// itself: then its mode does not feel the impacts; [`Doubt::Certificate`] if the number is no multiplier: what it leaves
+    /// [`SecularError::NotReversible`] for impacts at several sites; [`SecularError::Coincident`] if the multiplier is a pole e^{±iΩT}
+    /// itself: then its mode does not feel the impacts; [`SecularError::Certificate`] if the number is no multiplier: what it leaves
     /// of the impacts' equations is told.
     ///
     /// ```
@@ -56,26 +56,26 @@ impl ModalShape {
     /// assert!(ModalShape::new(&found.orbits[0], finder.response(), Complex::new(2.0, 0.0)).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(orbit: &Orbit, response: &ImpulseResponse, multiplier: C) -> Result<Self, Doubt> {
+    pub fn new(orbit: &Orbit, response: &ImpulseResponse, multiplier: C) -> Result<Self, SecularError> {
         if orbit.impact_site().is_none() {
-            return Err(Doubt::NotReversible);
+            return Err(SecularError::NotReversible);
         }
         let mut matrix = ImpactMatrix::default();
         matrix.set(orbit, response);
         let (z, omega) = (multiplier, response.omega());
         let at_pole = |(mode, one): (usize, &Mode)| one.distances(z).is_none().then_some(mode);
         if let Some(mode) = matrix.modes.iter().enumerate().find_map(at_pole) {
-            return Err(Doubt::Coincident { mode });
+            return Err(SecularError::Coincident { mode });
         }
-        let singular = matrix.null_vectors(z).ok_or(Doubt::Incomplete { found: 0, wanted: 1 })?;
+        let singular = matrix.null_vectors(z).ok_or(SecularError::Incomplete { found: 0, wanted: 1 })?;
         // Not a number is no multiplier, either.
         if singular.defect.is_nan() || singular.defect > MOST_DEFECT {
-            return Err(Doubt::Certificate { defect: singular.defect, allowed: MOST_DEFECT });
+            return Err(SecularError::Certificate { defect: singular.defect, allowed: MOST_DEFECT });
         }
         let mut displacement = Vec::with_capacity(matrix.modes.len());
         let mut velocity = displacement.clone();
         for (k, (mode, waves)) in matrix.modes.iter().zip(matrix.waves.chunks_exact(matrix.impacts)).enumerate() {
-            let [(plus, _), (minus, _)] = mode.distances(z).ok_or(Doubt::Coincident { mode: k })?;
+            let [(plus, _), (minus, _)] = mode.distances(z).ok_or(SecularError::Coincident { mode: k })?;
             let (mut x, mut v) = (C::default(), C::default());
             for (wave, hit) in waves.iter().zip(matrix.right.chunks_exact(2)) {
                 let (a, b) = (mode.pole * plus * wave.conj(), mode.pole.conj() * minus * wave);

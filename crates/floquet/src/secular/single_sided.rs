@@ -4,10 +4,10 @@
 //! of sums over modes; C² = (1+d)/2 and S² = (1−d)/2 turn it into
 //!
 //! ```text
-//! f = (ν²−1)σ² + g(h − κ/2),   σ = Σ b²/(ν−d),  g = Σ 2b²xc/(ν−d),  h = Σ 2b²Ω²xc/(ν−d),  x = s/Ω.
+//! f = (ν²−1)σ² + g(h − 2κ'),   σ = Σ b²/(ν−d),  g = Σ 2b²xc/(ν−d),  h = Σ 2b²Ω²xc/(ν−d),  x = s/Ω.
 //! ```
 //!
-//! v̈/v⁻ of the orbit itself makes κ/2 = Σ b²c/x = h(1), and h(ν) − h(1) = −(ν−1)H with H = Σ (b²c/x)/(ν−d), hence
+//! v̈/v⁻ of the orbit itself makes 2κ' = Σ b²c/x = h(1), and h(ν) − h(1) = −(ν−1)H with H = Σ (b²c/x)/(ν−d), hence
 //! f = (ν−1)F, F = (1+ν)σ² − gH. The double poles cancel ((1+d)b⁴ = 2b²xc·b²c/x) and leave
 //!
 //! ```text
@@ -87,7 +87,7 @@ pub(crate) fn residues(modes: &Modes, poles: &mut Vec<Pole>) {
     }
 }
 
-/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − (κ/2)Σ2b²xc + 1.
+/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1.
 pub(crate) fn trace(modes: &Modes) -> f64 {
     let (mut mean, mut coupling, mut stiffness) = (0.0, 0.0, 0.0);
     for &Mode { weight: w, cos: c, sin: s, sin_over: x, .. } in modes.list() {

@@ -15,7 +15,7 @@ use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::ImpulseResponse;
 
-use super::doubt::Doubt;
+use super::error::SecularError;
 use super::gap::{Lowest, beyond, lowest};
 use super::growth::{Nu, multiplier, outside};
 use super::pair::{Pair, Suspect, from_suspects};
@@ -26,7 +26,7 @@ use vibrochain_breather::lanes::Lane;
 
 /// What the secular function says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Outcome {
+pub enum Standing {
     /// All multipliers are on the unit circle, beyond rounding.
     Stable,
     /// Two multipliers are so close to meeting that rounding decides on which side they are.
@@ -56,7 +56,7 @@ pub enum Reason {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SecularVerdict {
     /// Stable, marginal or unstable.
-    pub outcome: Outcome,
+    pub outcome: Standing,
     /// Why.
     pub reason: Reason,
     /// The leading multiplier: the one of largest modulus for an unstable orbit, the one next to leaving for a marginal
@@ -76,7 +76,7 @@ pub struct SecularVerdict {
 impl SecularVerdict {
     /// The outcome is not marginal: rounding could not have changed it.
     pub fn is_certain(&self) -> bool {
-        self.outcome != Outcome::Marginal
+        self.outcome != Standing::Marginal
     }
 
     /// |μ| of the leading multiplier, 1 for a stable orbit without losses.
@@ -89,7 +89,7 @@ impl SecularVerdict {
 ///
 /// ```
 /// use vibrochain_breather::{Family, Finder, Found};
-/// use vibrochain_floquet::{Outcome, Reason, Secular};
+/// use vibrochain_floquet::{Standing, Reason, Secular};
 /// use vibrochain_lattice::{Chain, Model};
 /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
 /// let mut verdict = |gamma2: f64, omega: f64, family| -> Result<_, Box<dyn std::error::Error>> {
@@ -99,10 +99,10 @@ impl SecularVerdict {
 ///     Ok(secular.verdict()?)
 /// };
 /// let unstable = verdict(0.1, 0.8, Family::SingleSided)?;
-/// assert!(unstable.outcome == Outcome::Unstable && (unstable.growth - 1.797574412183362).abs() < 1e-12);
+/// assert!(unstable.outcome == Standing::Unstable && (unstable.growth - 1.797574412183362).abs() < 1e-12);
 /// // Hardly coupled masses: multipliers closer than rounding can tell apart, and yet none can leave.
 /// let stable = verdict(1e-13, 1.5, Family::DoubleSided)?;
-/// assert_eq!((stable.outcome, stable.reason), (Outcome::Stable, Reason::EqualSignatures));
+/// assert_eq!((stable.outcome, stable.reason), (Standing::Stable, Reason::EqualSignatures));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]
@@ -117,7 +117,7 @@ pub struct Secular {
 
 /// The most unstable multiplier so far.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Leading {
+pub(super) struct LeadingRoot {
     pub(super) nu: Nu,
     pub(super) growth: f64,
     pub(super) error: f64,
@@ -129,7 +129,7 @@ impl Secular {
     ///
     /// # Errors
     /// As [`Residues::set`].
-    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), Doubt> {
+    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
         self.residues.set(orbit, response)
     }
 
@@ -139,12 +139,12 @@ impl Secular {
         orbit: &Orbit,
         response: &ImpulseResponse,
         ratio_error: f64,
-    ) -> Result<(), Doubt> {
+    ) -> Result<(), SecularError> {
         self.residues.set_within(orbit, response, ratio_error)
     }
 
     /// Both multipliers of every root ν, in pairs.
-    pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, Doubt> {
+    pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, SecularError> {
         self.solve()?;
         let form = &self.residues;
         let both = |root: &Root| {
@@ -168,8 +168,8 @@ impl Secular {
     /// The verdict on the orbit taken over.
     ///
     /// # Errors
-    /// [`Doubt::Signature`], [`Doubt::Incomplete`], [`Doubt::Imprecise`].
-    pub fn verdict(&mut self) -> Result<SecularVerdict, Doubt> {
+    /// [`SecularError::Signature`], [`SecularError::Incomplete`], [`SecularError::Imprecise`].
+    pub fn verdict(&mut self) -> Result<SecularVerdict, SecularError> {
         let Self { residues: form, distances: scratch, suspects, pairs, .. } = self;
         let count = form.count();
         let (signs, errors) = (form.residues(), form.errors());
@@ -181,7 +181,7 @@ impl Secular {
             if !known && count > 1 {
                 let mode = form.mode(place).unwrap_or_default();
                 if !large {
-                    return Err(Doubt::Signature { mode });
+                    return Err(SecularError::Signature { mode });
                 }
                 unknown = Some(mode);
             }
@@ -193,8 +193,8 @@ impl Secular {
         if count == 1 {
             return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
         }
-        let mut leading: Option<Leading> = None;
-        let mut marginal: Option<Leading> = None;
+        let mut leading: Option<LeadingRoot> = None;
+        let mut marginal: Option<LeadingRoot> = None;
         let (mut clearance, mut counted) = (f64::INFINITY, 0);
         if !positive {
             // Beyond ±1: the sum over 1/(|ν|−|d|…) is positive far away.
@@ -209,13 +209,13 @@ impl Secular {
                 if at.value.abs() <= error {
                     let reach = (at.value.abs() + error) / at.slope.abs();
                     let (nu, growth) = (Nu::beyond(end, reach), outside(reach));
-                    marginal = most(marginal, Leading { nu, growth, error: growth, reason: Reason::Tangency });
+                    marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
                 } else if at.value < 0.0 {
                     let delta = beyond(local);
                     let error = local.root_error(delta);
                     let (nu, growth) = (Nu::beyond(end, delta), outside(delta));
                     let error = growth_of_real_error(delta, error);
-                    leading = most(leading, Leading { nu, growth, error, reason: Reason::RealRoot });
+                    leading = most(leading, LeadingRoot { nu, growth, error, reason: Reason::RealRoot });
                 }
             }
             counted += signs.windows(2).filter(|pair| (pair[0] > 0.0) == (pair[1] > 0.0)).count();
@@ -240,7 +240,7 @@ impl Secular {
                     let reach = tangency(&low);
                     let nu = form.nu(gap, Complex::new(low.t, reach));
                     let growth = nu.growth();
-                    marginal = most(marginal, Leading { nu, growth, error: growth, reason: Reason::Tangency });
+                    marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
                     clearance = clearance.min(half);
                     counted += 2;
                 } else if low.value < 0.0 {
@@ -262,14 +262,14 @@ impl Secular {
                 let growth = nu.growth();
                 let error = nu.growth_error(growth, pair.error);
                 clearance = clearance.min(nu.im);
-                leading = most(leading, Leading { nu, growth, error, reason: Reason::ComplexPair });
+                leading = most(leading, LeadingRoot { nu, growth, error, reason: Reason::ComplexPair });
             }
         }
         if counted != wanted {
             // All roots at once know nothing of signs that are lost in rounding.
             let lost = marginal.is_some();
             return match lost {
-                true => Err(Doubt::Incomplete { found: counted, wanted }),
+                true => Err(SecularError::Incomplete { found: counted, wanted }),
                 false => self.judge_all_roots(None, None, f64::INFINITY),
             };
         }
@@ -278,10 +278,10 @@ impl Secular {
 }
 
 fn stable(reason: Reason, clearance: f64) -> SecularVerdict {
-    SecularVerdict { outcome: Outcome::Stable, reason, leading: None, growth: 0.0, growth_error: 0.0, clearance }
+    SecularVerdict { outcome: Standing::Stable, reason, leading: None, growth: 0.0, growth_error: 0.0, clearance }
 }
 
-pub(super) fn most(best: Option<Leading>, other: Leading) -> Option<Leading> {
+pub(super) fn most(best: Option<LeadingRoot>, other: LeadingRoot) -> Option<LeadingRoot> {
     match best {
         Some(best) if best.growth >= other.growth => Some(best),
         _ => Some(other),
@@ -289,25 +289,25 @@ pub(super) fn most(best: Option<Leading>, other: Leading) -> Option<Leading> {
 }
 
 pub(super) fn assemble(
-    leading: Option<Leading>,
-    marginal: Option<Leading>,
+    leading: Option<LeadingRoot>,
+    marginal: Option<LeadingRoot>,
     clearance: f64,
     worst: f64,
-) -> Result<SecularVerdict, Doubt> {
-    let tell = |this: Leading| {
+) -> Result<SecularVerdict, SecularError> {
+    let tell = |this: LeadingRoot| {
         let large = multiplier(&this.nu);
         let (growth, growth_error) = (this.growth, this.error);
         let certain = this.reason != Reason::Tangency && growth_error < growth;
-        let outcome = if certain { Outcome::Unstable } else { Outcome::Marginal };
+        let outcome = if certain { Standing::Unstable } else { Standing::Marginal };
         let precise = growth_error <= worst * (1.0 + growth);
         let verdict =
             SecularVerdict { outcome, reason: this.reason, leading: Some(large), growth, growth_error, clearance };
-        if precise { Ok(verdict) } else { Err(Doubt::Imprecise { growth, growth_error }) }
+        if precise { Ok(verdict) } else { Err(SecularError::Imprecise { growth, growth_error }) }
     };
     match (leading, marginal) {
         // An instability beyond doubt stays one, but how large it is may be in question.
         (Some(leading), Some(marginal)) => {
-            tell(Leading { error: leading.error.max(marginal.growth - leading.growth), ..leading })
+            tell(LeadingRoot { error: leading.error.max(marginal.growth - leading.growth), ..leading })
         }
         (Some(leading), None) => tell(leading),
         (None, Some(marginal)) => tell(marginal),

@@ -27,8 +27,9 @@ use vibrochain_lattice::ImpulseResponse;
 use super::form::{C, Form};
 use super::own::{OwnMode, own_mode};
 use super::signature::{Signature, signature};
+use crate::bracket::zero;
 use crate::error::FloquetError;
-use crate::saltation::saltations;
+use crate::saltation::{Saltation, saltations};
 
 /// The frequencies Ω̃_k of the modes of the ring with a breather on it, apart from collisions: Ω_k < Ω̃_k < Ω_{k+1}, and,
 /// as the last one, that of the breather's own mode, which is not in the band ([`OwnMode`]).
@@ -75,7 +76,10 @@ impl DressedModes {
         if !orbit.is_reversible() {
             return Ok(());
         }
-        let kappas: smallvec::SmallVec<[f64; 2]> = saltations(orbit)?.map(|hit| hit.kappa).collect();
+        let _ = saltations(orbit)?;
+        let e = orbit.model().restitution();
+        let kappas: smallvec::SmallVec<[f64; 2]> =
+            orbit.impacts().iter().map(|impact| Saltation::reduced(impact, e)).collect();
         // Its own mirror image half a period later, if the gap is its own mirror image.
         self.symmetric = kappas.len() == 2 && orbit.model().asymmetry() == 0.0;
         if !self.form.set(orbit.model().chain(), response, &kappas, self.symmetric) {
@@ -140,42 +144,19 @@ impl DressedModes {
         if k + 1 == self.count() {
             return self.own.map(|own| own.frequency);
         }
-        let (mut low, mut high) = self.gap(k)?;
+        let (low, high) = self.gap(k)?;
         let width = high - low;
         if width <= 1e-9 * high {
             return None;
         }
+        let excess = |w: f64| {
+            let at = self.phase(w) - PI * k as f64 - self.delay(w);
+            if at.is_nan() { Err(()) } else { Ok(at) }
+        };
         // x − πk − arg/2 is not positive at the lower end and not negative at the upper one, whatever the phase is there.
-        let excess = |w: f64| self.phase(w) - PI * k as f64 - self.delay(w);
-        let (mut at_low, mut at_high) = (-FRAC_PI_2, FRAC_PI_2);
-        let mut side = 0_i32;
-        for step in 0..80 {
-            let chord = (low * at_high - high * at_low) / (at_high - at_low);
-            // Regula falsi, the weight of an end that stays halved (Illinois); every fourth step is a plain half.
-            let w = if step % 4 != 3 && chord > low && chord < high { chord } else { 0.5 * (low + high) };
-            let at = excess(w);
-            if at.is_nan() {
-                return None;
-            }
-            if at.abs() < 1e-13 || high - low <= 4.0 * f64::EPSILON * high {
-                // A phase that jumps by π has no zero.
-                return (at.abs() < 1e-6).then_some(w);
-            }
-            if at > 0.0 {
-                (high, at_high) = (w, at);
-                if side == 1 {
-                    at_low *= 0.5;
-                }
-                side = 1;
-            } else {
-                (low, at_low) = (w, at);
-                if side == -1 {
-                    at_high *= 0.5;
-                }
-                side = -1;
-            }
-        }
-        None
+        let w = zero((low, -FRAC_PI_2), (high, FRAC_PI_2), high, excess).ok()?;
+        // A phase that jumps by π has no zero.
+        excess(w).is_ok_and(|at| at.abs() < 1e-6).then_some(w)
     }
 
     /// Signature of the multiplier of each mode, by rising k, the breather's own last: of all multipliers on the circle, and their

@@ -4,8 +4,8 @@
 //! function of the orbit is a quadratic form in what the ring answers there, its Green function G(w) = Σ b²/(Ω_l²−w²):
 //!
 //! ```text
-//! one impact:    f = −s² + g(h − κ/2),    s = (2/T) Σ_j w_j G_j,   g = (2/T) Σ_j G_j,   h = (2/T) Σ_j (1 + w_j² G_j),
-//! two impacts:   f = f₀f₁ − (δ²/4) g₀g₁,  each over T/2, f₀ with the even j, f₁ with the odd ones, κ the mean of both.
+//! one impact:    f = −s² + g(h − 2κ'),    s = (2/T) Σ_j w_j G_j,   g = (2/T) Σ_j G_j,   h = (2/T) Σ_j (1 + w_j² G_j),
+//! two impacts:   f = f₀f₁ − 4δ² g₀g₁,  each over T/2, f₀ with the even j, f₁ with the odd ones, κ' the mean of both and δ half their difference.
 //! ```
 //!
 //! Each G_j enters linearly. Those of w_j in the band are ±i/D here, D² = (w²−γ₁)(γ₁+4γ₂−w²), as in the infinite ring: waves that
@@ -52,7 +52,7 @@ struct Sums {
 impl Sums {
     /// f of one impact.
     fn form(&self, kappa: f64) -> C {
-        self.g * (self.h - 0.5 * kappa) - self.s * self.s
+        self.g * (self.h - 2.0 * kappa) - self.s * self.s
     }
 
     /// The ring answers G at w, `twice` being 2 over the time between impacts.
@@ -74,7 +74,7 @@ pub(super) struct Form {
     nodes: Vec<Node>,
     /// Up to where the nodes do not do.
     reach: f64,
-    /// Mean and half the difference of the κ of both impacts; one impact has no difference.
+    /// Mean and half the difference of the κ' of both impacts; one impact has no difference.
     kappa: f64,
     delta: f64,
     double: bool,
@@ -164,7 +164,7 @@ impl Form {
         self.product(&self.sums(w, false), odd.as_ref()) / self.trivial(w)
     }
 
-    /// What a change of κ adds to that, but for a negative factor.
+    /// What a change of κ' adds to that, but for a negative factor.
     pub(super) fn stiffness(&self, w: C) -> C {
         let even = self.sums(w, false);
         let change = if self.double {
@@ -184,7 +184,7 @@ impl Form {
 
     fn product(&self, even: &Sums, odd: Option<&Sums>) -> C {
         let own = even.form(self.kappa);
-        odd.map_or(own, |odd| own * odd.form(self.kappa) - 0.25 * self.delta * self.delta * even.g * odd.g)
+        odd.map_or(own, |odd| own * odd.form(self.kappa) - 4.0 * self.delta * self.delta * even.g * odd.g)
     }
 
     /// Between impacts.

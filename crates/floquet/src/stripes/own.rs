@@ -12,6 +12,7 @@
 
 use super::form::{C, Form};
 use super::signature::Signature;
+use crate::bracket::zero;
 
 /// Places at which f is looked at between two edges of the band.
 const LOOKS: usize = 32;
@@ -168,15 +169,12 @@ fn localised(form: &Form, part: &Part) -> Vec<Zero> {
     let looks: Vec<(f64, f64)> = part.places().map(|w| (w, value(w))).collect();
     let mut found = Vec::new();
     for pair in looks.windows(2) {
-        let &[(mut low, at_low), (mut high, at_high)] = pair else { continue };
-        if (at_low * at_high).is_nan() || at_low * at_high >= 0.0 {
+        let &[low, high] = pair else { continue };
+        if (low.1 * high.1).is_nan() || low.1 * high.1 >= 0.0 {
             continue;
         }
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            *(if value(middle) * at_low > 0.0 { &mut low } else { &mut high }) = middle;
-        }
-        let w = C::from(0.5 * (low + high));
+        let Ok(w) = zero(low, high, high.0, |w| Ok::<f64, ()>(value(w))) else { continue };
+        let w = C::from(w);
         found.push(Zero { w, slope: slope(form, w) });
     }
     found

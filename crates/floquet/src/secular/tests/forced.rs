@@ -7,7 +7,7 @@ use vibrochain_lattice::{Chain, Model};
 use super::*;
 use crate::Analyser;
 use crate::eigen::eigenvalues;
-use crate::secular::{ForcedSecular, ModalShape, Outcome, OutsideCounter, Secular, SecularMultipliers};
+use crate::secular::{ForcedSecular, ModalShape, OutsideCounter, Secular, SecularMultipliers, Standing};
 use crate::verdict::{Method, Tolerance};
 
 /// A random forced orbit's dense multipliers on the even subspace.
@@ -102,9 +102,9 @@ fn verdicts_on_forced_orbits() {
             let blur = 1e-12 * norm + verdict.growth_error;
             let name = format!("{family:?} {:?}: {verdict:?}, dense {growth:e}", orbit.model());
             match verdict.outcome {
-                Outcome::Stable => assert!(growth < blur, "{name}"),
-                Outcome::Unstable => assert!((growth - verdict.growth).abs() < blur, "{name}"),
-                Outcome::Marginal => open += 1,
+                Standing::Stable => assert!(growth < blur, "{name}"),
+                Standing::Unstable => assert!((growth - verdict.growth).abs() < blur, "{name}"),
+                Standing::Marginal => open += 1,
             }
         });
         assert!(checked > 350 && open < checked / 50, "{family:?}: {open} of {checked}");

@@ -4,7 +4,7 @@ use vibrochain_breather::{Family, Finder, Found};
 
 use super::*;
 use crate::Analyser;
-use crate::secular::{Outcome, Secular, double_sided, large, modes, single_sided};
+use crate::secular::{Secular, Standing, double_sided, large, modes, single_sided};
 use crate::verdict::{Method, Tolerance};
 
 #[test]
@@ -75,7 +75,7 @@ fn a_long_ring_has_the_isolated_multiplier_of_the_infinite_one() {
     secular.set(&found.orbits[0], finder.response()).unwrap();
     let verdict = secular.verdict().unwrap();
     let leading = verdict.leading.unwrap();
-    assert!(verdict.outcome == Outcome::Unstable && leading.im == 0.0);
+    assert!(verdict.outcome == Standing::Unstable && leading.im == 0.0);
     assert!((0.5 * (leading.re + 1.0 / leading.re) - 1.57752638953639).abs() < 2e-12, "{verdict:?}");
     let (roots, _) = secular.roots().unwrap();
     assert_eq!(roots.len(), 10000);
@@ -105,7 +105,7 @@ fn long_rings_with_overlapping_bands_are_not_marginal() {
             (bound.growth - verdict.growth()).abs() <= bound.growth_error,
             "{family:?} {omega}: {bound:?} {verdict:?}"
         );
-        marginal += usize::from(bound.outcome == Outcome::Marginal);
+        marginal += usize::from(bound.outcome == Standing::Marginal);
     }
     // By residues alone nothing could be said of the longest.
     assert_eq!(marginal, 2);

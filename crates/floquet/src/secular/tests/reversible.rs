@@ -4,7 +4,7 @@ use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
 
 use super::*;
-use crate::secular::{Outcome, Reason, Secular, SecularVerdict};
+use crate::secular::{Reason, Secular, SecularVerdict, Standing};
 
 #[derive(Default)]
 struct Bench {
@@ -46,12 +46,12 @@ impl Bench {
                 }
             };
             match verdict.outcome {
-                Outcome::Stable => assert!(radius <= blur, "{}: {verdict:?}, dense {radius:e} ± {blur:e}", name()),
-                Outcome::Marginal => {
+                Standing::Stable => assert!(radius <= blur, "{}: {verdict:?}, dense {radius:e} ± {blur:e}", name()),
+                Standing::Marginal => {
                     self.marginal += 1;
                     assert!(radius <= verdict.growth + blur, "{}: {verdict:?}, dense {radius:e} ± {blur:e}", name());
                 }
-                Outcome::Unstable => {
+                Standing::Unstable => {
                     self.unstable += 1;
                     let difference = (verdict.growth - radius).abs();
                     // The dense solver's error where it sees no instability at all: a pair on the axis.
@@ -173,7 +173,7 @@ fn hardly_coupled_masses_are_stable_beyond_doubt() {
             for orbit in &found.orbits {
                 secular.set(orbit, finder.response()).unwrap();
                 let verdict = secular.verdict().unwrap();
-                assert_eq!(verdict.outcome, Outcome::Stable, "{family:?} {model:?}");
+                assert_eq!(verdict.outcome, Standing::Stable, "{family:?} {model:?}");
                 assert_eq!(secular.roots().unwrap().0.len(), sites / 2);
                 checked += 1;
             }
@@ -199,7 +199,7 @@ fn growth_far_below_the_resolution_of_dense_solvers() {
         let (a, b) = (at(low), at(high));
         let pair = |v: &SecularVerdict| v.reason == Reason::ComplexPair;
         let (Some(a), Some(b)) = (a, b) else { continue };
-        if pair(&a) == pair(&b) || (a.outcome == Outcome::Unstable) == (b.outcome == Outcome::Unstable) {
+        if pair(&a) == pair(&b) || (a.outcome == Standing::Unstable) == (b.outcome == Standing::Unstable) {
             continue;
         }
         let rising = pair(&b);
@@ -214,7 +214,7 @@ fn growth_far_below_the_resolution_of_dense_solvers() {
             if verdict.growth_error > 0.02 * verdict.growth {
                 continue;
             }
-            assert_eq!(verdict.outcome, Outcome::Unstable, "{edge} {h:e} {verdict:?}");
+            assert_eq!(verdict.outcome, Standing::Unstable, "{edge} {h:e} {verdict:?}");
             let law = (verdict.growth / coarse.growth).powi(2) / (h / 1e-9);
             assert!((law - 1.0).abs() < 0.2, "{edge} {h:e}: {law} {verdict:?}");
             smallest = smallest.min(verdict.growth);

@@ -5,7 +5,7 @@ use thiserror::Error;
 /// What keeps the secular function from an answer that it could vouch for; a dense solver may still have one.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
-pub enum Doubt {
+pub enum SecularError {
     /// The orbit is not its own mirror image in time, or impacts at several sites.
     #[error("the orbit is not of the kind this secular function is for")]
     NotReversible,
