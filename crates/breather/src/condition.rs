@@ -234,7 +234,8 @@ impl Equations<'_> {
             for i in 0..n {
                 let (mut position, mut velocity) = (0.0, 0.0);
                 for (j, other) in impacts.iter().enumerate() {
-                    let weight = other.impulse * response.weights()[k] * response.shape(k, impacts[i].site, other.site);
+                    let weight =
+                        other.impulse * response.weights()[k] * response.shapes().even(k, impacts[i].site, other.site);
                     let t = self.elapsed(i, j);
                     // cos x/(2Ω sin y), what the amplitude multiplies.
                     position += weight * (response.mode_dynamic(k, t) + response.mode_static(k));
@@ -274,7 +275,6 @@ impl Equations<'_> {
         let impact = &orbit.impacts()[i];
         motion.seek(i, 0.0);
         let (neighbours, modes) = motion.acceleration_sizes(impact.site);
-        let ring = motion.sites();
         let bound = |site: usize, part: fn(KernelJet) -> f64| -> f64 {
             let term = |(j, other): (usize, &Impact)| {
                 let t = self.elapsed(i, j);
@@ -287,13 +287,13 @@ impl Equations<'_> {
         }
         // What rounding does to the displacement of the mass itself and of a neighbour.
         let displacement = |site: usize| {
-            let still = UNIT * (orbit.uniform_offset().abs() + motion.site(site % ring).displacement.abs());
+            let still = UNIT * (orbit.uniform_offset().abs() + motion.site(site).displacement.abs());
             self.force_rounding(i, 0) + still + bound(site, |jet| jet.value)
         };
         let (force, t) = (orbit.model().force_wave(), impact.time + orbit.psi_or_zero());
         let turned = |term: &WaveTerm| (term.amplitude * (term.rate * t + term.phase)).abs();
         let force = force.terms().iter().map(turned).sum::<f64>();
-        let (own, next) = (displacement(impact.site), displacement(impact.site + 1));
-        chain.gamma1() * own + 2.0 * chain.gamma2() * (own + next) + UNIT * (neighbours + force)
+        let sides = chain.neighbours(impact.site).map(displacement);
+        chain.spring_force_bound(displacement(impact.site), sides) + UNIT * (neighbours + force)
     }
 }

@@ -12,12 +12,12 @@
 //! as small as what moves: far masses are displaced, but hardly swing. That settles all but a few intervals of the masses
 //! next to the breather; those get their own Taylor polynomial from the modes.
 
+use vibrochain_lattice::DistinctMasses;
 use wide::f64x4;
 
 use crate::lanes::{LANES, Lane, dot, groups, total};
 use crate::motion::Motion;
 use crate::polynomial::{ORDER, Polynomial};
-use crate::window::Watched;
 
 /// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
 pub(crate) const INTERVAL: f64 = 0.5;
@@ -63,7 +63,7 @@ pub(crate) struct Grid {
 impl Grid {
     /// Takes over the flight that begins with the first impact of an orbit of one site and lasts for `horizon`. `false` if
     /// another way is better.
-    pub(crate) fn set(&mut self, motion: &Motion, watched: &Watched, horizon: f64) -> bool {
+    pub(crate) fn set(&mut self, motion: &Motion, watched: &DistinctMasses, horizon: f64) -> bool {
         let (frequencies, shapes) = (motion.frequencies(), motion.shapes());
         let (modes, radians) = (frequencies.len(), horizon * motion.top_frequency());
         let is_short = radians <= INTERVAL * MOST as f64;
@@ -96,11 +96,11 @@ impl Grid {
     }
 
     /// Modes and masses at all nodes, and the extremes of the latter.
-    fn sample<const G: usize>(&mut self, motion: &Motion, watched: &Watched) {
+    fn sample<const G: usize>(&mut self, motion: &Motion, watched: &DistinctMasses) {
         let turns = self.turns::<G>();
         let (mut u, mut w) = start::<G>(motion);
-        let last = watched.sites.len() - 1;
-        let (left, right) = (FIRST + watched.left(0), FIRST + watched.right(last));
+        let last = watched.sites().len() - 1;
+        let (left, right) = (FIRST + watched.left()[0], FIRST + watched.right()[last]);
         let (gamma1, gamma2) = stiffnesses(motion);
         let (own, side) = (f64x4::splat(-(gamma1 + 2.0 * gamma2)), f64x4::splat(gamma2));
         let infinite = f64x4::splat(f64::INFINITY);
@@ -151,14 +151,14 @@ impl Grid {
     /// negative entry, so that R ≤ r for every r with (I − C)r ≥ A: r = Σ_m θ^|n−m| A_m/(1 − c₁ − 5c₂),
     /// θ = c₂/(1 − c₁ − 4c₂), is one, if the sum takes the mirror images beyond both ends of the half ring. `false` where
     /// these could matter.
-    fn bound(&mut self, motion: &Motion, watched: &Watched) -> bool {
+    fn bound(&mut self, motion: &Motion, watched: &DistinctMasses) -> bool {
         let (gamma1, gamma2) = stiffnesses(motion);
         let eighth = 0.125 * self.step * self.step;
         let (c1, c2) = (eighth * gamma1, eighth * gamma2);
         let theta = c2 / (1.0 - c1 - 4.0 * c2);
         self.tops.clear();
         self.tops.extend(self.extremes.iter().map(|[_, _, top]| *top));
-        let tops = self.tops.as_flattened().iter().take(watched.sites.len());
+        let tops = self.tops.as_flattened().iter().take(watched.sites().len());
         self.seconds.clear();
         let (mut sum, mut last) = (0.0, 0.0);
         self.seconds.extend(tops.clone().map(|top| {
@@ -185,7 +185,7 @@ impl Grid {
             *second = scale * (images * *second + beyond);
         }
         for (mass, fourth) in self.fourths.iter_mut().enumerate() {
-            let sides = self.seconds[watched.left(mass)] + self.seconds[watched.right(mass)];
+            let sides = self.seconds[watched.left()[mass]] + self.seconds[watched.right()[mass]];
             *fourth = (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides;
         }
         true

@@ -5,7 +5,7 @@
 //! from one interval to the next) and swings them forward.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Chain, Complex, ImpulseResponse, LARGE_RING, RingCosines, RingTransform, Spectrum, Wave};
+use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Wave};
 
 use crate::error::BreatherError;
 use crate::lanes::{LANES, Lane, combine, groups};
@@ -95,16 +95,16 @@ struct Around {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Motion {
-    cosines: RingCosines,
-    /// cos(2πkn/M), [mode][site], of half a ring, if it is hit at one site only.
-    shapes: Vec<Lane>,
+    shapes: Shapes,
+    /// Of the masses that symmetry leaves, [mode][site], if one site only of a small ring is hit.
+    table: Vec<Lane>,
     sums: Vec<Lane>,
     origin: Option<Origin>,
     frequencies: Vec<f64>,
     period: f64,
     psi: f64,
     steady: Wave,
-    gamma: (f64, f64),
+    chain: Chain,
     force: Wave,
     sites: Vec<usize>,
     starts: Vec<f64>,
@@ -113,30 +113,27 @@ pub struct Motion {
     /// The modes at the time last asked for: [source][mode] displacement, velocity, acceleration.
     now: Vec<[f64; 3]>,
     now_force: Kinematics,
-    /// For large rings, once all sites have been asked for.
-    transform: Option<RingTransform>,
 }
 
 impl Motion {
     /// Room for rings of `sites` masses.
     pub(crate) fn vacant(sites: usize) -> Self {
         Self {
-            cosines: RingCosines::new(sites),
-            shapes: Vec::new(),
+            shapes: Shapes::new(sites),
+            table: Vec::new(),
             sums: Vec::new(),
             origin: None,
             frequencies: Vec::new(),
             period: 1.0,
             psi: 0.0,
             steady: Wave::default(),
-            gamma: (0.0, 0.0),
+            chain: Chain::alone(sites),
             force: Wave::default(),
             sites: Vec::new(),
             starts: Vec::new(),
             states: Vec::new(),
             now: Vec::new(),
             now_force: Kinematics::default(),
-            transform: None,
         }
     }
 
@@ -159,26 +156,26 @@ impl Motion {
             return;
         }
         self.origin = Some(Origin::new(orbit, response));
-        if self.cosines.sites() != response.sites() {
-            self.cosines = response.cosines().clone();
-            self.shapes.clear();
+        if self.shapes.sites() != response.sites() {
+            self.shapes = response.shapes().clone();
+            self.table.clear();
         }
         let modes = response.modes();
         if orbit.impact_site().is_none() {
-            self.shapes.clear();
-        } else if self.shapes.is_empty() && modes <= TABLE {
+            self.table.clear();
+        } else if self.table.is_empty() && modes <= TABLE {
             let groups = groups(modes);
-            self.shapes.resize(modes * groups, [0.0; LANES]);
-            for (k, row) in self.shapes.chunks_exact_mut(groups).enumerate() {
+            self.table.resize(modes * groups, [0.0; LANES]);
+            for (k, row) in self.table.chunks_exact_mut(groups).enumerate() {
                 let places = row.as_flattened_mut().iter_mut().enumerate().take(modes);
-                places.for_each(|(n, shape)| *shape = self.cosines.shape(k, n));
+                places.for_each(|(n, shape)| *shape = self.shapes.even(k, n, 0));
             }
         }
         self.frequencies.clear();
         self.frequencies.extend_from_slice(response.frequencies());
         self.period = response.period();
         (self.psi, self.steady, self.force) = (orbit.psi_or_zero(), *orbit.steady(), model.force_wave());
-        self.gamma = (model.chain().gamma1(), model.chain().gamma2());
+        self.chain = *model.chain();
         self.sites.clear();
         self.sites.extend(orbit.sources().iter().map(|source| source.site));
         self.starts.clear();
@@ -214,7 +211,12 @@ impl Motion {
 
     /// Number of masses.
     pub fn sites(&self) -> usize {
-        self.cosines.sites()
+        self.shapes.sites()
+    }
+
+    /// Whether all masses are asked for at once.
+    pub(crate) fn is_large(&self) -> bool {
+        self.shapes.is_large()
     }
 
     /// Number of intervals between impacts in one period.
@@ -255,7 +257,7 @@ impl Motion {
     /// half ring that begins with the one site that is hit.
     pub(crate) fn masses(&mut self, sites: &[usize], displacements: &mut [f64], velocities: &mut [f64]) {
         let modes = self.frequencies.len();
-        if self.shapes.is_empty() || self.sites.first() != sites.first() || sites.len() != modes {
+        if self.table.is_empty() || self.sites.first() != sites.first() || sites.len() != modes {
             for ((site, displacement), velocity) in sites.iter().zip(displacements).zip(velocities) {
                 let now = self.site(*site);
                 (*displacement, *velocity) = (now.displacement, now.velocity);
@@ -265,7 +267,7 @@ impl Motion {
         self.sums.resize(groups(modes), [0.0; LANES]);
         let forces = [self.now_force.displacement, self.now_force.velocity];
         for (i, (out, force)) in [displacements, velocities].into_iter().zip(forces).enumerate() {
-            combine(&self.shapes, self.now.iter().map(|now| now[i]), &mut self.sums);
+            combine(&self.table, self.now.iter().map(|now| now[i]), &mut self.sums);
             out.iter_mut().zip(self.sums.as_flattened()).for_each(|(out, sum)| *out = sum + force);
         }
     }
@@ -273,7 +275,6 @@ impl Motion {
     /// The mass at `site` at the time last sought.
     pub fn site(&self, site: usize) -> Kinematics {
         let mut sum = [0.0; 3];
-        let ring = self.cosines.sites();
         if let ([source], true) = (self.sites.as_slice(), self.now.len() <= BLOCK)
             && *source == site
         {
@@ -284,7 +285,7 @@ impl Motion {
             return self.forced(sum);
         }
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
-            let mut shapes = self.cosines.shapes(site.abs_diff(source).min(ring));
+            let mut shapes = self.shapes.evens(site, source);
             // In blocks, so that rounding does not grow with the size of the ring.
             for block in modes.chunks(BLOCK) {
                 let mut part = [0.0; 3];
@@ -306,30 +307,12 @@ impl Motion {
         }
     }
 
-    /// Displacement and velocity of all masses at the time last sought, in O(M log M) for a large ring.
-    pub(crate) fn all_sites(&mut self, out: &mut Vec<(f64, f64)>) {
-        let ring = self.sites();
+    /// Displacement and velocity of all masses at the time last sought, as one complex number; in O(M log M) for a large ring.
+    pub(crate) fn all_sites(&mut self, out: &mut Vec<Complex<f64>>) {
         out.clear();
-        if ring < LARGE_RING {
-            out.extend((0..ring).map(|n| {
-                let Kinematics { displacement, velocity, .. } = self.site(n);
-                (displacement, velocity)
-            }));
-            return;
-        }
-        out.resize(ring, (self.now_force.displacement, self.now_force.velocity));
-        if self.transform.as_ref().is_none_or(|transform| transform.size() != ring) {
-            self.transform = Some(RingTransform::new(ring));
-        }
-        let Some(transform) = &mut self.transform else { return };
+        out.resize(self.sites(), Complex::new(self.now_force.displacement, self.now_force.velocity));
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
-            // Displacement and velocity as one complex number.
-            let values = transform.sites(modes.iter().map(|now| Complex::new(now[0], now[1])));
-            for (n, value) in values.iter().enumerate() {
-                let (displacement, velocity) = &mut out[(n + source) % ring];
-                *displacement += value.re;
-                *velocity += value.im;
-            }
+            self.shapes.add_all(source, modes.iter().map(|now| Complex::new(now[0], now[1])), out);
         }
     }
 
@@ -351,7 +334,7 @@ impl Motion {
         self.at(0, t);
         let mut all = Vec::new();
         self.all_sites(&mut all);
-        all.into_iter().map(|(displacement, _)| displacement).collect()
+        all.into_iter().map(|value| value.re).collect()
     }
 
     /// Moves just after impact `i`, where interval `i` starts; the state of `site` there.
@@ -369,8 +352,7 @@ impl Motion {
         if modes < neighbours {
             return around.own.acceleration;
         }
-        let (own, [left, right]) = (around.own.displacement, around.sides);
-        -self.gamma.0 * own - self.gamma.1 * (2.0 * own - (left + right)) + self.force.value(force_time)
+        self.chain.spring_force(around.own.displacement, around.sides) + self.force.value(force_time)
     }
 
     /// Sums of the moduli of the terms of v̈ in the two forms of [`Motion::acceleration_from_forces`].
@@ -379,31 +361,30 @@ impl Motion {
     }
 
     fn sizes(&self, around: &Around) -> (f64, f64) {
-        let (own, [left, right]) = (around.own.displacement.abs(), around.sides.map(f64::abs));
-        let neighbours = self.gamma.0 * own + self.gamma.1 * (2.0 * own + right + left) + self.force.bound(0);
+        let (own, sides) = (around.own.displacement.abs(), around.sides.map(f64::abs));
+        let neighbours = self.chain.spring_force_bound(own, sides) + self.force.bound(0);
         (neighbours, around.modal + self.steady.bound(2))
     }
 
     /// A mass and its neighbours at the time last sought.
     fn around(&self, site: usize) -> Around {
-        let ring = self.sites();
         let mut modal = 0.0;
         if let ([source], true) = (self.sites.as_slice(), self.now.len() <= BLOCK)
             && *source == site
         {
             // Both neighbours of the only site that is hit move alike.
             let mut side = 0.0;
-            for (now, shape) in self.now.iter().zip(self.cosines.shapes(1)) {
+            for (now, shape) in self.now.iter().zip(self.shapes.evens(1, 0)) {
                 side += shape * now[0];
                 modal += now[2].abs();
             }
             return Around { own: self.site(site), sides: [side + self.now_force.displacement; 2], modal };
         }
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
-            let shapes = self.cosines.shapes(site.abs_diff(source).min(ring));
+            let shapes = self.shapes.evens(site, source);
             modal += modes.iter().zip(shapes).map(|(now, shape)| (shape * now[2]).abs()).sum::<f64>();
         }
-        let sides = [site + ring - 1, site + 1].map(|n| self.site(n % ring).displacement);
+        let sides = self.chain.neighbours(site).map(|n| self.site(n).displacement);
         Around { own: self.site(site), sides, modal }
     }
 
@@ -419,7 +400,7 @@ impl Motion {
 
     /// γ₁, γ₂.
     pub(crate) fn stiffnesses(&self) -> (f64, f64) {
-        self.gamma
+        (self.chain.gamma1(), self.chain.gamma2())
     }
 
     /// Σ|q_k|: no mass is ever displaced by much more, unless the modes start fast.
@@ -436,7 +417,7 @@ impl Motion {
     /// cos(2πkn/M) of half a ring, [mode][mass from the one that is hit on] in whole groups; empty unless impacts are at one
     /// site of a small ring.
     pub(crate) fn shapes(&self) -> &[Lane] {
-        &self.shapes
+        &self.table
     }
 
     /// Displacement and velocity of the modes, weights included, just after the first impact, for the first impacted site.

@@ -296,7 +296,7 @@ impl Rises {
     fn start(&mut self, response: &ImpulseResponse, step: f64) -> [f64; 3] {
         let (frequencies, weights, sines) = (response.frequencies(), response.weights(), response.sin_half());
         let (mut first, mut second, mut third) = (f64x4::ZERO, f64x4::ZERO, f64x4::ZERO);
-        let mut opposite = response.cosines().shapes(response.sites() / 2);
+        let mut opposite = response.shapes().evens(response.sites() / 2, 0);
         self.swings.clear();
         for k in (0..frequencies.len()).step_by(LANES) {
             let [mut frequency, mut amplitude, mut shape]: [Lane; 3] = [[0.0; LANES]; 3];

@@ -12,7 +12,7 @@
 //! Either passes over a mass, or an interval, that cannot come closer than the smallest distance known so far, or cannot
 //! have a turning point, and isolates the turning points of what is left (`polynomial`).
 
-use vibrochain_lattice::Barrier;
+use vibrochain_lattice::{Barrier, DistinctMasses};
 
 use crate::admissibility::{Admissibility, Approach, Obstruction};
 use crate::error::BreatherError;
@@ -20,7 +20,7 @@ use crate::grid::Grid;
 use crate::motion::Motion;
 use crate::orbit::Orbit;
 use crate::polynomial::{turning_points, with_overlap};
-use crate::window::{Watched, Window};
+use crate::window::Window;
 
 /// How far to look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub(crate) enum Depth {
 /// Work space of the check.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Watch {
-    watched: Watched,
+    watched: DistinctMasses,
     window: Window,
     grid: Grid,
     pending: Vec<(f64, f64)>,
@@ -85,7 +85,7 @@ impl Watch {
             return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
         }
         let horizon = if orbit.is_reversible() { 0.5 * orbit.period() } else { orbit.period() };
-        self.watched.set(motion.sites(), orbit.impact_site());
+        self.watched.reset(orbit.model().chain(), orbit.impact_site());
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
         if orbit.is_reversible() && self.grid.set(motion, &self.watched, horizon) {
             self.on_grid(orbit, motion, depth, &mut closest);
@@ -138,13 +138,13 @@ impl Watch {
                     self.window.advance(&self.watched, motion, interval, elapsed);
                 }
                 self.window.expand(&self.watched, model, &force, motion.force_time(interval, elapsed));
-                for (i, &site) in self.watched.sites.iter().enumerate() {
+                for (i, &site) in self.watched.sites().iter().enumerate() {
                     if !is_hit(site) {
                         closest.note(a, site, start + elapsed, self.window.displacement(i));
                     }
                 }
                 self.window.enclose(step);
-                for (i, &site) in self.watched.sites.iter().enumerate() {
+                for (i, &site) in self.watched.sites().iter().enumerate() {
                     let (low, high) = self.window.range(i);
                     if (1.0 - (high - a)).min(1.0 + (low - a)) < closest.distance - RESOLUTION {
                         let polynomial = self.window.polynomial(i);
@@ -168,7 +168,7 @@ impl Watch {
             // The end of the last window: masses that are not hit may turn right there, and at a reversible half period
             // a single-sided breather's own mass does.
             let ends = orbit.is_reversible() && orbit.impacts().len() == 1;
-            for (i, &site) in self.watched.sites.iter().enumerate() {
+            for (i, &site) in self.watched.sites().iter().enumerate() {
                 if ends || !is_hit(site) {
                     closest.note(a, site, start + length, self.window.final_displacement(i));
                 }
@@ -182,10 +182,10 @@ impl Watch {
     /// The flight that `self.grid` holds.
     fn on_grid(&mut self, orbit: &Orbit, motion: &Motion, depth: Depth, closest: &mut Closest) {
         let Self { watched, grid, pending, near, .. } = self;
-        let (a, masses) = (orbit.model().asymmetry(), watched.sites.len());
+        let (a, masses) = (orbit.model().asymmetry(), watched.sites().len());
         let (last, step) = (grid.intervals(), grid.step());
         let time = |node: usize| node as f64 * step;
-        let site = |mass: usize| watched.sites[mass];
+        let site = |mass: usize| watched.sites()[mass];
         // Every mass turns at both ends, by symmetry, the one that is hit only where it is not.
         let turns = |mass: usize| [mass > 0, mass > 0 || orbit.impacts().len() == 1];
         for (end, node) in [0, last].into_iter().enumerate() {
@@ -287,7 +287,7 @@ mod tests {
         let (mut watch, mut compared, mut physical) = (Watch::default(), 0, 0);
         orbits(|orbit, motion| {
             let horizon = 0.5 * orbit.period();
-            watch.watched.set(motion.sites(), orbit.impact_site());
+            watch.watched.reset(orbit.model().chain(), orbit.impact_site());
             if !watch.grid.set(motion, &watch.watched, horizon) {
                 return;
             }
@@ -329,13 +329,13 @@ mod tests {
         let (mut watch, mut checked) = (Watch::default(), 0);
         orbits(|orbit, motion| {
             let horizon = 0.5 * orbit.period();
-            watch.watched.set(motion.sites(), orbit.impact_site());
+            watch.watched.reset(orbit.model().chain(), orbit.impact_site());
             if checked > 60_000 || !watch.grid.set(motion, &watch.watched, horizon) {
                 return;
             }
             let size = motion.states_bound().max(1.0) * motion.top_frequency().powi(2).max(1.0);
             let a = orbit.model().asymmetry();
-            for (i, &site) in watch.watched.sites.iter().enumerate().take(8) {
+            for (i, &site) in watch.watched.sites().iter().enumerate().take(8) {
                 for part in 0..40 {
                     motion.seek(0, horizon * (f64::from(part) + 0.5) / 40.0);
                     let now = motion.site(site);

@@ -11,7 +11,7 @@
 //! polynomials are each mass's own: far from the breather their coefficients are as small as the motion itself, and
 //! bounds taken from them are as tight, which no bound common to the ring could be.
 
-use vibrochain_lattice::{LARGE_RING, Model, Wave};
+use vibrochain_lattice::{Complex, DistinctMasses, Model, Wave};
 use wide::f64x4;
 
 use crate::lanes::{LANES, Lane};
@@ -20,43 +20,6 @@ use crate::polynomial::{ORDER, Polynomial};
 
 /// Windows after which the masses are set anew from the modes, so that rounding cannot add up.
 const REFRESH: usize = 32;
-
-/// The masses that need watching: one half of a ring that is symmetric about site `home`, or all of it.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Watched {
-    ring: usize,
-    home: Option<usize>,
-    pub(crate) sites: Vec<usize>,
-    left: Vec<usize>,
-    right: Vec<usize>,
-}
-
-impl Watched {
-    /// Place of the left neighbour of mass `i`.
-    pub(crate) fn left(&self, i: usize) -> usize {
-        self.left[i]
-    }
-
-    /// Place of the right neighbour of mass `i`.
-    pub(crate) fn right(&self, i: usize) -> usize {
-        self.right[i]
-    }
-
-    pub(crate) fn set(&mut self, ring: usize, home: Option<usize>) {
-        let count = if home.is_some() { ring / 2 + 1 } else { ring };
-        // Symmetry folds a site beyond the half ring onto its mirror image.
-        let fold = |n: usize| if home.is_some() { n.min(ring - n) } else { n };
-        if (self.ring, self.home) != (ring, home) {
-            (self.ring, self.home) = (ring, home);
-            self.sites.clear();
-            self.sites.extend((0..count).map(|n| (home.unwrap_or(0) + n) % ring));
-            self.left.clear();
-            self.left.extend((0..count).map(|n| fold((n + ring - 1) % ring)));
-            self.right.clear();
-            self.right.extend((0..count).map(|n| fold((n + 1) % ring)));
-        }
-    }
-}
 
 /// Place of mass 0 in a row of numbers; before it stands its left neighbour, once more.
 const FIRST: usize = 1;
@@ -74,8 +37,8 @@ pub(crate) struct Window {
     highs: Vec<Lane>,
     values: Vec<Lane>,
     slopes: Vec<Lane>,
-    /// Displacement and velocity of all masses of a large ring.
-    all: Vec<(f64, f64)>,
+    /// Displacement and velocity of all masses of a large ring, as one complex number.
+    all: Vec<Complex<f64>>,
 }
 
 impl Window {
@@ -90,8 +53,8 @@ impl Window {
     }
 
     /// Sets all masses from the modes, `elapsed` after the start of an interval between impacts.
-    pub(crate) fn place(&mut self, watched: &Watched, motion: &mut Motion, interval: usize, elapsed: f64) {
-        let masses = watched.sites.len();
+    pub(crate) fn place(&mut self, watched: &DistinctMasses, motion: &mut Motion, interval: usize, elapsed: f64) {
+        let masses = watched.sites().len();
         if self.masses != masses {
             let lanes = masses.div_ceil(LANES);
             self.masses = masses;
@@ -107,20 +70,19 @@ impl Window {
         motion.seek(interval, elapsed);
         let (values, slopes) = self.coefficients.split_at_mut(self.stride);
         let (values, slopes) = (&mut values[FIRST..FIRST + masses], &mut slopes[FIRST..FIRST + masses]);
-        if motion.sites() >= LARGE_RING {
+        if motion.is_large() {
             motion.all_sites(&mut self.all);
-            for ((value, slope), &site) in values.iter_mut().zip(slopes).zip(&watched.sites) {
-                let (displacement, velocity) = self.all[site];
-                (*value, *slope) = (displacement, velocity * self.unit);
+            for ((value, slope), &site) in values.iter_mut().zip(slopes).zip(watched.sites()) {
+                (*value, *slope) = (self.all[site].re, self.all[site].im * self.unit);
             }
             return;
         }
-        motion.masses(&watched.sites, values, slopes);
+        motion.masses(watched.sites(), values, slopes);
         slopes.iter_mut().for_each(|slope| *slope *= self.unit);
     }
 
     /// Works out the polynomials from displacement and velocity; `time` is t+ψ, for the force, at the window's start.
-    pub(crate) fn expand(&mut self, watched: &Watched, model: &Model, force: &Wave, time: f64) {
+    pub(crate) fn expand(&mut self, watched: &DistinctMasses, model: &Model, force: &Wave, time: f64) {
         let squared = self.unit * self.unit;
         let [g1, g2] = [model.chain().gamma1(), model.chain().gamma2()].map(|gamma| f64x4::splat(gamma * squared));
         let mut pushes = [0.0; ORDER - 2];
@@ -136,7 +98,7 @@ impl Window {
             }
         }
         let (stride, last) = (self.stride, FIRST + self.masses - 1);
-        let ends = (FIRST + watched.left[0], FIRST + watched.right[self.masses - 1]);
+        let ends = (FIRST + watched.left()[0], FIRST + watched.right()[self.masses - 1]);
         for row in self.coefficients.chunks_exact_mut(stride).take(2) {
             (row[0], row[last + 1]) = (row[ends.0], row[ends.1]);
         }
@@ -158,7 +120,7 @@ impl Window {
 
     /// Moves on to the end of the length last enclosed: through the polynomials, or from the modes where rounding is due to
     /// be cleared.
-    pub(crate) fn advance(&mut self, watched: &Watched, motion: &mut Motion, interval: usize, elapsed: f64) {
+    pub(crate) fn advance(&mut self, watched: &DistinctMasses, motion: &mut Motion, interval: usize, elapsed: f64) {
         self.since_refresh += 1;
         if self.since_refresh >= REFRESH {
             self.place(watched, motion, interval, elapsed);
@@ -264,26 +226,5 @@ mod tests {
         let (low, high) = window.range(0);
         assert!(low <= 0.0 && high >= 1f64.sin() && high <= 1.01);
         assert_eq!(window.final_displacement(0), sine.evaluate(1.0).0);
-    }
-
-    #[test]
-    fn watched_half_rings_fold_onto_themselves() {
-        let mut watched = Watched::default();
-        for (ring, left, right) in [
-            (1, vec![0], vec![0]),
-            (2, vec![1, 0], vec![1, 0]),
-            (5, vec![1, 0, 1], vec![1, 2, 2]),
-            (6, vec![1, 0, 1, 2], vec![1, 2, 3, 2]),
-        ] {
-            watched.set(ring, Some(0));
-            assert_eq!((&watched.left, &watched.right), (&left, &right), "{ring}");
-        }
-        // As many masses, other neighbours.
-        watched.set(7, Some(0));
-        assert_eq!(watched.right, [1, 2, 3, 3]);
-        watched.set(5, Some(3));
-        assert_eq!(watched.sites, [3, 4, 0]);
-        watched.set(5, None);
-        assert_eq!((watched.sites.len(), watched.left[0], watched.right[4]), (5, 4, 0));
     }
 }

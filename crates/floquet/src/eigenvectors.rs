@@ -4,7 +4,7 @@
 use faer::MatRef;
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_lattice::{RingCosines, Spectrum};
+use vibrochain_lattice::{Shapes, Spectrum};
 
 use crate::analyser::{Analyser, Failure};
 use crate::dense::uncoupled;
@@ -117,7 +117,7 @@ fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetErr
     let modulus = |i: usize| values[i].re.hypot(values[i].im);
     order.sort_by(|&i, &j| modulus(j).total_cmp(&modulus(i)).then(values[i].im.total_cmp(&values[j].im)));
     let spectrum = Spectrum::new(*chain);
-    let cosines = RingCosines::new(chain.sites());
+    let shapes = Shapes::new(chain.sites());
     let (sites, half) = (chain.sites(), size / 2);
     let modes = order.into_iter().take(count).map(|i| {
         let entry = |row: usize| {
@@ -128,8 +128,8 @@ fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetErr
         let (mut displacement, mut velocity) = (vec![zero; sites], vec![zero; sites]);
         for n in 0..sites {
             if let Some(home) = home {
-                let shapes = cosines.shapes(n.abs_diff(home));
-                let modes = spectrum.frequencies().iter().zip(spectrum.weights()).zip(shapes).enumerate();
+                let evens = shapes.evens(n, home);
+                let modes = spectrum.frequencies().iter().zip(spectrum.weights()).zip(evens).enumerate();
                 for (k, ((f, w), shape)) in modes {
                     displacement[n] += entry(k) * (w.sqrt() * shape / f.max(orbit.frequency()));
                     velocity[n] += entry(k + half) * (w.sqrt() * shape);

@@ -21,10 +21,9 @@ use rustfft::num_complex::Complex;
 
 use crate::error::RESONANCE_TOLERANCE;
 use crate::error::Resonance;
-use crate::ring::RingCosines;
+use crate::shapes::Shapes;
 use crate::small::{cubic_defect, long_sum, sinc, sinc_from};
 use crate::spectrum::Spectrum;
-use crate::transform::{LARGE_RING, RingTransform};
 
 /// The impulse response at one time, and its first three derivatives in t.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,7 +55,7 @@ pub struct ImpulseResponse {
     gamma1: f64,
     omega: f64,
     period: f64,
-    cosines: RingCosines,
+    shapes: Shapes,
     frequencies: Vec<f64>,
     weights: Vec<f64>,
     /// y, sin y and cos y, the last two with the nearest multiple of π taken out of y exactly.
@@ -94,7 +93,7 @@ impl ImpulseResponse {
             gamma1: 0.0,
             omega: 1.0,
             period: std::f64::consts::TAU,
-            cosines: RingCosines::new(sites),
+            shapes: Shapes::new(sites),
             frequencies: Vec::new(),
             weights: Vec::new(),
             half_phase: Vec::new(),
@@ -237,8 +236,8 @@ impl ImpulseResponse {
     }
 
     /// Shapes of the modes.
-    pub fn cosines(&self) -> &RingCosines {
-        &self.cosines
+    pub fn shapes(&self) -> &Shapes {
+        &self.shapes
     }
 
     /// max_k Ω_k/|Ω_k − jω| over harmonics j ≥ 1: a relative error δ in a frequency moves the response by about
@@ -356,22 +355,21 @@ impl ImpulseResponse {
     /// up less at `to` than at `from`, Σ b_k² [1 − cos(2πk(to−from)/M)]/(Ω_k²T), is taken from the value: then for any sites, and
     /// for γ₁ = 0, displacement = (net impulse)·S₀ + Σ impulse·value.
     pub fn jet_between(&self, to: usize, from: usize, offset: f64) -> KernelJet {
-        let distance = to.abs_diff(from);
-        if distance == 0 {
+        if to == from {
             return self.jet_from_half(offset);
         }
         let [value, slope, curvature, third] = long_sum(self.modes(), |k| {
-            let scale = self.scales[k] * self.cosines.shape(k, distance);
+            let scale = self.scales[k] * self.shapes.even(k, to, from);
             let mut jet = self.mode_jet(k, offset, scale, self.half_phase[k] < 1.0);
-            jet[0] -= self.static_drop(k, distance);
+            jet[0] -= self.static_drop(k, to, from);
             jet
         });
         KernelJet { value, slope, curvature, third }
     }
 
-    /// What mode `k` lacks of its static response at some distance from the impulses, weight included.
-    pub(crate) fn static_drop(&self, k: usize, distance: usize) -> f64 {
-        self.weights[k] * self.mode_static(k) * self.cosines.defect(k, distance)
+    /// What mode `k` lacks at `to` of its static response at `from`, weight included.
+    pub(crate) fn static_drop(&self, k: usize, to: usize, from: usize) -> f64 {
+        self.weights[k] * self.mode_static(k) * self.shapes.drop(k, to, from)
     }
 
     /// The term of mode `k` in the dynamic part and its derivatives, `scale` in place of its own; `soft` for y < 1.
@@ -392,15 +390,10 @@ impl ImpulseResponse {
         }
     }
 
-    /// Displacement of site `to` in mode `k` where that of site `from` is 1.
-    pub fn shape(&self, k: usize, to: usize, from: usize) -> f64 {
-        self.cosines.shape(k, to.abs_diff(from))
-    }
-
     /// Σ b_k² cos(2πkn/M)/(Ω_k² − w²) for each n of `sites` and w of `frequencies`: how far a force cos wt at site 0 makes site n
     /// swing. Infinite where w meets a mode.
     pub fn driven<const N: usize, const J: usize>(&self, sites: [usize; N], frequencies: [f64; J]) -> [[f64; J]; N] {
-        let mut shapes = sites.map(|site| self.cosines.shapes(site));
+        let mut shapes = sites.map(|site| self.shapes.evens(site, 0));
         let mut sums = [[0.0; J]; N];
         for (mode, weight) in self.frequencies.iter().zip(&self.weights) {
             let terms = frequencies.map(|w| weight / ((mode - w) * (mode + w)));
@@ -418,34 +411,25 @@ impl ImpulseResponse {
     /// common to all sites, which cancels wherever the net impulse is zero.
     pub fn value(&self, site: usize, t: f64) -> f64 {
         let t = self.fold(t);
-        let shape = |k| self.weights[k] * self.cosines.shape(k, site);
+        let shape = |k| self.weights[k] * self.shapes.even(k, site, 0);
         long_sum(self.modes(), |k| [shape(k) * (self.mode_static(k) + self.mode_dynamic(k, t))])[0]
     }
 
     /// dK_n/dt; at the impulse itself (t = 0) the mean of both sides, 0.
     pub fn derivative(&self, site: usize, t: f64) -> f64 {
         let t = self.fold(t);
-        long_sum(self.modes(), |k| [self.weights[k] * self.cosines.shape(k, site) * self.mode_slope(k, t)])[0]
+        long_sum(self.modes(), |k| [self.weights[k] * self.shapes.even(k, site, 0) * self.mode_slope(k, t)])[0]
     }
 
     /// K_n(t) at the sites n = 0 … ⌊M/2⌋ (the ring is symmetric about site 0), written to `out`; one sine a mode
     /// for all of them, O(M log M) for a large ring. Entries of `out` beyond ⌊M/2⌋ are left alone.
     pub fn profile(&self, t: f64, out: &mut [f64]) {
         let t = self.fold(t);
-        if self.sites >= LARGE_RING {
-            let amplitude = |k: usize| self.weights[k] * (self.mode_static(k) + self.mode_dynamic(k, t));
-            let mut transform = RingTransform::new(self.sites);
-            let values = transform.sites((0..self.modes()).map(|k| Complex::new(amplitude(k), 0.0)));
-            out.iter_mut().take(self.modes()).zip(values).for_each(|(o, value)| *o = value.re);
-            return;
-        }
-        out.iter_mut().take(self.modes()).for_each(|o| *o = 0.0);
-        for k in 0..self.modes() {
-            let amplitude = self.weights[k] * (self.mode_static(k) + self.mode_dynamic(k, t));
-            for (n, o) in out.iter_mut().take(self.modes()).enumerate() {
-                *o += amplitude * self.cosines.shape(k, n);
-            }
-        }
+        let amplitude = |k: usize| Complex::new(self.weights[k] * (self.mode_static(k) + self.mode_dynamic(k, t)), 0.0);
+        let amplitudes: Vec<_> = (0..self.modes()).map(amplitude).collect();
+        let mut all = vec![Complex::default(); self.sites];
+        self.shapes.clone().add_all(0, amplitudes.into_iter(), &mut all);
+        out.iter_mut().take(self.modes()).zip(all).for_each(|(out, value)| *out = value.re);
     }
 
     /// K_n at many times, written to `out` (as many as the shorter of the two holds); no allocation.
@@ -481,7 +465,7 @@ mod tests {
                 .sum();
             (1.0 / square + sum) / r.period
         };
-        (0..r.modes()).map(|k| r.weights[k] * r.cosines.shape(k, n) * per_mode(k)).sum()
+        (0..r.modes()).map(|k| r.weights[k] * r.shapes.even(k, n, 0) * per_mode(k)).sum()
     }
 
     #[test]

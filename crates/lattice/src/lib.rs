@@ -23,8 +23,8 @@
 //! | `force` | [`Force`], [`Wave`]: odd harmonics and the uniform motion they drive |
 //! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
 //! | `parameter` | [`Parameter`]: the real ones by name, to be varied |
-//! | `ring` | [`RingCosines`]: cos(2πj/M) to the last digit |
-//! | `transform` | [`RingTransform`]: all sites from the modes in O(M log M) |
+//! | `shapes` | [`Shapes`]: what each mode makes of each mass; `ring`, `transform`: cosines to the last digit, all masses at once |
+//! | `distinct` | [`DistinctMasses`]: the masses that symmetry leaves |
 //! | `impulse` | [`ImpulseResponse`]: the periodic impulse response K_n(t) in closed form |
 //! | `sensitivity` | condition of the impulse response |
 //! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
@@ -43,6 +43,7 @@
 //! ```
 
 mod decay;
+mod distinct;
 mod error;
 mod force;
 mod impulse;
@@ -51,19 +52,20 @@ mod params;
 mod propagator;
 mod ring;
 mod sensitivity;
+mod shapes;
 mod small;
 mod spectrum;
 mod transform;
 
 pub use decay::{Decay, decay, far_field, far_motion, harmonic_response};
+pub use distinct::DistinctMasses;
 pub use error::{LatticeError, MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, Short};
 pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use impulse::{ImpulseResponse, KernelJet};
 pub use parameter::Parameter;
 pub use params::{Barrier, Chain, MAX_SITES, Model};
 pub use propagator::Propagator;
-pub use ring::RingCosines;
 pub use rustfft::num_complex::Complex;
+pub use shapes::Shapes;
 pub use small::{sinc, sine_over};
 pub use spectrum::Spectrum;
-pub use transform::{LARGE_RING, RingTransform};

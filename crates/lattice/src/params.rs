@@ -101,6 +101,26 @@ impl Chain {
         (self.sites - 1) / 2
     }
 
+    /// Masses on unit springs without coupling, at least one: a chain to begin with.
+    pub fn alone(sites: usize) -> Self {
+        Self { sites: sites.max(1), gamma1: 1.0, gamma2: 0.0 }
+    }
+
+    /// The two masses that a mass is coupled to: each other's and its own in rings of two and one.
+    pub fn neighbours(&self, site: usize) -> [usize; 2] {
+        [(site + self.sites - 1) % self.sites, (site + 1) % self.sites]
+    }
+
+    /// What the springs do to a mass displaced by `own`, its neighbours by `sides`: −γ₁u − γ₂(2u − u_left − u_right).
+    pub fn spring_force(&self, own: f64, [left, right]: [f64; 2]) -> f64 {
+        -self.gamma1 * own - self.gamma2 * (2.0 * own - (left + right))
+    }
+
+    /// The largest that [`Chain::spring_force`] can be for displacements up to these moduli.
+    pub fn spring_force_bound(&self, own: f64, [left, right]: [f64; 2]) -> f64 {
+        self.gamma1 * own + self.gamma2 * (2.0 * own + right + left)
+    }
+
     /// Distance on the ring between two sites, at most ⌊M/2⌋.
     pub fn distance(&self, from: usize, to: usize) -> usize {
         let d = from.abs_diff(to) % self.sites;

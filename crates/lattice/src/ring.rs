@@ -3,23 +3,23 @@
 /// Table of cos(2πj/M), j = 0 … M−1, each right to the last digit or so: arguments are folded into the first
 /// octant in integers, so that no digit is lost for j near M.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RingCosines {
+pub(crate) struct RingCosines {
     table: Vec<f64>,
 }
 
 impl RingCosines {
     /// The table for a ring of `sites` masses.
-    pub fn new(sites: usize) -> Self {
+    pub(crate) fn new(sites: usize) -> Self {
         Self { table: (0..sites).map(|j| cos_turn(j, sites)).collect() }
     }
 
     /// Number M of masses.
-    pub fn sites(&self) -> usize {
+    pub(crate) fn sites(&self) -> usize {
         self.table.len()
     }
 
     /// cos(2πkn/M), the displacement of site `n` in mode `k` relative to site 0.
-    pub fn shape(&self, k: usize, n: usize) -> f64 {
+    pub(crate) fn shape(&self, k: usize, n: usize) -> f64 {
         self.table[self.turns(k, n)]
     }
 
@@ -30,21 +30,21 @@ impl RingCosines {
     }
 
     /// 1 − cos(2πkn/M) to its own last digits.
-    pub fn defect(&self, k: usize, n: usize) -> f64 {
+    pub(crate) fn defect(&self, k: usize, n: usize) -> f64 {
         let j = self.turns(k, n);
         let half = (std::f64::consts::PI * j.min(self.sites() - j) as f64 / self.sites() as f64).sin();
         2.0 * half * half
     }
 
     /// sin(2πkn/M), the displacement of site `n` in the other mode of the frequency of mode `k`, which has a node at site 0.
-    pub fn sine(&self, k: usize, n: usize) -> f64 {
+    pub(crate) fn sine(&self, k: usize, n: usize) -> f64 {
         let sites = self.sites();
         // sin x = cos(x − π/2)
         cos_turn((4 * self.turns(k, n) + 3 * sites) % (4 * sites), 4 * sites)
     }
 
     /// cos(2πkn/M) for k = 0, 1, 2, …: the amplitudes at site `n` of all modes, without a multiplication a step.
-    pub fn shapes(&self, n: usize) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn shapes(&self, n: usize) -> impl Iterator<Item = f64> + '_ {
         let sites = self.table.len();
         let step = n % sites;
         let mut index = 0;

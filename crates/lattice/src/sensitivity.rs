@@ -32,20 +32,20 @@ impl ImpulseResponse {
 
     /// As [`ImpulseResponse::sensitivity`], for [`ImpulseResponse::jet_between`].
     pub fn sensitivity_between(&self, to: usize, from: usize, t: f64) -> KernelJet {
-        self.between(to.abs_diff(from), t, |k| self.mode_detuning(k))
+        self.between(to, from, t, |k| self.mode_detuning(k))
     }
 
     /// As [`ImpulseResponse::sensitivity_between`], without what changes a mode at all times alike: its amplitude
     /// 1/(2 sin y), which answers to a relative change of y with [`ImpulseResponse::mode_detuning`].
     pub fn rounding_between(&self, to: usize, from: usize, t: f64) -> KernelJet {
-        self.between(to.abs_diff(from), t, |_| 0.0)
+        self.between(to, from, t, |_| 0.0)
     }
 
-    fn between(&self, distance: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
-        let mut sum = self.response_to(distance, t, detuning);
-        if distance > 0 {
+    fn between(&self, to: usize, from: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
+        let mut sum = self.response_to(to.abs_diff(from), t, detuning);
+        if to != from {
             // Terms of one sign: the frequency twice, the period once, a few operations.
-            sum.value += 6.0 * (0..self.modes()).map(|k| self.static_drop(k, distance)).sum::<f64>();
+            sum.value += 6.0 * (0..self.modes()).map(|k| self.static_drop(k, to, from)).sum::<f64>();
         }
         sum
     }
@@ -62,7 +62,7 @@ impl ImpulseResponse {
         let offset = t - 0.5 * self.period();
         let mut sum = KernelJet::default();
         for (k, (&frequency, &weight)) in self.frequencies().iter().zip(self.weights()).enumerate() {
-            let weight = weight * self.cosines().shape(k, site).abs();
+            let weight = weight * self.shapes().even(k, site, 0).abs();
             let y = 0.5 * frequency * self.period();
             if y < 1.0 {
                 // All terms are of one sign or regular in y: a few units each, and what a change of t and T does.
@@ -93,7 +93,7 @@ impl ImpulseResponse {
     /// As [`ImpulseResponse::sensitivity_at`], for the value K_n(t) with its static part (for γ₁ = 0 without the uniform
     /// one, as in [`ImpulseResponse::value`]).
     pub fn value_sensitivity(&self, site: usize, t: f64) -> f64 {
-        let still = |k: usize| 3.0 * self.weights()[k] * self.mode_static(k) * self.cosines().shape(k, site).abs();
+        let still = |k: usize| 3.0 * self.weights()[k] * self.mode_static(k) * self.shapes().even(k, site, 0).abs();
         self.sensitivity_at(site, t).value + (0..self.modes()).map(still).sum::<f64>()
     }
 }

@@ -7,20 +7,11 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
 /// Number of sites from which a fast transform beats plain sums (and the rounding of which small rings are spared).
-pub const LARGE_RING: usize = 512;
+pub(crate) const LARGE_RING: usize = 512;
 
 /// A fast cosine transform for rings of one size, with its work space.
-///
-/// ```
-/// use vibrochain_lattice::{Complex, RingCosines, RingTransform};
-/// let modes: Vec<_> = (0..=500).map(|k| Complex::new(1.0 / (1.0 + k as f64), 0.0)).collect();
-/// let sites = RingTransform::new(1001).sites(modes.iter().copied()).to_vec();
-/// let cosines = RingCosines::new(1001);
-/// let plain: f64 = (0..=500).map(|k| modes[k].re * cosines.shape(k, 77)).sum();
-/// assert!(sites.len() == 1001 && (sites[77].re - plain).abs() < 1e-13);
-/// ```
 #[derive(Clone)]
-pub struct RingTransform {
+pub(crate) struct RingTransform {
     plan: Arc<dyn Fft<f64>>,
     values: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,
@@ -34,20 +25,15 @@ impl fmt::Debug for RingTransform {
 
 impl RingTransform {
     /// A transform for rings of `sites` masses.
-    pub fn new(sites: usize) -> Self {
+    pub(crate) fn new(sites: usize) -> Self {
         let plan = FftPlanner::new().plan_fft_forward(sites);
         let scratch = vec![Complex::default(); plan.get_inplace_scratch_len()];
         Self { plan, values: Vec::new(), scratch }
     }
 
-    /// Number of masses.
-    pub fn size(&self) -> usize {
-        self.plan.len()
-    }
-
     /// Σ_k q_k cos(2πkn/M) for n = 0 … M−1 from the amplitudes q_k of the even modes k = 0 … ⌊M/2⌋; those that are missing
     /// count as 0. Two real sums fit in one complex one.
-    pub fn sites(&mut self, modes: impl Iterator<Item = Complex<f64>>) -> &[Complex<f64>] {
+    pub(crate) fn sites(&mut self, modes: impl Iterator<Item = Complex<f64>>) -> &[Complex<f64>] {
         let sites = self.plan.len();
         self.values.clear();
         self.values.resize(sites, Complex::default());
@@ -73,7 +59,7 @@ mod tests {
             let amplitude = |k: usize| Complex::new((3.7 * k as f64).sin(), (k as f64).cos());
             let mut transform = RingTransform::new(sites);
             let values = transform.sites((0..=sites / 2).map(amplitude)).to_vec();
-            assert_eq!((values.len(), transform.size()), (sites, sites));
+            assert_eq!(values.len(), sites);
             for (n, value) in values.iter().enumerate() {
                 let plain: Complex<f64> = (0..=sites / 2).map(|k| amplitude(k) * cosines.shape(k, n)).sum();
                 assert!((value - plain).norm() < 1e-14 * sites as f64, "{sites} {n}: {value} {plain}");

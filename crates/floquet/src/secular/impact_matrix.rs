@@ -30,7 +30,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::Orbit;
-use vibrochain_lattice::{ImpulseResponse, RingCosines};
+use vibrochain_lattice::{ImpulseResponse, Shapes};
 
 use super::linear::determinant;
 use crate::saltation::Saltation;
@@ -81,7 +81,7 @@ impl ImpactMatrix {
         self.longest = impacts.iter().map(|impact| impact.time - first).fold(0.0, f64::max);
         self.modes.clear();
         self.waves.clear();
-        let ring = response.cosines();
+        let shapes = response.shapes();
         let halves = response.cos_half().iter().zip(response.sin_half());
         let modes = response.frequencies().iter().zip(response.weights()).zip(halves);
         let at_one_site = orbit.impact_site().is_some();
@@ -100,14 +100,13 @@ impl ImpactMatrix {
                 self.waves.extend(impacts.iter().map(|impact| turn(impact.time)));
                 continue;
             }
-            let away = |site: usize| (site + ring.sites() - home) % ring.sites();
-            let wave = |shape: fn(&RingCosines, usize, usize) -> f64| {
-                impacts.iter().map(move |impact| turn(impact.time) * shape(ring, k, away(impact.site)))
+            let wave = |shape: fn(&Shapes, usize, usize, usize) -> f64| {
+                impacts.iter().map(move |impact| turn(impact.time) * shape(shapes, k, impact.site, home))
             };
-            self.waves.extend(wave(RingCosines::shape));
-            if wave(RingCosines::sine).any(|wave| wave != C::default()) {
+            self.waves.extend(wave(Shapes::even));
+            if wave(Shapes::odd).any(|wave| wave != C::default()) {
                 self.modes.push(mode);
-                self.waves.extend(wave(RingCosines::sine));
+                self.waves.extend(wave(Shapes::odd));
             }
         }
     }

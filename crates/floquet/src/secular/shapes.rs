@@ -10,7 +10,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::Orbit;
-use vibrochain_lattice::{ImpulseResponse, RingTransform};
+use vibrochain_lattice::{ImpulseResponse, Shapes};
 
 use super::error::SecularError;
 use super::impact_matrix::{ImpactMatrix, Mode};
@@ -99,10 +99,10 @@ impl ModalShape {
     pub fn at_sites(&self, sites: usize, home: usize) -> (Vec<Complex<f64>>, Vec<Complex<f64>>) {
         let m = sites as f64;
         let amplitude = |k: usize| (if k == 0 || 2 * k == sites { 1.0 / m } else { 2.0 / m }).sqrt();
-        let mut transform = RingTransform::new(sites.max(1));
+        let mut shapes = Shapes::new(sites.max(1));
         let mut at = |modes: &[C]| {
-            let mut values = transform.sites(modes.iter().enumerate().map(|(k, x)| x * amplitude(k))).to_vec();
-            values.rotate_right(home % sites.max(1));
+            let mut values = vec![C::default(); sites.max(1)];
+            shapes.add_all(home, modes.iter().enumerate().map(|(k, x)| x * amplitude(k)), &mut values);
             values
         };
         (at(&self.displacement), at(&self.velocity))
