@@ -63,12 +63,18 @@ fn killed_at_random(kills: u32, seed: u64) {
 }
 
 #[test]
-fn killed_at_thirty_random_moments_it_ends_in_the_same_bytes() {
-    killed_at_random(30, 7);
+fn killed_at_ten_random_moments_it_ends_in_the_same_bytes() {
+    killed_at_random(10, 7);
 }
 
 #[test]
-#[ignore = "minutes: cargo test -p vibrochain-cli --test kills thousand -- --ignored"]
+#[ignore = "a minute: cargo test --workspace --test kills -- --ignored slow"]
+fn slow_killed_at_forty_random_moments_it_ends_in_the_same_bytes() {
+    killed_at_random(40, 7);
+}
+
+#[test]
+#[ignore = "minutes: cargo test --workspace --test kills -- --ignored thousand"]
 fn killed_at_a_thousand_random_moments_it_ends_in_the_same_bytes() {
     killed_at_random(1000, 11);
 }
@@ -99,20 +105,34 @@ fn faulty(desk: &Desk, line: &str, call: &str, fault: &str, number: usize) -> Op
 const CALLS: [&str; 10] =
     ["openat", "flock", "write", "fsync", "rename", "renameat", "renameat2", "unlink", "rmdir", "mkdir"];
 
-/// The calls of one name that are tried: the first ones each, and some of the others.
-fn numbers(fault: &str) -> impl Iterator<Item = usize> {
-    // Where an error does no harm, nothing tells that there was no such call any more.
-    let most = if fault.starts_with("signal") { 60 } else { 8 };
-    (1..=8).chain((11..60).step_by(3)).take_while(move |&number| number <= most)
+/// The calls of one name that are tried.
+#[derive(Debug, Clone, Copy)]
+enum Numbers {
+    /// The first ones.
+    Few,
+    /// More of them, and every third of the others.
+    Many,
+}
+
+impl Numbers {
+    fn tried(self, fault: &str) -> impl Iterator<Item = usize> {
+        // Where an error does no harm, nothing tells that there was no such call any more.
+        let most = match self {
+            Self::Few => 4,
+            Self::Many if fault.starts_with("signal") => 60,
+            Self::Many => 8,
+        };
+        (1..=8).chain((11..60).step_by(3)).take_while(move |&number| number <= most)
+    }
 }
 
 /// Runs `line` on a fresh desk with a fault at every call in turn, then undisturbed, and demands that `names` are left and
 /// the table is right.
-fn at_every_call(fault: &str, calls: &[&str], line: &str, prepare: impl Fn(&Desk), names: &[&str]) {
+fn at_calls(numbers: Numbers, fault: &str, calls: &[&str], line: &str, prepare: impl Fn(&Desk), names: &[&str]) {
     let expected = undisturbed(SMALL);
     let (mut met, mut kept) = (0, 0);
     for call in calls {
-        for number in numbers(fault) {
+        for number in numbers.tried(fault) {
             let desk = Desk::with_scene(SMALL);
             prepare(&desk);
             let Some(ran) = faulty(&desk, line, call, fault, number) else { return };
@@ -138,24 +158,56 @@ fn at_every_call(fault: &str, calls: &[&str], line: &str, prepare: impl Fn(&Desk
     assert!(met >= 10, "{met}");
 }
 
-#[test]
-fn a_sweep_killed_at_any_system_call_ends_in_the_same_bytes() {
-    at_every_call("signal=KILL", &CALLS, SWEEP, |_| {}, &["map.csv", "map.manifest.json", "scene.toml"]);
+const SWEPT: [&str; 3] = ["map.csv", "map.manifest.json", "scene.toml"];
+
+fn sweep_killed(numbers: Numbers) {
+    at_calls(numbers, "signal=KILL", &CALLS, SWEEP, |_| {}, &SWEPT);
 }
 
-#[test]
-fn a_sweep_that_is_told_an_error_ends_in_the_same_bytes() {
+fn sweep_told_an_error(numbers: Numbers) {
     // The loader of the program opens files, too.
-    at_every_call("error=EIO", &CALLS[1..], SWEEP, |_| {}, &["map.csv", "map.manifest.json", "scene.toml"]);
+    at_calls(numbers, "error=EIO", &CALLS[1..], SWEEP, |_| {}, &SWEPT);
 }
 
-#[test]
-fn a_merge_killed_at_any_system_call_leaves_nothing_that_the_next_one_does_not_remove() {
+fn merge_killed(numbers: Numbers) {
     let chunks = |desk: &Desk| {
         desk.run("sweep scene.toml --out parts --shard 0/1 --quiet --threads 1").with(0, &[]);
     };
     let names = ["map.csv", "map.manifest.json", "parts", "scene.toml"];
-    at_every_call("signal=KILL", &CALLS, "merge parts --out map.csv --quiet", chunks, &names);
+    at_calls(numbers, "signal=KILL", &CALLS, "merge parts --out map.csv --quiet", chunks, &names);
+}
+
+#[test]
+fn a_sweep_killed_at_a_system_call_ends_in_the_same_bytes() {
+    sweep_killed(Numbers::Few);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --workspace --test kills -- --ignored slow"]
+fn slow_a_sweep_killed_at_any_system_call_ends_in_the_same_bytes() {
+    sweep_killed(Numbers::Many);
+}
+
+#[test]
+fn a_sweep_that_is_told_an_error_ends_in_the_same_bytes() {
+    sweep_told_an_error(Numbers::Few);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --workspace --test kills -- --ignored slow"]
+fn slow_a_sweep_that_is_told_any_error_ends_in_the_same_bytes() {
+    sweep_told_an_error(Numbers::Many);
+}
+
+#[test]
+fn a_merge_killed_at_a_system_call_leaves_nothing_that_the_next_one_does_not_remove() {
+    merge_killed(Numbers::Few);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --workspace --test kills -- --ignored slow"]
+fn slow_a_merge_killed_at_any_system_call_leaves_nothing_that_the_next_one_does_not_remove() {
+    merge_killed(Numbers::Many);
 }
 
 #[test]

@@ -8,6 +8,17 @@ use vibrochain_testkit::{CHUNKS, Desk, Ran, SCENE, undisturbed};
 
 #[test]
 fn shards_and_threads_do_not_change_a_byte() {
+    shared_among(&[(1, 2), (7, 1)]);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --workspace --test shards -- --ignored slow"]
+fn slow_all_shards_and_threads_do_not_change_a_byte() {
+    shared_among(&[(1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (3, 2), (7, 1), (7, 2)]);
+}
+
+/// Shards and threads of each.
+fn shared_among(ways: &[(u64, u64)]) {
     let desk = Desk::with_scene(SCENE);
     desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     // What a run took is its own.
@@ -18,21 +29,19 @@ fn shards_and_threads_do_not_change_a_byte() {
         }
         manifest
     };
-    for shards in [1, 2, 3, 7] {
-        for threads in [1, 2] {
-            let folder = format!("parts-{shards}-{threads}");
-            // The last first: order is of no account.
-            for shard in (0..shards).rev() {
-                let line = format!("sweep scene.toml --out {folder} --shard {shard}/{shards} --threads {threads}");
-                let chunks = (CHUNKS - shard).div_ceil(shards);
-                desk.run(&line).with(0, &[&format!("shard {shard}/{shards}: {chunks} of 15 chunks in {folder}")]);
-            }
-            desk.run(&format!("merge {folder} --out {folder}.csv")).with(0, &["480000 cells (1600 × 300)"]);
-            assert!(desk.read(&format!("{folder}.csv")) == desk.read("map.csv"), "{folder}");
-            assert_eq!(manifest(&format!("{folder}.manifest.json")), manifest("map.manifest.json"));
-            // The chunks are left to whoever asked for them.
-            assert_eq!(desk.chunks(&folder) as u64, CHUNKS);
+    for &(shards, threads) in ways {
+        let folder = format!("parts-{shards}-{threads}");
+        // The last first: order is of no account.
+        for shard in (0..shards).rev() {
+            let line = format!("sweep scene.toml --out {folder} --shard {shard}/{shards} --threads {threads}");
+            let chunks = (CHUNKS - shard).div_ceil(shards);
+            desk.run(&line).with(0, &[&format!("shard {shard}/{shards}: {chunks} of 15 chunks in {folder}")]);
         }
+        desk.run(&format!("merge {folder} --out {folder}.csv")).with(0, &["480000 cells (1600 × 300)"]);
+        assert!(desk.read(&format!("{folder}.csv")) == desk.read("map.csv"), "{folder}");
+        assert_eq!(manifest(&format!("{folder}.manifest.json")), manifest("map.manifest.json"));
+        // The chunks are left to whoever asked for them.
+        assert_eq!(desk.chunks(&folder) as u64, CHUNKS);
     }
 }
 

@@ -11,33 +11,51 @@ fn conservative(sites: usize) -> Model {
     Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4).unwrap()
 }
 
-/// Relative change of the energy over a million impacts.
-fn drift(model: &Model, u: &[f64], v: &[f64]) -> f64 {
+/// Demands that the energy stays over so many impacts.
+fn keeps_the_energy(model: &Model, u: &[f64], v: &[f64], impacts: u64) {
     let mut simulation = Simulation::new(model, 0.0, u, v).unwrap();
     let energy = simulation.energy();
-    let report = simulation.run(&Limits::impacts(1_000_000), |_| {});
+    let report = simulation.run(&Limits::impacts(impacts), |_| {});
     assert_eq!(report.outcome, Outcome::ImpactsReached);
-    (simulation.energy() / energy - 1.0).abs()
+    let drift = (simulation.energy() / energy - 1.0).abs();
+    println!("{}: {drift:e}", model.chain().sites());
+    assert!(drift <= 1e-11, "{}: {drift:e}", model.chain().sites());
 }
 
-#[test]
-fn a_million_impacts_of_a_hot_ring_keep_the_energy() {
+fn a_hot_ring_keeps_the_energy(impacts: u64) {
     for sites in [1, 2, 21, 64] {
         let model = conservative(sites);
         let (u, v) = Random(sites as u64).state(&model, 2.0);
-        let drift = drift(&model, &u, &v);
-        println!("{sites}: {drift:e}");
-        assert!(drift <= 1e-11, "{sites}: {drift:e}");
+        keeps_the_energy(&model, &u, &v, impacts);
     }
 }
 
-#[test]
-fn a_million_impacts_of_the_breather_keep_its_energy() {
+fn the_breather_keeps_its_energy(impacts: u64) {
     let model = conservative(21);
     let (u, v) = breather(&model);
-    let drift = drift(&model, &u, &v);
-    println!("{drift:e}");
-    assert!(drift <= 1e-11, "{drift:e}");
+    keeps_the_energy(&model, &u, &v, impacts);
+}
+
+#[test]
+fn a_hundred_thousand_impacts_of_a_hot_ring_keep_the_energy() {
+    a_hot_ring_keeps_the_energy(100_000);
+}
+
+#[test]
+fn a_hundred_thousand_impacts_of_the_breather_keep_its_energy() {
+    the_breather_keeps_its_energy(100_000);
+}
+
+#[test]
+#[ignore = "some seconds: cargo test --workspace --test invariants -- --ignored slow"]
+fn slow_a_million_impacts_of_a_hot_ring_keep_the_energy() {
+    a_hot_ring_keeps_the_energy(1_000_000);
+}
+
+#[test]
+#[ignore = "some seconds: cargo test --workspace --test invariants -- --ignored slow"]
+fn slow_a_million_impacts_of_the_breather_keep_its_energy() {
+    the_breather_keeps_its_energy(1_000_000);
 }
 
 #[test]

@@ -122,6 +122,7 @@ impl Force {
     }
 
     /// The amplitude A of a plain cosine; `None` for any other force.
+    #[inline]
     pub fn cosine_amplitude(&self) -> Option<f64> {
         match self.harmonics() {
             [Harmonic { number: 1, amplitude, phase: 0.0 }] if *amplitude >= 0.0 => Some(*amplitude),
@@ -164,6 +165,7 @@ pub struct Wave {
     terms: [WaveTerm; MAX_HARMONICS],
 }
 
+// What the inner loops of orbits ask is marked to be inlined: there is no pass over all crates at linking.
 impl Wave {
     /// The harmonics of `force` at the frequency `omega`, each amplitude divided by `stiffness(j, jω)`.
     pub(crate) fn new<E>(force: &Force, omega: f64, stiffness: impl Fn(u32, f64) -> Result<f64, E>) -> Result<Self, E> {
@@ -178,16 +180,19 @@ impl Wave {
     }
 
     /// The terms, rising in rate.
+    #[inline]
     pub fn terms(&self) -> &[WaveTerm] {
         &self.terms[..self.count]
     }
 
     /// Value at `t`.
+    #[inline]
     pub fn value(&self, t: f64) -> f64 {
         self.terms().iter().map(|term| term.amplitude * (term.rate * t + term.phase).cos()).sum()
     }
 
     /// Value and first three derivatives at `t`.
+    #[inline]
     pub fn jet(&self, t: f64) -> [f64; 4] {
         let mut jet = [0.0; 4];
         for &WaveTerm { amplitude: g, rate: w, phase } in self.terms() {
@@ -215,11 +220,13 @@ impl Wave {
     }
 
     /// Σ|c_j| r_j^`order`, a bound of that derivative at all times.
+    #[inline]
     pub fn bound(&self, order: i32) -> f64 {
         self.terms().iter().map(|term| term.amplitude.abs() * term.rate.powi(order)).sum()
     }
 
     /// The amplitude of a single cosine of phase 0, with its sign; otherwise Σ|c_j|.
+    #[inline]
     pub fn reach(&self) -> f64 {
         match self.terms() {
             [WaveTerm { amplitude, phase: 0.0, .. }] => *amplitude,
@@ -228,6 +235,7 @@ impl Wave {
     }
 
     /// The highest rate of a term that is not 0; 0 if there is none.
+    #[inline]
     pub fn top_rate(&self) -> f64 {
         self.terms().iter().filter(|term| term.amplitude != 0.0).map(|term| term.rate).fold(0.0, f64::max)
     }

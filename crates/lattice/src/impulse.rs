@@ -264,6 +264,7 @@ impl ImpulseResponse {
     }
 
     /// Share of the uniform mode in the static response at site 0: (1/γ₁MT)/S₀, 1 for γ₁ = 0.
+    #[inline]
     pub fn uniform_share(&self) -> f64 {
         self.uniform_static().map_or(1.0, |uniform| uniform * self.static_stiffness())
     }

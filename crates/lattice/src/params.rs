@@ -231,6 +231,7 @@ impl Model {
     }
 
     /// The force as a function of the time t + ψ.
+    #[inline]
     pub fn force_wave(&self) -> Wave {
         Wave::new(&self.force, self.omega, |_, _| Ok::<_, std::convert::Infallible>(1.0)).unwrap_or_default()
     }
@@ -246,6 +247,7 @@ impl Model {
     }
 
     /// No force and elastic impacts.
+    #[inline]
     pub fn is_conservative(&self) -> bool {
         self.amplitude() == 0.0 && self.restitution == 1.0
     }

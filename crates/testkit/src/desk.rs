@@ -1,8 +1,10 @@
 //! A folder to work in, and the program as its users start it.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -211,13 +213,17 @@ pub fn interrupts_are_ignored() -> bool {
     mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 2 != 0)
 }
 
-/// The table of a scene as an undisturbed run makes it, on one thread.
+/// The table of a scene as an undisturbed run makes it, on one thread; computed once in a process.
 #[must_use]
-pub fn undisturbed(scene: &str) -> Vec<u8> {
-    let desk = Desk::with_scene(scene);
-    desk.run("sweep scene.toml --out map.csv --threads 1 --quiet").with(0, &[]);
-    assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
-    desk.read("map.csv")
+pub fn undisturbed(scene: &str) -> &'static [u8] {
+    static TABLES: Mutex<BTreeMap<String, &'static [u8]>> = Mutex::new(BTreeMap::new());
+    let mut tables = TABLES.lock().unwrap_or_else(PoisonError::into_inner);
+    tables.entry(scene.to_owned()).or_insert_with(|| {
+        let desk = Desk::with_scene(scene);
+        desk.run("sweep scene.toml --out map.csv --threads 1 --quiet").with(0, &[]);
+        assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+        Box::leak(desk.read("map.csv").into_boxed_slice())
+    })
 }
 
 /// The program with these arguments, for a test to make demands of.

@@ -117,7 +117,10 @@ fn claims_hold(place: Place, draws: usize) {
          {most:.1e} 95 %, {useless} useless"
     );
     if place == Place::Elastic {
-        assert!(compared > 80 && 20 * wide <= compared && 200 * useless <= compared, "{compared} {wide} {useless}");
+        assert!(
+            5 * compared > 4 * draws && 20 * wide <= compared && 200 * useless <= compared,
+            "{compared} {wide} {useless}"
+        );
         return;
     }
     assert!(compared > draws / 2 && median < 1e3 && 100 * useless <= compared, "{compared} {median} {useless}");
@@ -125,22 +128,37 @@ fn claims_hold(place: Place, draws: usize) {
 
 #[test]
 fn claims_without_coupling_hold_and_are_of_use() {
-    claims_hold(Place::Uncoupled, 120);
+    claims_hold(Place::Uncoupled, 30);
 }
 
 #[test]
 fn claims_for_one_mass_hold_and_are_of_use() {
-    claims_hold(Place::OneMass, 120);
+    claims_hold(Place::OneMass, 30);
 }
 
 #[test]
 fn claims_next_to_resonances_hold_and_are_of_use() {
-    claims_hold(Place::Resonance, 80);
+    claims_hold(Place::Resonance, 20);
 }
 
 /// A matrix next to a resonance has a norm that hides everything: its eigenvalues are settled by the impacts' equations, all together.
 #[test]
 fn claims_for_elastic_impacts_next_to_resonances_hold_and_are_of_use() {
+    claims_hold(Place::Elastic, 25);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --workspace --test claims -- --ignored slow"]
+fn slow_claims_of_hundreds_hold_and_are_of_use() {
+    claims_hold(Place::Uncoupled, 120);
+    claims_hold(Place::OneMass, 120);
+    claims_hold(Place::Inelastic, 80);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --workspace --test claims -- --ignored slow"]
+fn slow_claims_of_hundreds_next_to_resonances_hold_and_are_of_use() {
+    claims_hold(Place::Resonance, 80);
     claims_hold(Place::Elastic, 100);
 }
 
@@ -153,7 +171,7 @@ fn many_claims_next_to_resonances_hold_and_are_of_use() {
 
 #[test]
 fn claims_for_nearly_inelastic_impacts_hold_and_are_of_use() {
-    claims_hold(Place::Inelastic, 80);
+    claims_hold(Place::Inelastic, 20);
 }
 
 /// Growth 0.0368 was known to ±8.3e5, one radius 0.11 was off by six times its claim.

@@ -21,12 +21,23 @@ fn every_corner_keeps_its_promise() {
 
 #[test]
 fn random_points_keep_their_promises() {
-    let count = std::env::var("DRAWS").ok().map_or(10_000, |count| count.parse().unwrap());
+    keep_their_promises(1_500);
+}
+
+/// `DRAWS` says how many.
+#[test]
+#[ignore = "a minute: cargo test --workspace --test all -- --ignored slow"]
+fn slow_ten_thousand_random_points_keep_their_promises() {
+    keep_their_promises(std::env::var("DRAWS").ok().map_or(10_000, |count| count.parse().unwrap()));
+}
+
+fn keep_their_promises(count: u64) {
     let tally = check_draws(1, count).unwrap();
     println!("{} draws, {} compared, worst {}", tally.draws, tally.compared, tally.worst);
     for (outcome, count) in &tally.outcomes {
         println!("{count:8} {outcome}");
     }
     let broken: Vec<String> = tally.broken.iter().map(|row| format!("{row:?}")).collect();
+    assert!(tally.compared > count, "{} of {count} points", tally.compared);
     assert!(broken.is_empty(), "{} of {count}:\n{}", broken.len(), broken.join("\n"));
 }
