@@ -1,5 +1,6 @@
-//! One elimination for small complex matrices, stored by rows: determinant, its condition, null vectors. Of our own, since matrices of
-//! 3 × 3 to 5 × 5 are factored once for every mode of every forced orbit of a map, in work space that other words make larger.
+//! One elimination for small complex matrices, stored by rows: determinant, its condition, null vectors, for any number of impacts and
+//! without allocation up to eight. (nalgebra's LU of fixed sizes takes 610 instructions instead of 1000 for a determinant of 3 × 3 and 1980
+//! instead of 2250 for 5 × 5, half a percent of a sweep of forced orbits; it has neither the other two nor the other sizes in one routine.)
 
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
