@@ -392,4 +392,45 @@ mod tests {
         }
         assert!(checked.iter().all(|count| *count > 20), "{checked:?}");
     }
+
+    /// Row by row and column by column as the definitions have it.
+    #[test]
+    fn systems_are_scaled_inverted_and_conditioned_as_they_say() {
+        let mut random = fastrand::Rng::with_seed(9);
+        for round in 0..100 {
+            let n = 1 + round % 7;
+            let matrix: Vec<f64> = (0..n * n).map(|_| random.f64() - 0.5).collect();
+            let units: Vector = (0..n).map(|_| 10f64.powf(4.0 * random.f64() - 2.0)).collect();
+            let system = System::new(Matrix::from_fn(n, |i, j| matrix[i * n + j]), units.clone());
+            let scaled: Vec<Vec<f64>> = (0..n)
+                .map(|i| {
+                    let row: Vec<f64> = (0..n).map(|j| matrix[i * n + j] * units[j]).collect();
+                    let size = row.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+                    row.iter().map(|x| x / size).collect()
+                })
+                .collect();
+            let sizes: Vec<f64> = (0..n).map(|i| matrix[i * n] * units[0] / scaled[i][0]).collect();
+            // The columns of the inverse of what is scaled, from solutions.
+            let columns: Vec<Vector> = (0..n)
+                .map(|j| {
+                    let mut rows = zeros(n);
+                    rows[j] = sizes[j];
+                    system.solve(&rows)
+                })
+                .collect();
+            let norm = |entry: &dyn Fn(usize, usize) -> f64| {
+                (0..n).map(|i| (0..n).map(|j| entry(i, j).abs()).sum::<f64>()).fold(0.0, f64::max)
+            };
+            let inverse = |i: usize, j: usize| columns[j][i] / units[i];
+            let product = |i: usize, j: usize| (0..n).map(|k| scaled[i][k] * inverse(k, j)).sum::<f64>();
+            let condition = norm(&|i, j| scaled[i][j]) * norm(&inverse);
+            for i in 0..n {
+                for j in 0..n {
+                    let unit = if i == j { 1.0 } else { 0.0 };
+                    assert!((product(i, j) - unit).abs() < 1e-14 * condition, "{i} {j}: {}", product(i, j));
+                }
+            }
+            assert!((system.reciprocal_condition * condition - 1.0).abs() < 1e-12, "{condition}");
+        }
+    }
 }
