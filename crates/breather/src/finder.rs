@@ -306,11 +306,7 @@ impl Finder {
         self.prepare(orbit.model(), orbit.frequency())?;
         let mut polished = orbit.clone();
         let violation = polish(&mut polished, STEPS_FROM_AFAR, &self.response, &mut self.motion);
-        // Not: greater. It may not be a number.
-        if !(violation <= CONVERGED) {
-            return Err(BreatherError::NotConverged { violation });
-        }
-        Ok(polished)
+        if violation <= CONVERGED { Ok(polished) } else { Err(BreatherError::NotConverged { violation }) }
     }
 
     /// How far an orbit can be trusted. Not part of a sweep's inner loop: it costs as much as finding the orbit.
