@@ -32,7 +32,7 @@ fn verdicts(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("conservative");
     for sites in [6, 11, 21, 41] {
         for (name, family) in [("single", Family::SingleSided), ("double", Family::DoubleSided)] {
-            let cases: Vec<_> = conservative(sites, family)
+            let mut cases: Vec<_> = conservative(sites, family)
                 .into_iter()
                 .map(|model| {
                     let (mut finder, mut found) = (Finder::new(sites), Found::default());
@@ -44,15 +44,15 @@ fn verdicts(criterion: &mut Criterion) {
             let mut secular = Secular::default();
             group.bench_function(format!("residues/{name}/N={}", sites - 1), |bencher| {
                 bencher.iter(|| {
-                    for (orbit, finder) in &cases {
-                        let _ = black_box(secular.set(orbit, finder.response()));
+                    for (orbit, finder) in &mut cases {
+                        let _ = black_box(secular.replace(finder.prepared(orbit).unwrap()));
                     }
                 });
             });
             group.bench_function(format!("verdict/{name}/N={}", sites - 1), |bencher| {
                 bencher.iter(|| {
-                    for (orbit, finder) in &cases {
-                        if secular.set(orbit, finder.response()).is_ok() {
+                    for (orbit, finder) in &mut cases {
+                        if secular.replace(finder.prepared(orbit).unwrap()).is_ok() {
                             let _ = black_box(secular.verdict());
                         }
                     }
@@ -60,8 +60,8 @@ fn verdicts(criterion: &mut Criterion) {
             });
             group.bench_function(format!("all roots/{name}/N={}", sites - 1), |bencher| {
                 bencher.iter(|| {
-                    for (orbit, finder) in &cases {
-                        if secular.set(orbit, finder.response()).is_ok() {
+                    for (orbit, finder) in &mut cases {
+                        if secular.replace(finder.prepared(orbit).unwrap()).is_ok() {
                             let _ = black_box(secular.roots());
                         }
                     }
@@ -92,13 +92,13 @@ fn forced(criterion: &mut Criterion) {
             if family == Family::SingleSided {
                 let mut counter = OutsideCounter::default();
                 group.bench_function(format!("count outside/{name}/N={}", sites - 1), |bencher| {
-                    bencher.iter(|| counter.count(black_box(orbit), finder.response()).unwrap());
+                    bencher.iter(|| counter.count(finder.prepared(black_box(orbit)).unwrap()).unwrap());
                 });
             }
             let mut secular = SecularMultipliers::default();
             group.bench_function(format!("all multipliers/{name}/N={}", sites - 1), |bencher| {
                 bencher.iter(|| {
-                    secular.set(black_box(orbit), finder.response()).unwrap();
+                    secular.replace(finder.prepared(black_box(orbit)).unwrap()).unwrap();
                     secular.multipliers().unwrap().0.len()
                 });
             });
@@ -129,7 +129,7 @@ fn large_rings(criterion: &mut Criterion) {
             let mut secular = Secular::default();
             group.bench_function(format!("all roots/{name}/{sites} sites"), |bencher| {
                 bencher.iter(|| {
-                    secular.set(black_box(&found.orbits[0]), finder.response()).unwrap();
+                    secular.replace(finder.prepared(black_box(&found.orbits[0])).unwrap()).unwrap();
                     secular.roots().unwrap().0.len()
                 });
             });
@@ -141,7 +141,7 @@ fn large_rings(criterion: &mut Criterion) {
             let mut secular = SecularMultipliers::default();
             group.bench_function(format!("all multipliers/{name}/{sites} sites"), |bencher| {
                 bencher.iter(|| {
-                    secular.set(black_box(&found.orbits[0]), finder.response()).unwrap();
+                    secular.replace(finder.prepared(black_box(&found.orbits[0])).unwrap()).unwrap();
                     secular.multipliers().unwrap().0.len()
                 });
             });

@@ -36,8 +36,8 @@ fn check(sites: usize, cases: &[(f64, f64)]) {
     let mut secular = Secular::default();
     for &(omega, gamma2) in cases {
         for family in [Family::SingleSided, Family::DoubleSided] {
-            let (finder, found) = conservative(sites, gamma2, omega, family);
-            secular.set(&found.orbits[0], finder.response()).unwrap();
+            let (mut finder, found) = conservative(sites, gamma2, omega, family);
+            secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
             let name = format!("{family:?} {sites} {omega} {gamma2}");
             // Σ R = 1 and the trace, too.
             let size: f64 = secular.residues().residues().iter().map(|r| r.abs()).sum();
@@ -93,10 +93,10 @@ fn a_million_sites() {
 fn memory_grows_like_the_ring() {
     for (sites, most) in [(10_001, 8_000_000), (100_001, 64_000_000)] {
         for family in [Family::SingleSided, Family::DoubleSided] {
-            let (finder, found) = conservative(sites, 0.1, 0.8, family);
+            let (mut finder, found) = conservative(sites, 0.1, 0.8, family);
             let mut secular = Secular::default();
             let info = allocation_counter::measure(|| {
-                secular.set(&found.orbits[0], finder.response()).unwrap();
+                secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
                 secular.roots().unwrap();
             });
             assert!(info.bytes_max < most, "{family:?} {sites}: {} bytes", info.bytes_max);
@@ -122,7 +122,7 @@ fn forced_spectra_are_complete() {
         for orbit in &found.orbits {
             finder.motion(orbit).unwrap();
             let mut secular = SecularMultipliers::default();
-            secular.set(orbit, finder.response()).unwrap();
+            secular.replace(finder.prepared(orbit).unwrap()).unwrap();
             let values = secular.multipliers().unwrap().0.to_vec();
             let name = format!("{family:?} {sites} {omega}");
             assert_eq!(values.len(), 2 * (sites / 2 + 1), "{name}");

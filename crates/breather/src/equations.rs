@@ -288,7 +288,10 @@ impl System {
             return Self { matrix, inverse, units, reciprocal_condition: 0.0 };
         };
         let scaled = factors.inverse();
-        let reciprocal_condition = (1.0 / (forward * norm(&scaled))).min(1.0);
+        let condition = forward * norm(&scaled);
+        // One that is no number is that of a matrix without inverse.
+        let reciprocal_condition =
+            if condition >= 1.0 { 1.0 / condition } else { f64::from(u8::from(condition > 0.0)) };
         let inverse = Matrix::from_fn(n, |i, j| units[i] * scaled[(i, j)] / sizes[j]);
         Self { matrix, inverse, units, reciprocal_condition }
     }

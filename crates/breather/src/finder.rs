@@ -306,11 +306,7 @@ impl Finder {
         self.prepare(orbit.model(), orbit.frequency())?;
         let mut polished = orbit.clone();
         let violation = polish(&mut polished, STEPS_FROM_AFAR, &self.response, &mut self.motion);
-        // Not: greater. It may not be a number.
-        if !(violation <= CONVERGED) {
-            return Err(BreatherError::NotConverged { violation });
-        }
-        Ok(polished)
+        if violation <= CONVERGED { Ok(polished) } else { Err(BreatherError::NotConverged { violation }) }
     }
 
     /// How far an orbit can be trusted. Not part of a sweep's inner loop: it costs as much as finding the orbit.
@@ -344,18 +340,43 @@ impl Finder {
         Ok(is_delicate(orbit, &self.response))
     }
 
-    /// The impulse response of an orbit's chain and frequency.
+    /// An orbit with the impulse response of its chain and frequency, which this finder keeps.
     ///
     /// # Errors
     /// As [`Finder::admissibility`].
-    pub fn response_to(&mut self, orbit: &Orbit) -> Result<&ImpulseResponse, BreatherError> {
+    pub fn prepared<'a>(&'a mut self, orbit: &'a Orbit) -> Result<Prepared<'a>, BreatherError> {
         self.prepare(orbit.model(), orbit.frequency())?;
-        Ok(&self.response)
+        Ok(Prepared { orbit, response: &self.response })
+    }
+}
+
+/// An orbit that is being analysed, with the impulse response that belongs to it.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
+/// let (mut finder, mut found) = (Finder::new(21), Found::default());
+/// finder.find(&model, Family::DoubleSided, &mut found)?;
+/// let prepared = finder.prepared(&found.orbits[0])?;
+/// assert_eq!(prepared.response().omega(), prepared.orbit().frequency());
+/// # Ok::<(), vibrochain_breather::BreatherError>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Prepared<'a> {
+    orbit: &'a Orbit,
+    response: &'a ImpulseResponse,
+}
+
+impl<'a> Prepared<'a> {
+    /// The orbit.
+    pub fn orbit(&self) -> &'a Orbit {
+        self.orbit
     }
 
-    /// The impulse response last used.
-    pub fn response(&self) -> &ImpulseResponse {
-        &self.response
+    /// The impulse response of its chain and frequency.
+    pub fn response(&self) -> &'a ImpulseResponse {
+        self.response
     }
 }
 

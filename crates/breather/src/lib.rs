@@ -86,7 +86,7 @@ pub use branch::{Branch, BranchError, BranchPoint};
 pub use completeness::Completeness;
 pub use condition::{Condition, ImpactError, Together};
 pub use error::{BreatherError, NoBreather};
-pub use finder::{Finder, Found, Wanted, breathers, condition};
+pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};
 pub use watch::admissibility;

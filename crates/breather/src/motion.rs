@@ -149,7 +149,7 @@ impl Motion {
     }
 
     /// Takes over another orbit; `response` must be of its chain and frequency.
-    pub fn load(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+    pub(crate) fn load(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
         let model = orbit.model();
         if self.origin.as_ref().is_some_and(|origin| origin.is_of(orbit, response)) {
             // An orbit just found is there already.

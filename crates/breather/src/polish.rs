@@ -32,11 +32,11 @@ pub(crate) fn polish(orbit: &mut Orbit, steps: usize, response: &ImpulseResponse
         }
         let Some(next) = improved(orbit, response, motion) else { break };
         let left = Equations::new(&next, response).worst_violation();
-        // Also where it is not a number.
-        if !(left < worst) {
+        if left < worst {
+            (*orbit, worst) = (next, left);
+        } else {
             break;
         }
-        (*orbit, worst) = (next, left);
     }
     worst
 }
@@ -45,7 +45,7 @@ pub(crate) fn polish(orbit: &mut Orbit, steps: usize, response: &ImpulseResponse
 fn improved(orbit: &Orbit, response: &ImpulseResponse, motion: &mut Motion) -> Option<Orbit> {
     let equations = Equations::new(orbit, response);
     let (unknowns, system) = (equations.unknowns, equations.system());
-    if !(system.reciprocal_condition > f64::EPSILON) {
+    if system.reciprocal_condition <= f64::EPSILON {
         return None;
     }
     let mut x = unknowns.read(orbit, response);

@@ -41,11 +41,11 @@ impl OrbitModes {
         if !orbit.is_reversible() {
             return None;
         }
-        let response = finder.response_to(orbit).ok()?;
-        let mut dressed = DressedModes::default();
-        dressed.set(orbit, response).ok()?;
+        let prepared = finder.prepared(orbit).ok()?;
+        let response = prepared.response();
+        let dressed = DressedModes::of(prepared).ok()?;
         let mut secular = Secular::default();
-        let certain = secular.set(orbit, response).is_ok();
+        let certain = secular.replace(prepared).is_ok();
         let mut residues = vec![None; response.modes()];
         let form = secular.residues();
         for (place, residue) in form.residues().iter().enumerate().filter(|_| certain) {
@@ -58,7 +58,7 @@ impl OrbitModes {
             && response.modes() <= MOST_SIGNED
             && let Ok((roots, _)) = secular.roots()
         {
-            signatures = dressed.signatures(orbit, response, roots);
+            signatures = dressed.signatures(prepared, roots);
         }
         let signature = |k: usize| signatures.get(k).copied().flatten();
         let own = dressed.own().copied();

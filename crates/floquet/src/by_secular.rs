@@ -50,7 +50,7 @@ impl Analyser {
                 sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)));
             4.0 * f64::EPSILON * most / least
         };
-        let response = finder.response_to(orbit)?;
+        let response = finder.prepared(orbit)?.response();
         self.secular.set_within(orbit, response, ratio_error)?;
         let found = self.secular.verdict();
         let open = match &found {
@@ -92,7 +92,7 @@ impl Analyser {
             (mu, 2.0 * error * mu.norm() / slope + 4.0 * f64::EPSILON * mu.norm())
         };
         self.forced.adopt(orbit, &condition, multipliers.into_iter().zip(errors).map(of_multiplier), None);
-        elastic(&mut self.forced, orbit, finder.response_to(orbit)?, tolerance, thorough)
+        elastic(&mut self.forced, orbit, finder.prepared(orbit)?.response(), tolerance, thorough)
     }
 
     /// The verdict on a matrix's eigenvalues after the impacts' equations have settled those that matter: next to a resonance errors of the
@@ -110,7 +110,7 @@ impl Analyser {
         let condition = finder.condition(orbit)?;
         let Dense { values, reach, rounding, .. } = &self.dense;
         self.forced.adopt(orbit, &condition, values.iter().map(|value| (*value, *reach)), Some(*rounding));
-        let response = finder.response_to(orbit)?;
+        let response = finder.prepared(orbit)?.response();
         self.forced.settle_apart(orbit, response);
         let settled = if orbit.model().loss() == 0.0 {
             Some(told_from_circle(&mut self.forced, orbit, response).verdict(&self.forced, tolerance))
@@ -132,12 +132,12 @@ impl Analyser {
     ) -> Result<Verdict, Failure> {
         let _ = saltations(orbit)?;
         let careful = thorough || finder.is_delicate(orbit)?;
-        self.forced.solve(orbit, finder.response_to(orbit)?)?;
+        self.forced.solve(orbit, finder.prepared(orbit)?.response())?;
         if careful {
             let condition = finder.condition(orbit)?;
-            self.forced.add_errors_of(orbit, &condition, finder.response())?;
+            self.forced.add_errors_of(orbit, &condition, finder.prepared(orbit)?.response())?;
         }
-        let response = finder.response();
+        let response = finder.prepared(orbit)?.response();
         if orbit.model().loss() == 0.0 {
             return elastic(&mut self.forced, orbit, response, tolerance, thorough);
         }

@@ -67,8 +67,7 @@ impl Dense {
         }
         if orbit.impact_site().is_some() {
             check_dimension(2 * chain.even_modes())?;
-            finder.motion(orbit)?;
-            let response = finder.response();
+            let response = finder.prepared(orbit)?.response();
             let (frequencies, weights) = (response.frequencies(), response.weights());
             match frequencies.first() {
                 Some(&frequency) if alone => self.coordinates.set(&[frequency], &[1.0], orbit.frequency()),

@@ -35,8 +35,8 @@ impl FloquetMode {
             .impact_site()
             .filter(|_| orbit.model().chain().sites() == 1 || !uncoupled(orbit))
             .ok_or(SecularError::NotReversible)?;
-        let response = finder.response_to(orbit).map_err(|_| SecularError::NotReversible)?;
-        let shape = ModalShape::new(orbit, response, multiplier)?;
+        let prepared = finder.prepared(orbit).map_err(|_| SecularError::NotReversible)?;
+        let shape = ModalShape::new(prepared, multiplier)?;
         let (displacement, velocity) = shape.at_sites(orbit.model().chain().sites(), home);
         let mut mode = Self { multiplier, displacement, velocity };
         mode.normalise();

@@ -108,7 +108,7 @@ impl Dense {
         let careful = thorough || finder.is_delicate(orbit)?;
         if careful {
             let condition = finder.condition(orbit)?;
-            let response = finder.response();
+            let response = finder.prepared(orbit)?.response();
             let top = response.frequencies().last().copied().unwrap_or_default().max(orbit.model().omega());
             let orbital = norm * relative_uncertainty(orbit, &condition, dimension, top);
             error = if orbital.is_nan() { f64::INFINITY } else { error.max(orbital) };

@@ -53,7 +53,7 @@ impl Reversible {
         let motion = finder.motion(orbit)?;
         motion.seek(0, 0.0);
         self.left.extend(motion.modes().iter().map(|mode| mode[2]));
-        let response = finder.response();
+        let response = finder.prepared(orbit)?.response();
         let (frequencies, weights) = (response.frequencies(), response.weights());
         let (cos, sin, half) = (response.cos_half(), response.sin_half(), 0.5 * response.period());
         for vector in [&mut self.b, &mut self.cb, &mut self.sb, &mut self.wsb, &mut self.sin_over] {

@@ -60,12 +60,12 @@ impl Bench {
     fn orbit_of(&mut self, family: Family, model: &Model) -> Option<Orbit> {
         self.finder.find_symmetric(model, family, &mut self.found).ok()?;
         let orbit = self.found.orbits.pop()?;
-        self.modes.set(&orbit, self.finder.response()).unwrap();
+        self.modes.replace(self.finder.prepared(&orbit).unwrap()).unwrap();
         Some(orbit)
     }
 
-    fn response(&self) -> &ImpulseResponse {
-        self.finder.response()
+    fn response<'a>(&'a mut self, orbit: &'a Orbit) -> &'a ImpulseResponse {
+        self.finder.prepared(orbit).unwrap().response()
     }
 
     fn physical(&mut self, orbit: &Orbit) -> bool {
@@ -198,11 +198,11 @@ fn every_signature_told_is_that_of_the_form_on_the_multiplier_next_to_the_dresse
         let model = Model::conservative(Chain::new(sites, g1, g2).unwrap(), omega, a).unwrap();
         let model = if i == 0 { carried_past } else { model };
         let Some(orbit) = bench.orbit_of(BOTH[i % 2], &model) else { continue };
-        if secular.set(&orbit, bench.response()).is_err() {
+        if secular.replace(bench.finder.prepared(&orbit).unwrap()).is_err() {
             continue;
         }
         let Ok((roots, _)) = secular.roots() else { continue };
-        let signatures = bench.modes.signatures(&orbit, bench.response(), roots);
+        let signatures = bench.modes.signatures(bench.finder.prepared(&orbit).unwrap(), roots);
         assert_eq!(signatures.len(), bench.modes.count());
         let values = dense(&orbit);
         let other = usize::from(growth(&values) > 1e-5 || !bench.physical(&orbit));
@@ -226,12 +226,12 @@ fn every_signature_told_is_that_of_the_form_on_the_multiplier_next_to_the_dresse
             let expected = if *form > 0.0 { Signature::Positive } else { Signature::Negative };
             assert_eq!(*signature, expected, "mode {k} at {phase}, {form}, {upper:?}, {orbit:?}");
             told[other] += 1;
-            bare_wrong[other] += u32::from(bare_signature(bench.response(), k) != Some(expected));
+            bare_wrong[other] += u32::from(bare_signature(bench.response(&orbit), k) != Some(expected));
         }
         if i == 0 {
             // The breather has carried mode 4 past −1: 3.134 of the bare ring has become 3.18.
             assert_eq!(signatures[4], Some(Signature::Negative));
-            assert_eq!(bare_signature(bench.response(), 4), Some(Signature::Positive));
+            assert_eq!(bare_signature(bench.response(&orbit), 4), Some(Signature::Positive));
         }
     }
     assert!(told[0] > 10_000 && told[1] > 10_000, "{told:?}");
@@ -352,12 +352,12 @@ fn residues_change_sign_where_signatures_do_not() {
         let sites = 5 + (random.unit() * 35.0) as usize;
         let (g2, omega, a) = (random.between(0.01, 1.0), random.between(0.3, 3.0), random.between(0.0, 0.9));
         let Some(orbit) = bench.orbit(BOTH[i % 2], sites, g2, omega, a) else { continue };
-        if secular.set(&orbit, bench.response()).is_err() {
+        if secular.replace(bench.finder.prepared(&orbit).unwrap()).is_err() {
             continue;
         }
         let form = secular.residues();
         for (place, residue) in form.residues().iter().enumerate() {
-            let Some(signature) = bare_signature(bench.response(), form.mode(place).unwrap()) else { continue };
+            let Some(signature) = bare_signature(bench.response(&orbit), form.mode(place).unwrap()) else { continue };
             all += 1;
             equal += u32::from((*residue > 0.0) == (signature == Signature::Positive));
         }
@@ -431,13 +431,13 @@ fn at_the_edge_of_a_stripe_a_sum_of_two_dressed_modes_of_opposite_signature_is_a
             named.push((stable, leading));
         }
         for (omega, leading) in named {
-            bench.orbit(family, sites, 0.12, omega, 0.4).unwrap();
+            let orbit = bench.orbit(family, sites, 0.12, omega, 0.4).unwrap();
             let Some(collision) = bench.modes.collision(leading) else { continue };
             let (k, l) = collision.modes;
             assert!(k < l && collision.harmonic >= 1);
             sums += usize::from(collision.detuning.is_some_and(|d| d.abs() < 0.03 * omega));
             // Differences are within the band, which is narrower than ω: no harmonic is near.
-            let frequencies = bench.response().frequencies();
+            let frequencies = bench.response(&orbit).frequencies();
             assert!(frequencies[frequencies.len() - 1] - frequencies[0] < 0.8 * omega);
         }
         assert!(edges >= 4 && sums == edges, "{family:?} {sites}: {sums} of {edges}");
@@ -572,6 +572,6 @@ fn orbits_without_mirror_symmetry_have_no_dressed_modes() {
     let mut bench = Bench::new();
     bench.finder.find(&model, Family::DoubleSided, &mut bench.found).unwrap();
     let orbit = bench.found.orbits.pop().unwrap();
-    bench.modes.set(&orbit, bench.finder.response()).unwrap();
+    bench.modes.replace(bench.finder.prepared(&orbit).unwrap()).unwrap();
     assert!(bench.modes.count() == 0 && bench.modes.collision(Complex::new(0.3, 1.1)).is_none());
 }

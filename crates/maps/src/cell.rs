@@ -314,6 +314,6 @@ impl Worker {
 
 /// The modes whose collision has made an orbit unstable. That none can be named is no failure of the cell.
 fn collision(modes: &mut DressedModes, finder: &mut Finder, orbit: &Orbit, verdict: &Verdict) -> Option<Collision> {
-    modes.set(orbit, finder.response_to(orbit).ok()?).ok()?;
+    modes.replace(finder.prepared(orbit).ok()?).ok()?;
     modes.collision(verdict.leading)
 }

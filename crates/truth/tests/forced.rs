@@ -87,7 +87,7 @@ impl Ratios {
 
 /// The leading multiplier and a few others.
 fn compare(secular: &mut ForcedSecular, orbit: &Orbit, finder: &mut Finder, ratios: &mut Ratios, every: usize) {
-    let Ok((values, errors)) = secular.settled(orbit, finder.response_to(orbit).unwrap()) else { return };
+    let Ok((values, errors)) = secular.settled(finder.prepared(orbit).unwrap()) else { return };
     let spectrum = TrueSpectrum::as_given(orbit, 160).unwrap();
     let mut all: Vec<_> = values.iter().zip(errors).collect();
     all.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance};
+use vibrochain_lattice::Spectrum;
 
 use crate::stripes::request::{Request, family};
 use vibrochain_maps::cell::Class;
@@ -135,7 +136,7 @@ impl Carrier {
             return false;
         }
         let passed = |frequency: &f64| (frequency / here.omega()).floor() != (frequency / next.omega()).floor();
-        if self.finder.response().frequencies().iter().any(passed) {
+        if Spectrum::new(*next.chain()).frequencies().iter().any(passed) {
             return false;
         }
         let Some(orbit) = self.found.orbits.first() else { return false };

@@ -175,7 +175,8 @@ impl Worker {
             return false;
         }
         let Some(orbit) = self.found.orbits.first() else { return false };
-        if self.modes.set(orbit, self.finder.response()).is_err() {
+        let Ok(prepared) = self.finder.prepared(orbit) else { return false };
+        if self.modes.replace(prepared).is_err() {
             return false;
         }
         out.extend(self.modes.frequencies().map(|frequency| frequency.map(|frequency| frequency / model.omega())));

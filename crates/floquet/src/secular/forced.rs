@@ -10,7 +10,7 @@
 //! rest). Certificates: f(0) = Πμ = e^{2n} and, for one or two impacts, the trace.
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{Orbit, Prepared};
 use vibrochain_lattice::ImpulseResponse;
 
 use super::aberth::Aberth;
@@ -34,7 +34,7 @@ type C = Complex<f64>;
 /// let (mut finder, mut found) = (Finder::new(21), Found::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let mut secular = SecularMultipliers::default();
-/// secular.set(&found.orbits[0], finder.response())?;
+/// secular.replace(finder.prepared(&found.orbits[0])?)?;
 /// let (multipliers, _) = secular.multipliers()?;
 /// let radius = multipliers.iter().map(|mu| mu.norm()).fold(0.0, f64::max);
 /// assert!(multipliers.len() == 22 && (radius - 1.0016290236374028).abs() < 1e-11);
@@ -64,12 +64,26 @@ pub struct SecularMultipliers {
 pub(crate) const MOST_IMPACTS: usize = 8;
 
 impl SecularMultipliers {
-    /// Takes over an orbit. `response` is that of the orbit's chain and frequency.
+    /// Of an orbit.
     ///
     /// # Errors
     /// [`SecularError::NotReversible`] for impacts at several sites, or more than 8; [`SecularError::Coincident`] where two poles coincide
     /// (γ₂ → 0, a rigid mode, Ω_k ± Ω_l = jω); [`SecularError::Certificate`].
-    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
+    pub fn of(prepared: Prepared<'_>) -> Result<Self, SecularError> {
+        let mut new = Self::default();
+        new.replace(prepared)?;
+        Ok(new)
+    }
+
+    /// The same of another orbit, in the same memory. After an error there is nothing of either.
+    ///
+    /// # Errors
+    /// As [`SecularMultipliers::of`].
+    pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
+        self.set(prepared.orbit(), prepared.response())
+    }
+
+    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
         let impacts = orbit.impacts();
         let n = impacts.len();
         if orbit.impact_site().is_none() || n == 0 || n > MOST_IMPACTS {

@@ -21,7 +21,7 @@
 //! q² + g(h − 2κ') < 0 at a zero of σ means a complex pair, f(±1) < 0 a real multiplier beyond ±1.
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{Orbit, Prepared};
 use vibrochain_lattice::ImpulseResponse;
 
 use super::error::SecularError;
@@ -59,7 +59,7 @@ impl OutsideCount {
 /// let (mut finder, mut found) = (Finder::new(21), Found::default());
 /// finder.find(&model, Family::SingleSided, &mut found)?;
 /// let mut counter = OutsideCounter::default();
-/// let counts: Vec<_> = found.orbits.iter().map(|orbit| counter.count(orbit, finder.response())).collect();
+/// let counts: Vec<_> = found.orbits.iter().map(|orbit| counter.count(finder.prepared(orbit)?)).collect();
 /// // One branch has a multiplier beyond +1, the other complex pairs.
 /// assert!(counts.iter().flatten().any(|count| count.beyond_plus_one));
 /// assert!(counts.iter().flatten().any(|count| count.pairs > 0 && !count.beyond_plus_one));
@@ -78,12 +78,16 @@ pub struct OutsideCounter {
 }
 
 impl OutsideCounter {
-    /// Counts. `response` is that of the orbit's chain and frequency.
+    /// Counts.
     ///
     /// # Errors
     /// [`SecularError::NotReversible`] unless the orbit has one impact a period and e < 1; [`SecularError::Tangency`] if rounding decides:
     /// a multiplier is on the circle to within it.
-    pub fn count(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<OutsideCount, SecularError> {
+    pub fn count(&mut self, prepared: Prepared<'_>) -> Result<OutsideCount, SecularError> {
+        self.count_of(prepared.orbit(), prepared.response())
+    }
+
+    pub(crate) fn count_of(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<OutsideCount, SecularError> {
         let q = orbit.model().loss();
         let [impact] = orbit.impacts() else { return Err(SecularError::NotReversible) };
         if q <= 0.0 {

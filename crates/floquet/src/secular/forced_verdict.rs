@@ -2,7 +2,7 @@
 //! leading one and its rivals settled by the impacts' own equations.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Condition, ImpactError, Orbit};
+use vibrochain_breather::{Condition, ImpactError, Orbit, Prepared};
 use vibrochain_lattice::ImpulseResponse;
 
 use super::error::SecularError;
@@ -22,7 +22,7 @@ use super::verdict::{Reason, SecularVerdict, Standing};
 /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
 /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), ForcedSecular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
-/// let verdict = secular.verdict(&found.orbits[0], finder.response())?;
+/// let verdict = secular.verdict(finder.prepared(&found.orbits[0])?)?;
 /// assert!(verdict.outcome == Standing::Unstable && (verdict.growth - 0.0016290236374028).abs() < 1e-11);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -73,7 +73,8 @@ impl ForcedSecular {
     ///
     /// # Errors
     /// [`SecularError`]; [`SecularError::NotReversible`] also for conservative orbits, whose trivial pair this form does not split off.
-    pub fn verdict(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<SecularVerdict, SecularError> {
+    pub fn verdict(&mut self, prepared: Prepared<'_>) -> Result<SecularVerdict, SecularError> {
+        let (orbit, response) = (prepared.orbit(), prepared.response());
         if orbit.model().is_conservative() {
             return Err(SecularError::NotReversible);
         }
@@ -195,11 +196,8 @@ impl ForcedSecular {
     ///
     /// # Errors
     /// As [`ForcedSecular::verdict`].
-    pub fn settled(
-        &mut self,
-        orbit: &Orbit,
-        response: &ImpulseResponse,
-    ) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
+    pub fn settled(&mut self, prepared: Prepared<'_>) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
+        let (orbit, response) = (prepared.orbit(), prepared.response());
         if orbit.model().is_conservative() {
             return Err(SecularError::NotReversible);
         }
@@ -230,7 +228,7 @@ impl ForcedSecular {
         self.open_all((trivial > 0).then_some(Complex::new(1.0, 0.0)));
         // The count takes a pass over the modes for each of them.
         if !self.multipliers.is_large()
-            && let Ok(count) = self.counter.count(orbit, response)
+            && let Ok(count) = self.counter.count_of(orbit, response)
         {
             let beyond = |sign: f64| {
                 let outside = |(z, error): &(&Complex<f64>, &f64)| excess(**z) > sign * **error;

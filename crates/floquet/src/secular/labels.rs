@@ -33,7 +33,7 @@ pub fn multiplier_modes(
     let Some(odd) = odd_multipliers(orbit) else { return Ok(vec![None; multipliers.len()]) };
     let bits = |z: &Complex<f64>| (z.re.to_bits(), z.im.to_bits());
     let odd: HashMap<(u64, u64), usize> = odd.iter().enumerate().map(|(i, z)| (bits(z), i / 2 + 1)).collect();
-    let response = finder.response_to(orbit)?;
+    let response = finder.prepared(orbit)?.response();
     let halves = response.cos_half().iter().zip(response.sin_half());
     let mut angles: Vec<(f64, usize)> =
         halves.enumerate().map(|(k, (c, s))| (2.0 * s.abs().atan2(c.abs()), k)).collect();

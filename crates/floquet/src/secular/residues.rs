@@ -1,7 +1,7 @@
 //! Poles and residues of F, sorted, with their certificates.
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{Orbit, Prepared};
 use vibrochain_lattice::ImpulseResponse;
 
 use super::error::SecularError;
@@ -38,7 +38,7 @@ const MOST_DOUBT: f64 = 1e-3;
 /// let (mut finder, mut found) = (Finder::new(21), Found::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let mut residues = Residues::default();
-/// residues.set(&found.orbits[0], finder.response())?;
+/// residues.replace(finder.prepared(&found.orbits[0])?)?;
 /// // All signs alike: nothing can collide, the orbit is stable.
 /// assert!(residues.residues().len() == 11 && residues.residues().iter().all(|r| *r > 0.0));
 /// assert!((residues.residues().iter().sum::<f64>() - 1.0).abs() < 1e-13);
@@ -65,17 +65,30 @@ pub struct Residues {
 }
 
 impl Residues {
-    /// Works out poles and residues of a reversible orbit. `response` is that of the orbit's chain and frequency, as the
-    /// finder that has just found or loaded the orbit holds it.
+    /// Poles and residues of a reversible orbit.
     ///
     /// # Errors
     /// [`SecularError::NotReversible`]; [`SecularError::Certificate`] if ΣR = 1 or the trace is violated by more than the errors of the
     /// residues explain: then they are worth nothing.
-    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
+    pub fn of(prepared: Prepared<'_>) -> Result<Self, SecularError> {
+        let mut new = Self::default();
+        new.replace(prepared)?;
+        Ok(new)
+    }
+
+    /// The same of another orbit, in the same memory. After an error there is nothing of either.
+    ///
+    /// # Errors
+    /// As [`Residues::of`].
+    pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
+        self.set(prepared.orbit(), prepared.response())
+    }
+
+    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
         self.set_within(orbit, response, 0.0)
     }
 
-    /// As [`Residues::set`], for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
+    /// As [`Residues::of`], for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
     pub(crate) fn set_within(
         &mut self,
         orbit: &Orbit,

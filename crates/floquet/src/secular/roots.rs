@@ -41,7 +41,7 @@ impl Secular {
     /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
     /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
     /// finder.find(&model, Family::SingleSided, &mut found)?;
-    /// secular.set(&found.orbits[0], finder.response())?;
+    /// secular.replace(finder.prepared(&found.orbits[0])?)?;
     /// let (roots, _) = secular.roots()?;
     /// let largest = roots.iter().map(|nu| nu.re).fold(0.0, f64::max);
     /// // ν = (μ + 1/μ)/2 of μ = 2.7975…

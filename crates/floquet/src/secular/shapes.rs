@@ -9,8 +9,8 @@
 //! ```
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
-use vibrochain_lattice::{ImpulseResponse, Shapes};
+use vibrochain_breather::Prepared;
+use vibrochain_lattice::Shapes;
 
 use super::error::SecularError;
 use super::impact_matrix::{ImpactMatrix, Mode};
@@ -47,16 +47,17 @@ impl ModalShape {
     /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
     /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
     /// finder.find(&model, Family::SingleSided, &mut found)?;
-    /// secular.set(&found.orbits[0], finder.response())?;
+    /// secular.replace(finder.prepared(&found.orbits[0])?)?;
     /// let leading = secular.verdict()?.leading.unwrap();
-    /// let shape = ModalShape::new(&found.orbits[0], finder.response(), leading)?;
+    /// let shape = ModalShape::new(finder.prepared(&found.orbits[0])?, leading)?;
     /// // The instability sits on the breather.
     /// let (displacement, _) = shape.at_sites(21, 0);
     /// assert!(displacement[0].norm() > 2.0 * displacement[10].norm());
-    /// assert!(ModalShape::new(&found.orbits[0], finder.response(), Complex::new(2.0, 0.0)).is_err());
+    /// assert!(ModalShape::new(finder.prepared(&found.orbits[0])?, Complex::new(2.0, 0.0)).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(orbit: &Orbit, response: &ImpulseResponse, multiplier: C) -> Result<Self, SecularError> {
+    pub fn new(prepared: Prepared<'_>, multiplier: C) -> Result<Self, SecularError> {
+        let (orbit, response) = (prepared.orbit(), prepared.response());
         if orbit.impact_site().is_none() {
             return Err(SecularError::NotReversible);
         }

@@ -12,7 +12,7 @@
 //! The count is the certificate: no search that fails can pass for an answer.
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{Orbit, Prepared};
 use vibrochain_lattice::ImpulseResponse;
 
 use super::error::SecularError;
@@ -95,7 +95,7 @@ impl SecularVerdict {
 /// let mut verdict = |gamma2: f64, omega: f64, family| -> Result<_, Box<dyn std::error::Error>> {
 ///     let model = Model::conservative(Chain::new(21, 0.2, gamma2)?, omega, 0.4)?;
 ///     finder.find(&model, family, &mut found)?;
-///     secular.set(&found.orbits[0], finder.response())?;
+///     secular.replace(finder.prepared(&found.orbits[0])?)?;
 ///     Ok(secular.verdict()?)
 /// };
 /// let unstable = verdict(0.1, 0.8, Family::SingleSided)?;
@@ -125,15 +125,29 @@ pub(super) struct LeadingRoot {
 }
 
 impl Secular {
-    /// Takes over a reversible orbit, see [`Residues::set`].
+    /// Of a reversible orbit, see [`Residues::of`].
     ///
     /// # Errors
-    /// As [`Residues::set`].
-    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
+    /// As [`Residues::of`].
+    pub fn of(prepared: Prepared<'_>) -> Result<Self, SecularError> {
+        let mut new = Self::default();
+        new.replace(prepared)?;
+        Ok(new)
+    }
+
+    /// The same of another orbit, in the same memory. After an error there is nothing of either.
+    ///
+    /// # Errors
+    /// As [`Secular::of`].
+    pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
+        self.set(prepared.orbit(), prepared.response())
+    }
+
+    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
         self.residues.set(orbit, response)
     }
 
-    /// As [`Secular::set`], see [`Residues::set_within`].
+    /// As [`Secular::of`], see [`Residues::set_within`].
     pub(crate) fn set_within(
         &mut self,
         orbit: &Orbit,

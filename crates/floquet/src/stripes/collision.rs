@@ -47,7 +47,7 @@ impl DressedModes {
     /// finder.find(&model, Family::DoubleSided, &mut found)?;
     /// let verdict = Analyser::default().verdict(&found.orbits[0], &mut finder, Tolerance::Rounding)?;
     /// let mut modes = DressedModes::default();
-    /// modes.set(&found.orbits[0], finder.response())?;
+    /// modes.replace(finder.prepared(&found.orbits[0])?)?;
     /// let collision = modes.collision(verdict.leading).unwrap();
     /// assert_eq!((collision.modes, collision.harmonic), ((1, 2), 1));
     /// assert!(collision.detuning.unwrap().abs() < 0.01);

@@ -21,7 +21,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{Orbit, Prepared};
 use vibrochain_lattice::ImpulseResponse;
 
 use super::form::{C, Form};
@@ -44,7 +44,7 @@ use crate::saltation::{Saltation, saltations};
 /// let (mut finder, mut found) = (Finder::new(6), Found::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let mut modes = DressedModes::default();
-/// modes.set(&found.orbits[0], finder.response())?;
+/// modes.replace(finder.prepared(&found.orbits[0])?)?;
 /// // Bare modes at 0.447, 0.592, 0.807 and 0.896; the breather leaves three, in between, and has none of its own.
 /// let dressed: Vec<f64> = modes.frequencies().flatten().collect();
 /// assert!((dressed[0] - 0.493).abs() < 1e-3 && (dressed[1] - 0.720).abs() < 1e-3 && (dressed[2] - 0.876).abs() < 1e-3);
@@ -63,13 +63,26 @@ pub struct DressedModes {
 }
 
 impl DressedModes {
-    /// Takes over an orbit that is its own mirror image in time ([`Orbit::is_reversible`]); any other has no such modes, nor has
+    /// Those of an orbit that is its own mirror image in time ([`Orbit::is_reversible`]); any other has no such modes, nor has
     /// one of a frequency so low that hundreds of its harmonics are below the band.
-    /// `response` is that of the orbit's chain and frequency.
     ///
     /// # Errors
     /// [`FloquetError::Grazing`].
-    pub fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), FloquetError> {
+    pub fn of(prepared: Prepared<'_>) -> Result<Self, FloquetError> {
+        let mut new = Self::default();
+        new.replace(prepared)?;
+        Ok(new)
+    }
+
+    /// The same of another orbit, in the same memory. After an error there is nothing of either.
+    ///
+    /// # Errors
+    /// As [`DressedModes::of`].
+    pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), FloquetError> {
+        self.set(prepared.orbit(), prepared.response())
+    }
+
+    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), FloquetError> {
         self.bare.clear();
         self.zeros.clear();
         self.own = None;
@@ -164,18 +177,13 @@ impl DressedModes {
     /// the mode's own has left the circle, or is too far from the place where it would be without meetings to be told apart.
     ///
     /// `roots` are those of the orbit taken over, ν = ½(μ + 1/μ), as [`crate::Secular::roots`] has them. O(M) for each.
-    pub fn signatures(
-        &self,
-        orbit: &Orbit,
-        response: &ImpulseResponse,
-        roots: &[Complex<f64>],
-    ) -> Vec<Option<Signature>> {
+    pub fn signatures(&self, prepared: Prepared<'_>, roots: &[Complex<f64>]) -> Vec<Option<Signature>> {
         // In turns of the circle, from −½ to ½: where the form is positive. It is negative at the mirror images.
         let on_the_circle = roots.iter().filter(|nu| nu.im == 0.0 && nu.re.abs() < 1.0);
         let positive: Vec<f64> = on_the_circle
             .filter_map(|nu| {
                 let multiplier = C::new(nu.re, ((1.0 - nu.re) * (1.0 + nu.re)).sqrt());
-                let sign = signature(orbit, response, multiplier)?.value();
+                let sign = signature(prepared, multiplier)?.value();
                 Some(f64::from(sign) * multiplier.arg() / TAU)
             })
             .collect();
@@ -231,7 +239,7 @@ mod tests {
         let (mut finder, mut found) = (Finder::new(sites), Found::default());
         finder.find_symmetric(&model, family, &mut found).unwrap();
         let mut modes = DressedModes::default();
-        modes.set(&found.orbits[0], finder.response()).unwrap();
+        modes.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
         modes
     }
 

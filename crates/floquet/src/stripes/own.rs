@@ -37,7 +37,7 @@ const MOST_LOSS: f64 = 0.3;
 /// let (mut finder, mut found) = (Finder::new(6), Found::default());
 /// finder.find(&model, Family::SingleSided, &mut found)?;
 /// let mut modes = DressedModes::default();
-/// modes.set(&found.orbits[0], finder.response())?;
+/// modes.replace(finder.prepared(&found.orbits[0])?)?;
 /// // ω is between Ω₁ = 0.632 and Ω₂ = 0.894: no mode is left there, but one below the band, which begins at 0.447.
 /// assert!(modes.frequency(1).is_none());
 /// let own = modes.own().unwrap();

@@ -1,7 +1,7 @@
 //! Krein signatures of multipliers, and of the modes of the bare ring.
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::Prepared;
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::secular::ModalShape;
@@ -45,10 +45,10 @@ impl Signature {
 /// let model = Model::conservative(Chain::new(6, 0.2, 0.15)?, 1.2, 0.4)?;
 /// let (mut finder, mut found, mut secular) = (Finder::new(6), Found::default(), Secular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
-/// secular.set(&found.orbits[0], finder.response())?;
+/// secular.replace(finder.prepared(&found.orbits[0])?)?;
 /// let told = |nu: &Complex<f64>| {
 ///     let multiplier = Complex::new(nu.re, (1.0 - nu.re * nu.re).sqrt());
-///     (multiplier.arg(), signature(&found.orbits[0], finder.response(), multiplier))
+///     (multiplier.arg(), signature(finder.prepared(&found.orbits[0])?, multiplier))
 /// };
 /// let mut signatures: Vec<_> = secular.roots()?.0.iter().map(told).collect();
 /// signatures.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -57,11 +57,11 @@ impl Signature {
 /// assert_eq!(signatures.iter().map(|s| s.1).collect::<Vec<_>>(), [negative, negative, positive]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn signature(orbit: &Orbit, response: &ImpulseResponse, multiplier: Complex<f64>) -> Option<Signature> {
-    let shape = ModalShape::new(orbit, response, multiplier).ok()?;
+pub fn signature(prepared: Prepared<'_>, multiplier: Complex<f64>) -> Option<Signature> {
+    let shape = ModalShape::new(prepared, multiplier).ok()?;
     // ½i(ẋ̄x − x̄ẋ) = Im x̄ẋ
     let form: f64 = shape.displacement.iter().zip(&shape.velocity).map(|(x, velocity)| (x.conj() * velocity).im).sum();
-    let upper = form * multiplier.im.signum() / response.omega();
+    let upper = form * multiplier.im.signum() / prepared.response().omega();
     if upper.abs() > NO_FORM { Some(Signature::of(upper)) } else { None }
 }
 

@@ -43,11 +43,11 @@ fn multipliers_outside_the_circle_are_counted_without_computing_one() {
     let (mut checked, mut doubts, mut pairs, mut reals) = (0, 0, 0, 0);
     forced_cases(6, 1500, Family::SingleSided, |orbit, finder, dense, norm| {
         checked += 1;
-        let Ok(count) = counter.count(orbit, finder.response()) else {
+        let Ok(count) = counter.count(finder.prepared(orbit).unwrap()) else {
             doubts += 1;
             return;
         };
-        let blur = 1e-13 * norm * finder.response().condition();
+        let blur = 1e-13 * norm * finder.prepared(orbit).unwrap().response().condition();
         let surely = dense.iter().filter(|mu| mu.norm() > 1.0 + blur).count();
         let perhaps = dense.iter().filter(|mu| mu.norm() > 1.0 - blur).count();
         let name = format!("{:?}: {count:?}", orbit.model());
@@ -67,7 +67,7 @@ fn all_multipliers_of_forced_orbits_are_those_of_the_dense_matrix() {
         forced_cases(7 + i as u64, 500, family, |orbit, finder, dense, norm| {
             checked += 1;
             let name = || format!("{family:?} {:?}", orbit.model());
-            if secular.set(orbit, finder.response()).is_err() {
+            if secular.replace(finder.prepared(orbit).unwrap()).is_err() {
                 doubts += 1;
                 return;
             }
@@ -94,7 +94,7 @@ fn verdicts_on_forced_orbits() {
         let (mut checked, mut open) = (0, 0);
         forced_cases(10 + i as u64, 400, family, |orbit, finder, dense, norm| {
             checked += 1;
-            let Ok(verdict) = secular.verdict(orbit, finder.response()) else {
+            let Ok(verdict) = secular.verdict(finder.prepared(orbit).unwrap()) else {
                 open += 1;
                 return;
             };
@@ -116,7 +116,7 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
     let mut checked = 0;
     let mut check = |orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>| {
         finder.motion(orbit).unwrap();
-        let Ok(shape) = ModalShape::new(orbit, finder.response(), multiplier) else { return };
+        let Ok(shape) = ModalShape::new(finder.prepared(orbit).unwrap(), multiplier) else { return };
         let matrix = crate::full_monodromy(orbit).unwrap();
         let sites = orbit.model().chain().sites();
         let (mut state, velocity) = shape.at_sites(sites, orbit.impact_site().unwrap());
@@ -141,7 +141,7 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
         for family in BOTH {
             let (mut finder, mut found) = (Finder::new(21), Found::default());
             finder.find_symmetric(&model(21, 0.2, 0.1, omega, 0.4).unwrap(), family, &mut found).unwrap();
-            secular.set(&found.orbits[0], finder.response()).unwrap();
+            secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
             for nu in secular.roots().unwrap().0 {
                 for mu in crate::multipliers::pair(*nu) {
                     check(&found.orbits[0], &mut finder, mu);
@@ -171,7 +171,7 @@ fn multipliers_of_large_rings_are_those_of_the_dense_matrix() {
         eigenvalues(&matrix, &mut dense).unwrap();
         finder.motion(orbit).unwrap();
         let mut secular = SecularMultipliers::default();
-        secular.set(orbit, finder.response()).unwrap();
+        secular.replace(finder.prepared(orbit).unwrap()).unwrap();
         let (values, _) = secular.multipliers().unwrap();
         assert_eq!(values.len(), 402);
         let distance = farthest(values, &dense).max(farthest(&dense, values));

@@ -70,10 +70,10 @@ fn poles_and_residues_of_forced_orbits_have_that_determinant() {
     let mut checked = 0;
     for (i, family) in [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled].into_iter().enumerate() {
         forced_cases(50 + i as u64, 100, family, |orbit, finder, _, _| {
-            if form.set(orbit, finder.response()).is_err() {
+            if form.replace(finder.prepared(orbit).unwrap()).is_err() {
                 return;
             }
-            matrix.set(orbit, finder.response());
+            matrix.set(orbit, finder.prepared(orbit).unwrap().response());
             for z in places(&mut random) {
                 let (value, expected) = (form.form.evaluate(z), secular(&mut matrix, orbit, z));
                 let allowed = 1e-12 * value.noise + 4.0 * form.form.doubt(z);
@@ -92,7 +92,7 @@ fn residues_of_large_rings_have_that_determinant() {
     let (mut finder, mut found, mut random) = (Finder::new(501), Found::default(), Random(43));
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
     let (mut form, mut matrix) = (SecularMultipliers::default(), ImpactMatrix::default());
-    let response = finder.response_to(&found.orbits[0]).unwrap();
+    let response = finder.prepared(&found.orbits[0]).unwrap().response();
     form.set(&found.orbits[0], response).unwrap();
     matrix.set(&found.orbits[0], response);
     for z in places(&mut random) {
@@ -114,7 +114,8 @@ fn residues_of_reversible_orbits_have_that_determinant() {
             continue;
         }
         for orbit in &found.orbits {
-            let Ok(response) = finder.response_to(orbit) else { continue };
+            let Ok(prepared) = finder.prepared(orbit) else { continue };
+            let response = prepared.response();
             if residues.set(orbit, response).is_err() {
                 continue;
             }

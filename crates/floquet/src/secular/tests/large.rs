@@ -18,7 +18,7 @@ fn residues_of_large_rings_are_those_of_the_pair_formulas() {
             finder.find_symmetric(&model, family, &mut found).unwrap();
             let orbit = &found.orbits[0];
             let mut modes = modes::Modes::default();
-            modes.set(finder.response());
+            modes.set(finder.prepared(orbit).unwrap().response());
             let (mut pairs, mut sums) = (Vec::new(), Vec::new());
             if family == Family::SingleSided {
                 single_sided::residues(&modes, &mut pairs);
@@ -51,7 +51,7 @@ fn large_rings_have_all_their_roots() {
         for family in BOTH {
             finder.find_symmetric(&model, family, &mut found).unwrap();
             let orbit = &found.orbits[0];
-            secular.set(orbit, finder.response()).unwrap();
+            secular.replace(finder.prepared(orbit).unwrap()).unwrap();
             let (values, norm) = dense(orbit, &mut finder);
             let leading = values.iter().map(|nu| growth(*nu)).fold(0.0, f64::max);
             let verdict = secular.verdict().unwrap();
@@ -72,7 +72,7 @@ fn large_rings_have_all_their_roots() {
 fn a_long_ring_has_the_isolated_multiplier_of_the_infinite_one() {
     let (mut finder, mut found, mut secular) = (Finder::new(20001), Found::default(), Secular::default());
     finder.find_symmetric(&model(20001, 0.2, 0.1, 0.8, 0.4).unwrap(), Family::SingleSided, &mut found).unwrap();
-    secular.set(&found.orbits[0], finder.response()).unwrap();
+    secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
     let verdict = secular.verdict().unwrap();
     let leading = verdict.leading.unwrap();
     assert!(verdict.outcome == Standing::Unstable && leading.im == 0.0);
@@ -99,7 +99,7 @@ fn long_rings_with_overlapping_bands_are_not_marginal() {
             !verdict.marginal && verdict.resolution < 1e-2 * verdict.growth(),
             "{family:?} {sites} {omega}: {verdict:?}"
         );
-        plain.set(orbit, finder.response()).unwrap();
+        plain.replace(finder.prepared(orbit).unwrap()).unwrap();
         let bound = plain.verdict().unwrap();
         assert!(
             (bound.growth - verdict.growth()).abs() <= bound.growth_error,
