@@ -59,10 +59,13 @@ impl OutsideCount {
 /// let (mut finder, mut found) = (Finder::new(21), Found::default());
 /// finder.find(&model, Family::SingleSided, &mut found)?;
 /// let mut counter = OutsideCounter::default();
-/// let counts: Vec<_> = found.orbits.iter().map(|orbit| counter.count(finder.prepared(orbit)?)).collect();
+/// let mut counts = Vec::new();
+/// for orbit in &found.orbits {
+///     counts.extend(counter.count(finder.prepared(orbit)?));
+/// }
 /// // One branch has a multiplier beyond +1, the other complex pairs.
-/// assert!(counts.iter().flatten().any(|count| count.beyond_plus_one));
-/// assert!(counts.iter().flatten().any(|count| count.pairs > 0 && !count.beyond_plus_one));
+/// assert!(counts.iter().any(|count| count.beyond_plus_one));
+/// assert!(counts.iter().any(|count| count.pairs > 0 && !count.beyond_plus_one));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]

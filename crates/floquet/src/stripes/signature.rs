@@ -45,10 +45,11 @@ impl Signature {
 /// let model = Model::conservative(Chain::new(6, 0.2, 0.15)?, 1.2, 0.4)?;
 /// let (mut finder, mut found, mut secular) = (Finder::new(6), Found::default(), Secular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
-/// secular.replace(finder.prepared(&found.orbits[0])?)?;
+/// let prepared = finder.prepared(&found.orbits[0])?;
+/// secular.replace(prepared)?;
 /// let told = |nu: &Complex<f64>| {
 ///     let multiplier = Complex::new(nu.re, (1.0 - nu.re * nu.re).sqrt());
-///     (multiplier.arg(), signature(finder.prepared(&found.orbits[0])?, multiplier))
+///     (multiplier.arg(), signature(prepared, multiplier))
 /// };
 /// let mut signatures: Vec<_> = secular.roots()?.0.iter().map(told).collect();
 /// signatures.sort_by(|a, b| a.0.total_cmp(&b.0));
