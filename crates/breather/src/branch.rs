@@ -23,7 +23,7 @@ use crate::finder::Finder;
 use crate::linear::{Vector, dot, unit};
 use crate::orbit::Orbit;
 use crate::reduction::{Reduction, SYMMETRIC};
-use crate::unknowns::{Unknowns, Word};
+use crate::unknowns::{Template, Unknowns};
 
 /// A chord may differ from the mean of the tangents at its ends by this part of its length: that of an arc of a quarter of a
 /// radian. One that leads to another branch does not fit the tangents.
@@ -122,7 +122,7 @@ pub struct Branch {
     pub(crate) origin: Orbit,
     pub(crate) free: Parameter,
     /// The origin's word, and its times in periods.
-    pub(crate) word: Word,
+    pub(crate) template: Template,
     pub(crate) fractions: Vector,
     pub(crate) unknowns: Unknowns,
     pub(crate) reduction: Reduction,
@@ -166,8 +166,8 @@ impl Branch {
             if (fraction - 0.5).abs() <= SYMMETRIC { 0.5 } else { fraction }
         };
         let fractions = orbit.impacts().iter().map(|impact| fraction(impact.time)).collect();
-        let (origin, word) = (orbit.clone(), Word::of(orbit));
-        Ok(Self { finder, origin, free, word, fractions, unknowns, reduction, full_units, units, evaluations: 0 })
+        let (origin, template) = (orbit.clone(), Template::of(orbit));
+        Ok(Self { finder, origin, free, template, fractions, unknowns, reduction, full_units, units, evaluations: 0 })
     }
 
     /// Orbits assembled so far: the cost.

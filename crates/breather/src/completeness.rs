@@ -33,6 +33,13 @@ pub enum Completeness {
         /// Rectangles examined.
         boxes: usize,
     },
+    /// A word of one or two instants without force: one linear system has all orbits that are their own mirror images in time.
+    Reversible,
+    /// Followed in γ₂ from masses without coupling, whose orbits are all known: those that are not connected to them are missing.
+    Followed {
+        /// Combinations of orbits of the masses alone that were followed.
+        starts: usize,
+    },
     /// Not established: a place may hold two merged orbits (`Found::unresolved`), a part was not searched
     /// (`Found::exhausted`), or an orbit is beyond the range of numbers.
     #[default]
@@ -42,7 +49,7 @@ pub enum Completeness {
 impl Completeness {
     /// The list holds all orbits.
     pub fn is_established(self) -> bool {
-        self != Self::NotEstablished
+        !matches!(self, Self::NotEstablished | Self::Followed { .. })
     }
 
     /// The name in files.
@@ -51,6 +58,8 @@ impl Completeness {
             Self::ClosedForm => "closed-form",
             Self::Enclosures { .. } => "enclosures",
             Self::BranchAndPrune { .. } => "branch-and-prune",
+            Self::Reversible => "reversible",
+            Self::Followed { .. } => "followed",
             Self::NotEstablished => "not-established",
         }
     }
@@ -62,6 +71,11 @@ impl fmt::Display for Completeness {
             Self::ClosedForm => write!(f, "complete, by closed form"),
             Self::Enclosures { intervals } => write!(f, "complete, by enclosures on {intervals} intervals"),
             Self::BranchAndPrune { boxes } => write!(f, "complete, by branch and prune in the plane, {boxes} boxes"),
+            Self::Reversible => write!(f, "complete among orbits symmetric in time, by closed form"),
+            Self::Followed { starts } => {
+                let (branches, lead) = if *starts == 1 { ("branch", "leads") } else { ("branches", "lead") };
+                write!(f, "what {starts} {branches} from masses without coupling {lead} to: others may exist")
+            }
             Self::NotEstablished => write!(f, "not shown to be complete"),
         }
     }

@@ -38,12 +38,12 @@ impl Branch {
     fn assemble(&mut self, z: &[f64]) -> Result<(Orbit, Places), BranchError> {
         let model = self.origin.model().with(self.free, z[self.reduction.size()]).map_err(BreatherError::from)?;
         self.evaluations += 1;
-        self.finder.prepare(&model, model.omega() / f64::from(self.word.force_periods()))?;
+        self.finder.prepare(&model, model.omega() / f64::from(self.template.force_periods()))?;
         let (response, motion) = (&self.finder.response, &mut self.finder.motion);
         // What no coordinate moves keeps its part of the period.
         let (period, fractions) = (response.period(), &self.fractions);
         let psi = self.reduction.psi.unwrap_or(0.0) * model.period();
-        self.word.hold(|i| fractions[i] * period, psi);
+        self.template.hold(|i| fractions[i] * period, psi);
         let mut full = zeros(self.unknowns.size());
         for (i, fraction) in fractions.iter().enumerate() {
             if let Some(place) = self.unknowns.time(i) {
@@ -54,7 +54,7 @@ impl Branch {
             full[place] = psi;
         }
         self.reduction.expand(z, &mut full);
-        let draft = self.word.draft(&self.unknowns, &full, &model, response);
+        let draft = self.template.draft(&self.unknowns, &full, &model, response);
         let (draft, places) = draft.ok_or(BranchError::NoConvergence)?;
         Ok((Orbit::assemble(&model, response, motion, draft)?, places))
     }

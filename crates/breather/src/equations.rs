@@ -370,7 +370,7 @@ mod tests {
             let Ok(orbit) = Orbit::from_impulses(&model, 1, psi, &hits) else { continue };
             let equations = Equations::new(&orbit, &response);
             let (unknowns, jacobian) = (equations.unknowns, equations.jacobian());
-            let (x, word) = (unknowns.read(&orbit, &response), crate::unknowns::Word::of(&orbit));
+            let (x, word) = (unknowns.read(&orbit, &response), crate::unknowns::Template::of(&orbit));
             let residuals = |x: &[f64]| {
                 let (draft, places) = word.draft(&unknowns, x, &model, &response).unwrap();
                 let mut motion = crate::motion::Motion::vacant(sites);

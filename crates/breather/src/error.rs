@@ -5,6 +5,8 @@ use std::fmt;
 use thiserror::Error;
 use vibrochain_lattice::{ParameterError, Resonance, Short};
 
+use crate::word::WordError;
+
 /// Why a request could not be computed. "There is no such breather" is not among these: it is an answer, see
 /// [`NoBreather`].
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -33,6 +35,9 @@ pub enum BreatherError {
         /// What is wrong with it.
         what: &'static str,
     },
+    /// The word is none of this chain.
+    #[error(transparent)]
+    Word(#[from] WordError),
     /// Newton's method does not lead from a given word to an orbit.
     #[error(
         "no orbit found near the given impacts: Newton's method leaves a violation of {violation:e} (relative to the terms of the conditions at the impacts); start nearer to an orbit"
@@ -61,8 +66,12 @@ pub enum NoBreather {
     NoPhase,
     /// The conditions at the impacts are singular: the two impacts do not determine their impulses.
     Singular,
-    /// Words are not searched for: they are given by their impacts ([`crate::Orbit::from_impulses`]).
-    NotSearched,
+    /// No orbits of the masses alone hit in the order of the word.
+    OutOfOrder,
+    /// All branches of the word that were followed from γ₂ = 0 ended on the way ([`crate::Found::ended`]).
+    BranchesEnded,
+    /// No way is known to find the orbits of this word by itself; what there is instead.
+    NotSearched(&'static str),
 }
 
 impl fmt::Display for NoBreather {
@@ -86,7 +95,9 @@ impl fmt::Display for NoBreather {
             }
             Self::NoPhase => write!(f, "no phase of the force meets the conditions at the impacts"),
             Self::Singular => write!(f, "the conditions at the impacts are singular here"),
-            Self::NotSearched => write!(f, "words of impacts are not searched for: give the impacts"),
+            Self::OutOfOrder => write!(f, "no orbits of the masses alone hit in the order of the word"),
+            Self::BranchesEnded => write!(f, "all branches from masses without coupling end before this point"),
+            Self::NotSearched(why) => write!(f, "this word cannot be searched for: {why}"),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
 //! same, the impulse response as long as chain and frequency do, and all scratch space.
 
-use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::Admissibility;
 use crate::completeness::Completeness;
@@ -14,6 +14,7 @@ use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::radiation::Radiation;
 use crate::rises::Rises;
 use crate::roots::Zeros;
+use crate::uncoupled::Ended;
 use crate::watch::{Depth, Watch};
 use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_single};
 
@@ -33,6 +34,8 @@ pub struct Found {
     pub left_out: usize,
     /// By which means `orbits` is known to be all there are.
     pub completeness: Completeness,
+    /// Where branches of a word ended that were followed from γ₂ = 0 and did not come as far as this point.
+    pub ended: Vec<Ended>,
 }
 
 /// Which orbits are asked for.
@@ -150,6 +153,7 @@ impl Finder {
         found: &mut Found,
     ) -> Result<(), BreatherError> {
         found.orbits.clear();
+        found.ended.clear();
         (found.none, found.unresolved, found.exhausted, found.left_out) = (None, 0, 0, 0);
         found.completeness = Completeness::ClosedForm;
         self.zeros.clear();
@@ -208,9 +212,8 @@ impl Finder {
             (Family::DoubleSided, Some(force)) => {
                 forced_double::double_sided(model, response, (&steady, force), zeros, plane, &mut add)
             }
-            (Family::SingleSided, Some(force)) => {
-                forced_single::single_sided(model, response, force).map(|drafts| drafts.into_iter().for_each(&mut add))
-            }
+            (Family::SingleSided, Some(force)) => forced_single::single_sided(model, response, force, Barrier::Lower)
+                .map(|drafts| drafts.into_iter().for_each(&mut add)),
             (Family::PeriodDoubled, Some(force)) => {
                 forced_double::period_doubled(model, response, (&steady, force), zeros, plane, &mut add)
             }
@@ -221,7 +224,7 @@ impl Finder {
             (Family::PeriodDoubled, None) => {
                 forced_harmonics::period_doubled(model, response, &steady, plane, &mut add)
             }
-            (Family::Word, _) => Err(NoBreather::NotSearched),
+            (Family::Word, _) => Err(NoBreather::NotSearched("give the word")),
         };
         found.none = outcome.err();
         if let Some(error) = failure {

@@ -8,24 +8,26 @@
 //!
 //! a quadratic that stays regular as q → 0, where the paper's p = ωÃ sin ωψ/q is 0/0 (`errata`).
 
-use smallvec::SmallVec;
-use vibrochain_lattice::{ImpulseResponse, Model};
+use smallvec::{SmallVec, smallvec};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::conservative::single_sided_draft;
 use crate::error::NoBreather;
-use crate::orbit::Draft;
+use crate::orbit::{Draft, Family, Hit};
 
-/// Both solutions, or why there is none. `force` is Ã.
+/// Both solutions, or why there is none. `force` is Ã. Those on the upper barrier are mirror images, half a period later in the
+/// force, of solutions with that barrier's distance.
 pub(crate) fn single_sided(
     model: &Model,
     response: &ImpulseResponse,
     force: f64,
+    barrier: Barrier,
 ) -> Result<SmallVec<[Draft; 2]>, NoBreather> {
     let (omega, q, g) = (model.omega(), model.loss(), response.static_stiffness());
     if g == 0.0 {
         return Err(NoBreather::NetImpulse);
     }
-    let gap = 1.0 - model.asymmetry();
+    let gap = model.barrier(barrier).abs();
     // In U = 2pS₀, the static displacement: −pχ₂ = U(1 + gK̂(0)), p = gU/2; regular for soft rings.
     let chi = -(1.0 + g * response.dynamic_at_impulse());
     let loss = 0.5 * q * g / omega;
@@ -48,7 +50,14 @@ pub(crate) fn single_sided(
         let psi = (y / force).atan2(x / force).rem_euclid(std::f64::consts::TAU) / omega;
         let p = 0.5 * g * u;
         if p.is_finite() {
-            drafts.push(single_sided_draft(response, psi, p, u));
+            drafts.push(match barrier {
+                Barrier::Lower => single_sided_draft(response, psi, p, u),
+                Barrier::Upper => {
+                    let impacts = smallvec![Hit::new(0, Barrier::Upper, 0.0, -2.0 * p)];
+                    let psi = (psi + 0.5 * model.period()).rem_euclid(model.period());
+                    Draft::new(response, (Family::Word, 1), psi, impacts, -u)
+                }
+            });
         }
         if root == 0.0 {
             break;

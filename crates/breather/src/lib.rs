@@ -20,6 +20,8 @@
 //! | `unknowns`, `equations`, `polish` | the equations of any impact word, linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
 //! | `branch`, `corrector`, `resonances`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
+//! | `word` | [`Word`]: which mass meets which barrier, in which order |
+//! | `word_search`, `uncoupled` | [`Finder::find_word`]: all orbits of a word |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
@@ -76,9 +78,12 @@ mod resonances;
 mod rises;
 mod roots;
 mod two_impacts;
+mod uncoupled;
 mod unknowns;
 mod watch;
 mod window;
+mod word;
+mod word_search;
 mod worst;
 
 pub use admissibility::{Admissibility, Approach, Obstruction};
@@ -89,4 +94,6 @@ pub use error::{BreatherError, NoBreather};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};
+pub use uncoupled::{End, Ended};
 pub use watch::admissibility;
+pub use word::{Letter, MAX_IMPACTS, Word, WordError};

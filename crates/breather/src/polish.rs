@@ -9,7 +9,7 @@ use vibrochain_lattice::ImpulseResponse;
 use crate::equations::Equations;
 use crate::motion::Motion;
 use crate::orbit::Orbit;
-use crate::unknowns::Word;
+use crate::unknowns::Template;
 
 /// Violations below this many roundings of the largest term are as good as zero.
 const SOUND: f64 = 16.0 * f64::EPSILON;
@@ -54,6 +54,6 @@ fn improved(orbit: &Orbit, response: &ImpulseResponse, motion: &mut Motion) -> O
     rows[unknowns.impacts] = 0.0;
     let change = system.solve(&rows);
     x.iter_mut().zip(change).for_each(|(x, change)| *x -= change);
-    let (draft, _) = Word::of(orbit).draft(&unknowns, &x, orbit.model(), response)?;
+    let (draft, _) = Template::of(orbit).draft(&unknowns, &x, orbit.model(), response)?;
     Orbit::assemble(orbit.model(), response, motion, draft).ok()
 }

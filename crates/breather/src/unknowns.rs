@@ -105,7 +105,7 @@ pub(crate) fn static_displacement(orbit: &Orbit, response: &ImpulseResponse) -> 
 
 /// An impact word: what the unknowns are the unknowns of.
 #[derive(Debug, Clone)]
-pub(crate) struct Word {
+pub(crate) struct Template {
     family: Family,
     force_periods: u32,
     /// Sites and barriers, with the times that are not unknown, and the phase.
@@ -113,7 +113,7 @@ pub(crate) struct Word {
     psi: f64,
 }
 
-impl Word {
+impl Template {
     pub(crate) fn of(orbit: &Orbit) -> Self {
         Self {
             family: orbit.family(),

@@ -368,6 +368,18 @@ impl ImpulseResponse {
         KernelJet { value, slope, curvature, third }
     }
 
+    /// As [`ImpulseResponse::jet_between`], its value alone at the impulse itself or, if `half`, half a period after it.
+    pub fn dynamic_between(&self, to: usize, from: usize, half: bool) -> f64 {
+        if to == from {
+            return if half { self.dynamic_at_half } else { self.dynamic_at_impulse };
+        }
+        let parts = if half { &self.at_half } else { &self.at_impulse };
+        let [sum] = long_sum(self.modes(), |k| {
+            [self.weights[k] * parts[k] * self.shapes.even(k, to, from) - self.static_drop(k, to, from)]
+        });
+        sum
+    }
+
     /// What mode `k` lacks at `to` of its static response at `from`, weight included.
     pub(crate) fn static_drop(&self, k: usize, to: usize, from: usize) -> f64 {
         self.weights[k] * self.mode_static(k) * self.shapes.drop(k, to, from)

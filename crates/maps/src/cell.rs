@@ -148,8 +148,8 @@ impl Status {
             BreatherError::Resonance(_) => Self::Resonance,
             BreatherError::TooStiff { .. } => Self::TooStiff,
             BreatherError::NotConverged { .. } => Self::NotConverged,
-            // Neither can happen to a validated model; the cell is marked, not dropped.
-            BreatherError::Parameter(_) | BreatherError::Impact { .. } => Self::IllConditioned,
+            // None can happen to a validated model and word; the cell is marked, not dropped.
+            BreatherError::Parameter(_) | BreatherError::Impact { .. } | BreatherError::Word(_) => Self::IllConditioned,
         }
     }
 

@@ -1,7 +1,10 @@
 //! Orbits of any impact word: polished, conditioned, checked, followed and judged, against many digits and a simulated return map.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Branch, BreatherError, Family, Finder, Hit, Impact, Orbit, breathers};
+use vibrochain_breather::{
+    Branch, BreatherError, Completeness, End, Family, Finder, Found, Hit, Impact, NoBreather, Orbit, Wanted, Word,
+    breathers,
+};
 use vibrochain_floquet::{Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
 use vibrochain_testkit::{Random, ReturnMap, dense, words};
@@ -127,6 +130,117 @@ fn checked_words_are_found_again_from_a_guess() {
         let difference = (verdict.spectral_radius - case.spectral_radius).abs();
         assert!(difference < 1e-6 * case.spectral_radius, "{}: {}", case.word, verdict.spectral_radius);
     }
+}
+
+/// The impulses of the table, whatever the order of impacts of one instant.
+fn assert_same_impulses(orbit: &Orbit, hits: &[Hit], word: &str) {
+    assert_eq!(orbit.impacts().len(), hits.len());
+    for hit in hits {
+        let same = |impact: &&Impact| impact.site == hit.site && impact.barrier == hit.barrier;
+        let impact = orbit.impacts().iter().find(same).unwrap();
+        assert!((impact.impulse - hit.impulse).abs() < 1e-12 * hit.impulse.abs().max(1.0), "{word}");
+    }
+}
+
+#[test]
+fn checked_words_are_found_without_a_guess() {
+    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut reversible, mut followed) = (0, 0);
+    for case in words() {
+        let word: Word = case.word.parse().unwrap();
+        assert_eq!(word.to_string(), case.word);
+        finder.find_word(&case.model, &word, Wanted::All, &mut found).unwrap();
+        if case.model.is_conservative() {
+            let orbit =
+                found.orbits.iter().find(|orbit| orbit.phi().is_none_or(|phi| phi == 0.5 * orbit.period())).unwrap();
+            assert!(orbit.residual() < 1e-14, "{word}: {:e}", orbit.residual());
+            assert_same_impulses(orbit, &case.hits, &case.word);
+            assert_eq!(finder.admissibility(orbit).unwrap().is_physical(), case.physical.unwrap(), "{word}");
+            reversible += 1;
+            continue;
+        }
+        assert_eq!(found.completeness, Completeness::Followed { starts: 2 });
+        let psi = |orbit: &&Orbit| (orbit.psi().unwrap() - case.psi).abs() < 1e-10;
+        let orbit = found.orbits.iter().find(psi).unwrap();
+        assert_same_impulses(orbit, &case.hits, &case.word);
+        assert_eq!(Word::of(orbit), word);
+        followed += 1;
+    }
+    assert!(reversible >= 30 && followed >= 1, "{reversible} {followed}");
+}
+
+/// Orbits of random words under a force are fixed points of a simulated return map; branches end where they say.
+#[test]
+fn followed_words_are_orbits_and_their_ends_are_ends() {
+    let mut random = Random(17);
+    let (mut finder, mut found) = (Finder::new(9), Found::default());
+    let (mut orbits, mut folds, mut grazings) = (0, 0, 0);
+    for round in 0..140 {
+        let gamma2 = random.between(0.005, 0.2);
+        let chain = Chain::new(9, 0.2, gamma2).unwrap();
+        let model =
+            Model::forced(chain, random.between(0.8, 1.8), random.between(0.0, 0.7), random.between(0.1, 0.4), random.between(0.5, 0.99))
+                .unwrap();
+        let word: Word =
+            ["0+3+,0-3-", "0-,2-", "0-2-", "0+,4-,0-", "0+1-,0-1+", "0+", "0-,3+"][round % 7].parse().unwrap();
+        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        for orbit in &found.orbits {
+            assert!(orbit.residual() < 1e-13, "{word} {:e}", orbit.residual());
+            if finder.admissibility(orbit).unwrap().is_physical() {
+                let map = ReturnMap::new(orbit);
+                let point = map.fixed_point();
+                assert!((map.apply(&point) - &point).amax() < 1e-9, "{word}");
+                orbits += 1;
+            }
+        }
+        for ended in &found.ended {
+            assert!(ended.gamma2 > 0.0 && ended.gamma2 < gamma2, "{ended} {word}");
+            let at = |part: f64| {
+                let model = model.with(Parameter::Gamma2, part * ended.gamma2).unwrap();
+                let (mut finder, mut found) = (Finder::new(9), Found::default());
+                finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+                found
+            };
+            // Just before its end a branch is there, just behind it is not.
+            let (before, behind) = (at(1.0 - 1e-4), at(1.0 + 1e-4));
+            assert!(before.orbits.len() > behind.orbits.len(), "{ended} {word}");
+            match ended.by {
+                End::Fold => {
+                    let tell = |orbit: &Orbit| finder_condition(orbit);
+                    assert!(before.orbits.iter().map(tell).fold(1.0, f64::min) < 0.1, "{ended} {word}");
+                    folds += 1;
+                }
+                End::Grazing { site } => {
+                    let slow = |impact: &Impact| impact.site == site && impact.velocity_before.abs() < 0.1;
+                    assert!(before.orbits.iter().any(|orbit| orbit.impacts().iter().any(slow)), "{ended} {word}");
+                    grazings += 1;
+                }
+                End::Resonance(_) | End::Lost => {}
+            }
+        }
+    }
+    assert!(orbits >= 10 && folds >= 3 && grazings >= 1, "{orbits} {folds} {grazings}");
+}
+
+fn finder_condition(orbit: &Orbit) -> f64 {
+    Finder::new(9).condition(orbit).unwrap().fold
+}
+
+#[test]
+fn words_without_an_answer_say_why() {
+    let (mut finder, mut found) = (Finder::new(7), Found::default());
+    let mut none = |amplitude: f64, restitution: f64, gamma1: f64, word: &str| {
+        let chain = Chain::new(7, gamma1, 0.05).unwrap();
+        let model = Model::forced(chain, 1.5, 0.2, amplitude, restitution).unwrap();
+        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).map(|()| found.none)
+    };
+    assert_eq!(none(0.0, 0.9, 0.2, "0+3+,0-3-"), Ok(Some(NoBreather::LossWithoutForce)));
+    assert_eq!(none(0.0, 1.0, 0.0, "0+3+"), Ok(Some(NoBreather::NetImpulse)));
+    assert!(matches!(none(0.0, 1.0, 0.2, "0+,3+,4-"), Ok(Some(NoBreather::NotSearched(_)))));
+    assert!(matches!(none(0.1, 0.9, 0.2, "0-,0-,3-"), Ok(Some(NoBreather::NotSearched(_)))));
+    assert!(matches!(none(0.0, 1.0, 0.2, "0+7+"), Err(BreatherError::Word(_))));
 }
 
 /// Losses that no force makes good: there is no orbit, and no phase to look for.

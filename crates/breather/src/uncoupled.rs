@@ -1,0 +1,278 @@
+//! Orbits of a word under a force, followed in γ₂ from masses without coupling.
+//!
+//! At γ₂ = 0 each mass that is hit swings on its own, and the families have all its orbits; the force tells when each hits. Every
+//! combination of them that hits in the order of the word is a start.
+
+use vibrochain_lattice::{Barrier, Chain, Model, Parameter, Resonance};
+
+use crate::branch::{Branch, BranchError, BranchPoint};
+use crate::completeness::Completeness;
+use crate::error::{BreatherError, NoBreather};
+use crate::finder::{Finder, Found, Wanted};
+use crate::forced_single;
+use crate::orbit::{Family, Hit, Orbit};
+use crate::word::Word;
+
+/// The most starts that are followed; each takes some milliseconds.
+const MOST_STARTS: usize = 1024;
+
+/// Hits closer than this part of the period are at one instant.
+const SIMULTANEOUS: f64 = 1e-9;
+
+/// The longest and the shortest step, where 1 is a change of γ₂ as large as that asked for or of the orbit of order 1.
+const LONGEST: f64 = 0.1;
+const SHORTEST: f64 = 1e-7;
+
+/// Orbits whose impulses and times differ by less are one.
+const SAME: f64 = 1e-8;
+
+/// What ends a branch.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// It turns back in γ₂.
+    Fold,
+    /// An impact loses its velocity.
+    Grazing {
+        /// The mass.
+        site: usize,
+    },
+    /// A harmonic of the orbit meets a mode.
+    Resonance(Resonance),
+    /// It could not be followed farther.
+    Lost,
+}
+
+/// Where a branch that was followed from γ₂ = 0 ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ended {
+    /// The coupling.
+    pub gamma2: f64,
+    /// The event.
+    pub by: End,
+}
+
+impl std::fmt::Display for Ended {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.by {
+            End::Fold => write!(f, "a fold")?,
+            End::Grazing { site } => write!(f, "a grazing impact of site {site}")?,
+            End::Resonance(resonance) => write!(f, "resonance of mode {}", resonance.mode)?,
+            End::Lost => write!(f, "an event that could not be told")?,
+        }
+        write!(f, " at gamma2 = {}", self.gamma2)
+    }
+}
+
+/// One orbit of a mass alone: its hits by the clock of the force, in periods.
+struct Alone {
+    hits: Vec<(Barrier, f64, f64)>,
+}
+
+/// All orbits of one mass with impacts on these barriers a period.
+fn alone(model: &Model, barriers: &[Barrier]) -> Result<Result<Vec<Alone>, NoBreather>, BreatherError> {
+    let family = match barriers {
+        [Barrier::Lower] => Some(Family::SingleSided),
+        [Barrier::Upper] => None,
+        [first, second] if first != second => Some(Family::DoubleSided),
+        _ => {
+            let why =
+                "a mass that hits twice on one barrier, or more than twice, has no closed form; give an orbit nearby";
+            return Ok(Err(NoBreather::NotSearched(why)));
+        }
+    };
+    let chain = Chain::new(1, model.chain().gamma1(), 0.0)?;
+    let model = Model::with_force(chain, model.omega(), model.asymmetry(), model.force(), model.restitution())?;
+    let mut finder = Finder::new(1);
+    let mut found = Found::default();
+    let in_turns = |time: f64| (time / model.period()).rem_euclid(1.0);
+    if let Some(family) = family {
+        finder.search(&model, family, Wanted::All, &mut found)?;
+        if let (Some(none), true) = (found.none, found.orbits.is_empty()) {
+            return Ok(Err(none));
+        }
+        let of = |orbit: &Orbit| Alone {
+            hits: (orbit.impacts().iter())
+                .map(|impact| (impact.barrier, in_turns(impact.time + orbit.psi_or_zero()), impact.impulse))
+                .collect(),
+        };
+        return Ok(Ok(found.orbits.iter().map(of).collect()));
+    }
+    if model.force().cosine_amplitude().is_none() {
+        let why = "impacts on the upper barrier alone are searched for under a plain cosine; give an orbit nearby";
+        return Ok(Err(NoBreather::NotSearched(why)));
+    }
+    finder.prepare(&model, model.omega())?;
+    let force = model.force_response()?;
+    Ok(forced_single::single_sided(&model, &finder.response, force, Barrier::Upper).map(|drafts| {
+        let of = |draft: &crate::orbit::Draft| Alone {
+            hits: draft.impacts.iter().map(|hit| (hit.barrier, in_turns(draft.psi), hit.impulse)).collect(),
+        };
+        drafts.iter().map(of).collect()
+    }))
+}
+
+/// All orbits of `word` that can be followed to the model's coupling.
+pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut Found) -> Result<(), BreatherError> {
+    // A point where no motion is defined has no answer, whatever leads there.
+    model.steady_response()?;
+    finder.prepare(model, model.omega())?;
+    let sites = word.sites();
+    let mut solutions = Vec::new();
+    for &site in &sites {
+        let barriers: Vec<_> =
+            word.letters().filter(|letter| letter.site == site).map(|letter| letter.barrier).collect();
+        match alone(model, &barriers)? {
+            Ok(list) => solutions.push(list),
+            Err(none) => {
+                found.none = Some(none);
+                return Ok(());
+            }
+        }
+    }
+    let combinations = solutions.iter().try_fold(1_usize, |product, list| product.checked_mul(list.len()));
+    let all = combinations.unwrap_or(usize::MAX);
+    found.exhausted = all.saturating_sub(MOST_STARTS);
+    let (mut starts, mut choice) = (0, vec![0; sites.len()]);
+    for _ in 0..all.min(MOST_STARTS) {
+        let chosen: Vec<&Alone> = choice.iter().zip(&solutions).map(|(&i, list)| &list[i]).collect();
+        if let Some(start) = together(model, word, &sites, &chosen)? {
+            starts += 1;
+            match follow(&start, model)? {
+                Ok(orbit) => {
+                    if !found.orbits.iter().any(|other| is_same(other, &orbit)) {
+                        found.orbits.push(orbit);
+                    }
+                }
+                Err(ended) => found.ended.push(ended),
+            }
+        }
+        // The next combination.
+        for (i, list) in choice.iter_mut().zip(&solutions) {
+            *i += 1;
+            if *i < list.len() {
+                break;
+            }
+            *i = 0;
+        }
+    }
+    found.completeness = Completeness::Followed { starts };
+    if found.orbits.is_empty() {
+        found.none = Some(if starts == 0 { NoBreather::OutOfOrder } else { NoBreather::BranchesEnded });
+    }
+    Ok(())
+}
+
+/// The orbits of the masses alone as one orbit without coupling, if they hit in the order of the word.
+fn together(model: &Model, word: &Word, sites: &[usize], chosen: &[&Alone]) -> Result<Option<Orbit>, BreatherError> {
+    // A mass hits each barrier at most once.
+    let at = |site: usize, barrier: Barrier| -> Option<(f64, f64)> {
+        let place = sites.iter().position(|&other| other == site)?;
+        chosen[place].hits.iter().find(|hit| hit.0 == barrier).map(|hit| (hit.1, hit.2))
+    };
+    let mut hits = Vec::new();
+    let mut first = None;
+    let mut last = 0.0;
+    for (i, letters) in word.instants().iter().enumerate() {
+        for (j, letter) in letters.iter().enumerate() {
+            let Some((clock, impulse)) = at(letter.site, letter.barrier) else { return Ok(None) };
+            let start = *first.get_or_insert(clock);
+            let mut turn = (clock - start).rem_euclid(1.0);
+            if turn > 1.0 - SIMULTANEOUS {
+                turn = 0.0;
+            }
+            let together = (turn - last).abs() <= SIMULTANEOUS;
+            let fits = if j > 0 { together } else { i == 0 || turn > last + SIMULTANEOUS };
+            if !fits {
+                return Ok(None);
+            }
+            if j > 0 {
+                turn = last;
+            }
+            last = turn;
+            hits.push(Hit::new(letter.site, letter.barrier, turn * model.period(), impulse));
+        }
+    }
+    let uncoupled = model.with(Parameter::Gamma2, 0.0)?;
+    let psi = first.unwrap_or(0.0) * model.period();
+    let orbit = Orbit::from_impulses(&uncoupled, 1, psi, &hits)?;
+    Ok(orbit.impacts().iter().all(crate::orbit::Impact::is_right_signed).then_some(orbit))
+}
+
+/// Follows an orbit without coupling to the model's.
+fn follow(start: &Orbit, model: &Model) -> Result<Result<Orbit, Ended>, BreatherError> {
+    let target = model.chain().gamma2();
+    if target == 0.0 {
+        return Ok(Ok(start.clone()));
+    }
+    let branch = |error: BranchError| match error {
+        BranchError::Breather(error) => Err(error),
+        _ => Ok(Err(Ended { gamma2: 0.0, by: End::Lost })),
+    };
+    let mut along = match Branch::through(start, Parameter::Gamma2, target) {
+        Ok(along) => along,
+        Err(error) => return branch(error),
+    };
+    let mut point = match along.start() {
+        Ok(point) => point,
+        Err(error) => return branch(error),
+    };
+    let mut step = LONGEST;
+    loop {
+        let left = (target - point.value()) / target;
+        let there = left <= step * point.heading();
+        let next = if there { along.at(&point, target) } else { along.step(&point, step) };
+        match next {
+            Ok(next) => {
+                if next.heading() <= 0.0 {
+                    let gamma2 = along.fold(&next).map_or(next.value(), |fold| fold.value());
+                    return Ok(Err(Ended { gamma2, by: End::Fold }));
+                }
+                if let Some(site) = grazing(&next) {
+                    let gamma2 = grazing_value(&mut along, &point, &next);
+                    return Ok(Err(Ended { gamma2, by: End::Grazing { site } }));
+                }
+                if there {
+                    return Ok(Ok(next.orbit().clone()));
+                }
+                point = next;
+                step = (1.5 * step).min(LONGEST);
+            }
+            Err(_) => step *= 0.5,
+        }
+        if step < SHORTEST {
+            let gamma2 = point.value();
+            let near = along.resonance_within(gamma2, gamma2 + 1e-3 * target);
+            let by = near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance));
+            return Ok(Err(Ended { gamma2, by }));
+        }
+    }
+}
+
+/// The mass whose impact has lost its velocity.
+fn grazing(point: &BranchPoint) -> Option<usize> {
+    point.orbit().impacts().iter().find(|impact| !impact.is_right_signed()).map(|impact| impact.site)
+}
+
+/// The coupling between the two points where an impact loses its velocity.
+fn grazing_value(along: &mut Branch, from: &BranchPoint, to: &BranchPoint) -> f64 {
+    let (mut low, mut high) = (from.clone(), to.value());
+    // Bisection: each halves what is left of a step of a tenth.
+    for _ in 0..44 {
+        let middle = 0.5 * (low.value() + high);
+        match along.at(&low, middle) {
+            Ok(point) if grazing(&point).is_none() => low = point,
+            _ => high = middle,
+        }
+    }
+    0.5 * (low.value() + high)
+}
+
+fn is_same(one: &Orbit, other: &Orbit) -> bool {
+    let period = one.period();
+    let close = |x: f64, y: f64| (x - y).abs() <= SAME;
+    let apart = |x: f64, y: f64| (x - y).abs().min(period - (x - y).abs());
+    apart(one.psi_or_zero(), other.psi_or_zero()) <= SAME * period
+        && one.impacts().iter().zip(other.impacts()).all(|(one, other)| {
+            one.site == other.site && close(one.impulse, other.impulse) && apart(one.time, other.time) <= SAME * period
+        })
+}

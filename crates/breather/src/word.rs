@@ -1,0 +1,442 @@
+//! Impact words: which mass meets which barrier, in which order, in one period of an orbit.
+//!
+//! `0+3+,0-3-` are two masses on their upper barriers at one instant and on their lower ones at another. Instants are
+//! separated by commas or spaces; an impact is a site and `+` (upper) or `-` (lower barrier).
+//!
+//! Words that a shift in time turns into each other are one word, and so are those that a symmetry of the chain does:
+//! rotations and reflections of the ring; reversal of time, where impacts are elastic and no force acts; and exchange of the
+//! barriers where they are centred (half a period later, under a force). [`Word::canonical`] is the smallest of them.
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+use vibrochain_lattice::{Barrier, Model};
+
+use crate::orbit::{Family, Orbit};
+
+/// The most impacts of a word: their equations are solved densely.
+pub const MAX_IMPACTS: usize = 64;
+
+/// Impacts closer than this part of the period are at one instant.
+const SIMULTANEOUS: f64 = 1e-9;
+
+/// What cannot be an impact word, or not one of this chain.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum WordError {
+    /// No impact at all, or an instant without one.
+    #[error("instant {instant} of the word has no impact: give sites and barriers, as in 0+3+,0-3-")]
+    Empty {
+        /// Number of the instant, from 1.
+        instant: usize,
+    },
+    /// Not a site followed by + or -.
+    #[error("`{text}` is not an impact: give a site and + (upper barrier) or - (lower), as in 0+3+,0-3-")]
+    Unreadable {
+        /// What was read.
+        text: String,
+    },
+    /// A layer that the chain does not have.
+    #[error("layer {layer} does not exist: a ring is one layer, 0")]
+    Layer {
+        /// The layer.
+        layer: String,
+    },
+    /// One mass on both barriers at one instant.
+    #[error("site {site} cannot be on both barriers at one instant: put a comma between the two")]
+    BothBarriers {
+        /// The mass.
+        site: usize,
+    },
+    /// The same impact twice at one instant.
+    #[error("site {site} is named twice at one instant: two impacts of one mass on one barrier need two instants")]
+    Twice {
+        /// The mass.
+        site: usize,
+    },
+    /// Too long.
+    #[error("{impacts} impacts are too many: a word has at most {MAX_IMPACTS}")]
+    TooMany {
+        /// How many were given.
+        impacts: usize,
+    },
+    /// A site that the chain does not have.
+    #[error("site {site} does not exist: this ring has the sites 0 to {last}")]
+    NoSuchSite {
+        /// The site.
+        site: usize,
+        /// The last one there is.
+        last: usize,
+    },
+}
+
+/// One impact of a word. They are ordered by site, the upper barrier first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Letter {
+    /// The mass that hits.
+    pub site: usize,
+    /// The barrier it hits.
+    pub barrier: Barrier,
+}
+
+impl Letter {
+    fn key(self) -> (usize, bool) {
+        (self.site, self.barrier == Barrier::Lower)
+    }
+}
+
+impl PartialOrd for Letter {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Letter {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.key().cmp(&other.key())
+    }
+}
+
+/// An impact word. Impacts of one instant are in order of site.
+///
+/// ```
+/// use vibrochain_breather::{Family, Word};
+/// use vibrochain_lattice::{Chain, Model};
+/// let word: Word = "3- 0-, 0+3+".parse()?;
+/// assert_eq!(word.to_string(), "3-,0-,0+3+");
+/// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.2)?;
+/// let word: Word = "5-8-,5+8+".parse()?;
+/// assert_eq!(word.canonical(&model).to_string(), "0+3+,0-3-");
+/// assert_eq!("7-,7+".parse::<Word>()?.family(), Some(Family::DoubleSided));
+/// assert!("0+0-".parse::<Word>().is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Word {
+    instants: Vec<Vec<Letter>>,
+}
+
+impl Word {
+    /// The word of these instants.
+    ///
+    /// # Errors
+    /// [`WordError`].
+    pub fn new(mut instants: Vec<Vec<Letter>>) -> Result<Self, WordError> {
+        let impacts = instants.iter().map(Vec::len).sum();
+        if impacts > MAX_IMPACTS {
+            return Err(WordError::TooMany { impacts });
+        }
+        if instants.is_empty() {
+            return Err(WordError::Empty { instant: 1 });
+        }
+        for (i, letters) in instants.iter_mut().enumerate() {
+            if letters.is_empty() {
+                return Err(WordError::Empty { instant: i + 1 });
+            }
+            letters.sort_unstable();
+            if let Some(pair) = letters.windows(2).find(|pair| pair[0].site == pair[1].site) {
+                let site = pair[0].site;
+                return Err(if pair[0] == pair[1] {
+                    WordError::Twice { site }
+                } else {
+                    WordError::BothBarriers { site }
+                });
+            }
+        }
+        Ok(Self { instants })
+    }
+
+    /// The word of an orbit.
+    pub fn of(orbit: &Orbit) -> Self {
+        let close = SIMULTANEOUS * orbit.period();
+        let mut instants: Vec<Vec<Letter>> = Vec::new();
+        let mut last = f64::NEG_INFINITY;
+        for impact in orbit.impacts() {
+            let letter = Letter { site: impact.site, barrier: impact.barrier };
+            match instants.last_mut() {
+                Some(letters) if impact.time - last <= close => letters.push(letter),
+                _ => instants.push(vec![letter]),
+            }
+            last = impact.time;
+        }
+        // Just before the period is at its beginning.
+        if instants.len() > 1 && orbit.period() - last <= close {
+            let end = instants.pop().unwrap_or_default();
+            instants[0].extend(end);
+        }
+        instants.iter_mut().for_each(|letters| letters.sort_unstable());
+        Self { instants }
+    }
+
+    /// The instants, each with its impacts in order of site.
+    pub fn instants(&self) -> &[Vec<Letter>] {
+        &self.instants
+    }
+
+    /// All impacts in order of time.
+    pub fn letters(&self) -> impl Iterator<Item = Letter> + '_ {
+        self.instants.iter().flatten().copied()
+    }
+
+    /// The sites that are hit, rising.
+    pub fn sites(&self) -> Vec<usize> {
+        let mut sites: Vec<usize> = self.letters().map(|letter| letter.site).collect();
+        sites.sort_unstable();
+        sites.dedup();
+        sites
+    }
+
+    /// Whether all its sites exist on a ring of `sites` masses.
+    ///
+    /// # Errors
+    /// [`WordError::NoSuchSite`].
+    pub fn check(&self, sites: usize) -> Result<(), WordError> {
+        match self.letters().map(|letter| letter.site).find(|&site| site >= sites) {
+            Some(site) => Err(WordError::NoSuchSite { site, last: sites.saturating_sub(1) }),
+            None => Ok(()),
+        }
+    }
+
+    /// The family of which it is the name, at whatever site: `0+,0-`, `0-`, and `0-,0-` of two periods of the force.
+    pub fn family(&self) -> Option<Family> {
+        let letters: Vec<Letter> = self.letters().collect();
+        let same_site = letters.iter().all(|letter| letter.site == letters[0].site);
+        let barriers: Vec<Barrier> = letters.iter().map(|letter| letter.barrier).collect();
+        match barriers.as_slice() {
+            _ if !same_site => None,
+            [Barrier::Lower] => Some(Family::SingleSided),
+            [Barrier::Lower, Barrier::Lower] => Some(Family::PeriodDoubled),
+            [first, second] if first != second => Some(Family::DoubleSided),
+            _ => None,
+        }
+    }
+
+    /// The smallest word that says the same of this model.
+    pub fn canonical(&self, model: &Model) -> Self {
+        let sites = model.chain().sites();
+        let elastic = model.is_conservative();
+        let centred = model.asymmetry() == 0.0;
+        let mut smallest: Option<Self> = None;
+        for exchanged in [false, true].into_iter().filter(|&exchanged| !exchanged || centred) {
+            for reversed in [false, true].into_iter().filter(|&reversed| !reversed || elastic) {
+                for home in self.sites() {
+                    for mirrored in [false, true] {
+                        let moved = self.moved(sites, home, mirrored, reversed, exchanged);
+                        for shift in 0..moved.len() {
+                            let mut instants = moved.clone();
+                            instants.rotate_left(shift);
+                            let word = Self { instants };
+                            if smallest.as_ref().is_none_or(|smallest| word.precedes(smallest)) {
+                                smallest = Some(word);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        smallest.unwrap_or_else(|| self.clone())
+    }
+
+    /// By order, but that one impact is on the nearer barrier where the two are alike, as the family has it.
+    fn precedes(&self, other: &Self) -> bool {
+        let (single, of) = (self.family() == Some(Family::SingleSided), other.family() == Some(Family::SingleSided));
+        if single == of { self < other } else { single }
+    }
+
+    fn moved(&self, sites: usize, home: usize, mirrored: bool, reversed: bool, exchanged: bool) -> Vec<Vec<Letter>> {
+        let letter = |&Letter { site, barrier }: &Letter| {
+            let away = (site + sites - home) % sites;
+            let site = if mirrored { (sites - away) % sites } else { away };
+            let barrier = match (exchanged, barrier) {
+                (false, barrier) => barrier,
+                (true, Barrier::Lower) => Barrier::Upper,
+                (true, Barrier::Upper) => Barrier::Lower,
+            };
+            Letter { site, barrier }
+        };
+        let mut instants: Vec<Vec<Letter>> = (self.instants.iter())
+            .map(|letters| {
+                let mut letters: Vec<Letter> = letters.iter().map(letter).collect();
+                letters.sort_unstable();
+                letters
+            })
+            .collect();
+        if reversed {
+            instants.reverse();
+        }
+        instants
+    }
+}
+
+impl fmt::Display for Word {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, letters) in self.instants.iter().enumerate() {
+            if i > 0 {
+                f.write_str(",")?;
+            }
+            for Letter { site, barrier } in letters {
+                write!(f, "{site}{}", if *barrier == Barrier::Upper { '+' } else { '-' })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Word {
+    type Err = WordError;
+
+    /// Reads `0+3+,0-3-`; spaces may stand in place of a comma, or around one. The names of families are words, too.
+    fn from_str(text: &str) -> Result<Self, WordError> {
+        let text = match text.trim() {
+            "double-sided" => "0+,0-",
+            "single-sided" => "0-",
+            "period-doubled" => "0-,0-",
+            other => other,
+        };
+        let mut instants = Vec::new();
+        let mut impacts = 0;
+        for part in text.split(',') {
+            let mut groups = part.split_whitespace().peekable();
+            if groups.peek().is_none() {
+                return Err(WordError::Empty { instant: instants.len() + 1 });
+            }
+            for group in groups {
+                let letters = letters_of(group)?;
+                impacts += letters.len();
+                if impacts > MAX_IMPACTS {
+                    let impacts = text.matches(['+', '-']).count();
+                    return Err(WordError::TooMany { impacts });
+                }
+                instants.push(letters);
+            }
+        }
+        Self::new(instants)
+    }
+}
+
+fn letters_of(group: &str) -> Result<Vec<Letter>, WordError> {
+    let mut letters = Vec::new();
+    for impact in group.split_inclusive(['+', '-']) {
+        let unreadable = || WordError::Unreadable { text: impact.chars().take(40).collect() };
+        let (place, barrier) = if let Some(place) = impact.strip_suffix('+') {
+            (place, Barrier::Upper)
+        } else {
+            (impact.strip_suffix('-').ok_or_else(unreadable)?, Barrier::Lower)
+        };
+        let number = |text: &str| {
+            let digits = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+            if digits { text.parse::<usize>().map_err(|_| unreadable()) } else { Err(unreadable()) }
+        };
+        let site = match place.split_once(':') {
+            None => number(place)?,
+            Some((site, layer)) if number(layer)? == 0 => number(site)?,
+            Some((_, layer)) => return Err(WordError::Layer { layer: layer.to_owned() }),
+        };
+        letters.push(Letter { site, barrier });
+    }
+    Ok(letters)
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::Chain;
+
+    use super::*;
+
+    fn word(text: &str) -> Word {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn words_are_read_and_written() {
+        for (text, written) in [
+            ("0+,0-", "0+,0-"),
+            ("  0+3+   0-3- ", "0+3+,0-3-"),
+            ("3+0+ ,0-", "0+3+,0-"),
+            ("0:0+,0-", "0+,0-"),
+            ("single-sided", "0-"),
+        ] {
+            assert_eq!(word(text).to_string(), written);
+            assert_eq!(word(written), word(text));
+        }
+        for (text, part) in [
+            ("", "instant 1"),
+            ("0+,,0-", "instant 2"),
+            ("0+,", "instant 2"),
+            ("0", "`0` is not"),
+            ("a+", "`a+` is not"),
+            ("-1+", "`-` is not"),
+            ("99999999999999999999+", "is not an impact"),
+            ("0+0-", "both barriers"),
+            ("0+0+", "twice"),
+            ("0:1+", "layer 1"),
+        ] {
+            let error = text.parse::<Word>().unwrap_err().to_string();
+            assert!(error.contains(part), "{text}: {error}");
+        }
+        let long = vec!["0+"; MAX_IMPACTS + 1].join(",");
+        assert_eq!(long.parse::<Word>(), Err(WordError::TooMany { impacts: MAX_IMPACTS + 1 }));
+        assert_eq!(word("0+25-").check(21), Err(WordError::NoSuchSite { site: 25, last: 20 }));
+    }
+
+    #[test]
+    fn words_that_say_the_same_have_one_canonical_form() {
+        let model = |asymmetry: f64, amplitude: f64| {
+            Model::forced(Chain::new(12, 0.2, 0.1).unwrap(), 1.5, asymmetry, amplitude, 1.0).unwrap()
+        };
+        let (free, forced, centred) = (model(0.2, 0.0), model(0.2, 0.1), model(0.0, 0.0));
+        for (of, text, expected) in [
+            (&free, "5-,5+", "0+,0-"),
+            (&free, "7+", "0+"),
+            (&centred, "7+", "0-"),
+            (&free, "11+2+,2-11-", "0+3+,0-3-"),
+            // A ring of twelve: nine apart is three apart.
+            (&free, "0-9-,0+9+", "0+3+,0-3-"),
+            (&free, "0+3-,0-3+", "0+3-,0-3+"),
+            (&free, "3+,0+,5+", "0+,3+,10+"),
+            // Reversal of time turns the order round; a reflection does not undo that.
+            (&forced, "3+,0+,5+", "0+,5+,3+"),
+        ] {
+            let canonical = word(text).canonical(of);
+            assert_eq!(canonical, canonical.canonical(of), "{text}");
+            assert_eq!(canonical.to_string(), expected, "{text}");
+        }
+        // Every word that a symmetry makes of one has its form.
+        let mut random = fastrand::Rng::with_seed(7);
+        for _ in 0..200 {
+            let count = 1 + random.usize(0..4);
+            let instants = (0..count)
+                .map(|_| {
+                    let mut sites: Vec<usize> = (0..12).collect();
+                    random.shuffle(&mut sites);
+                    let barrier = |upper: bool| if upper { Barrier::Upper } else { Barrier::Lower };
+                    sites.truncate(1 + random.usize(0..3));
+                    sites.into_iter().map(|site| Letter { site, barrier: barrier(random.bool()) }).collect()
+                })
+                .collect();
+            let one = Word::new(instants).unwrap();
+            let reversed = random.bool();
+            let mut other = one.moved(12, random.usize(0..12), random.bool(), reversed, false);
+            other.rotate_left(random.usize(0..count));
+            let other = Word { instants: other };
+            assert_eq!(one.canonical(&free), other.canonical(&free));
+            assert_eq!(reversed || one.canonical(&forced) == other.canonical(&forced), true);
+        }
+    }
+
+    #[test]
+    fn families_are_words() {
+        for (text, family) in [
+            ("4+,4-", Some(Family::DoubleSided)),
+            ("4-,4+", Some(Family::DoubleSided)),
+            ("4-", Some(Family::SingleSided)),
+            ("4-,4-", Some(Family::PeriodDoubled)),
+            ("4+", None),
+            ("4+,4+", None),
+            ("0+,4-", None),
+            ("0+,0-,0+", None),
+        ] {
+            assert_eq!(word(text).family(), family, "{text}");
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! All orbits of an impact word.
+//!
+//! A word that is a family's name is searched for as the family. One of one or two instants without force and losses has its
+//! impacts at 0 and T/2, where K′ vanishes and Newton's law holds by itself: one linear system, as the closed forms of one site are.
+//! All others are followed from masses without coupling (`uncoupled`).
+
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
+
+use crate::completeness::Completeness;
+use crate::equations::System;
+use crate::error::{BreatherError, NoBreather};
+use crate::finder::{Finder, Found, Wanted};
+use crate::linear::{Matrix, Vector};
+use crate::orbit::{Draft, Family, Hit, Orbit};
+use crate::polish::{STEPS, polish};
+use crate::uncoupled;
+use crate::word::Word;
+
+/// Beyond this reciprocal condition rounding of the kernels leaves no digit of the impulses.
+const SINGULAR: f64 = 16.0 * f64::EPSILON;
+
+/// Residuals beyond this are improved: a sound orbit stays below.
+const IMPROVED: f64 = 1e-14;
+
+impl Finder {
+    /// All orbits of a word at a point, into `found`; under a force or with losses those that [`Completeness`] speaks of. Times
+    /// count from the first instant of the word. `wanted` is as for families; of a family's name the impacts are at site 0.
+    ///
+    /// # Errors
+    /// [`BreatherError::Word`] for a site that does not exist; [`BreatherError::Resonance`].
+    ///
+    /// ```
+    /// use vibrochain_breather::{Finder, Found, Wanted};
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::conservative(Chain::new(21, 0.2, 0.05)?, 1.5, 0.2)?;
+    /// let (mut finder, mut found) = (Finder::new(21), Found::default());
+    /// finder.find_word(&model, &"0+1+,0-1-".parse()?, Wanted::All, &mut found)?;
+    /// // Neighbours in phase hit alike.
+    /// let impacts = found.orbits[0].impacts();
+    /// assert!((impacts[0].impulse - impacts[1].impulse).abs() < 1e-14 && impacts[0].impulse < 0.0);
+    /// assert!(finder.admissibility(&found.orbits[0])?.is_physical());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn find_word(
+        &mut self,
+        model: &Model,
+        word: &Word,
+        wanted: Wanted,
+        found: &mut Found,
+    ) -> Result<(), BreatherError> {
+        word.check(model.chain().sites())?;
+        if let Some(family) = word.family() {
+            return self.search(model, family, wanted, found);
+        }
+        *found = Found { orbits: std::mem::take(&mut found.orbits), ..Found::default() };
+        found.orbits.clear();
+        let answer = if !model.is_conservative() && model.amplitude() == 0.0 {
+            Err(NoBreather::LossWithoutForce)
+        } else if !model.is_conservative() {
+            return uncoupled::find(self, model, word, found);
+        } else if word.instants().len() <= 2 {
+            self.reversible(model, word, wanted, found)?
+        } else {
+            Err(NoBreather::NotSearched(
+                "without force and losses only words of one or two instants determine their times; give an orbit nearby",
+            ))
+        };
+        match answer {
+            Ok(()) => found.completeness = Completeness::Reversible,
+            Err(none) => {
+                found.none = Some(none);
+                let known = matches!(none, NoBreather::LossWithoutForce | NoBreather::NetImpulse);
+                found.completeness = if known { Completeness::ClosedForm } else { Completeness::NotEstablished };
+            }
+        }
+        Ok(())
+    }
+
+    fn reversible(
+        &mut self,
+        model: &Model,
+        word: &Word,
+        wanted: Wanted,
+        found: &mut Found,
+    ) -> Result<Result<(), NoBreather>, BreatherError> {
+        self.prepare(model, model.omega())?;
+        let draft = match reversible(model, &self.response, word) {
+            Ok(draft) => draft,
+            Err(none) => return Ok(Err(none)),
+        };
+        if !matches!(wanted, Wanted::All | Wanted::Symmetric) && !draft.is_right_signed() {
+            return Ok(Ok(()));
+        }
+        let mut orbit = Orbit::assemble(model, &self.response, &mut self.motion, draft)?;
+        if orbit.residual() > IMPROVED {
+            polish(&mut orbit, STEPS, &self.response, &mut self.motion);
+        }
+        if !orbit.residual().is_finite() {
+            return Ok(Err(NoBreather::Singular));
+        }
+        found.orbits.push(orbit);
+        Ok(Ok(()))
+    }
+}
+
+/// Impulses P and static displacement s from Σ_j P_j K̂_ij + s = a ± 1 and Σ P = g s.
+fn reversible(model: &Model, response: &ImpulseResponse, word: &Word) -> Result<Draft, NoBreather> {
+    let half = 0.5 * response.period();
+    let hits: Vec<(Hit, bool)> = (word.instants().iter().zip([false, true]))
+        .flat_map(|(letters, late)| letters.iter().map(move |letter| (letter, late)))
+        .map(|(letter, late)| (Hit::new(letter.site, letter.barrier, if late { half } else { 0.0 }, 0.0), late))
+        .collect();
+    let (n, g) = (hits.len(), response.static_stiffness());
+    if g == 0.0 && [Barrier::Lower, Barrier::Upper].iter().any(|&b| hits.iter().all(|(hit, _)| hit.barrier == b)) {
+        return Err(NoBreather::NetImpulse);
+    }
+    let matrix = Matrix::from_fn(n + 1, |i, j| match (i < n, j < n) {
+        (true, true) => response.dynamic_between(hits[i].0.site, hits[j].0.site, hits[i].1 != hits[j].1),
+        (true, false) | (false, true) => 1.0,
+        (false, false) => -g,
+    });
+    // Impulses are like those of a mass that crosses the gap in half a period.
+    let mut units: Vector = (0..n).map(|_| model.omega()).collect();
+    units.push(1.0);
+    let system = System::new(matrix, units);
+    if system.reciprocal_condition <= SINGULAR {
+        return Err(NoBreather::Singular);
+    }
+    let mut rows: Vector = hits.iter().map(|(hit, _)| model.barrier(hit.barrier)).collect();
+    rows.push(0.0);
+    let solution = system.solve(&rows);
+    if !solution.iter().all(|x| x.is_finite()) {
+        return Err(NoBreather::Singular);
+    }
+    let impacts = hits.iter().zip(&solution).map(|((hit, _), &impulse)| Hit { impulse, ..*hit }).collect();
+    Ok(Draft::new(response, (Family::Word, 1), 0.0, impacts, solution[n]))
+}
