@@ -207,24 +207,34 @@ impl Branch {
         self.continued(from, next)
     }
 
+    /// As [`Branch::step`], but over a branch point, too, where Newton's method keeps to the symmetry of `from`.
+    pub(crate) fn step_over(&mut self, from: &BranchPoint, length: f64) -> Result<BranchPoint, BranchError> {
+        let next = self.correct(&from.coordinates, &from.tangent, length, false)?;
+        if self.fits(from, &next) { Ok(next) } else { Err(BranchError::NoConvergence) }
+    }
+
     /// `to` − `from`, in units of the coordinates.
     fn chord(&self, from: &BranchPoint, to: &BranchPoint) -> Vector {
         let ends = to.coordinates.iter().zip(&from.coordinates);
         ends.zip(&self.units).map(|((to, from), unit)| (to - from) / unit).collect()
     }
 
-    /// `next` if it is on the curve through `from`, as far as the two points can tell.
-    fn continued(&self, from: &BranchPoint, next: BranchPoint) -> Result<BranchPoint, BranchError> {
-        let chord = self.chord(from, &next);
+    /// The chord between two points agrees with the tangents at its ends.
+    fn fits(&self, from: &BranchPoint, next: &BranchPoint) -> bool {
+        let chord = self.chord(from, next);
         let norm = dot(&chord, &chord).sqrt();
         let length = norm.copysign(dot(&chord, &from.tangent));
         let mean = |i: usize| 0.5 * (from.tangent[i] + next.tangent[i]);
         let apart = chord.iter().enumerate().map(|(i, x)| (x - length * mean(i)).abs());
-        let fits = apart.fold(0.0, f64::max) <= CHORD * norm + 1e-9;
+        apart.fold(0.0, f64::max) <= CHORD * norm + 1e-9
+    }
+
+    /// `next` if it is on the curve through `from`, as far as the two points can tell.
+    fn continued(&self, from: &BranchPoint, next: BranchPoint) -> Result<BranchPoint, BranchError> {
         // Asymmetric orbits pass the symmetric one, a branch point, on their way to their own mirror images.
         let side = |point: &BranchPoint| point.orbit.phi().map_or(0.0, |phi| phi - 0.5 * point.orbit.period());
         let mirrored = side(from) * side(&next) < 0.0;
-        if fits && (mirrored || from.orientation * next.orientation >= 0.0) {
+        if self.fits(from, &next) && (mirrored || from.orientation * next.orientation >= 0.0) {
             Ok(next)
         } else {
             Err(BranchError::NoConvergence)

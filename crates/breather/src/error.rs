@@ -66,8 +66,8 @@ pub enum NoBreather {
     NoPhase,
     /// The conditions at the impacts are singular: the two impacts do not determine their impulses.
     Singular,
-    /// No orbits of the masses alone hit in the order of the word.
-    OutOfOrder,
+    /// No orbits of the masses alone hit in the order of the word, each from inside.
+    NoStart,
     /// All branches of the word that were followed from γ₂ = 0 ended on the way ([`crate::Found::ended`]).
     BranchesEnded,
     /// No way is known to find the orbits of this word by itself; what there is instead.
@@ -95,7 +95,12 @@ impl fmt::Display for NoBreather {
             }
             Self::NoPhase => write!(f, "no phase of the force meets the conditions at the impacts"),
             Self::Singular => write!(f, "the conditions at the impacts are singular here"),
-            Self::OutOfOrder => write!(f, "no orbits of the masses alone hit in the order of the word"),
+            Self::NoStart => {
+                write!(
+                    f,
+                    "without coupling no orbits of the masses alone hit in the order of the word, each from inside"
+                )
+            }
             Self::BranchesEnded => write!(f, "all branches from masses without coupling end before this point"),
             Self::NotSearched(why) => write!(f, "this word cannot be searched for: {why}"),
         }

@@ -23,6 +23,10 @@ const SIMULTANEOUS: f64 = 1e-9;
 const LONGEST: f64 = 0.1;
 const SHORTEST: f64 = 1e-7;
 
+/// Steps over a branch point, and how near an event must be to be what ended a branch.
+const OVER: [f64; 3] = [1e-4, 1e-3, 1e-2];
+const NEAR: f64 = 1e-3;
+
 /// Orbits whose impulses and times differ by less are one.
 const SAME: f64 = 1e-8;
 
@@ -125,6 +129,9 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
             Ok(list) => solutions.push(list),
             Err(none) => {
                 found.none = Some(none);
+                if !matches!(none, NoBreather::NotSearched(_)) {
+                    found.completeness = Completeness::Followed { starts: 0 };
+                }
                 return Ok(());
             }
         }
@@ -157,7 +164,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
     }
     found.completeness = Completeness::Followed { starts };
     if found.orbits.is_empty() {
-        found.none = Some(if starts == 0 { NoBreather::OutOfOrder } else { NoBreather::BranchesEnded });
+        found.none = Some(if starts == 0 { NoBreather::NoStart } else { NoBreather::BranchesEnded });
     }
     Ok(())
 }
@@ -220,31 +227,41 @@ fn follow(start: &Orbit, model: &Model) -> Result<Result<Orbit, Ended>, Breather
     loop {
         let left = (target - point.value()) / target;
         let there = left <= step * point.heading();
-        let next = if there { along.at(&point, target) } else { along.step(&point, step) };
-        match next {
-            Ok(next) => {
-                if next.heading() <= 0.0 {
-                    let gamma2 = along.fold(&next).map_or(next.value(), |fold| fold.value());
-                    return Ok(Err(Ended { gamma2, by: End::Fold }));
-                }
-                if let Some(site) = grazing(&next) {
-                    let gamma2 = grazing_value(&mut along, &point, &next);
-                    return Ok(Err(Ended { gamma2, by: End::Grazing { site } }));
-                }
-                if there {
-                    return Ok(Ok(next.orbit().clone()));
-                }
-                point = next;
-                step = (1.5 * step).min(LONGEST);
-            }
-            Err(_) => step *= 0.5,
+        let mut next = if there { along.at(&point, target) } else { along.step(&point, step) };
+        if next.is_err() && step >= SHORTEST {
+            step *= 0.5;
+            continue;
         }
-        if step < SHORTEST {
+        if next.is_err() {
+            // A word with a symmetry passes points where others branch off that lack it.
+            let over = OVER.iter().find_map(|&length| along.step_over(&point, length).ok());
+            next = over.filter(|next| next.value() < target).ok_or(BranchError::NoConvergence);
+            step = OVER[0];
+        }
+        let Ok(next) = next else {
             let gamma2 = point.value();
-            let near = along.resonance_within(gamma2, gamma2 + 1e-3 * target);
+            let near = along.resonance_within(gamma2, gamma2 + NEAR * target);
             let by = near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance));
             return Ok(Err(Ended { gamma2, by }));
+        };
+        if next.heading() <= 0.0 {
+            let near = |fold: &BranchPoint| (fold.value() - point.value()).abs() < LONGEST * target;
+            let gamma2 = along.fold(&next).ok().filter(near).map_or(point.value(), |fold| fold.value());
+            return Ok(Err(Ended { gamma2, by: End::Fold }));
         }
+        if let Some(site) = grazing(&next) {
+            let gamma2 = grazing_value(&mut along, &point, &next);
+            // Where a harmonic meets a mode all impulses vanish.
+            let reach = NEAR * gamma2;
+            let resonance = along.resonance_within(gamma2 - reach, gamma2 + reach);
+            let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
+            return Ok(Err(Ended { gamma2, by }));
+        }
+        if there && next.value() == target {
+            return Ok(Ok(next.orbit().clone()));
+        }
+        point = next;
+        step = (1.5 * step).min(LONGEST);
     }
 }
 
