@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use vibrochain_breather::Word;
 use vibrochain_lattice::Force;
 
 use vibrochain_maps::numbers::{real, whole};
@@ -216,12 +217,30 @@ pub struct ModelArgs {
     pub restitution: Option<f64>,
 }
 
-/// Arguments of `mapgen orbit`.
+/// Which breathers: of a family, of any impact word, or near a given one.
 #[derive(Debug, Args)]
-pub struct OrbitArgs {
+#[group(id = "which", multiple = false)]
+pub struct WhichArgs {
     /// Family of breathers.
     #[arg(long, value_enum)]
-    pub family: FamilyName,
+    pub family: Option<FamilyName>,
+    /// Breathers of an impact word: instants separated by commas or spaces, each one or more impacts, SITE+ on the upper or SITE- on
+    /// the lower barrier, as in "0+3+,0-3-" for two masses in phase.
+    #[arg(long, value_name = "WORD")]
+    pub word: Option<Word>,
+    /// The breather near that of a file, as `mapgen orbit --json` writes it (its first solution), or an object with `impacts`
+    /// (site, barrier, time, impulse) and `psi`.
+    #[arg(long, value_name = "FILE")]
+    pub near: Option<PathBuf>,
+}
+
+/// Arguments of `mapgen orbit`.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("start").args(["family", "word", "near"]).required(true))]
+pub struct OrbitArgs {
+    /// Which breathers.
+    #[command(flatten)]
+    pub which: WhichArgs,
     /// The model.
     #[command(flatten)]
     pub model: ModelArgs,
@@ -294,6 +313,7 @@ impl From<FreeName> for Parameter {
 /// Arguments of `mapgen locate`.
 #[derive(Debug, Args)]
 #[command(
+    group = ArgGroup::new("start").args(["family", "word", "near"]).required(true),
     after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both \
                   ways, to the ends of the range or its own; every event on it is an answer, and so is that there is none."
 )]
@@ -310,9 +330,9 @@ pub struct LocateArgs {
     /// Largest value of the free parameter [default: twice its start; asymmetry 0.99, restitution 1].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub to: Option<f64>,
-    /// Family of breathers.
-    #[arg(long, value_enum)]
-    pub family: FamilyName,
+    /// Which breathers.
+    #[command(flatten)]
+    pub which: WhichArgs,
     /// Which of several solutions to start from, numbered as `mapgen orbit` lists them [default: the first physical one].
     #[arg(long, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub solution: Option<usize>,
@@ -336,11 +356,11 @@ pub enum Direction {
 
 /// Arguments of `mapgen simulate`.
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("start").args(["family", "state"]).required(true))]
+#[command(group = ArgGroup::new("start").args(["family", "word", "near", "state"]).required(true))]
 pub struct SimulateArgs {
-    /// Start on a breather of this family, in the flight before its impact at t = 0.
-    #[arg(long, value_enum)]
-    pub family: Option<FamilyName>,
+    /// Start on a breather, in the flight before its impact at t = 0.
+    #[command(flatten)]
+    pub which: WhichArgs,
     /// Start from a state, JSON {"displacement":[…],"velocity":[…]}, at t = 0. A mass at rest on a barrier leaves it if
     /// springs and force pull it inward; if not, it rests there (event stick at t = 0) until they do.
     #[arg(long, value_name = "FILE")]

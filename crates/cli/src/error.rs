@@ -94,6 +94,7 @@ impl From<BreatherError> for CliError {
         match error {
             BreatherError::Resonance(resonance) => resonance.into(),
             BreatherError::Parameter(parameter) => parameter.into(),
+            BreatherError::Word(word) => Self::Request(word.to_string()),
             BreatherError::TooStiff { .. } | BreatherError::Impact { .. } | BreatherError::NotConverged { .. } => {
                 Self::Computation(error.to_string())
             }

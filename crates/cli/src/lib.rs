@@ -39,3 +39,4 @@ pub mod start;
 pub mod stripes;
 pub mod sweep_command;
 pub mod threads;
+pub mod which;

@@ -3,14 +3,15 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Finder, Found, Orbit};
+use vibrochain_breather::{Finder, Orbit};
 use vibrochain_floquet::{Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate};
 use vibrochain_lattice::{Model, Parameter, Short};
 
 use crate::args::{EventName, LocateArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::orbit_command::{family, model, orbit_value, point_value};
+use crate::orbit_command::{model, orbit_value, point_value};
+use crate::which;
 use vibrochain_maps::force;
 use vibrochain_maps::numbers::Number;
 
@@ -76,8 +77,7 @@ fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
     }
     around(args, model)?;
     let mut finder = Finder::new(model.chain().sites());
-    let mut found = Found::default();
-    finder.find(model, family(args.family), &mut found)?;
+    let (_, found) = which::find(&args.which, model, &mut finder, None)?;
     let count = found.orbits.len();
     if let Some(reason) = found.none {
         return Err(CliError::Computation(format!("no orbit to start from: {reason}")));
@@ -163,7 +163,7 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
         "event": search.event.name(),
         "free": search.free.name(),
         "parameters": point_value(start.orbit.model()),
-        "family": start.orbit.family().name(),
+        "family": which::name(&start.orbit),
         "solution": start.number,
         "range": [search.from, search.to],
         "points": answer.located.iter().map(located_json).collect::<Vec<_>>(),
@@ -233,7 +233,7 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
         out,
         "{} of {} breathers, {} masses, {}; from solution {} of {} at {name} = {}",
         search.event.name(),
-        start.orbit.family().name(),
+        which::name(&start.orbit),
         model.chain().sites(),
         point.join(", "),
         start.number,

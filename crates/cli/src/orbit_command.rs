@@ -3,16 +3,17 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Completeness, Family, Finder, Found, Obstruction, Orbit};
+use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Word};
 use vibrochain_floquet::{Analyser, Complex, Tolerance};
 use vibrochain_lattice::{MAX_SITES, Model};
 
-use crate::args::{FamilyName, ModelArgs, OrbitArgs};
+use crate::args::{ModelArgs, OrbitArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::multiplier_file::MultiplierFile;
 use crate::orbit_modes::OrbitModes;
 use crate::solution::Solution;
+use crate::which;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::force;
 use vibrochain_maps::numbers::Number;
@@ -33,15 +34,6 @@ pub fn model(args: &ModelArgs) -> Result<Model, CliError> {
     Ok(args.force.map_or(plain, |force| plain.under(&force)).model()?)
 }
 
-/// The family of that name.
-pub fn family(name: FamilyName) -> Family {
-    match name {
-        FamilyName::DoubleSided => Family::DoubleSided,
-        FamilyName::SingleSided => Family::SingleSided,
-        FamilyName::PeriodDoubled => Family::PeriodDoubled,
-    }
-}
-
 /// The most multipliers of a solution that JSON lists.
 const MOST_LISTED: usize = 4096;
 
@@ -51,7 +43,6 @@ const MOST_LISTED: usize = 4096;
 /// [`CliError`]; that there is no orbit is an answer.
 pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let model = model(&args.model)?;
-    let family = family(args.family);
     let tolerance = match args.threshold {
         None => Tolerance::Rounding,
         Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
@@ -68,8 +59,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let plot = Plot::open(args)?;
     let mut finder = Finder::new(model.chain().sites());
     let mut analyser = Analyser::default();
-    let mut found = Found::default();
-    finder.find(&model, family, &mut found)?;
+    let (name, mut found) = which::find(&args.which, &model, &mut finder, Some(console))?;
     let mut solutions = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {
         let admissibility = finder.admissibility(&orbit)?;
@@ -83,7 +73,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         let value = json(&model, &solutions, &found);
         format!("{value:#}\n")
     } else {
-        text(&model, family, &solutions, &found)
+        text(&model, &name, &solutions, &found)
     };
     console.answer(&text, taken)?;
     if let Some(file) = file {
@@ -119,21 +109,27 @@ fn completeness_value(completeness: Completeness) -> Value {
     match completeness {
         Completeness::Enclosures { intervals } => value["intervals"] = intervals.into(),
         Completeness::BranchAndPrune { boxes } => value["boxes"] = boxes.into(),
-        Completeness::ClosedForm => {}
+        Completeness::Followed { starts } => value["starts"] = starts.into(),
+        Completeness::ClosedForm | Completeness::Reversible => {}
         Completeness::NotEstablished => value["by"] = Value::Null,
     }
     value
 }
 
 fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
-    json!({
+    let mut value = json!({
         "parameters": point_value(model),
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
         "reason": found.none.map(|reason| reason.to_string()),
         "completeness": completeness_value(found.completeness),
         "unresolved": found.unresolved,
         "exhausted": found.exhausted,
-    })
+    });
+    if !found.ended.is_empty() {
+        let ended = |ended: &Ended| json!({ "gamma2": ended.gamma2, "message": ended.to_string() });
+        value["ended"] = found.ended.iter().map(ended).collect();
+    }
+    value
 }
 
 /// The orbit itself as JSON: period, phases, impacts, residual.
@@ -152,14 +148,18 @@ pub(crate) fn orbit_value(orbit: &Orbit) -> Value {
             })
         })
         .collect();
-    json!({
+    let mut value = json!({
         "family": orbit.family().name(),
         "period": orbit.period(),
         "phi": orbit.phi(),
         "psi": orbit.psi(),
         "impacts": impacts,
         "residual": orbit.residual(),
-    })
+    });
+    if orbit.family() == Family::Word {
+        value["word"] = Word::of(orbit).to_string().into();
+    }
+    value
 }
 
 impl Solution {
@@ -243,7 +243,7 @@ fn complex(z: Complex<f64>) -> String {
 }
 
 /// The answer for people.
-fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) -> String {
+fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> String {
     let mut out = String::new();
     let named = |(parameter, value): (Parameter, f64)| format!("{} = {}", parameter.name(), Number(value));
     let force = match model.force().cosine_amplitude() {
@@ -263,7 +263,7 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
     // Writing to a String cannot fail.
     let sites = model.chain().sites();
     let masses = if sites == 1 { "mass" } else { "masses" };
-    let _ = writeln!(out, "{} breathers, {sites} {masses}, {}", family.name(), point.join(", "));
+    let _ = writeln!(out, "{name} breathers, {sites} {masses}, {}", point.join(", "));
     match found.none {
         Some(reason) => {
             let _ = writeln!(out, "none: {reason}");
@@ -285,6 +285,9 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
             "the search for solutions was cut short ({} intervals left): the list may be incomplete",
             found.exhausted
         );
+    }
+    for ended in &found.ended {
+        let _ = writeln!(out, "a branch from masses without coupling ends: {ended}");
     }
     for (i, solution) in solutions.iter().enumerate() {
         let orbit = &solution.orbit;
@@ -462,7 +465,7 @@ mod with_plot {
                 }
             },
         };
-        let caption = format!("{} breather {}: {}; {state}", orbit.family().name(), i + 1, describe(model));
+        let caption = format!("{} breather {}: {}; {state}", crate::which::name(orbit), i + 1, describe(model));
         let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
         Ok(OrbitPanels { caption, profiles, trace, barriers })
     }

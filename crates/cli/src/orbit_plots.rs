@@ -53,7 +53,7 @@ pub(crate) fn write(
     orbit: &Orbit,
     stability: Option<&Stability>,
 ) -> Result<(), CliError> {
-    let title = format!("{} breather {number}: {}", orbit.family().name(), describe(orbit.model()));
+    let title = format!("{} breather {number}: {}", crate::which::name(orbit), describe(orbit.model()));
     let ending = if format == Format::Png { "png" } else { "svg" };
     let save = |name: &str, pane: (u32, u32), panes: Vec<Pane>| {
         let columns = panes.len();

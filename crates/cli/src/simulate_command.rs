@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::atomic::Ordering;
 
-use vibrochain_breather::{Finder, Found, Motion, Orbit};
+use vibrochain_breather::{Finder, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Model, Short};
@@ -11,10 +11,11 @@ use vibrochain_lattice::{Model, Short};
 use crate::args::{Direction, SimulateArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::orbit_command::{family, model};
+use crate::orbit_command::model;
 use crate::pace::{self, Pace};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::start::{Start, leading_mode_at};
+use crate::which;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::numbers::Number;
 
@@ -56,7 +57,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
             ("--plot", args.plot.as_deref()),
         ],
     )?;
-    let (start, orbit) = starting_point(args, &model)?;
+    let (start, orbit) = starting_point(args, &model, console)?;
     let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
     let end = Time::new(&model, periods.trunc() as u64, periods.fract());
@@ -139,16 +140,16 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
 }
 
 /// The state to start from and the orbit to compare with.
-fn starting_point(args: &SimulateArgs, model: &Model) -> Result<(Start, Option<Orbit>), CliError> {
+fn starting_point(
+    args: &SimulateArgs,
+    model: &Model,
+    console: &mut Console<'_>,
+) -> Result<(Start, Option<Orbit>), CliError> {
     if let Some(path) = &args.state {
         return Ok((Start::read(path, args.psi.unwrap_or(0.0))?, None));
     }
-    let Some(name) = args.family else {
-        return Err(CliError::Request("nothing to start from: give --family or --state FILE".to_owned()));
-    };
     let mut finder = Finder::new(model.chain().sites());
-    let mut found = Found::default();
-    finder.find(model, family(name), &mut found)?;
+    let (_, mut found) = which::find(&args.which, model, &mut finder, Some(console))?;
     let count = found.orbits.len();
     let mut chosen = None;
     for (i, orbit) in found.orbits.drain(..).enumerate() {

@@ -1,0 +1,101 @@
+//! The breathers that a command is asked about: of a family, of an impact word, or near a given one.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use vibrochain_breather::{Family, Finder, Found, Hit, Orbit, Wanted, Word};
+use vibrochain_lattice::{Barrier, Model};
+
+use crate::args::{FamilyName, WhichArgs};
+use crate::console::Console;
+use crate::error::CliError;
+use vibrochain_maps::numbers::plain;
+
+/// The family of that name.
+pub fn family(name: FamilyName) -> Family {
+    match name {
+        FamilyName::DoubleSided => Family::DoubleSided,
+        FamilyName::SingleSided => Family::SingleSided,
+        FamilyName::PeriodDoubled => Family::PeriodDoubled,
+    }
+}
+
+/// Their name in headings, and all there are, or those that completeness speaks of.
+///
+/// # Errors
+/// [`CliError`]; that there is none is an answer.
+pub(crate) fn find(
+    which: &WhichArgs,
+    model: &Model,
+    finder: &mut Finder,
+    console: Option<&mut Console<'_>>,
+) -> Result<(String, Found), CliError> {
+    let mut found = Found::default();
+    if let Some(name) = which.family {
+        finder.find(model, family(name), &mut found)?;
+        return Ok((family(name).name().to_owned(), found));
+    }
+    if let Some(word) = &which.word {
+        word.check(model.chain().sites()).map_err(|error| CliError::Request(format!("--word: {error}")))?;
+        let canonical = word.canonical(model);
+        if let (true, Some(console)) = (canonical != *word, console) {
+            console.remark(&format!("{word} is the word {canonical}"));
+        }
+        finder.find_word(model, &canonical, Wanted::All, &mut found)?;
+        return Ok((canonical.to_string(), found));
+    }
+    let Some(path) = &which.near else {
+        return Err(CliError::Request("give --family, --word or --near FILE".to_owned()));
+    };
+    let near = read(path, model)?;
+    found.orbits.push(finder.polish(&near).map_err(|error| CliError::from(error).about("--near"))?);
+    Ok((Word::of(&near).to_string(), found))
+}
+
+/// What an orbit is called: its family, or its word.
+pub(crate) fn name(orbit: &Orbit) -> String {
+    if orbit.family() == Family::Word { Word::of(orbit).to_string() } else { orbit.family().name().to_owned() }
+}
+
+#[derive(Deserialize)]
+struct OrbitFile {
+    #[serde(default)]
+    solutions: Vec<OrbitFile>,
+    #[serde(default)]
+    impacts: Vec<ImpactEntry>,
+    psi: Option<f64>,
+    period: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct ImpactEntry {
+    site: usize,
+    barrier: String,
+    time: f64,
+    impulse: f64,
+}
+
+/// The orbit of a file, with its impacts at the same parts of the period, as one of `model`: roughly.
+fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
+    let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
+    let wrong = |what: &str| {
+        let form = r#"give {"impacts":[{"site":0,"barrier":"upper","time":0,"impulse":-1.5},…],"psi":0}"#;
+        CliError::Request(format!("{}: {what}; {form}", path.display()))
+    };
+    let mut file: OrbitFile = serde_json::from_str(&text).map_err(|error| wrong(&plain(&error.to_string())))?;
+    if file.impacts.is_empty() && !file.solutions.is_empty() {
+        file = file.solutions.swap_remove(0);
+    }
+    // Of another frequency: the same parts of the period.
+    let periods = file.period.map_or(1.0, |period| (period / model.period()).round().max(1.0));
+    let stretch = file.period.map_or(1.0, |period| periods * model.period() / period);
+    let barrier = |name: &str| [Barrier::Lower, Barrier::Upper].into_iter().find(|barrier| barrier.name() == name);
+    let mut hits = Vec::new();
+    for ImpactEntry { site, barrier: name, time, impulse } in &file.impacts {
+        let barrier = barrier(name).ok_or_else(|| wrong(&format!("`{name}` is no barrier, lower and upper are")))?;
+        hits.push(Hit::new(*site, barrier, time * stretch, *impulse));
+    }
+    hits.sort_by(|one, other| one.time.total_cmp(&other.time));
+    let psi = file.psi.unwrap_or(0.0) * stretch;
+    Orbit::from_impulses(model, periods as u32, psi, &hits).map_err(|error| wrong(&error.to_string()))
+}
