@@ -77,7 +77,14 @@ fn asymmetric(orbit: &Orbit) -> bool {
 const BOTH: [Family; 2] = [Family::DoubleSided, Family::SingleSided];
 
 fn task(symmetric: bool) -> Task {
-    Task { families: BOTH.to_vec(), symmetric, stability: true, tolerance: Tolerance::Rounding, collisions: false }
+    Task {
+        families: BOTH.to_vec(),
+        words: Vec::new(),
+        symmetric,
+        stability: true,
+        tolerance: Tolerance::Rounding,
+        collisions: false,
+    }
 }
 
 /// What a cell should say, from the full lists: physical orbits, those with φ ≠ T/2 among them, and the class of the best.

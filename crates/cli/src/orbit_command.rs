@@ -369,7 +369,7 @@ use without_plot::Plot;
 mod with_plot {
     use std::path::PathBuf;
 
-    use vibrochain_breather::Motion;
+    use vibrochain_breather::{Motion, Word};
 
     use super::{CliError, Console, OrbitArgs, Solution};
     use crate::caption::describe;
@@ -438,20 +438,24 @@ mod with_plot {
         let mut motion = Motion::of(orbit)?;
         let sites = motion.sites() as i64;
         let home = orbit.impacts().first().map_or(0, |impact| impact.site);
-        let profiles = orbit
-            .impacts()
-            .iter()
-            .map(|impact| {
-                let v = motion.displacements(impact.time);
+        // One profile an instant: simultaneous impacts share it.
+        let mut instants: Vec<f64> = orbit.impacts().iter().map(|impact| impact.time).collect();
+        instants.dedup_by(|later, earlier| *later - *earlier <= 1e-9 * orbit.period());
+        let profiles = instants
+            .into_iter()
+            .map(|time| {
+                let v = motion.displacements(time);
                 let offsets = -(sites - 1) / 2..=sites / 2;
-                let profile = offsets.map(|n| (n, v[(home as i64 + n).rem_euclid(sites) as usize])).collect();
-                (impact.time, profile)
+                (time, offsets.map(|n| (n, v[(home as i64 + n).rem_euclid(sites) as usize])).collect())
             })
             .collect();
-        let trace = (0..=SAMPLES)
-            .map(|k| {
-                let part = k as f64 / SAMPLES as f64;
-                (part, motion.at(home, part * orbit.period()).displacement)
+        let part = |k: usize| k as f64 / SAMPLES as f64;
+        let traces = Word::of(orbit)
+            .sites()
+            .into_iter()
+            .map(|site| {
+                let at = |k: usize| (part(k), motion.at(site, part(k) * orbit.period()).displacement);
+                (site, (0..=SAMPLES).map(at).collect())
             })
             .collect();
         let state = match (&solution.admissibility.is_physical(), &solution.stability) {
@@ -467,7 +471,7 @@ mod with_plot {
         };
         let caption = format!("{} breather {}: {}; {state}", crate::which::name(orbit), i + 1, describe(model));
         let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
-        Ok(OrbitPanels { caption, profiles, trace, barriers })
+        Ok(OrbitPanels { caption, profiles, traces, barriers })
     }
 }
 

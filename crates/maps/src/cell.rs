@@ -1,6 +1,6 @@
 //! One cell of a map: a parameter point and what lives there.
 
-use vibrochain_breather::{BreatherError, Family, Finder, Found, Orbit, Wanted};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, NoBreather, Orbit, Wanted, Word};
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::Model;
 
@@ -9,6 +9,8 @@ use vibrochain_lattice::Model;
 pub struct Task {
     /// Families to look for: double-sided, single-sided.
     pub families: Vec<Family>,
+    /// Impact words that are no family's.
+    pub words: Vec<Word>,
     /// Whether conservative double-sided orbits with φ ≠ T/2 are left out.
     pub symmetric: bool,
     /// Whether stability is wanted; existence alone is cheaper.
@@ -24,12 +26,12 @@ pub const SYMMETRIC: &str = "double-sided-symmetric";
 
 impl Task {
     /// The families as a scene names them.
-    pub fn family_names(&self) -> impl Iterator<Item = &'static str> + '_ {
+    pub fn family_names(&self) -> impl Iterator<Item = String> + '_ {
         let name = |family: &Family| match family {
             Family::DoubleSided if self.symmetric => SYMMETRIC,
             family => family.name(),
         };
-        self.families.iter().map(name)
+        self.families.iter().map(move |family| name(family).to_owned()).chain(self.words.iter().map(Word::to_string))
     }
 }
 
@@ -50,11 +52,17 @@ pub enum Class {
     Double,
     /// Single-sided, stability not asked for.
     Single,
+    /// A stable breather of another word.
+    StableWord,
+    /// Of another word, unstable.
+    UnstableWord,
+    /// Of another word, stability not asked for.
+    Word,
 }
 
 impl Class {
     /// All classes, in the order of legends and summaries.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::None,
         Self::StableDouble,
         Self::StableSingle,
@@ -62,6 +70,9 @@ impl Class {
         Self::UnstableSingle,
         Self::Double,
         Self::Single,
+        Self::StableWord,
+        Self::UnstableWord,
+        Self::Word,
     ];
 
     /// The name in files.
@@ -74,6 +85,9 @@ impl Class {
             Self::UnstableSingle => "unstable-single",
             Self::Double => "double",
             Self::Single => "single",
+            Self::StableWord => "stable-word",
+            Self::UnstableWord => "unstable-word",
+            Self::Word => "word",
         }
     }
 
@@ -82,6 +96,9 @@ impl Class {
             (Family::SingleSided, Some(true)) => Self::StableSingle,
             (Family::SingleSided, Some(false)) => Self::UnstableSingle,
             (Family::SingleSided, None) => Self::Single,
+            (Family::Word, Some(true)) => Self::StableWord,
+            (Family::Word, Some(false)) => Self::UnstableWord,
+            (Family::Word, None) => Self::Word,
             (_, Some(true)) => Self::StableDouble,
             (_, Some(false)) => Self::UnstableDouble,
             (_, None) => Self::Double,
@@ -208,11 +225,16 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// A stable orbit wins, then one that may be, then a double-sided one, then the smaller spectral radius.
-    fn rank(&self) -> (u8, bool, f64) {
+    /// A stable orbit wins, then one that may be, then a double-sided one, a single-sided one, then the smaller spectral radius.
+    fn rank(&self) -> (u8, u8, f64) {
         let doubt = self.verdict.map_or(2, |verdict| if verdict.stable { 0 } else { 2 - u8::from(verdict.marginal) });
         let radius = self.verdict.map_or(0.0, |verdict| verdict.spectral_radius);
-        (doubt, self.family == Family::SingleSided, radius)
+        let family = match self.family {
+            Family::SingleSided => 1,
+            Family::Word => 2,
+            Family::DoubleSided | Family::PeriodDoubled => 0,
+        };
+        (doubt, family, radius)
     }
 }
 
@@ -241,8 +263,14 @@ impl Worker {
         let mut cell = Cell::EMPTY;
         let mut best: Option<Candidate> = None;
         let wanted = if task.symmetric { Wanted::SymmetricCandidates } else { Wanted::Candidates };
-        for &family in &task.families {
-            match self.finder.search(model, family, wanted, &mut self.found) {
+        let families = task.families.iter().map(|&family| (family, None));
+        let words = task.words.iter().map(|word| (Family::Word, Some(word)));
+        for (family, word) in families.chain(words) {
+            let searched = match word {
+                None => self.finder.search(model, family, wanted, &mut self.found),
+                Some(word) => self.finder.find_word(model, word, wanted, &mut self.found),
+            };
+            match searched {
                 Ok(()) => {}
                 Err(error) => {
                     let status = Status::of_orbit(&error);
@@ -253,7 +281,8 @@ impl Worker {
             if self.found.unresolved + self.found.exhausted > 0 {
                 cell.status = cell.status.max(Status::Unresolved);
             }
-            if self.found.left_out > 0 {
+            let not_searched = matches!(self.found.none, Some(NoBreather::NotSearched(_)));
+            if self.found.left_out > 0 || not_searched {
                 cell.status = cell.status.max(Status::Incomplete);
             }
             for orbit in &self.found.orbits {

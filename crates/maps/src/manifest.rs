@@ -87,7 +87,7 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
         Tolerance::Rounding => Value::Null,
         Tolerance::Growth(growth) => growth.into(),
     };
-    let families: Vec<&str> = scene.task.family_names().collect();
+    let families: Vec<String> = scene.task.family_names().collect();
     let mut compute = json!({ "families": families, "stability": scene.task.stability, "threshold": threshold });
     if scene.task.collisions {
         compute["collisions"] = true.into();

@@ -171,6 +171,9 @@ impl Sheet<'_> {
                 Class::UnstableSingle => "unstable single-sided",
                 Class::Double => "double-sided",
                 Class::Single => "single-sided",
+                Class::StableWord => "stable, other words",
+                Class::UnstableWord => "unstable, other words",
+                Class::Word => "other words",
             };
             if tiles.iter().any(|tile| tile.class == Some(class)) {
                 entries.push((Tile { class: Some(class), mechanism: None }, text.to_owned()));

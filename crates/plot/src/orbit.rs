@@ -12,10 +12,10 @@ use crate::words::Heading;
 pub struct OrbitPanels {
     /// Line above the panels.
     pub caption: String,
-    /// Displacements by site, the impacted site in the middle, at each impact: (time of the impact, (offset, v)).
+    /// Displacements by site, the first impacted site in the middle, at each instant of impacts: (its time, (offset, v)).
     pub profiles: Vec<(f64, Vec<(i64, f64)>)>,
-    /// The impacting mass over one period: (t/T, v).
-    pub trace: Vec<(f64, f64)>,
+    /// The impacting masses over one period, each with its site: (t/T, v).
+    pub traces: Vec<(usize, Vec<(f64, f64)>)>,
     /// Positions of the two barriers.
     pub barriers: (f64, f64),
 }
@@ -80,9 +80,15 @@ fn profile(orbit: &OrbitPanels) -> Pane {
 }
 
 fn trace(orbit: &OrbitPanels) -> Pane {
-    let (stroke, mark) = (Stroke::Solid(2), Mark::None);
-    let series = Series { name: String::new(), colour: 0, stroke, mark, points: orbit.trace.clone() };
-    let pane = pane(orbit, "time, in periods of the orbit", "impacting mass v₀", vec![series]);
+    let alone = orbit.traces.len() == 1;
+    let series = orbit.traces.iter().enumerate().map(|(i, (site, trace))| {
+        // Masses that move alike lie on each other: the later ones are dashed.
+        let stroke = if i == 0 { Stroke::Solid(2) } else { Stroke::Dashed(2) };
+        let name = if alone { String::new() } else { format!("site {site}") };
+        Series { name, colour: i, stroke, mark: Mark::None, points: trace.clone() }
+    });
+    let y = if alone { "impacting mass v₀" } else { "impacting masses vₙ" };
+    let pane = pane(orbit, "time, in periods of the orbit", y, series.collect());
     Pane { x_range: Some(0.0..1.0), ..pane }
 }
 
@@ -108,7 +114,7 @@ mod tests {
         let orbit = OrbitPanels {
             caption: caption.to_owned(),
             profiles: vec![profile(0.0), profile(2.0)],
-            trace: vec![(0.0, 1.4), (0.5, -0.6), (1.0, 1.4)],
+            traces: vec![(0, vec![(0.0, 1.4), (0.5, -0.6), (1.0, 1.4)])],
             barriers: (-0.6, 1.4),
         };
         let svg = String::from_utf8(orbit_picture(&[orbit.clone(), orbit], Format::Svg).unwrap()).unwrap();

@@ -99,6 +99,6 @@ pub(super) fn family(tile: &Tile) -> Option<vibrochain_breather::Family> {
     match tile.class? {
         Class::StableDouble | Class::UnstableDouble | Class::Double => Some(Family::DoubleSided),
         Class::StableSingle | Class::UnstableSingle | Class::Single => Some(Family::SingleSided),
-        Class::None => None,
+        Class::None | Class::StableWord | Class::UnstableWord | Class::Word => None,
     }
 }

@@ -6,9 +6,9 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use toml::Spanned;
-use vibrochain_breather::Family;
+use vibrochain_breather::{Family, Word};
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC, Short};
+use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC, Model, Short};
 
 use crate::cell::{SYMMETRIC, Task};
 use crate::error::MapError;
@@ -261,8 +261,27 @@ impl Source<'_> {
         Ok(Values::List(list.get_ref().iter().map(|value| *value.get_ref()).collect()))
     }
 
-    pub(super) fn task(&self, table: &ComputeTable) -> Result<Task, MapError> {
-        let (mut families, mut symmetric) = (Vec::new(), false);
+    /// A word of this chain, in its canonical form.
+    fn word(&self, text: &str, span: Range<usize>, model: &Model) -> Result<Word, MapError> {
+        if !text.contains(['+', '-']) || text.contains(|c: char| c.is_alphabetic()) {
+            let message = format!(
+                "`{text}` is not a family: give \"double-sided\" (or \"{SYMMETRIC}\"), \"single-sided\" or both, or impact words as \"0+3+,0-3-\""
+            );
+            return Err(self.error(span, message));
+        }
+        let word: Word = text.parse().map_err(|error| self.error(span.clone(), error))?;
+        word.check(model.chain().sites()).map_err(|error| self.error(span.clone(), error))?;
+        if model.is_conservative() && word.instants().len() > 2 {
+            let message = format!(
+                "the word {word} cannot be searched for: without force and losses only words of one or two instants determine their times"
+            );
+            return Err(self.error(span, message));
+        }
+        Ok(word.canonical(model))
+    }
+
+    pub(super) fn task(&self, table: &ComputeTable, model: &Model) -> Result<Task, MapError> {
+        let (mut families, mut words, mut symmetric) = (Vec::new(), Vec::new(), false);
         for name in table.families.get_ref() {
             let family = match name.get_ref().as_str() {
                 "double-sided" => Family::DoubleSided,
@@ -271,27 +290,35 @@ impl Source<'_> {
                     Family::DoubleSided
                 }
                 "single-sided" => Family::SingleSided,
-                "period-doubled" => {
-                    let message = "period-doubled orbits have no class on a map: leave them out here and look at single points with `mapgen orbit --family period-doubled`";
-                    return Err(self.error(name.span(), message));
-                }
+                "period-doubled" => Family::PeriodDoubled,
                 other => {
-                    let message = format!(
-                        "`{other}` is not a family: give \"double-sided\" (or \"{SYMMETRIC}\"), \"single-sided\" or both"
-                    );
-                    return Err(self.error(name.span(), message));
+                    let word = self.word(other, name.span(), model)?;
+                    match word.family() {
+                        Some(family) => family,
+                        None if words.contains(&word) => {
+                            return Err(self.error(name.span(), format!("the word {word} is given twice: remove one")));
+                        }
+                        None => {
+                            words.push(word);
+                            continue;
+                        }
+                    }
                 }
             };
+            if family == Family::PeriodDoubled {
+                let message = "period-doubled orbits have no class on a map: leave them out here and look at single points with `mapgen orbit --family period-doubled`";
+                return Err(self.error(name.span(), message));
+            }
             if families.contains(&family) {
                 return Err(self.error(name.span(), format!("{} is given twice: remove one", family.name())));
             }
             families.push(family);
         }
-        if families.is_empty() {
-            return Err(
-                self.error(table.families.span(), "families is empty: give \"double-sided\", \"single-sided\" or both")
-            );
+        if families.is_empty() && words.is_empty() {
+            let message = "families is empty: give \"double-sided\", \"single-sided\" or both, or impact words";
+            return Err(self.error(table.families.span(), message));
         }
+        words.sort();
         // A fixed order, so that equal scenes give equal tables.
         families.sort_by_key(|family| *family == Family::SingleSided);
         let tolerance = match &table.threshold {
@@ -308,7 +335,7 @@ impl Source<'_> {
         if let Some(span) = asked.filter(|_| !table.stability).map(Spanned::span) {
             return Err(self.error(span, "collisions need stability = true: unstable orbits come from them"));
         }
-        Ok(Task { families, symmetric, stability: table.stability, tolerance, collisions: asked.is_some() })
+        Ok(Task { families, words, symmetric, stability: table.stability, tolerance, collisions: asked.is_some() })
     }
 }
 

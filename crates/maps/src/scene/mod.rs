@@ -167,7 +167,12 @@ impl Scene {
                 return Err(source.error(span.unwrap_or_else(|| file.model.sites.span()), error));
             }
         }
-        let task = source.task(&file.compute)?;
+        // What two words have in common must hold in all cells.
+        let general = [(Parameter::Asymmetry, 0.5), (Parameter::Amplitude, 1.0), (Parameter::Restitution, 0.5)];
+        let varied = general.into_iter().filter(|&(parameter, _)| is_swept(parameter));
+        let anywhere = varied.fold(base, |point, (parameter, value)| point.with(parameter, value));
+        let anywhere = anywhere.model().map_err(|error| source.error(file.model.sites.span(), error))?;
+        let task = source.task(&file.compute, &anywhere)?;
         let scene = Self { title: file.title, base, axes, task };
         if let Some(span) = file.compute.collisions.as_ref().map(Spanned::span)
             && scene.task.collisions

@@ -46,6 +46,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
     let mut worker = Worker::new(21);
     let task = |stability| Task {
         families: vec![Family::DoubleSided, Family::SingleSided],
+        words: Vec::new(),
         symmetric: false,
         stability,
         tolerance: Tolerance::Rounding,
@@ -127,7 +128,8 @@ fn family(answer: &Answer) -> Option<Family> {
 
 fn answer(class: Class) -> Answer {
     match class {
-        Class::None => None,
+        // Words are not among the families of this study.
+        Class::None | Class::StableWord | Class::UnstableWord | Class::Word => None,
         Class::StableDouble | Class::Double => Some((Family::DoubleSided, true)),
         Class::StableSingle | Class::Single => Some((Family::SingleSided, true)),
         Class::UnstableDouble => Some((Family::DoubleSided, false)),

@@ -1,0 +1,172 @@
+//! Impact words on the command line and in scenes.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use std::fs;
+
+use serde_json::Value;
+use vibrochain_breather::{Finder, Found, Wanted, Word};
+use vibrochain_floquet::{Tolerance, stability};
+use vibrochain_maps::scene::Scene;
+use vibrochain_testkit::{Desk, words};
+
+const MODEL: &str = "--sites 21 --gamma1 0.2 --gamma2 0.05 --omega 1.5 --asymmetry 0.2";
+const FORCED: &str = "--sites 13 --gamma1 0.2 --omega 1.5 --asymmetry 0.1 --amplitude 0.3 --restitution 0.9";
+
+fn orbit(desk: &Desk, line: &str) -> Value {
+    serde_json::from_str(&desk.run(&format!("orbit {line} --json")).with(0, &[]).out).unwrap()
+}
+
+#[test]
+fn checked_words_are_printed_with_their_numbers() {
+    let desk = Desk::new();
+    let mut checked = 0;
+    for case in words() {
+        let (model, word) = (&case.model, case.word.parse::<Word>().unwrap());
+        // In other families' names and places the numbers are the same, but not the list of impacts.
+        if word.family().is_some() || word.canonical(model) != word || !model.is_conservative() {
+            continue;
+        }
+        let chain = model.chain();
+        let flags = format!(
+            "--sites {} --gamma1 {} --gamma2 {} --omega {} --asymmetry {}",
+            chain.sites(),
+            chain.gamma1(),
+            chain.gamma2(),
+            model.omega(),
+            model.asymmetry()
+        );
+        let answer = orbit(&desk, &format!("--word {word} {flags}"));
+        let solution = &answer["solutions"][0];
+        assert_eq!(solution["word"], case.word);
+        assert_eq!(answer["completeness"]["by"], "reversible");
+        assert_eq!(solution["physical"], case.physical.unwrap(), "{word}");
+        for impact in solution["impacts"].as_array().unwrap() {
+            let same =
+                |hit: &&vibrochain_breather::Hit| impact["site"] == hit.site && impact["barrier"] == hit.barrier.name();
+            let impulse = case.hits.iter().find(same).unwrap().impulse;
+            assert!((impact["impulse"].as_f64().unwrap() - impulse).abs() < 1e-12, "{word}");
+        }
+        let radius = solution["stability"]["spectral_radius"].as_f64().unwrap();
+        assert!((radius - case.spectral_radius).abs() < 1e-6 * radius, "{word}: {radius}");
+        checked += 1;
+    }
+    assert!(checked >= 20, "{checked}");
+}
+
+#[test]
+fn words_are_shown_as_their_canonical_selves_and_families_by_any_name() {
+    let desk = Desk::new();
+    let mirrored = desk.run(&format!("orbit --word 5-8-,5+8+ {MODEL}")).with(0, &["5-8-,5+8+ is the word 0+3+,0-3-"]);
+    assert_eq!(mirrored.out, desk.run(&format!("orbit --word 0+3+,0-3- {MODEL}")).with(0, &[]).out);
+    let (family, word) = ("orbit --family double-sided", "orbit --word 7-,7+");
+    let family = desk.run(&format!("{family} {MODEL}")).with(0, &[]).out;
+    let word = desk.run(&format!("{word} {MODEL}")).with(0, &["7-,7+ is the word 0+,0-"]).out;
+    assert_eq!(family.lines().skip(1).collect::<Vec<_>>(), word.lines().skip(1).collect::<Vec<_>>());
+    let spaced = desk.command(&format!("orbit {MODEL} --word")).arg("0+3+ 0-3-").output().unwrap();
+    assert!(spaced.status.success());
+}
+
+#[test]
+fn words_that_cannot_be_are_refused_by_name() {
+    let desk = Desk::new();
+    let long = "0+,".repeat(64) + "0-";
+    for (word, part) in [
+        ("0+25-", "site 25 does not exist: this ring has the sites 0 to 20"),
+        ("0+0-", "site 0 cannot be on both barriers at one instant"),
+        ("0+,,0-", "instant 2 of the word has no impact"),
+        ("up", "`up` is not an impact"),
+        ("0:1+", "layer 1 does not exist"),
+        (&long, "65 impacts are too many"),
+    ] {
+        for command in ["orbit", "simulate", "locate --event fold --free omega"] {
+            let _ = desk.run(&format!("{command} --word {word} {MODEL}")).with(2, &[part]);
+        }
+    }
+    let _ = desk.run(&format!("orbit {MODEL}")).with(2, &["--word"]);
+    let _ = desk.run(&format!("orbit --word 0+3+ --family single-sided {MODEL}")).with(2, &["cannot be used with"]);
+}
+
+#[test]
+fn an_orbit_of_a_file_is_found_again_elsewhere() {
+    let desk = Desk::new();
+    let first = desk.run(&format!("orbit --word 0+4+,0-4- --gamma2 0.02 {FORCED} --json")).with(0, &[]).out;
+    fs::write(desk.path("orbit.json"), first).unwrap();
+    let near = orbit(&desk, &format!("--near orbit.json --gamma2 0.021 {FORCED}"));
+    let direct = orbit(&desk, &format!("--word 0+4+,0-4- --gamma2 0.021 {FORCED}"));
+    assert_eq!(near["completeness"]["established"], false);
+    assert_eq!(near["solutions"].as_array().unwrap().len(), 1);
+    for key in ["impulse", "velocity_before"] {
+        let value = |answer: &Value| answer["solutions"][0]["impacts"][2][key].as_f64().unwrap();
+        assert!((value(&near) - value(&direct)).abs() < 1e-12);
+    }
+    // A simulation from it stays on it; no other parameter leads astray unnoticed.
+    let run = desk.run(&format!("simulate --near orbit.json --gamma2 0.02 {FORCED} --periods 5")).with(0, &[]);
+    let distance = run.out.lines().find(|line| line.starts_with("largest distance")).unwrap();
+    assert!(distance.rsplit(' ').next().unwrap().parse::<f64>().unwrap() < 1e-11, "{distance}");
+    // Losses that no force makes good: nothing is near.
+    let lossy = FORCED.replace(" --amplitude 0.3", "");
+    let _ = desk.run(&format!("orbit --near orbit.json --gamma2 0.02 {lossy}")).with(1, &["--near", "no orbit found"]);
+    fs::write(desk.path("bad.json"), "{\"impacts\":[{\"site\":0,\"barrier\":\"top\",\"time\":0,\"impulse\":1}]}")
+        .unwrap();
+    let _ = desk.run(&format!("orbit --near bad.json --gamma2 0.02 {FORCED}")).with(2, &["`top` is no barrier"]);
+}
+
+const SCENE: &str = "[model]\nsites = 9\ngamma1 = 0.2\nasymmetry = 0.2\n[sweep]\n\
+    x = { parameter = \"omega\", from = 0.7, to = 1.9, points = 25 }\n\
+    y = { parameter = \"gamma2\", from = 0.01, to = 0.3, points = 12 }\n\
+    [compute]\nfamilies = [\"4-1-,4+1+\", \"0+3-,0-3+\"]\nstability = true\n";
+
+/// Every cell is what the library says of the words one by one.
+#[test]
+fn words_are_families_of_a_scene() {
+    let desk = Desk::with_scene(SCENE);
+    let _ = desk.run("sweep scene.toml --out map.csv --png map.png -q").with(0, &[]);
+    let table = fs::read_to_string(desk.path("map.csv")).unwrap();
+    let scene = Scene::read(&desk.path("scene.toml")).unwrap();
+    assert_eq!(scene.task.family_names().collect::<Vec<_>>(), ["0+3+,0-3-", "0+3-,0-3+"]);
+    let (mut finder, mut found) = (Finder::new(9), Found::default());
+    let mut seen = std::collections::BTreeMap::new();
+    for (cell, line) in table.lines().skip(1).enumerate() {
+        let model = scene.point(cell as u64).model().unwrap();
+        let fields: Vec<&str> = line.split(',').collect();
+        let mut verdicts = Vec::new();
+        for word in &scene.task.words {
+            if finder.find_word(&model, word, Wanted::All, &mut found).is_err() {
+                continue;
+            }
+            for orbit in &found.orbits {
+                if finder.admissibility(orbit).unwrap().is_physical() {
+                    verdicts.push(stability(orbit, Tolerance::Rounding).unwrap().verdict);
+                }
+            }
+        }
+        let class = match verdicts.iter().map(|verdict| verdict.stable).max() {
+            None => "none",
+            Some(true) => "stable-word",
+            Some(false) => "unstable-word",
+        };
+        if verdicts.iter().all(|verdict| !verdict.marginal) {
+            assert_eq!((fields[2], fields[6]), (class, verdicts.len().to_string().as_str()), "{line}");
+            *seen.entry(class).or_insert(0) += 1;
+        }
+    }
+    assert!(seen.len() == 3 && seen.values().all(|&count| count >= 10), "{seen:?}");
+    // A manifest is a scene, with words as well.
+    let _ = desk.run("sweep map.manifest.json --out again.csv -q").with(0, &[]);
+    assert_eq!(fs::read_to_string(desk.path("again.csv")).unwrap(), table);
+}
+
+#[test]
+fn wrong_words_of_a_scene_are_pointed_at() {
+    let desk = Desk::new();
+    for (families, parts) in [
+        ("\"0+9+\"", ["scene.toml:9:", "site 9 does not exist"]),
+        ("\"0+3+\", \"3+0+\"", ["scene.toml:9:", "given twice"]),
+        ("\"0+,3+,5+\"", ["scene.toml:9:", "one or two instants"]),
+        ("\"0-,0-\"", ["scene.toml:9:", "period-doubled orbits have no class"]),
+        ("\"single\"", ["scene.toml:9:", "`single` is not a family"]),
+    ] {
+        desk.scene(&SCENE.replace("\"4-1-,4+1+\", \"0+3-,0-3+\"", families));
+        let _ = desk.run("sweep scene.toml --out map.csv").with(2, &parts);
+    }
+}
