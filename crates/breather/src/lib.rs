@@ -21,6 +21,7 @@
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
 //! | `branch`, `corrector`, `resonances`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
 //! | `word` | [`Word`]: which mass meets which barrier, in which order |
+//! | `enumeration` | all words of a few sites |
 //! | `word_search`, `uncoupled` | [`Finder::find_word`]: all orbits of a word |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
@@ -53,6 +54,7 @@ mod condition;
 mod conservative;
 mod corrector;
 mod enclosure;
+mod enumeration;
 mod equations;
 mod error;
 mod finder;

@@ -50,6 +50,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// All breathers of a family at one point, with their stability.
     Orbit(OrbitArgs),
+    /// All impact words of a few sites whose breathers live at one point.
+    Words(WordsArgs),
     /// Where a breather bifurcates or grazes as one parameter varies, to twelve digits.
     Locate(LocateArgs),
     /// Simulate event by event, from a breather or from any state.
@@ -263,6 +265,46 @@ pub struct OrbitArgs {
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
+}
+
+/// Arguments of `mapgen words`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Words that a rotation or reflection of the ring turns into each other are listed once, and so are those that \
+                  reversal of time (without force and losses) or exchange of centred barriers do. Printed are those with physical \
+                  orbits."
+)]
+pub struct WordsArgs {
+    /// Number of sites that are hit.
+    #[arg(long, value_name = "R", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    pub sites_used: usize,
+    /// How far apart they may be.
+    #[arg(long, value_name = "D", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    pub reach: usize,
+    /// What each of the sites does: double-sided, single-sided, or either (a list with a comma).
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "double-sided")]
+    pub families: Vec<SiteFamily>,
+    /// The model.
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Also those whose orbits are not physical, and why.
+    #[arg(long)]
+    pub all: bool,
+    /// The list as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
+}
+
+/// What a site of a word does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SiteFamily {
+    /// One impact on each barrier a period.
+    DoubleSided,
+    /// One impact a period, on the nearer barrier.
+    SingleSided,
 }
 
 /// Events of `mapgen locate`.

@@ -11,7 +11,7 @@
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
 //! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
-//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `simulate_command` | the subcommands |
+//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `simulate_command`, `words_command` | the subcommands |
 
 pub mod args;
 #[cfg(feature = "plot")]
@@ -40,3 +40,4 @@ pub mod stripes;
 pub mod sweep_command;
 pub mod threads;
 pub mod which;
+pub mod words_command;

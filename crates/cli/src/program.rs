@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use crate::args::{Cli, Command, STUDIES, read};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::{locate_command, merge_command, orbit_command, simulate_command, sweep_command};
+use crate::{locate_command, merge_command, orbit_command, simulate_command, sweep_command, words_command};
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
 ///
@@ -28,6 +28,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Sweep(args) => sweep_command::run(args, console),
         Command::Merge(args) => merge_command::run(args, console),
         Command::Orbit(args) => orbit_command::run(args, console),
+        Command::Words(args) => words_command::run(args, console),
         Command::Locate(args) => locate_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
         #[cfg(feature = "plot")]

@@ -223,7 +223,9 @@ impl Scene {
     /// The title of pictures: the scene's own, or what is swept, and always from which growth on an orbit counts as unstable.
     pub fn heading(&self) -> String {
         let kind = if self.is_conservative() { "Conservative breathers" } else { "Forced breathers" };
-        let title = self.title.as_deref().unwrap_or(kind);
+        let words: Vec<String> = self.task.words.iter().map(ToString::to_string).collect();
+        let kind = if words.is_empty() { kind.to_owned() } else { format!("{kind}: {}", words.join("; ")) };
+        let title = self.title.as_deref().unwrap_or(&kind);
         match self.task.tolerance {
             Tolerance::Rounding => title.to_owned(),
             Tolerance::Growth(growth) => format!("{title}, growth below {growth} a period counts as stable"),
