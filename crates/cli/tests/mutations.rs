@@ -23,6 +23,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use tempfile::TempDir;
+use vibrochain_breather::{Family, Word};
 use vibrochain_cli::args::{Cli, Command, read};
 use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
@@ -134,7 +135,11 @@ const SWEEP: &str = "mapgen sweep scene.toml --out map.csv --quiet --threads 1";
 
 const MERGE: &str = "mapgen merge parts --out map.csv --quiet";
 
-const LINES: [&str; 13] = [
+const LINES: [&str; 17] = [
+    "mapgen orbit --word 0+2+,0-2- --json --sites 5 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2",
+    "mapgen orbit --word 0+2-,0-2+ --sites 5 --gamma1 .2 --gamma2 .02 --omega 1.5 --asymmetry .1 --amplitude .3 --restitution .9",
+    "mapgen words --sites-used 2 --reach 2 --families double-sided,single-sided --all --csv words.csv --sites 5 --gamma1 .2 --gamma2 .05 --omega .75 --asymmetry .4",
+    "mapgen orbit --near state.json --sites 3 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2",
     "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4",
     "mapgen orbit --family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega .93 --asymmetry .4 --threshold 0.01",
     "mapgen orbit --family double-sided --json --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
@@ -252,7 +257,8 @@ impl Input {
             }
             11..13 => {
                 state = mutator.file(STATE);
-                whole(LINES[10])
+                let from_state = LINES.iter().find(|line| line.contains("--state"));
+                whole(from_state.unwrap())
             }
             13..16 => {
                 let base = *mutator.pick(&LINES);
@@ -334,6 +340,15 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let cost = scene.cells() as f64 * scene.base.sites as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
+        // Each word by a dense matrix.
+        Ok(Command::Words(args)) => match model(&args.model) {
+            Ok(model) => {
+                let words =
+                    Word::combinations(args.sites_used, args.reach, &[Family::DoubleSided, Family::SingleSided]);
+                of(words * (model.chain().sites() as f64).powi(3) * windows(&model, true), Plan::Stopped)
+            }
+            Err(_) => Plan::Whole,
+        },
         Ok(Command::Orbit(args)) => match model(&args.model) {
             Ok(model) if args.plot.is_none() && args.all_plots.is_none() => {
                 of(model.chain().sites() as f64 * windows(&model, true), Plan::Parameters)

@@ -170,3 +170,41 @@ fn wrong_words_of_a_scene_are_pointed_at() {
         let _ = desk.run("sweep scene.toml --out map.csv").with(2, &parts);
     }
 }
+
+#[test]
+fn all_words_of_a_few_sites_are_listed_with_their_fate() {
+    let desk = Desk::new();
+    let pairs = desk.run(&format!("words --sites-used 2 --reach 4 {MODEL} --csv pairs.csv")).with(0, &[]);
+    assert!(pairs.out.contains("8 words up to symmetry: 8 orbits, 8 physical, 4 stable"), "{}", pairs.out);
+    let table = fs::read_to_string(desk.path("pairs.csv")).unwrap();
+    let mut checked = 0;
+    for case in words() {
+        let model = &case.model;
+        let same = model.chain().gamma2() == 0.05 && model.omega() == 1.5 && model.asymmetry() == 0.2;
+        let line = table.lines().find(|line| line.starts_with(&format!("\"{}\",", case.word)));
+        let (true, Some(line)) = (same, line) else { continue };
+        let fields: Vec<&str> = line.rsplit(',').collect();
+        let radius: f64 = fields[1].parse().unwrap();
+        assert!((radius - case.spectral_radius).abs() < 1e-6 * radius, "{line}");
+        checked += 1;
+    }
+    assert!(checked >= 4, "{checked}");
+    // Neighbours in the field of a breather follow the sign of its tail, which alternates above the band.
+    for distance in 1..=4 {
+        let (stable, unstable) = if distance % 2 == 1 { ('+', '-') } else { ('-', '+') };
+        for (sign, fate) in [(stable, "stable"), (unstable, "unstable")] {
+            let line = pairs.out.lines().find(|line| line.starts_with(&format!("0+{distance}{sign},"))).unwrap();
+            assert!(line.contains(&format!(", {fate}")), "{line}");
+        }
+    }
+    for (line, part) in [
+        ("--sites-used 2 --reach 21", "--reach 21 is out of range"),
+        ("--sites-used 6 --reach 4", "--sites-used 6 is out of range"),
+        ("--sites-used 0 --reach 4", "--sites-used 0 is out of range"),
+        ("--sites-used 9 --reach 20", "more than 100000 words"),
+    ] {
+        let _ = desk.run(&format!("words {line} {MODEL}")).with(2, &[part]);
+    }
+    let all = desk.run(&format!("words --sites-used 2 --reach 2 --families single-sided --all {MODEL}")).with(0, &[]);
+    assert!(all.out.contains("not physical: ") && all.out.contains("0-,1-"), "{}", all.out);
+}
