@@ -8,6 +8,7 @@ use vibrochain_lattice::ImpulseResponse;
 use super::error::SecularError;
 use super::forced::SecularMultipliers;
 use super::forced_count::OutsideCounter;
+use super::forced_large::LARGE;
 use super::growth::excess;
 use super::impact_matrix::ImpactMatrix;
 use super::settle::{DataError, Origin, Settled};
@@ -361,7 +362,7 @@ impl ForcedSecular {
 
     /// The multipliers with complex ones in exactly conjugate pairs and real ones without imaginary part.
     pub(crate) fn symmetric_multipliers(&self) -> Vec<Complex<f64>> {
-        if self.multipliers.is_large() {
+        if self.values.len() > 2 * LARGE {
             // They are found that way.
             return self.values.clone();
         }
