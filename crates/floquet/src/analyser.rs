@@ -139,7 +139,7 @@ impl Analyser {
         let (mut verdict, multipliers) = self.by_multipliers(orbit, finder, tolerance, thorough)?;
         if verdict.mechanism == Some(Mechanism::PlusOne)
             && is_symmetric(orbit)
-            && breaks_symmetry(orbit, finder.prepared(orbit)?.response(), &verdict)
+            && breaks_symmetry(finder.prepared(orbit)?, &verdict)
         {
             verdict.mechanism = Some(Mechanism::Pitchfork);
         }

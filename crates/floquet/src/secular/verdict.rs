@@ -12,8 +12,7 @@
 //! The count is the certificate: no search that fails can pass for an answer.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Orbit, Prepared};
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_breather::Prepared;
 
 use super::error::SecularError;
 use super::gap::{Lowest, beyond, lowest};
@@ -125,36 +124,12 @@ pub(super) struct LeadingRoot {
 }
 
 impl Secular {
-    /// Of a reversible orbit, see [`Residues::of`].
+    /// Takes over a reversible orbit, see [`Residues::replace`].
     ///
     /// # Errors
-    /// As [`Residues::of`].
-    pub fn of(prepared: Prepared<'_>) -> Result<Self, SecularError> {
-        let mut new = Self::default();
-        new.replace(prepared)?;
-        Ok(new)
-    }
-
-    /// The same of another orbit, in the same memory. After an error there is nothing of either.
-    ///
-    /// # Errors
-    /// As [`Secular::of`].
+    /// As [`Residues::replace`].
     pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
-        self.set(prepared.orbit(), prepared.response())
-    }
-
-    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
-        self.residues.set(orbit, response)
-    }
-
-    /// As [`Secular::of`], see [`Residues::set_within`].
-    pub(crate) fn set_within(
-        &mut self,
-        orbit: &Orbit,
-        response: &ImpulseResponse,
-        ratio_error: f64,
-    ) -> Result<(), SecularError> {
-        self.residues.set_within(orbit, response, ratio_error)
+        self.residues.replace(prepared)
     }
 
     /// Both multipliers of every root ν, in pairs.
