@@ -194,7 +194,7 @@ impl Analyser {
             if !thorough {
                 return Ok((verdict, Vec::new()));
             }
-            let multipliers = self.secular.multipliers()?;
+            let multipliers: Vec<_> = self.secular.all_nu()?.flat_map(|(nu, _)| nu.multipliers()).collect();
             // Where none leads, one that is there.
             let leading = multipliers.first().filter(|_| verdict.growth() == 0.0).copied();
             return Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers));

@@ -8,7 +8,7 @@ use crate::analyser::{Analyser, Failure};
 use crate::dense::Dense;
 use crate::error::FloquetError;
 use crate::saltation::saltations;
-use crate::secular::{ForcedSecular, Leading, MOST_IMPACTS, SecularError, Standing, excess, meetings};
+use crate::secular::{ForcedSecular, Leading, MOST_IMPACTS, Nu, SecularError, Standing, excess, meetings};
 use crate::verdict::{Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -82,14 +82,12 @@ impl Analyser {
         thorough: bool,
     ) -> Result<Verdict, Failure> {
         let condition = finder.condition(orbit)?;
-        let multipliers = self.secular.multipliers()?;
-        let errors = self.secular.roots.errors.iter().flat_map(|error| [*error; 2]);
-        // ν = ½(μ + 1/μ), next to ±1 a square root.
-        let of_multiplier = |(mu, error): (Complex<f64>, f64)| {
-            let slope = (mu - mu.inv()).norm().max((2.0 * error).sqrt());
-            (mu, 2.0 * error * mu.norm() / slope + 4.0 * f64::EPSILON * mu.norm())
+        let both = |(nu, error): (Nu, f64)| {
+            let growth = nu.growth();
+            let relative = nu.growth_error(growth, error) / (1.0 + growth) + 4.0 * f64::EPSILON;
+            nu.multipliers().map(|mu| (mu, relative * mu.norm()))
         };
-        self.forced.adopt(orbit, &condition, multipliers.into_iter().zip(errors).map(of_multiplier), None);
+        self.forced.adopt(orbit, &condition, self.secular.all_nu()?.flat_map(both), None);
         elastic(&mut self.forced, finder.prepared(orbit)?, tolerance, thorough)
     }
 

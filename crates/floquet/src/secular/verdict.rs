@@ -16,10 +16,10 @@ use vibrochain_breather::Prepared;
 
 use super::error::SecularError;
 use super::gap::{Lowest, beyond, lowest};
-use super::growth::{Nu, multiplier, outside};
+use super::growth::{Nu, outside};
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
-use super::root::{Root, Roots};
+use super::root::Roots;
 use super::search::Search;
 use vibrochain_breather::lanes::Lane;
 
@@ -132,21 +132,11 @@ impl Secular {
         self.residues.replace(prepared)
     }
 
-    /// Both multipliers of every root ν, in pairs.
-    pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, SecularError> {
+    /// All non-trivial ν and their errors.
+    pub(crate) fn all_nu(&mut self) -> Result<impl Iterator<Item = (Nu, f64)> + '_, SecularError> {
         self.solve()?;
-        let form = &self.residues;
-        let both = |root: &Root| {
-            // Roots are kept as offsets from poles that are known from ±1 as well.
-            let nu = form.nu(root.place, root.t);
-            if nu.im == 0.0 && nu.below <= 0.0 && nu.above >= 0.0 {
-                let on_circle = Complex::new(nu.complex().re, (-nu.below * nu.above).sqrt());
-                return [on_circle, on_circle.conj()];
-            }
-            let large = multiplier(&nu);
-            [large, large.inv()]
-        };
-        Ok(self.roots.list.iter().flat_map(both).collect())
+        let Self { residues, roots, .. } = self;
+        Ok(roots.list.iter().map(|root| (residues.nu(root.place, root.t), root.error)))
     }
 
     /// Poles, residues, signatures.
@@ -284,7 +274,7 @@ pub(super) fn assemble(
     worst: f64,
 ) -> Result<SecularVerdict, SecularError> {
     let tell = |this: LeadingRoot| {
-        let large = multiplier(&this.nu);
+        let [large, _] = this.nu.multipliers();
         let (growth, growth_error) = (this.growth, this.error);
         let certain = this.reason != Reason::Tangency && growth_error < growth;
         let outcome = if certain { Standing::Unstable } else { Standing::Marginal };
