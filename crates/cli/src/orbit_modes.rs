@@ -43,7 +43,8 @@ impl OrbitModes {
         }
         let prepared = finder.prepared(orbit).ok()?;
         let response = prepared.response();
-        let dressed = DressedModes::of(prepared).ok()?;
+        let mut dressed = DressedModes::default();
+        dressed.replace(prepared).ok()?;
         let mut secular = Secular::default();
         let certain = secular.replace(prepared).is_ok();
         let mut residues = vec![None; response.modes()];

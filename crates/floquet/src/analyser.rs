@@ -4,7 +4,7 @@
 //! |---|---|
 //! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
-//! | a mass without coupling | trace and determinant of its 2 × 2 matrix (`alone`) |
+//! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
 //! | impacts at several sites, and whatever the secular form doubts | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
@@ -12,7 +12,6 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
-use crate::alone;
 use crate::dense::{Dense, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
@@ -140,7 +139,7 @@ impl Analyser {
         let (mut verdict, multipliers) = self.by_multipliers(orbit, finder, tolerance, thorough)?;
         if verdict.mechanism == Some(Mechanism::PlusOne)
             && is_symmetric(orbit)
-            && breaks_symmetry(orbit, finder.prepared(orbit)?.response(), &verdict)
+            && breaks_symmetry(finder.prepared(orbit)?, &verdict)
         {
             verdict.mechanism = Some(Mechanism::Pitchfork);
         }
@@ -154,10 +153,8 @@ impl Analyser {
         tolerance: Tolerance,
         thorough: bool,
     ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
-        if !self.dense_only && uncoupled(orbit) {
-            return alone::verdict(orbit, finder, tolerance, thorough);
-        }
-        let secular = !self.dense_only && orbit.impact_site().is_some();
+        let alone = uncoupled(orbit);
+        let secular = !self.dense_only && orbit.impact_site().is_some() && !alone;
         let mut doubt = None;
         if secular {
             match self.by_secular_function(orbit, finder, tolerance, thorough) {
@@ -175,7 +172,8 @@ impl Analyser {
         }
         let verdict = self.dense.judge(orbit, finder, tolerance, thorough)?;
         let method = Method::Dense(doubt);
-        let open = doubt.is_some() && verdict.resolution > 0.0 && (thorough || verdict.marginal);
+        let tried = doubt.is_some() || alone && !self.dense_only;
+        let open = tried && verdict.resolution > 0.0 && (thorough || verdict.marginal);
         if open && let Some(settled) = self.settled_from_matrix(orbit, finder, tolerance, &verdict)? {
             let multipliers = if thorough { self.forced.symmetric_multipliers() } else { Vec::new() };
             return Ok((Verdict { method, ..settled }, multipliers));
@@ -196,7 +194,7 @@ impl Analyser {
             if !thorough {
                 return Ok((verdict, Vec::new()));
             }
-            let multipliers = self.secular.multipliers()?;
+            let multipliers: Vec<_> = self.secular.all_nu()?.flat_map(|(nu, _)| nu.multipliers()).collect();
             // Where none leads, one that is there.
             let leading = multipliers.first().filter(|_| verdict.growth() == 0.0).copied();
             return Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers));

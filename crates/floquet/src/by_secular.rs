@@ -2,14 +2,13 @@
 //! held against the tolerance.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Orbit};
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_breather::{Finder, Orbit, Prepared};
 
 use crate::analyser::{Analyser, Failure};
 use crate::dense::Dense;
 use crate::error::FloquetError;
 use crate::saltation::saltations;
-use crate::secular::{ForcedSecular, Leading, MOST_IMPACTS, SecularError, Standing, excess, meetings};
+use crate::secular::{ForcedSecular, Leading, MOST_IMPACTS, Nu, SecularError, Standing, excess, meetings};
 use crate::verdict::{Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -50,8 +49,7 @@ impl Analyser {
                 sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)));
             4.0 * f64::EPSILON * most / least
         };
-        let response = finder.prepared(orbit)?.response();
-        self.secular.set_within(orbit, response, ratio_error)?;
+        self.secular.residues.replace_within(finder.prepared(orbit)?, ratio_error)?;
         let found = self.secular.verdict();
         let open = match &found {
             Ok(verdict) => verdict.outcome == Standing::Marginal,
@@ -84,15 +82,13 @@ impl Analyser {
         thorough: bool,
     ) -> Result<Verdict, Failure> {
         let condition = finder.condition(orbit)?;
-        let multipliers = self.secular.multipliers()?;
-        let errors = self.secular.roots.errors.iter().flat_map(|error| [*error; 2]);
-        // ν = ½(μ + 1/μ), next to ±1 a square root.
-        let of_multiplier = |(mu, error): (Complex<f64>, f64)| {
-            let slope = (mu - mu.inv()).norm().max((2.0 * error).sqrt());
-            (mu, 2.0 * error * mu.norm() / slope + 4.0 * f64::EPSILON * mu.norm())
+        let both = |(nu, error): (Nu, f64)| {
+            let growth = nu.growth();
+            let relative = nu.growth_error(growth, error) / (1.0 + growth) + 4.0 * f64::EPSILON;
+            nu.multipliers().map(|mu| (mu, relative * mu.norm()))
         };
-        self.forced.adopt(orbit, &condition, multipliers.into_iter().zip(errors).map(of_multiplier), None);
-        elastic(&mut self.forced, orbit, finder.prepared(orbit)?.response(), tolerance, thorough)
+        self.forced.adopt(orbit, &condition, self.secular.all_nu()?.flat_map(both), None);
+        elastic(&mut self.forced, finder.prepared(orbit)?, tolerance, thorough)
     }
 
     /// The verdict on a matrix's eigenvalues after the impacts' equations have settled those that matter: next to a resonance errors of the
@@ -110,12 +106,12 @@ impl Analyser {
         let condition = finder.condition(orbit)?;
         let Dense { values, reach, rounding, .. } = &self.dense;
         self.forced.adopt(orbit, &condition, values.iter().map(|value| (*value, *reach)), Some(*rounding));
-        let response = finder.prepared(orbit)?.response();
-        self.forced.settle_apart(orbit, response);
+        let prepared = finder.prepared(orbit)?;
+        self.forced.settle_apart(prepared);
         let settled = if orbit.model().loss() == 0.0 {
-            Some(told_from_circle(&mut self.forced, orbit, response).verdict(&self.forced, tolerance))
+            Some(told_from_circle(&mut self.forced, prepared).verdict(&self.forced, tolerance))
         } else {
-            let leading = self.forced.leading(orbit, response);
+            let leading = self.forced.leading(prepared);
             leading.map(|Leading { place, growth, error }| {
                 settle(self.forced.multipliers().0, place, growth, error, tolerance)
             })
@@ -132,16 +128,16 @@ impl Analyser {
     ) -> Result<Verdict, Failure> {
         let _ = saltations(orbit)?;
         let careful = thorough || finder.is_delicate(orbit)?;
-        self.forced.solve(orbit, finder.prepared(orbit)?.response())?;
+        self.forced.solve(finder.prepared(orbit)?)?;
         if careful {
             let condition = finder.condition(orbit)?;
-            self.forced.add_errors_of(orbit, &condition, finder.prepared(orbit)?.response())?;
+            self.forced.add_errors_of(finder.prepared(orbit)?, &condition)?;
         }
-        let response = finder.prepared(orbit)?.response();
+        let prepared = finder.prepared(orbit)?;
         if orbit.model().loss() == 0.0 {
-            return elastic(&mut self.forced, orbit, response, tolerance, thorough);
+            return elastic(&mut self.forced, prepared, tolerance, thorough);
         }
-        let leading = self.forced.leading(orbit, response);
+        let leading = self.forced.leading(prepared);
         let Some(Leading { place, growth, error }) = leading else { return Err(SecularError::NotReversible.into()) };
         check(growth, error, thorough, orbit)?;
         Ok(settle(self.forced.multipliers().0, place, growth, error, tolerance))
@@ -190,25 +186,24 @@ impl Elastic {
 /// The verdict on elastic impacts, where no pair may have met and the error is of use: else a doubt.
 fn elastic(
     forced: &mut ForcedSecular,
-    orbit: &Orbit,
-    response: &ImpulseResponse,
+    prepared: Prepared<'_>,
     tolerance: Tolerance,
     thorough: bool,
 ) -> Result<Verdict, Failure> {
-    let told = told_from_circle(forced, orbit, response);
+    let told = told_from_circle(forced, prepared);
     // A pair that may have met is a question of matrices and their eigenvectors.
     if !told.met.is_empty() {
         return Err(SecularError::Tangency.into());
     }
     if let Some((_, growth, error)) = told.leading {
-        check(growth, error, thorough, orbit)?;
+        check(growth, error, thorough, prepared.orbit())?;
     }
     Ok(told.verdict(forced, tolerance))
 }
 
 /// Elastic impacts: a multiplier comes with 1/μ̄, so that one next to the circle that has no other near lies on it exactly.
-fn told_from_circle(forced: &mut ForcedSecular, orbit: &Orbit, response: &ImpulseResponse) -> Elastic {
-    let most = BUDGET / orbit.model().chain().even_modes();
+fn told_from_circle(forced: &mut ForcedSecular, prepared: Prepared<'_>) -> Elastic {
+    let most = BUDGET / prepared.orbit().model().chain().even_modes();
     let mut settled = 0;
     loop {
         let (values, errors) = forced.multipliers();
@@ -217,7 +212,7 @@ fn told_from_circle(forced: &mut ForcedSecular, orbit: &Orbit, response: &Impuls
         // Those that matter first get the errors they deserve.
         if let Some((place, ..)) = leading.filter(|(place, ..)| forced.is_open(*place) && settled < most) {
             settled += 1;
-            forced.settle(place, orbit, response, true);
+            forced.settle(place, prepared, true);
             continue;
         }
         let mut met = meetings(values, errors, ROOM);
@@ -230,7 +225,7 @@ fn told_from_circle(forced: &mut ForcedSecular, orbit: &Orbit, response: &Impuls
             settled += open.len();
             for place in open {
                 if forced.is_open(place) {
-                    forced.settle(place, orbit, response, true);
+                    forced.settle(place, prepared, true);
                 }
             }
             continue;

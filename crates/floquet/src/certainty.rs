@@ -57,7 +57,8 @@ pub(crate) fn relative_uncertainty(orbit: &Orbit, condition: &Condition, dimensi
         let kappa = Saltation::of(impact, e).kappa;
         let velocity = impact.velocity_before.abs();
         let off = ((1.0 + e) * error.acceleration + kappa.abs() * error.impulse / (1.0 + e)) / velocity;
-        uncertainty += off / (kappa.abs() + orbit.frequency()) + top * error.time;
+        // Against the size of the saltation: of nearly inelastic impacts little else is in the matrix.
+        uncertainty += off / (kappa.abs() + e * orbit.frequency()) + top * error.time;
     }
     uncertainty
 }

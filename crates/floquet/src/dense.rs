@@ -16,8 +16,8 @@ use vibrochain_breather::{Finder, Orbit};
 use crate::eigen::eigenvalues;
 use crate::error::FloquetError;
 use crate::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy};
-use crate::multipliers::pair;
 use crate::reversible::Reversible;
+use crate::secular::Nu;
 use crate::square::{Reflector, Square};
 
 /// Reusable work space for dense matrices.
@@ -41,7 +41,11 @@ impl Dense {
     /// The multipliers of the space that feels impacts as the last verdict or [`Dense::solve`] found them, without the trivial
     /// pair.
     pub(crate) fn multipliers(&self, orbit: &Orbit) -> Vec<Complex<f64>> {
-        if orbit.is_reversible() { self.values.iter().flat_map(|&nu| pair(nu)).collect() } else { self.values.clone() }
+        if orbit.is_reversible() {
+            self.values.iter().flat_map(|&nu| Nu::of(nu).multipliers()).collect()
+        } else {
+            self.values.clone()
+        }
     }
 
     /// The matrix whose eigenvalues `values` are.

@@ -10,7 +10,7 @@ use vibrochain_breather::{Finder, Orbit};
 use crate::certainty::{eigenvalue_condition, relative_uncertainty};
 use crate::dense::Dense;
 use crate::error::FloquetError;
-use crate::multipliers::pair;
+use crate::secular::Nu;
 use crate::verdict::{Tolerance, Verdict};
 
 /// Multiplications that doubtful eigenvalues of one orbit may cost, each the cube of the dimension; what is beyond them is
@@ -41,7 +41,7 @@ impl Structure {
 
     /// The multiplier of larger modulus that belongs to an eigenvalue.
     fn multiplier(self, value: Complex<f64>) -> Complex<f64> {
-        if self == Self::Reversible { pair(value)[0] } else { value }
+        if self == Self::Reversible { Nu::of(value).multipliers()[0] } else { value }
     }
 
     /// How far the modulus of the multiplier moves when the eigenvalue moves by `reach`.
@@ -49,9 +49,8 @@ impl Structure {
         if self != Self::Reversible {
             return reach;
         }
-        // dμ/dν = μ/√(ν²−1), and the square root itself where ν comes within reach of ±1.
-        let root = ((value - 1.0) * (value + 1.0)).norm().sqrt();
-        self.multiplier(value).norm() * if root * root > 2.0 * reach { reach / root } else { (2.0 * reach).sqrt() }
+        let nu = Nu::of(value);
+        nu.growth_error(nu.growth(), reach)
     }
 
     /// How far an eigenvalue that looks stable is from becoming unstable, in its own plane.

@@ -17,8 +17,7 @@
 //! All denominators are positive, and so is the determinant far to the right: it is negative just below √μ if √μ, and not −√μ,
 //! is the leading σ.
 
-use vibrochain_breather::Orbit;
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_breather::{Orbit, Prepared};
 
 use crate::saltation::Saltation;
 use crate::verdict::Verdict;
@@ -44,7 +43,8 @@ pub(crate) fn is_symmetric(orbit: &Orbit) -> bool {
 
 /// The leading multiplier of a symmetric orbit, real and above 1, belongs to a perturbation that breaks its symmetry. `false`
 /// also where errors leave that open.
-pub(crate) fn breaks_symmetry(orbit: &Orbit, response: &ImpulseResponse, verdict: &Verdict) -> bool {
+pub(crate) fn breaks_symmetry(prepared: Prepared<'_>, verdict: &Verdict) -> bool {
+    let (orbit, response) = (prepared.orbit(), prepared.response());
     let Some(impact) = orbit.impacts().first() else { return false };
     let growth = verdict.growth();
     let below = (2.0 * verdict.resolution).max(BELOW * (1.0 + growth));

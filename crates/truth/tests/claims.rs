@@ -174,6 +174,28 @@ fn claims_for_nearly_inelastic_impacts_hold_and_are_of_use() {
     claims_hold(Place::Inelastic, 20);
 }
 
+/// The rounding of a saltation was held against a matrix that had lost most of its size.
+#[test]
+fn matrices_of_nearly_inelastic_impacts_err_by_no_more_than_they_claim() {
+    let (mut finder, mut found, mut analyser) = (Finder::new(1), Found::default(), Analyser::dense());
+    let (mut random, mut compared) = (Random(11), 0);
+    for _ in 0..400 {
+        let chain = Chain::new(1 + 2 * random.below(2), random.log(0.02, 0.5), random.log(1e-3, 0.05)).unwrap();
+        let (omega, a, e) = (random.log(1.0, 5.0), random.between(0.0, 0.9), random.log(1e-5, 1e-2));
+        let model = Model::forced(chain, omega, a, random.log(0.05, 2.0), e).unwrap();
+        if finder.find(&model, Family::SingleSided, &mut found).is_err() {
+            continue;
+        }
+        for orbit in found.orbits.iter().take(2) {
+            let verdict = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
+            let Some((off, _)) = truth_of(orbit, &verdict) else { continue };
+            assert!(off <= verdict.resolution, "{verdict:?} is off by {off:e}, {model:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 300, "{compared}");
+}
+
 /// Growth 0.0368 was known to ±8.3e5, one radius 0.11 was off by six times its claim.
 #[test]
 fn a_mass_alone_knows_its_multipliers() {

@@ -31,7 +31,7 @@ impl Polisher {
     pub(super) fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
         let _ = saltations(orbit)?;
         let mut matrix = ImpactMatrix::default();
-        matrix.set(orbit, finder.prepared(orbit)?.response());
+        matrix.set(finder.prepared(orbit)?);
         Ok(Self(matrix))
     }
 

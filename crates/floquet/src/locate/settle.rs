@@ -8,7 +8,7 @@ use super::answer::{Evidence, LocateError, Located, Unresolved};
 use super::branch_off::branch_off;
 use super::follower::{Follower, LONGEST};
 use super::watch::Test;
-use crate::multipliers::pair;
+use crate::secular::Nu;
 use crate::verdict::{Tolerance, Verdict};
 
 /// A multiplier farther than this from where it should be is not the zero of the function but a pole.
@@ -116,7 +116,7 @@ impl Follower {
         let orbit = point.orbit();
         let values = self.spectrum(orbit)?;
         let multipliers = values.iter().flat_map(|&value| {
-            let [large, small] = if orbit.is_reversible() { pair(value) } else { [value, value] };
+            let [large, small] = if orbit.is_reversible() { Nu::of(value).multipliers() } else { [value, value] };
             [large, small]
         });
         let nearest = multipliers.min_by(|a, b| (a - goal).norm_sqr().total_cmp(&(b - goal).norm_sqr()));

@@ -9,7 +9,7 @@ use nalgebra::Complex;
 
 use super::error::SecularError;
 use super::gap::Lowest;
-use super::root::{Root, Touching};
+use super::root::Touching;
 use super::verdict::{LeadingRoot, Reason, Secular, SecularVerdict, Standing, WORST, assemble, most, tangency};
 
 impl Touching {
@@ -26,17 +26,14 @@ impl Secular {
         mut marginal: Option<LeadingRoot>,
         mut clearance: f64,
     ) -> Result<SecularVerdict, SecularError> {
-        self.solve()?;
-        let Self { residues: form, roots, .. } = self;
         let mut leading: Option<LeadingRoot> = None;
-        for Root { place, t, error } in &roots.list {
-            let nu = form.nu(*place, *t);
+        for (nu, error) in self.all_nu()? {
             let growth = nu.growth();
-            clearance = clearance.min(if t.im == 0.0 { nu.below.abs().min(nu.above.abs()) } else { t.im.abs() });
+            clearance = clearance.min(if nu.im == 0.0 { nu.below.abs().min(nu.above.abs()) } else { nu.im.abs() });
             if growth == 0.0 || nu.im < 0.0 {
                 continue;
             }
-            let error = nu.growth_error(growth, *error);
+            let error = nu.growth_error(growth, error);
             let reason = if nu.im == 0.0 { Reason::RealRoot } else { Reason::ComplexPair };
             let this = LeadingRoot { nu, growth, error, reason };
             if error < growth {
@@ -45,6 +42,7 @@ impl Secular {
                 marginal = most(marginal, LeadingRoot { reason: Reason::Tangency, growth: growth + error, ..this });
             }
         }
+        let Self { residues: form, roots, .. } = self;
         for &Touching { gap, t, reach } in &roots.touching {
             let nu = form.nu(gap, Complex::new(t, reach));
             let growth = nu.growth();

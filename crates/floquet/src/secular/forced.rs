@@ -11,7 +11,6 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{Orbit, Prepared};
-use vibrochain_lattice::ImpulseResponse;
 
 use super::aberth::Aberth;
 use super::error::SecularError;
@@ -64,34 +63,19 @@ pub struct SecularMultipliers {
 pub(crate) const MOST_IMPACTS: usize = 8;
 
 impl SecularMultipliers {
-    /// Of an orbit.
+    /// Takes over an orbit. After an error there is nothing of it, nor of the one before.
     ///
     /// # Errors
     /// [`SecularError::NotReversible`] for impacts at several sites, or more than 8; [`SecularError::Coincident`] where two poles coincide
     /// (γ₂ → 0, a rigid mode, Ω_k ± Ω_l = jω); [`SecularError::Certificate`].
-    pub fn of(prepared: Prepared<'_>) -> Result<Self, SecularError> {
-        let mut new = Self::default();
-        new.replace(prepared)?;
-        Ok(new)
-    }
-
-    /// The same of another orbit, in the same memory. After an error there is nothing of either.
-    ///
-    /// # Errors
-    /// As [`SecularMultipliers::of`].
     pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
-        self.set(prepared.orbit(), prepared.response())
-    }
-
-    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
-        let impacts = orbit.impacts();
-        let n = impacts.len();
+        let orbit = prepared.orbit();
+        let n = orbit.impacts().len();
         if orbit.impact_site().is_none() || n == 0 || n > MOST_IMPACTS {
             return Err(SecularError::NotReversible);
         }
         self.take_over(orbit);
-        let e = orbit.model().restitution();
-        self.assemble(e, orbit.model().loss(), response)
+        self.assemble(prepared)
     }
 
     /// Times and saltations.
@@ -104,8 +88,10 @@ impl SecularMultipliers {
         self.kappas.extend(orbit.impacts().iter().map(|impact| Saltation::reduced(impact, e)));
     }
 
-    /// Residues for the times and saltations taken over.
-    pub(super) fn assemble(&mut self, e: f64, q: f64, response: &ImpulseResponse) -> Result<(), SecularError> {
+    /// Residues of the orbit for the times and saltations taken over.
+    pub(super) fn assemble(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
+        let (model, response) = (prepared.orbit().model(), prepared.response());
+        let (e, q) = (model.restitution(), model.loss());
         let n = self.times.len();
         let (frequencies, weights) = (response.frequencies(), response.weights());
         let (cos, sin) = (response.cos_half(), response.sin_half());

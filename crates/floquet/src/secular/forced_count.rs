@@ -21,8 +21,7 @@
 //! q² + g(h − 2κ') < 0 at a zero of σ means a complex pair, f(±1) < 0 a real multiplier beyond ±1.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Orbit, Prepared};
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_breather::Prepared;
 
 use super::error::SecularError;
 use super::evaluate::Local;
@@ -87,17 +86,14 @@ impl OutsideCounter {
     /// [`SecularError::NotReversible`] unless the orbit has one impact a period and e < 1; [`SecularError::Tangency`] if rounding decides:
     /// a multiplier is on the circle to within it.
     pub fn count(&mut self, prepared: Prepared<'_>) -> Result<OutsideCount, SecularError> {
-        self.count_of(prepared.orbit(), prepared.response())
-    }
-
-    pub(crate) fn count_of(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<OutsideCount, SecularError> {
+        let orbit = prepared.orbit();
         let q = orbit.model().loss();
         let [impact] = orbit.impacts() else { return Err(SecularError::NotReversible) };
         if q <= 0.0 {
             return Err(SecularError::NotReversible);
         }
         let twice_kappa = 2.0 * Saltation::reduced(impact, orbit.model().restitution());
-        self.modes.set(response);
+        self.modes.set(prepared.response());
         let count = self.modes.count();
         self.table.clear();
         let (mut plus, mut minus): ([f64; 4], [f64; 4]) = Default::default();

@@ -3,11 +3,11 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{Condition, ImpactError, Orbit, Prepared};
-use vibrochain_lattice::ImpulseResponse;
 
 use super::error::SecularError;
 use super::forced::SecularMultipliers;
 use super::forced_count::OutsideCounter;
+use super::forced_large::LARGE;
 use super::growth::excess;
 use super::impact_matrix::ImpactMatrix;
 use super::settle::{DataError, Origin, Settled};
@@ -74,12 +74,11 @@ impl ForcedSecular {
     /// # Errors
     /// [`SecularError`]; [`SecularError::NotReversible`] also for conservative orbits, whose trivial pair this form does not split off.
     pub fn verdict(&mut self, prepared: Prepared<'_>) -> Result<SecularVerdict, SecularError> {
-        let (orbit, response) = (prepared.orbit(), prepared.response());
-        if orbit.model().is_conservative() {
+        if prepared.orbit().model().is_conservative() {
             return Err(SecularError::NotReversible);
         }
-        self.solve(orbit, response)?;
-        let Some(leading) = self.leading(orbit, response) else { return Err(SecularError::NotReversible) };
+        self.solve(prepared)?;
+        let Some(leading) = self.leading(prepared) else { return Err(SecularError::NotReversible) };
         let Leading { place, growth, error } = leading;
         let leading = self.values[place];
         let clearance = self.values.iter().map(|z| excess(*z).abs()).fold(f64::INFINITY, f64::min);
@@ -97,7 +96,7 @@ impl ForcedSecular {
 
     /// The leading multiplier and its error, those that may lead instead counted in; whatever decides on it is
     /// settled first.
-    pub(crate) fn leading(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Option<Leading> {
+    pub(crate) fn leading(&mut self, prepared: Prepared<'_>) -> Option<Leading> {
         for _ in 0..MOST_SETTLED {
             let best = self.best()?;
             let reach = best.growth + self.errors[best.place];
@@ -111,7 +110,7 @@ impl ForcedSecular {
                 .map(|(place, ((z, error), _))| (place, excess(*z) + error))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((place, _)) = rival else { break };
-            self.settle(place, orbit, response, true);
+            self.settle(place, prepared, true);
         }
         self.best()
     }
@@ -132,8 +131,8 @@ impl ForcedSecular {
 
     /// Settles one multiplier by the impacts' equations, where they know better; `included` tells that the errors hold those of
     /// the orbit's data already.
-    pub(crate) fn settle(&mut self, place: usize, orbit: &Orbit, response: &ImpulseResponse, included: bool) {
-        self.set_matrix(orbit, response);
+    pub(crate) fn settle(&mut self, place: usize, prepared: Prepared<'_>, included: bool) {
+        self.set_matrix(prepared);
         let z = self.values[place];
         let (known, included) = self.rounding.map_or((self.errors[place], included), |rounding| (rounding, false));
         let Some(Settled { z: settled, error, data }) = self.matrix.settle(z, &self.data) else {
@@ -163,17 +162,17 @@ impl ForcedSecular {
         }
     }
 
-    fn set_matrix(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+    fn set_matrix(&mut self, prepared: Prepared<'_>) {
         if !self.has_matrix {
-            self.matrix.set(orbit, response);
+            self.matrix.set(prepared);
             self.has_matrix = true;
         }
     }
 
     /// Settles all multipliers together: zeros of the impacts' equations that are apart from all others are as many multipliers, however
     /// far the values were off that led to them. The rest is left open.
-    pub(crate) fn settle_apart(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
-        self.set_matrix(orbit, response);
+    pub(crate) fn settle_apart(&mut self, prepared: Prepared<'_>) {
+        self.set_matrix(prepared);
         let found: Vec<Option<Settled>> = self.values.iter().map(|z| self.matrix.settle(*z, &self.data)).collect();
         for (place, settled) in found.iter().enumerate() {
             let Some(Settled { z, error, data }) = *settled else {
@@ -197,27 +196,26 @@ impl ForcedSecular {
     /// # Errors
     /// As [`ForcedSecular::verdict`].
     pub fn settled(&mut self, prepared: Prepared<'_>) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
-        let (orbit, response) = (prepared.orbit(), prepared.response());
-        if orbit.model().is_conservative() {
+        if prepared.orbit().model().is_conservative() {
             return Err(SecularError::NotReversible);
         }
-        self.solve(orbit, response)?;
-        self.settle_all(orbit, response, true);
+        self.solve(prepared)?;
+        self.settle_all(prepared, true);
         Ok(self.multipliers())
     }
 
-    fn settle_all(&mut self, orbit: &Orbit, response: &ImpulseResponse, included: bool) {
+    fn settle_all(&mut self, prepared: Prepared<'_>, included: bool) {
         for place in 0..self.values.len() {
             if self.asked[place] == State::Open {
-                self.settle(place, orbit, response, included);
+                self.settle(place, prepared, included);
             }
         }
     }
 
     /// All multipliers of the even subspace but a conservative orbit's trivial pair, held against the count of those outside the circle
     /// where there is one.
-    pub(crate) fn solve(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
-        self.multipliers.set(orbit, response)?;
+    pub(crate) fn solve(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
+        self.multipliers.replace(prepared)?;
         // A conservative orbit's trivial pair is known.
         let trivial = self.multipliers.trivial;
         let (values, errors) = self.multipliers.multipliers()?;
@@ -228,7 +226,7 @@ impl ForcedSecular {
         self.open_all((trivial > 0).then_some(Complex::new(1.0, 0.0)));
         // The count takes a pass over the modes for each of them.
         if !self.multipliers.is_large()
-            && let Ok(count) = self.counter.count_of(orbit, response)
+            && let Ok(count) = self.counter.count(prepared)
         {
             let beyond = |sign: f64| {
                 let outside = |(z, error): &(&Complex<f64>, &f64)| excess(**z) > sign * **error;
@@ -280,20 +278,15 @@ impl ForcedSecular {
 
     /// Adds what the errors of the orbit's own data, of its saltations and times, do to each multiplier, to first order, each
     /// error with the worst sign: as it is settled, or else by difference quotients of the secular function.
-    pub(crate) fn add_errors_of(
-        &mut self,
-        orbit: &Orbit,
-        condition: &Condition,
-        response: &ImpulseResponse,
-    ) -> Result<(), SecularError> {
-        self.know_data_of(orbit, condition);
+    pub(crate) fn add_errors_of(&mut self, prepared: Prepared<'_>, condition: &Condition) -> Result<(), SecularError> {
+        self.know_data_of(prepared.orbit(), condition);
         if !self.multipliers.is_large() {
-            self.settle_all(orbit, response, false);
+            self.settle_all(prepared, false);
         }
         if self.asked.iter().all(|state| *state == State::Settled) {
             return Ok(());
         }
-        self.add_differences(orbit, response)
+        self.add_differences(prepared)
     }
 
     fn know_data_of(&mut self, orbit: &Orbit, condition: &Condition) {
@@ -316,7 +309,7 @@ impl ForcedSecular {
     }
 
     /// Errors of the orbit's data by difference quotients, for those that are not settled.
-    fn add_differences(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
+    fn add_differences(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
         let Self { multipliers: form, moved, values, errors, asked, data, .. } = self;
         let mut worst: Origin = form.kappas.iter().map(|_| DataError::default()).collect();
         for origin in data.iter() {
@@ -324,7 +317,7 @@ impl ForcedSecular {
                 *sum = DataError { kappa: sum.kappa + error.kappa.abs(), time: sum.time + error.time.abs() };
             }
         }
-        let (e, q) = (orbit.model().restitution(), orbit.model().loss());
+        let response = prepared.response();
         let top = response.frequencies().iter().copied().fold(response.omega(), f64::max);
         for (i, DataError { kappa, time }) in worst.iter().enumerate() {
             let kappa_step = STEP * (form.kappas[i].abs() + response.omega());
@@ -336,7 +329,7 @@ impl ForcedSecular {
                 moved.kappas.clone_from(&form.kappas);
                 (if of_time { &mut moved.times } else { &mut moved.kappas })[i] += step;
                 // The certificate is the orbit's own business; here a derivative is all.
-                match moved.assemble(e, q, response) {
+                match moved.assemble(prepared) {
                     Ok(()) | Err(SecularError::Certificate { .. }) => {}
                     Err(doubt) => return Err(doubt),
                 }
@@ -361,7 +354,7 @@ impl ForcedSecular {
 
     /// The multipliers with complex ones in exactly conjugate pairs and real ones without imaginary part.
     pub(crate) fn symmetric_multipliers(&self) -> Vec<Complex<f64>> {
-        if self.multipliers.is_large() {
+        if self.values.len() > 2 * LARGE {
             // They are found that way.
             return self.values.clone();
         }

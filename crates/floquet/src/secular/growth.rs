@@ -23,7 +23,6 @@ impl Nu {
         }
     }
 
-    #[cfg(test)]
     pub(crate) fn of(nu: Complex<f64>) -> Self {
         Self { below: nu.re - 1.0, above: nu.re + 1.0, im: nu.im }
     }
@@ -48,18 +47,23 @@ impl Nu {
 
     /// How much an error of ν moves the growth: |dμ/dν| = |μ|/|√(ν²−1)|; a root within the error of ±1 like a square root.
     pub(crate) fn growth_error(&self, growth: f64, error: f64) -> f64 {
-        let slope = (self.below.hypot(self.im) * self.above.hypot(self.im)).sqrt();
-        let reach = error / slope.max(error.sqrt()).max(f64::MIN_POSITIVE);
+        let square = self.below.hypot(self.im) * self.above.hypot(self.im);
+        let reach = if square > 2.0 * error { error / square.sqrt() } else { (2.0 * error).sqrt() };
         (1.0 + growth) * reach + 4.0 * f64::EPSILON * growth
     }
-}
 
-/// The multiplier of larger modulus, μ = ν ± √(ν−1)√(ν+1).
-pub(crate) fn multiplier(nu: &Nu) -> Complex<f64> {
-    let (one, value) = (Complex::new(nu.below, nu.im), nu.complex());
-    let root = one.sqrt() * Complex::new(nu.above, nu.im).sqrt();
-    let (plus, minus) = (value + root, value - root);
-    if plus.norm_sqr() >= minus.norm_sqr() { plus } else { minus }
+    /// μ = ν ± √(ν−1)√(ν+1), the larger modulus first; by factors, since next to ±1 the difference keeps its digits.
+    pub(crate) fn multipliers(&self) -> [Complex<f64>; 2] {
+        let value = self.complex();
+        if self.im == 0.0 && self.below <= 0.0 && self.above >= 0.0 {
+            let on_circle = Complex::new(value.re, (-self.below * self.above).sqrt());
+            return [on_circle, on_circle.conj()];
+        }
+        let root = Complex::new(self.below, self.im).sqrt() * Complex::new(self.above, self.im).sqrt();
+        let (plus, minus) = (value + root, value - root);
+        let large = if plus.norm_sqr() >= minus.norm_sqr() { plus } else { minus };
+        [large, large.inv()]
+    }
 }
 
 /// |z| − 1 without the cancellation of the modulus itself.
@@ -90,8 +94,25 @@ mod tests {
         let close = Nu { below: 1e-20, above: 2.0, im: 1e-20 };
         let expected = (1e-20 * (1.0 + 2f64.sqrt())).sqrt();
         assert!((close.growth() / expected - 1.0).abs() < 1e-9);
-        assert!((multiplier(&close).re - 1.0 - expected).abs() < 1e-15);
+        assert!((close.multipliers()[0].re - 1.0 - expected).abs() < 1e-15);
         // Far below what |μ| − 1 can hold: growth y/sin θ.
         assert!((Nu::of(Complex::new(0.6, 1e-20)).growth() * 1e20 - 1.25).abs() < 1e-14);
+    }
+
+    #[test]
+    fn pairs_are_reciprocal_and_on_the_circle_where_they_should_be() {
+        for (re, im) in [(0.3, 0.0), (-1.0, 0.0), (1.0, 0.0), (1.5, 0.0), (-7.0, 0.0), (0.2, 0.4), (1.0 + 1e-12, 0.0)] {
+            let nu = Complex::new(re, im);
+            let [a, b] = Nu::of(nu).multipliers();
+            assert!((a * b - Complex::new(1.0, 0.0)).norm() < 1e-15);
+            assert!(((a + b) * 0.5 - nu).norm() < 1e-15 * (1.0 + nu.norm()));
+            if im == 0.0 && re.abs() <= 1.0 {
+                assert!((a.norm() - 1.0).abs() < 1e-15);
+            }
+        }
+        // Just outside +1 the growth is √(2δ), to full relative accuracy.
+        let delta = 2f64.powi(-40);
+        let [a, _] = Nu::of(Complex::new(1.0 + delta, 0.0)).multipliers();
+        assert!(((a.re - 1.0) / ((2.0 * delta).sqrt() + delta) - 1.0).abs() < 1e-9);
     }
 }

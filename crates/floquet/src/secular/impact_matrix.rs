@@ -29,8 +29,8 @@
 //! | `crate::stripes` | the same as sums over the waves that impacts reflect |
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
-use vibrochain_lattice::{ImpulseResponse, Shapes};
+use vibrochain_breather::Prepared;
+use vibrochain_lattice::Shapes;
 
 use super::linear::determinant;
 use crate::saltation::Saltation;
@@ -69,8 +69,9 @@ pub(super) struct Mode {
 }
 
 impl ImpactMatrix {
-    /// Takes over an orbit. `response` is that of its chain and frequency.
-    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+    /// Takes over an orbit.
+    pub(crate) fn set(&mut self, prepared: Prepared<'_>) {
+        let (orbit, response) = (prepared.orbit(), prepared.response());
         let (impacts, omega) = (orbit.impacts(), response.omega());
         let e = orbit.model().restitution();
         self.impacts = impacts.len();

@@ -65,7 +65,7 @@ pub use forced::SecularMultipliers;
 pub use forced_count::{OutsideCount, OutsideCounter};
 pub use forced_verdict::ForcedSecular;
 pub(crate) use forced_verdict::Leading;
-pub(crate) use growth::excess;
+pub(crate) use growth::{Nu, excess};
 pub(crate) use impact_matrix::ImpactMatrix;
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;

@@ -1,8 +1,7 @@
 //! Poles and residues of F, sorted, with their certificates.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Orbit, Prepared};
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_breather::Prepared;
 
 use super::error::SecularError;
 use super::evaluate::Local;
@@ -65,43 +64,23 @@ pub struct Residues {
 }
 
 impl Residues {
-    /// Poles and residues of a reversible orbit.
+    /// Takes over a reversible orbit. After an error there is nothing of it, nor of the one before.
     ///
     /// # Errors
     /// [`SecularError::NotReversible`]; [`SecularError::Certificate`] if ΣR = 1 or the trace is violated by more than the errors of the
     /// residues explain: then they are worth nothing.
-    pub fn of(prepared: Prepared<'_>) -> Result<Self, SecularError> {
-        let mut new = Self::default();
-        new.replace(prepared)?;
-        Ok(new)
-    }
-
-    /// The same of another orbit, in the same memory. After an error there is nothing of either.
-    ///
-    /// # Errors
-    /// As [`Residues::of`].
     pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
-        self.set(prepared.orbit(), prepared.response())
+        self.replace_within(prepared, 0.0)
     }
 
-    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
-        self.set_within(orbit, response, 0.0)
-    }
-
-    /// As [`Residues::of`], for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
-    pub(crate) fn set_within(
-        &mut self,
-        orbit: &Orbit,
-        response: &ImpulseResponse,
-        ratio_error: f64,
-    ) -> Result<(), SecularError> {
-        let impacts = orbit.impacts();
-        if !orbit.is_reversible() {
+    /// The same, for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
+    pub(crate) fn replace_within(&mut self, prepared: Prepared<'_>, ratio_error: f64) -> Result<(), SecularError> {
+        if !prepared.orbit().is_reversible() {
             return Err(SecularError::NotReversible);
         }
-        self.modes.set(response);
+        self.modes.set(prepared.response());
         let large = self.modes.count() > LARGE;
-        match impacts {
+        match prepared.orbit().impacts() {
             [_] => {
                 if large {
                     large::single_sided(&self.modes, &mut self.table);

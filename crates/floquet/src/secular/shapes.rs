@@ -57,13 +57,12 @@ impl ModalShape {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(prepared: Prepared<'_>, multiplier: C) -> Result<Self, SecularError> {
-        let (orbit, response) = (prepared.orbit(), prepared.response());
-        if orbit.impact_site().is_none() {
+        if prepared.orbit().impact_site().is_none() {
             return Err(SecularError::NotReversible);
         }
         let mut matrix = ImpactMatrix::default();
-        matrix.set(orbit, response);
-        let (z, omega) = (multiplier, response.omega());
+        matrix.set(prepared);
+        let (z, omega) = (multiplier, prepared.response().omega());
         let at_pole = |(mode, one): (usize, &Mode)| one.distances(z).is_none().then_some(mode);
         if let Some(mode) = matrix.modes.iter().enumerate().find_map(at_pole) {
             return Err(SecularError::Coincident { mode });

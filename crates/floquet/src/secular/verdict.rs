@@ -12,15 +12,14 @@
 //! The count is the certificate: no search that fails can pass for an answer.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Orbit, Prepared};
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_breather::Prepared;
 
 use super::error::SecularError;
 use super::gap::{Lowest, beyond, lowest};
-use super::growth::{Nu, multiplier, outside};
+use super::growth::{Nu, outside};
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
-use super::root::{Root, Roots};
+use super::root::Roots;
 use super::search::Search;
 use vibrochain_breather::lanes::Lane;
 
@@ -125,53 +124,19 @@ pub(super) struct LeadingRoot {
 }
 
 impl Secular {
-    /// Of a reversible orbit, see [`Residues::of`].
+    /// Takes over a reversible orbit, see [`Residues::replace`].
     ///
     /// # Errors
-    /// As [`Residues::of`].
-    pub fn of(prepared: Prepared<'_>) -> Result<Self, SecularError> {
-        let mut new = Self::default();
-        new.replace(prepared)?;
-        Ok(new)
-    }
-
-    /// The same of another orbit, in the same memory. After an error there is nothing of either.
-    ///
-    /// # Errors
-    /// As [`Secular::of`].
+    /// As [`Residues::replace`].
     pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
-        self.set(prepared.orbit(), prepared.response())
+        self.residues.replace(prepared)
     }
 
-    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), SecularError> {
-        self.residues.set(orbit, response)
-    }
-
-    /// As [`Secular::of`], see [`Residues::set_within`].
-    pub(crate) fn set_within(
-        &mut self,
-        orbit: &Orbit,
-        response: &ImpulseResponse,
-        ratio_error: f64,
-    ) -> Result<(), SecularError> {
-        self.residues.set_within(orbit, response, ratio_error)
-    }
-
-    /// Both multipliers of every root ν, in pairs.
-    pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, SecularError> {
+    /// All non-trivial ν and their errors.
+    pub(crate) fn all_nu(&mut self) -> Result<impl Iterator<Item = (Nu, f64)> + '_, SecularError> {
         self.solve()?;
-        let form = &self.residues;
-        let both = |root: &Root| {
-            // Roots are kept as offsets from poles that are known from ±1 as well.
-            let nu = form.nu(root.place, root.t);
-            if nu.im == 0.0 && nu.below <= 0.0 && nu.above >= 0.0 {
-                let on_circle = Complex::new(nu.complex().re, (-nu.below * nu.above).sqrt());
-                return [on_circle, on_circle.conj()];
-            }
-            let large = multiplier(&nu);
-            [large, large.inv()]
-        };
-        Ok(self.roots.list.iter().flat_map(both).collect())
+        let Self { residues, roots, .. } = self;
+        Ok(roots.list.iter().map(|root| (residues.nu(root.place, root.t), root.error)))
     }
 
     /// Poles, residues, signatures.
@@ -309,7 +274,7 @@ pub(super) fn assemble(
     worst: f64,
 ) -> Result<SecularVerdict, SecularError> {
     let tell = |this: LeadingRoot| {
-        let large = multiplier(&this.nu);
+        let [large, _] = this.nu.multipliers();
         let (growth, growth_error) = (this.growth, this.error);
         let certain = this.reason != Reason::Tangency && growth_error < growth;
         let outcome = if certain { Standing::Unstable } else { Standing::Marginal };

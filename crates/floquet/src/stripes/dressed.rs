@@ -21,8 +21,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::Complex;
-use vibrochain_breather::{Orbit, Prepared};
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_breather::Prepared;
 
 use super::form::{C, Form};
 use super::own::{OwnMode, own_mode};
@@ -63,26 +62,13 @@ pub struct DressedModes {
 }
 
 impl DressedModes {
-    /// Those of an orbit that is its own mirror image in time ([`Orbit::is_reversible`]); any other has no such modes, nor has
+    /// Takes over an orbit that is its own mirror image in time ([`Orbit::is_reversible`]); any other has no such modes, nor has
     /// one of a frequency so low that hundreds of its harmonics are below the band.
     ///
     /// # Errors
     /// [`FloquetError::Grazing`].
-    pub fn of(prepared: Prepared<'_>) -> Result<Self, FloquetError> {
-        let mut new = Self::default();
-        new.replace(prepared)?;
-        Ok(new)
-    }
-
-    /// The same of another orbit, in the same memory. After an error there is nothing of either.
-    ///
-    /// # Errors
-    /// As [`DressedModes::of`].
     pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), FloquetError> {
-        self.set(prepared.orbit(), prepared.response())
-    }
-
-    pub(crate) fn set(&mut self, orbit: &Orbit, response: &ImpulseResponse) -> Result<(), FloquetError> {
+        let (orbit, response) = (prepared.orbit(), prepared.response());
         self.bare.clear();
         self.zeros.clear();
         self.own = None;

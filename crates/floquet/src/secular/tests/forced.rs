@@ -143,7 +143,7 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
             finder.find_symmetric(&model(21, 0.2, 0.1, omega, 0.4).unwrap(), family, &mut found).unwrap();
             secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
             for nu in secular.roots().unwrap().0 {
-                for mu in crate::multipliers::pair(*nu) {
+                for mu in crate::secular::Nu::of(*nu).multipliers() {
                     check(&found.orbits[0], &mut finder, mu);
                 }
             }

@@ -3,7 +3,7 @@
 
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{Family, Finder, Found, Hit, Orbit};
-use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{Barrier, Chain, Model, Spectrum};
 
 use super::forced::forced_cases;
 use super::*;
@@ -39,8 +39,7 @@ fn determinants_of_words_are_those_of_the_whole_ring() {
         };
         let hits: Vec<Hit> = times.iter().map(&mut hit).collect();
         let orbit = Orbit::from_impulses(&model, 1, 0.4, &hits).unwrap();
-        let response = ImpulseResponse::new(&Spectrum::new(chain), omega).unwrap();
-        matrix.set(&orbit, &response);
+        matrix.set(Finder::new(sites).prepared(&orbit).unwrap());
         let dense = crate::full_monodromy(&orbit).unwrap();
         let size = dense.size();
         several += usize::from(orbit.impact_site().is_none());
@@ -73,7 +72,7 @@ fn poles_and_residues_of_forced_orbits_have_that_determinant() {
             if form.replace(finder.prepared(orbit).unwrap()).is_err() {
                 return;
             }
-            matrix.set(orbit, finder.prepared(orbit).unwrap().response());
+            matrix.set(finder.prepared(orbit).unwrap());
             for z in places(&mut random) {
                 let (value, expected) = (form.form.evaluate(z), secular(&mut matrix, orbit, z));
                 let allowed = 1e-12 * value.noise + 4.0 * form.form.doubt(z);
@@ -92,9 +91,9 @@ fn residues_of_large_rings_have_that_determinant() {
     let (mut finder, mut found, mut random) = (Finder::new(501), Found::default(), Random(43));
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
     let (mut form, mut matrix) = (SecularMultipliers::default(), ImpactMatrix::default());
-    let response = finder.prepared(&found.orbits[0]).unwrap().response();
-    form.set(&found.orbits[0], response).unwrap();
-    matrix.set(&found.orbits[0], response);
+    let prepared = finder.prepared(&found.orbits[0]).unwrap();
+    form.replace(prepared).unwrap();
+    matrix.set(prepared);
     for z in places(&mut random) {
         let (value, expected) = (form.form.evaluate(z).f, secular(&mut matrix, &found.orbits[0], z));
         assert!((value - expected).norm() < 1e-10 * (1.0 + expected.norm()), "{value} {expected}");
@@ -115,17 +114,16 @@ fn residues_of_reversible_orbits_have_that_determinant() {
         }
         for orbit in &found.orbits {
             let Ok(prepared) = finder.prepared(orbit) else { continue };
-            let response = prepared.response();
-            if residues.set(orbit, response).is_err() {
+            if residues.replace(prepared).is_err() {
                 continue;
             }
-            matrix.set(orbit, response);
+            matrix.set(prepared);
             for z in places(&mut random) {
                 let nu = (z + z.inv()) * 0.5;
                 let terms = residues.poles().iter().zip(residues.residues()).map(|(d, r)| *r / (nu - d));
                 let sizes: f64 = terms.clone().map(|term| term.norm()).sum();
                 let (value, expected) = (terms.sum::<Complex<f64>>() * (nu - 1.0), secular(&mut matrix, orbit, z));
-                let allowed = 1e-10 * response.condition() * (1.0 + sizes) * (1.0 + nu.norm());
+                let allowed = 1e-10 * prepared.response().condition() * (1.0 + sizes) * (1.0 + nu.norm());
                 assert!((value - expected).norm() < allowed, "{model:?} {z}: {value} {expected}");
                 checked += 1;
             }

@@ -27,11 +27,11 @@ impl Bench {
         }
         for orbit in &self.found.orbits {
             let (values, norm) = dense(orbit, finder);
-            let response = finder.prepared(orbit).unwrap().response();
-            let error = dense_error(norm, response.condition());
+            let prepared = finder.prepared(orbit).unwrap();
+            let error = dense_error(norm, prepared.response().condition());
             self.checked += 1;
             let name = || format!("{family:?} {model:?}");
-            if self.secular.set(orbit, response).is_err() {
+            if self.secular.replace(prepared).is_err() {
                 self.doubts += 1;
                 continue;
             }
