@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `orbit`, `assembly` | [`Orbit`], [`Impact`], [`Family`]; orbits from their impulses |
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
-//! | `completeness` | [`Completeness`]: how a list of orbits is known to be all |
+//! | `completeness` | [`Completeness`], [`Proof`]: whether a list of orbits is all, and how that is known |
 //! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `one_mass`, `flights` | a mass without coupling: equations that know of no resonance |
 //! | `radiation`, `rises` | bounds that tell where no physical orbit can be |
@@ -83,7 +83,7 @@ mod worst;
 
 pub use admissibility::{Admissibility, Approach, Obstruction};
 pub use branch::{Branch, BranchError, BranchPoint};
-pub use completeness::Completeness;
+pub use completeness::{Completeness, Proof};
 pub use condition::{Condition, ImpactError, Together};
 pub use error::{BreatherError, NoBreather};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};

@@ -139,7 +139,7 @@ fn compare(sets: usize, points: usize, seed: u64) -> usize {
         let model = Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap();
         for (family, doubled) in [(Family::DoubleSided, false), (Family::PeriodDoubled, true)] {
             let found = breathers(&model, family).unwrap();
-            assert_eq!((found.exhausted, found.unresolved), (0, 0), "{set} {model:?}");
+            assert_eq!(found.completeness.open(), (0, 0), "{set} {model:?}");
             let problem = Problem::new(model, doubled);
             let phis: Vec<f64> = found.orbits.iter().filter_map(|orbit| orbit.phi()).collect();
             for zero in problem.scan(points) {

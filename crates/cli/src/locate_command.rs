@@ -79,7 +79,7 @@ fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
     let mut found = Found::default();
     finder.find(model, family(args.family), &mut found)?;
     let count = found.orbits.len();
-    if let Some(reason) = found.none {
+    if let Some(reason) = found.completeness.reason() {
         return Err(CliError::Computation(format!("no orbit to start from: {reason}")));
     }
     if let Some(number) = args.solution.filter(|&number| number == 0 || number > count) {

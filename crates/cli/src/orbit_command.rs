@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Completeness, Family, Finder, Found, Obstruction, Orbit};
+use vibrochain_breather::{Completeness, Family, Finder, Found, Obstruction, Orbit, Proof};
 use vibrochain_floquet::{Analyser, Complex, Tolerance};
 use vibrochain_lattice::{MAX_SITES, Model};
 
@@ -80,10 +80,10 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         solutions.push(Solution { orbit, admissibility, condition, stability, modes });
     }
     let text = if args.json {
-        let value = json(&model, &solutions, &found);
+        let value = json(&model, &solutions, found.completeness);
         format!("{value:#}\n")
     } else {
-        text(&model, family, &solutions, &found)
+        text(&model, family, &solutions, found.completeness)
     };
     console.answer(&text, taken)?;
     if let Some(file) = file {
@@ -115,24 +115,25 @@ pub(crate) fn point_value(model: &Model) -> Value {
 
 /// How the list is known to be complete: by which means, and how many enclosures it took.
 fn completeness_value(completeness: Completeness) -> Value {
-    let mut value = json!({ "established": completeness.is_established(), "by": completeness.name() });
-    match completeness {
-        Completeness::Enclosures { intervals } => value["intervals"] = intervals.into(),
-        Completeness::BranchAndPrune { boxes } => value["boxes"] = boxes.into(),
-        Completeness::ClosedForm => {}
-        Completeness::NotEstablished => value["by"] = Value::Null,
+    let proof = completeness.proof();
+    let mut value = json!({ "established": proof.is_some(), "by": proof.map(Proof::name) });
+    match proof {
+        Some(Proof::Enclosures { intervals }) => value["intervals"] = intervals.into(),
+        Some(Proof::BranchAndPrune { boxes }) => value["boxes"] = boxes.into(),
+        Some(Proof::ClosedForm) | None => {}
     }
     value
 }
 
-fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
+fn json(model: &Model, solutions: &[Solution], completeness: Completeness) -> Value {
+    let (unresolved, exhausted) = completeness.open();
     json!({
         "parameters": point_value(model),
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
-        "reason": found.none.map(|reason| reason.to_string()),
-        "completeness": completeness_value(found.completeness),
-        "unresolved": found.unresolved,
-        "exhausted": found.exhausted,
+        "reason": completeness.reason().map(|reason| reason.to_string()),
+        "completeness": completeness_value(completeness),
+        "unresolved": unresolved,
+        "exhausted": exhausted,
     })
 }
 
@@ -243,7 +244,7 @@ fn complex(z: Complex<f64>) -> String {
 }
 
 /// The answer for people.
-fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) -> String {
+fn text(model: &Model, family: Family, solutions: &[Solution], completeness: Completeness) -> String {
     let mut out = String::new();
     let named = |(parameter, value): (Parameter, f64)| format!("{} = {}", parameter.name(), Number(value));
     let force = match model.force().cosine_amplitude() {
@@ -264,7 +265,7 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
     let sites = model.chain().sites();
     let masses = if sites == 1 { "mass" } else { "masses" };
     let _ = writeln!(out, "{} breathers, {sites} {masses}, {}", family.name(), point.join(", "));
-    match found.none {
+    match completeness.reason() {
         Some(reason) => {
             let _ = writeln!(out, "none: {reason}");
         }
@@ -274,16 +275,16 @@ fn text(model: &Model, family: Family, solutions: &[Solution], found: &Found) ->
             let _ = writeln!(out, "{} solution{plural}, {physical} physical", solutions.len());
         }
     }
-    let _ = writeln!(out, "the list is {}", found.completeness);
-    if found.unresolved > 0 {
-        let places = if found.unresolved == 1 { "place" } else { "places" };
-        let _ = writeln!(out, "{} {places} where two more may have merged: next to a fold", found.unresolved);
+    let _ = writeln!(out, "the list is {completeness}");
+    let (unresolved, exhausted) = completeness.open();
+    if unresolved > 0 {
+        let places = if unresolved == 1 { "place" } else { "places" };
+        let _ = writeln!(out, "{unresolved} {places} where two more may have merged: next to a fold");
     }
-    if found.exhausted > 0 {
+    if exhausted > 0 {
         let _ = writeln!(
             out,
-            "the search for solutions was cut short ({} intervals left): the list may be incomplete",
-            found.exhausted
+            "the search for solutions was cut short ({exhausted} intervals left): the list may be incomplete"
         );
     }
     for (i, solution) in solutions.iter().enumerate() {

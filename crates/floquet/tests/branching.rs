@@ -42,7 +42,7 @@ fn offset(orbit: &Orbit) -> f64 {
 /// The orbits of lower symmetry that a list has at this value, with their distances; `None` where it cannot say.
 fn listed(found: &Located, free: Parameter, family: Family, value: f64) -> Option<Vec<(f64, Orbit)>> {
     let model = found.orbit.model().with(free, value).ok()?;
-    let list = breathers(&model, family).ok().filter(|list| list.unresolved + list.exhausted == 0)?;
+    let list = breathers(&model, family).ok().filter(|list| list.completeness.open() == (0, 0))?;
     let lower = list.orbits.into_iter().filter(|orbit| offset(orbit) > 1e-8);
     Some(lower.map(|orbit| (distance(&orbit, &found.orbit), orbit)).collect())
 }
@@ -141,7 +141,7 @@ fn at_pitchforks() {
 fn count(found: &Located, free: Parameter, value: f64) -> Option<usize> {
     let model = found.orbit.model().with(free, value).ok()?;
     let list = breathers(&model, found.orbit.family()).ok()?;
-    (list.unresolved + list.exhausted == 0).then_some(list.orbits.len())
+    (list.completeness.open() == (0, 0)).then_some(list.orbits.len())
 }
 
 #[test]

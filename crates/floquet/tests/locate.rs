@@ -52,7 +52,7 @@ fn fold_of_the_errata_where_the_force_is_just_strong_enough() {
     let found = &answer.located[0];
     // The least amplitude of the quadratic for the impulse, which knows nothing of branches.
     let weak = model((0.2, 0.1), 1.07, 0.8, (0.1, 0.25));
-    let reason = breathers(&weak, Family::SingleSided).unwrap().none.unwrap();
+    let reason = breathers(&weak, Family::SingleSided).unwrap().completeness.reason().unwrap();
     let vibrochain_breather::NoBreather::ForceTooWeak { threshold } = reason else { panic!("{reason:?}") };
     assert!((found.value - threshold).abs() < 1e-14, "{} {threshold}", found.value);
     assert!((found.value - 0.157927457267).abs() < 1e-12);
