@@ -6,6 +6,11 @@ use crate::error::NoBreather;
 
 /// By which means the orbits of a family at a point are known to be all there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(tag = "by", rename_all = "kebab-case")
+)]
 pub enum Proof {
     /// Every solution of the conditions has a closed form, or they have none for a reason that needs no search.
     ClosedForm,
@@ -63,6 +68,8 @@ impl fmt::Display for Proof {
 /// # Ok::<(), vibrochain_breather::BreatherError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[must_use]
 pub enum Completeness {
     /// The list holds all orbits.
     All(Proof),

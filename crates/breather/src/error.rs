@@ -45,6 +45,11 @@ pub enum BreatherError {
 
 /// Why a family has no orbit at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(tag = "kind", rename_all = "kebab-case")
+)]
 pub enum NoBreather {
     /// Inelastic impacts and no force: every impact loses energy, nothing brings it back.
     LossWithoutForce,

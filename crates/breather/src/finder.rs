@@ -19,8 +19,11 @@ use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_si
 
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
 pub struct Found {
     /// The orbits, physical or not, in order of φ.
+    #[cfg_attr(feature = "serde", serde(rename = "solutions"))]
     pub orbits: Vec<Orbit>,
     /// Whether these are all, why there are none, or what may be missing.
     pub completeness: Completeness,
@@ -28,6 +31,7 @@ pub struct Found {
 
 /// Which orbits are asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Wanted {
     /// All, physical or not.
     #[default]
@@ -356,6 +360,7 @@ impl Finder {
 /// # Ok::<(), vibrochain_breather::BreatherError>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
+#[must_use]
 pub struct Prepared<'a> {
     orbit: &'a Orbit,
     response: &'a ImpulseResponse,

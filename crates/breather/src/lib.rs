@@ -24,6 +24,8 @@
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
 //!
+//! With the feature `serde` values are written by the names of `mapgen orbit --json`; those that hold nothing derived are read, too.
+//!
 //! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
 //! double-sided orbit, the only or first impact of the others.
 //!
@@ -50,6 +52,7 @@ mod completeness;
 mod condition;
 mod conservative;
 mod corrector;
+mod display;
 mod enclosure;
 mod equations;
 mod error;
@@ -67,6 +70,8 @@ mod motion;
 mod one_mass;
 mod orbit;
 mod patch;
+#[cfg(feature = "serde")]
+mod plain;
 mod planar_roots;
 mod polish;
 mod polynomial;

@@ -16,7 +16,7 @@ use crate::solution::Solution;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::force;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::point::{Parameter, Point};
+use vibrochain_maps::point::Point;
 use vibrochain_maps::scene::tolerance_from;
 
 /// The checked model of the flags.
@@ -246,25 +246,8 @@ fn complex(z: Complex<f64>) -> String {
 /// The answer for people.
 fn text(model: &Model, family: Family, solutions: &[Solution], completeness: Completeness) -> String {
     let mut out = String::new();
-    let named = |(parameter, value): (Parameter, f64)| format!("{} = {}", parameter.name(), Number(value));
-    let force = match model.force().cosine_amplitude() {
-        Some(amplitude) => named((Parameter::Amplitude, amplitude)),
-        None => format!("force = {}", force::listed(model.force())),
-    };
-    let mut point: Vec<String> = [
-        (Parameter::Gamma1, model.chain().gamma1()),
-        (Parameter::Gamma2, model.chain().gamma2()),
-        (Parameter::Omega, model.omega()),
-        (Parameter::Asymmetry, model.asymmetry()),
-    ]
-    .into_iter()
-    .map(named)
-    .collect();
-    point.extend([force, named((Parameter::Restitution, model.restitution()))]);
     // Writing to a String cannot fail.
-    let sites = model.chain().sites();
-    let masses = if sites == 1 { "mass" } else { "masses" };
-    let _ = writeln!(out, "{} breathers, {sites} {masses}, {}", family.name(), point.join(", "));
+    let _ = writeln!(out, "{family} breathers, {model}");
     match completeness.reason() {
         Some(reason) => {
             let _ = writeln!(out, "none: {reason}");
@@ -297,22 +280,9 @@ fn text(model: &Model, family: Family, solutions: &[Solution], completeness: Com
         }
         let _ = writeln!(out);
         for impact in orbit.impacts() {
-            let _ = writeln!(
-                out,
-                "  impact of site {} on the {} barrier at t = {}: impulse {}, velocity {} -> {}",
-                impact.site,
-                impact.barrier.name(),
-                Number(impact.time),
-                Number(impact.impulse),
-                Number(impact.velocity_before),
-                Number(impact.velocity_after)
-            );
+            let _ = writeln!(out, "  impact of {impact}");
         }
-        let _ = match (solution.admissibility.obstruction, solution.admissibility.margin) {
-            (Some(obstruction), _) => writeln!(out, "  not physical: {obstruction}"),
-            (None, Some(margin)) => writeln!(out, "  physical, margin {margin}"),
-            (None, None) => writeln!(out, "  physical"),
-        };
+        let _ = writeln!(out, "  {}", solution.admissibility);
         let _ = match &solution.stability {
             Ok(stability) => {
                 let verdict = stability.verdict;
@@ -349,11 +319,7 @@ fn text(model: &Model, family: Family, solutions: &[Solution], completeness: Com
             estimate(condition.impulse_error(orbit)),
             estimate(condition.time_error(orbit))
         );
-        let _ = writeln!(
-            out,
-            "  distance to resonance {:.1e}, to grazing {:.1e}, to a fold {:.1e}",
-            condition.resonance, condition.grazing, condition.fold
-        );
+        let _ = writeln!(out, "  {condition}");
     }
     out
 }
