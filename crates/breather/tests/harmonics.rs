@@ -3,7 +3,8 @@
 
 use vibrochain_breather::{BreatherError, Family, Found, Orbit, Proof, breathers};
 use vibrochain_lattice::{Chain, Force, Harmonic, ImpulseResponse, Model, Spectrum};
-use vibrochain_testkit::Random;
+use vibrochain_testkit::Values::{Either, Even, Is};
+use vibrochain_testkit::{Random, Ranges};
 
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
@@ -110,19 +111,23 @@ fn a_resonance_of_the_third_harmonic_is_an_error() {
 }
 
 fn random_model(random: &mut Random) -> Model {
-    let chain =
-        Chain::new(random.between(1.0, 12.99) as usize, random.between(0.05, 1.0), random.between(0.0, 0.3)).unwrap();
+    let plain = random.model(&Ranges {
+        sites: [1, 12],
+        gamma1: Even(0.05, 1.0),
+        gamma2: Even(0.0, 0.3),
+        omega: Even(0.5, 3.0),
+        asymmetry: Either(0.18, &Is(0.0), &Even(0.0, 0.9)),
+        restitution: Either(0.2, &Is(1.0), &Even(0.2, 1.0)),
+        ..Ranges::FORCED
+    });
     let mut terms = Vec::new();
     for number in [1, 3, 5, 7, 9] {
-        if number == 1 || random.between(0.0, 1.0) < 0.5 {
-            let phase = if random.between(0.0, 1.0) < 0.3 { 0.0 } else { random.between(-3.2, 3.2) };
+        if number == 1 || random.chance(0.5) {
+            let phase = random.value(Either(0.3, &Is(0.0), &Even(-3.2, 3.2)));
             terms.push((number, random.between(-1.0, 1.0) / f64::from(number).sqrt(), phase));
         }
     }
-    let elastic = random.between(0.0, 1.0) < 0.2;
-    let (omega, a) = (random.between(0.5, 3.0), random.between(-0.2, 0.9).max(0.0));
-    let e = if elastic { 1.0 } else { random.between(0.2, 1.0) };
-    Model::with_force(chain, omega, a, &force(&terms), e).unwrap()
+    with(&plain, &force(&terms))
 }
 
 /// The conditions at two impacts, from displacements and velocities of the impulse response alone.
@@ -316,10 +321,15 @@ fn no_solution_is_missing_at_length() {
 
 /// A plain cosine, ring and force drawn at random; in every second set the gap is symmetric.
 fn plain(random: &mut Random, set: usize, restitution: f64) -> Model {
-    let chain =
-        Chain::new(random.between(1.0, 24.99) as usize, random.between(0.02, 1.0), random.between(0.0, 0.5)).unwrap();
-    let (omega, a) = (random.between(0.25, 3.0), if set.is_multiple_of(2) { 0.0 } else { random.between(0.0, 0.95) });
-    Model::forced(chain, omega, a, random.between(0.01, 2.0), restitution).unwrap()
+    random.model(&Ranges {
+        sites: [1, 24],
+        gamma1: Even(0.02, 1.0),
+        gamma2: Even(0.0, 0.5),
+        omega: Even(0.25, 3.0),
+        asymmetry: if set.is_multiple_of(2) { Is(0.0) } else { Even(0.0, 0.95) },
+        amplitude: Even(0.01, 2.0),
+        restitution: Is(restitution),
+    })
 }
 
 /// Without loss time can be reversed, so that orbits come in pairs of the same φ; with little loss they nearly do.
