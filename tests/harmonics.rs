@@ -45,7 +45,7 @@ fn each_physical(mut see: impl FnMut(&Orbit, &str)) -> [usize; 3] {
     let mut families = [0; 3];
     for (i, (model, family)) in models().into_iter().enumerate() {
         let found = breathers(&model, family).unwrap();
-        assert_eq!((found.unresolved, found.exhausted), (0, 0), "model {i}");
+        assert_eq!(found.completeness.open(), (0, 0), "model {i}");
         for (k, orbit) in found.orbits.iter().enumerate() {
             assert!(orbit.residual() < 1e-13, "model {i}: {}", orbit.residual());
             if admissibility(orbit).unwrap().is_physical() {

@@ -7,8 +7,9 @@ use vibrochain::floquet::{
     Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Secular, SecularMultipliers, SecularVerdict,
     Standing, Tolerance, even_monodromy, full_monodromy,
 };
-use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
-use vibrochain_testkit::{Random, dense, reference};
+use vibrochain::lattice::{Chain, ImpulseResponse, Model, Parameter, Spectrum};
+use vibrochain_testkit::Values::Log;
+use vibrochain_testkit::{Meeting, Random, Ranges, dense, reference};
 
 fn verdict(orbit: &Orbit, finder: &mut Finder) -> Option<SecularVerdict> {
     finder.motion(orbit).unwrap();
@@ -137,38 +138,23 @@ enum Place {
 }
 
 fn model_at(random: &mut Random, place: Place, forced: bool) -> Option<Model> {
-    let sites = 1 + (random.unit() * 30.0) as usize;
-    let chain = Chain::new(sites, random.log(0.02, 1.0), random.log(1e-3, 0.5)).ok()?;
-    let (mut omega, mut a) = (random.between(0.4, 3.0), random.between(0.0, 0.9));
-    let sign = (random.unit() - 0.5).signum();
+    let kind = if forced { Ranges::FORCED } else { Ranges::CONSERVATIVE };
+    let model = random.model(&Ranges { sites: [1, 30], ..kind });
+    let chain = model.chain();
     match place {
-        Place::Anywhere => {}
+        Place::Anywhere => Some(model),
         Place::Resonant => {
-            let spectrum = Spectrum::new(chain);
-            let mut pick = || {
-                spectrum.frequencies()
-                    [(random.unit() * spectrum.frequencies().len() as f64) as usize % spectrum.frequencies().len()]
-            };
-            let (first, second) = (pick(), pick());
-            let target = [first + second, (first - second).abs(), first][(random.unit() * 3.0) as usize % 3];
-            let harmonic = (1.0 + 4.0 * random.unit()).floor();
-            if target / harmonic < 0.2 {
-                return None;
-            }
-            omega = target / harmonic * (1.0 + sign * random.log(1e-15, 1e-3));
+            let meeting = random.of(&[Meeting::Sum, Meeting::Difference, Meeting::Mode]);
+            let omega = random.meeting(chain, meeting, 4, Log(1e-15, 1e-3));
+            model.with(Parameter::Omega, omega).ok().filter(|_| omega >= 0.2)
         }
         Place::Grazing => {
-            let response = ImpulseResponse::new(&Spectrum::new(chain), omega).ok()?;
+            let response = ImpulseResponse::new(&Spectrum::new(*chain), model.omega()).ok()?;
             let (chi2, chi1) = (-2.0 * response.value(0, 0.0), -2.0 * response.value(0, 0.5 * response.period()));
             // p₁ = 1/(χ₂−χ₁) − a/(χ₁+χ₂) vanishes here.
-            a = ((chi1 + chi2) / (chi2 - chi1)).abs() * (1.0 + sign * random.log(1e-10, 0.1));
+            let a = ((chi1 + chi2) / (chi2 - chi1)).abs();
+            model.with(Parameter::Asymmetry, random.beside(a, Log(1e-10, 0.1))).ok()
         }
-    }
-    if forced {
-        let e = if random.unit() < 0.2 { 1.0 } else { random.between(0.2, 0.99) };
-        Model::forced(chain, omega, a, random.log(0.05, 2.0), e).ok()
-    } else {
-        Model::conservative(chain, omega, a).ok()
     }
 }
 

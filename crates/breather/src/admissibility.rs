@@ -10,6 +10,11 @@ use vibrochain_lattice::Barrier;
 
 /// What keeps a solution from being an orbit of the real chain.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(tag = "kind", rename_all = "kebab-case")
+)]
 pub enum Obstruction {
     /// An impact whose mass moves away from its barrier before it: the barrier would have to pull.
     WrongSign {
@@ -54,6 +59,8 @@ impl std::fmt::Display for Obstruction {
 
 /// The answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
 pub struct Admissibility {
     /// Smallest distance left between any mass and a barrier at a turning point, the top of a bounce included; negative if
     /// a mass crosses. `None` if an impact has the wrong sign, which makes distances moot, and of a mass alone that flies
@@ -67,6 +74,7 @@ pub struct Admissibility {
 
 /// Where and when a mass comes closest to a barrier.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Approach {
     /// The mass.
     pub site: usize,

@@ -19,6 +19,7 @@ use crate::worst::worse;
 
 /// Estimated absolute errors of an impact. Dimensionless, like what they are errors of.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImpactError {
     /// Of its time.
     pub time: f64,
@@ -33,6 +34,8 @@ pub type Together = SmallVec<[ImpactError; 2]>;
 
 /// Distances of an orbit to where it ceases to be determined, and the errors that follow. Dimensionless.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
 pub struct Condition {
     /// Distance to resonance: the smallest |Ω_k − jω|/Ω_k over modes and harmonics j ≥ 1, at most 1; ω is the orbit's base
     /// frequency. So many digits of the kernels are lost as this has zeros.
@@ -46,9 +49,11 @@ pub struct Condition {
     /// Estimated error of the force's phase ψ, as a time; 0 without force.
     pub psi_error: f64,
     /// Estimated errors of the impacts.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::list"))]
     pub impacts: SmallVec<[ImpactError; 2]>,
     /// The same by origin: what depends on several data of the orbit moves by the sum over these of the moduli, and hardly at all
     /// where the errors of one origin cancel.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::lists"))]
     pub origins: Vec<Together>,
 }
 

@@ -48,8 +48,44 @@ pub enum BreatherError {
     },
 }
 
+/// What keeps a word from being searched for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Unsearched {
+    /// No word has been named.
+    Unnamed,
+    /// Without force and losses, more than two instants: symmetry does not tell the times.
+    FreeTimes,
+    /// One mass hits twice on one barrier, or more than twice.
+    ManyImpacts,
+    /// One mass hits the upper barrier alone, under a force of several harmonics.
+    UpperHarmonics,
+}
+
+impl fmt::Display for Unsearched {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unnamed => "give the word",
+            Self::FreeTimes => {
+                "without force and losses only words of one or two instants determine their times; give an orbit nearby"
+            }
+            Self::ManyImpacts => {
+                "a mass that hits twice on one barrier, or more than twice, has no closed form; give an orbit nearby"
+            }
+            Self::UpperHarmonics => {
+                "impacts on the upper barrier alone are searched for under a plain cosine; give an orbit nearby"
+            }
+        })
+    }
+}
+
 /// Why a family has no orbit at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(tag = "kind", rename_all = "kebab-case")
+)]
 pub enum NoBreather {
     /// Inelastic impacts and no force: every impact loses energy, nothing brings it back.
     LossWithoutForce,
@@ -70,8 +106,8 @@ pub enum NoBreather {
     NoStart,
     /// All branches of the word that were followed from γ₂ = 0 ended on the way ([`crate::Found::ended`]).
     BranchesEnded,
-    /// No way is known to find the orbits of this word by itself; what there is instead.
-    NotSearched(&'static str),
+    /// No way is known to find the orbits of this word by itself; one nearby leads to them.
+    NotSearched(Unsearched),
 }
 
 impl fmt::Display for NoBreather {

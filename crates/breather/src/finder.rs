@@ -4,9 +4,9 @@
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::Admissibility;
-use crate::completeness::Completeness;
+use crate::completeness::{Completeness, Proof};
 use crate::condition::{Condition, is_delicate};
-use crate::error::{BreatherError, NoBreather};
+use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
 use crate::planar_roots::PlanarZeros;
@@ -20,26 +20,22 @@ use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_si
 
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
 pub struct Found {
     /// The orbits, physical or not, in order of φ.
+    #[cfg_attr(feature = "serde", serde(rename = "solutions"))]
     pub orbits: Vec<Orbit>,
-    /// Why there are none.
-    pub none: Option<NoBreather>,
-    /// Places where two orbits may have merged (a fold) closer than rounding can tell.
-    pub unresolved: usize,
-    /// Intervals of φ (under several harmonics rectangles of φ and ψ) that were not searched because the budget for one
-    /// point was spent (hundreds of solutions at very low frequency): the list may be incomplete.
-    pub exhausted: usize,
-    /// Intervals of φ where physical orbits could be that were not asked for ([`Wanted::SymmetricCandidates`]).
-    pub left_out: usize,
-    /// By which means `orbits` is known to be all there are.
+    /// Whether these are all, why there are none, or what may be missing.
     pub completeness: Completeness,
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     /// Where branches of a word ended that were followed from γ₂ = 0 and did not come as far as this point.
     pub ended: Vec<Ended>,
 }
 
 /// Which orbits are asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Wanted {
     /// All, physical or not.
     #[default]
@@ -49,7 +45,7 @@ pub enum Wanted {
     /// Those that could be physical, for less work where none is: not those one of whose impacts has the wrong sign, nor
     /// those that would make masses of the ring swing beyond their barriers.
     Candidates,
-    /// Candidates without conservative double-sided ones with φ ≠ T/2; [`Found::left_out`] tells whether there could be any.
+    /// Candidates without conservative double-sided ones with φ ≠ T/2; [`Completeness::Asked`] tells where there could be any.
     SymmetricCandidates,
 }
 
@@ -154,18 +150,18 @@ impl Finder {
     ) -> Result<(), BreatherError> {
         found.orbits.clear();
         found.ended.clear();
-        (found.none, found.unresolved, found.exhausted, found.left_out) = (None, 0, 0, 0);
-        found.completeness = Completeness::ClosedForm;
+        found.completeness = Completeness::default();
         self.zeros.clear();
         self.rises.clear();
         self.plane.clear();
         let conservative = model.is_conservative();
-        if !conservative && model.amplitude() == 0.0 {
-            found.none = Some(NoBreather::LossWithoutForce);
-            return Ok(());
-        }
-        if family == Family::PeriodDoubled && conservative {
-            found.none = Some(NoBreather::NeedsForce);
+        let out_of_question = match (conservative, family) {
+            (true, Family::PeriodDoubled) => Some(NoBreather::NeedsForce),
+            (false, _) if model.amplitude() == 0.0 => Some(NoBreather::LossWithoutForce),
+            _ => None,
+        };
+        if let Some(reason) = out_of_question {
+            found.completeness = Completeness::None { reason, by: Some(Proof::ClosedForm) };
             return Ok(());
         }
         let steady = model.steady_response()?;
@@ -224,28 +220,30 @@ impl Finder {
             (Family::PeriodDoubled, None) => {
                 forced_harmonics::period_doubled(model, response, &steady, plane, &mut add)
             }
-            (Family::Word, _) => Err(NoBreather::NotSearched("give the word")),
+            (Family::Word, _) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
         };
-        found.none = outcome.err();
         if let Some(error) = failure {
             return Err(error);
         }
-        if singular && found.orbits.is_empty() {
-            found.none = Some(NoBreather::Singular);
-        }
-        found.unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
-        found.exhausted = self.zeros.exhausted + self.plane.exhausted;
-        found.left_out = if wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
+        let unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
+        let exhausted = self.zeros.exhausted + self.plane.exhausted;
+        let left_out = if wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
         // A zero without an orbit of finite numbers.
-        let lost = singular
-            || found.none == Some(NoBreather::Singular)
-            || found.orbits.len() + refused < self.zeros.simple.len() + self.plane.simple.len()
-            || (found.orbits.len() + refused == 0 && found.none.is_none());
-        found.completeness = match (self.zeros.intervals, self.plane.boxes) {
-            _ if found.unresolved + found.exhausted > 0 || lost => Completeness::NotEstablished,
-            (0, 0) => Completeness::ClosedForm,
-            (intervals, 0) => Completeness::Enclosures { intervals },
-            (_, boxes) => Completeness::BranchAndPrune { boxes },
+        let listed = found.orbits.len() + refused;
+        let lost = singular || listed < self.zeros.simple.len() + self.plane.simple.len();
+        let proof = match (self.zeros.intervals, self.plane.boxes) {
+            (0, 0) => Proof::ClosedForm,
+            (intervals, 0) => Proof::Enclosures { intervals },
+            (_, boxes) => Proof::BranchAndPrune { boxes },
+        };
+        found.completeness = match outcome {
+            _ if unresolved + exhausted > 0 => Completeness::Open { unresolved, exhausted },
+            _ if left_out > 0 => Completeness::Asked { left_out },
+            _ if lost && listed > 0 => Completeness::default(),
+            Ok(()) if listed > 0 => Completeness::All(proof),
+            Err(reason @ NoBreather::NotSearched(_)) => Completeness::None { reason, by: None },
+            Err(reason) if !lost && reason != NoBreather::Singular => Completeness::None { reason, by: Some(proof) },
+            _ => Completeness::None { reason: NoBreather::Singular, by: None },
         };
         if wanted == Wanted::All {
             found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
@@ -366,6 +364,7 @@ impl Finder {
 /// # Ok::<(), vibrochain_breather::BreatherError>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
+#[must_use]
 pub struct Prepared<'a> {
     orbit: &'a Orbit,
     response: &'a ImpulseResponse,

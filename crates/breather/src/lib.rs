@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `orbit`, `assembly` | [`Orbit`], [`Impact`], [`Family`]; orbits from their impulses |
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
-//! | `completeness` | [`Completeness`]: how a list of orbits is known to be all |
+//! | `completeness` | [`Completeness`], [`Proof`]: whether a list of orbits is all, and how that is known |
 //! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `one_mass`, `flights` | a mass without coupling: equations that know of no resonance |
 //! | `radiation`, `rises` | bounds that tell where no physical orbit can be |
@@ -26,6 +26,8 @@
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
+//!
+//! With the feature `serde` values are written by the names of `mapgen orbit --json`; those that hold nothing derived are read, too.
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
 //! double-sided orbit, the only or first impact of the others.
@@ -53,6 +55,7 @@ mod completeness;
 mod condition;
 mod conservative;
 mod corrector;
+mod display;
 mod enclosure;
 mod enumeration;
 mod equations;
@@ -71,6 +74,8 @@ mod motion;
 mod one_mass;
 mod orbit;
 mod patch;
+#[cfg(feature = "serde")]
+mod plain;
 mod planar_roots;
 mod polish;
 mod polynomial;
@@ -90,9 +95,9 @@ mod worst;
 
 pub use admissibility::{Admissibility, Approach, Obstruction};
 pub use branch::{Branch, BranchError, BranchPoint};
-pub use completeness::Completeness;
+pub use completeness::{Completeness, Proof};
 pub use condition::{Condition, ImpactError, Together};
-pub use error::{BreatherError, NoBreather};
+pub use error::{BreatherError, NoBreather, Unsearched};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};

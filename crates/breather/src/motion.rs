@@ -65,6 +65,7 @@ fn net_impulses(orbit: &Orbit) -> impl Iterator<Item = f64> + '_ {
 
 /// Displacement, velocity and acceleration of one mass.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Kinematics {
     /// v_n
     pub displacement: f64,

@@ -11,6 +11,7 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
 
 /// The families of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Family {
     /// One impact on each barrier a period.
     DoubleSided,
@@ -36,6 +37,7 @@ impl Family {
 
 /// One impact of an orbit. Dimensionless; momentum and velocity agree because the masses are 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Impact {
     /// The mass that hits.
     pub site: usize,
@@ -62,6 +64,8 @@ impl Impact {
 
 /// An impact as it is given: the rest of [`Impact`] follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
 pub struct Hit {
     /// The mass that hits.
     pub site: usize,

@@ -7,7 +7,7 @@ use vibrochain_lattice::{Barrier, Chain, Model, Parameter, Resonance};
 
 use crate::branch::{Branch, BranchError, BranchPoint};
 use crate::completeness::Completeness;
-use crate::error::{BreatherError, NoBreather};
+use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found, Wanted};
 use crate::forced_single;
 use crate::orbit::{Family, Hit, Orbit};
@@ -32,6 +32,7 @@ const SAME: f64 = 1e-8;
 
 /// What ends a branch.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum End {
     /// It turns back in γ₂.
     Fold,
@@ -48,6 +49,8 @@ pub enum End {
 
 /// Where a branch that was followed from γ₂ = 0 ended.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
 pub struct Ended {
     /// The coupling.
     pub gamma2: f64,
@@ -79,9 +82,7 @@ fn alone(model: &Model, barriers: &[Barrier]) -> Result<Result<Vec<Alone>, NoBre
         [Barrier::Upper] => None,
         [first, second] if first != second => Some(Family::DoubleSided),
         _ => {
-            let why =
-                "a mass that hits twice on one barrier, or more than twice, has no closed form; give an orbit nearby";
-            return Ok(Err(NoBreather::NotSearched(why)));
+            return Ok(Err(NoBreather::NotSearched(Unsearched::ManyImpacts)));
         }
     };
     let chain = Chain::new(1, model.chain().gamma1(), 0.0)?;
@@ -91,7 +92,7 @@ fn alone(model: &Model, barriers: &[Barrier]) -> Result<Result<Vec<Alone>, NoBre
     let in_turns = |time: f64| (time / model.period()).rem_euclid(1.0);
     if let Some(family) = family {
         finder.search(&model, family, Wanted::All, &mut found)?;
-        if let (Some(none), true) = (found.none, found.orbits.is_empty()) {
+        if let Some(none) = found.completeness.reason() {
             return Ok(Err(none));
         }
         let of = |orbit: &Orbit| Alone {
@@ -102,8 +103,7 @@ fn alone(model: &Model, barriers: &[Barrier]) -> Result<Result<Vec<Alone>, NoBre
         return Ok(Ok(found.orbits.iter().map(of).collect()));
     }
     if model.force().cosine_amplitude().is_none() {
-        let why = "impacts on the upper barrier alone are searched for under a plain cosine; give an orbit nearby";
-        return Ok(Err(NoBreather::NotSearched(why)));
+        return Ok(Err(NoBreather::NotSearched(Unsearched::UpperHarmonics)));
     }
     finder.prepare(&model, model.omega())?;
     let force = model.force_response()?;
@@ -118,7 +118,7 @@ fn alone(model: &Model, barriers: &[Barrier]) -> Result<Result<Vec<Alone>, NoBre
 /// All orbits of `word` that can be followed to the model's coupling.
 pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut Found) -> Result<(), BreatherError> {
     // A point where no motion is defined has no answer, whatever leads there.
-    model.steady_response()?;
+    let _ = model.steady_response()?;
     finder.prepare(model, model.omega())?;
     let sites = word.sites();
     let mut solutions = Vec::new();
@@ -127,18 +127,14 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
             word.letters().filter(|letter| letter.site == site).map(|letter| letter.barrier).collect();
         match alone(model, &barriers)? {
             Ok(list) => solutions.push(list),
-            Err(none) => {
-                found.none = Some(none);
-                if !matches!(none, NoBreather::NotSearched(_)) {
-                    found.completeness = Completeness::Followed { starts: 0 };
-                }
+            Err(reason) => {
+                found.completeness = Completeness::None { reason, by: None };
                 return Ok(());
             }
         }
     }
     let combinations = solutions.iter().try_fold(1_usize, |product, list| product.checked_mul(list.len()));
     let all = combinations.unwrap_or(usize::MAX);
-    found.exhausted = all.saturating_sub(MOST_STARTS);
     let (mut starts, mut choice) = (0, vec![0; sites.len()]);
     for _ in 0..all.min(MOST_STARTS) {
         let chosen: Vec<&Alone> = choice.iter().zip(&solutions).map(|(&i, list)| &list[i]).collect();
@@ -162,10 +158,12 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
             *i = 0;
         }
     }
-    found.completeness = Completeness::Followed { starts };
-    if found.orbits.is_empty() {
-        found.none = Some(if starts == 0 { NoBreather::NoStart } else { NoBreather::BranchesEnded });
-    }
+    found.completeness = if found.orbits.is_empty() {
+        let reason = if starts == 0 { NoBreather::NoStart } else { NoBreather::BranchesEnded };
+        Completeness::None { reason, by: None }
+    } else {
+        Completeness::Followed { starts, left: all.saturating_sub(MOST_STARTS) }
+    };
     Ok(())
 }
 

@@ -6,9 +6,9 @@
 
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
-use crate::completeness::Completeness;
+use crate::completeness::{Completeness, Proof};
 use crate::equations::System;
-use crate::error::{BreatherError, NoBreather};
+use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found, Wanted};
 use crate::linear::{Matrix, Vector};
 use crate::orbit::{Draft, Family, Hit, Orbit};
@@ -61,18 +61,15 @@ impl Finder {
         } else if word.instants().len() <= 2 {
             self.reversible(model, word, wanted, found)?
         } else {
-            Err(NoBreather::NotSearched(
-                "without force and losses only words of one or two instants determine their times; give an orbit nearby",
-            ))
+            Err(NoBreather::NotSearched(Unsearched::FreeTimes))
         };
-        match answer {
-            Ok(()) => found.completeness = Completeness::Reversible,
-            Err(none) => {
-                found.none = Some(none);
-                let known = matches!(none, NoBreather::LossWithoutForce | NoBreather::NetImpulse);
-                found.completeness = if known { Completeness::ClosedForm } else { Completeness::NotEstablished };
+        found.completeness = match answer {
+            Ok(()) => Completeness::All(Proof::Reversible),
+            Err(reason) => {
+                let known = matches!(reason, NoBreather::LossWithoutForce | NoBreather::NetImpulse);
+                Completeness::None { reason, by: known.then_some(Proof::ClosedForm) }
             }
-        }
+        };
         Ok(())
     }
 

@@ -2,16 +2,22 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Family, Finder, Found, Orbit, Wanted};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Model, Parameter};
+use vibrochain_testkit::Values::{Either, Even, Is};
+use vibrochain_testkit::{Random, Ranges};
 
 /// A ring without force, slow enough for harmonics to meet the band.
-fn random_model(random: &mut fastrand::Rng) -> Model {
-    let sites = if random.u8(..4) == 0 { random.usize(13..80) } else { random.usize(1..13) };
-    let mut uniform = |from: f64, to: f64| from + (to - from) * random.f64();
-    let (gamma1, gamma2) = (uniform(-0.05, 0.6).max(0.0), uniform(0.0, 0.3));
-    let omega = uniform(0.2, 1.2) * (gamma1 + 4.0 * gamma2).sqrt();
-    let asymmetry = uniform(-0.6, 0.9).max(0.0);
-    Model::conservative(Chain::new(sites, gamma1, gamma2).unwrap(), omega, asymmetry).unwrap()
+fn random_model(random: &mut Random) -> Model {
+    let sites = random.of(&[[13, 79], [1, 12], [1, 12], [1, 12]]);
+    let model = random.model(&Ranges {
+        sites,
+        gamma1: Either(0.08, &Is(0.0), &Even(0.0, 0.6)),
+        gamma2: Even(0.001, 0.3),
+        asymmetry: Either(0.4, &Is(0.0), &Even(0.0, 0.9)),
+        ..Ranges::CONSERVATIVE
+    });
+    let top = (model.chain().gamma1() + 4.0 * model.chain().gamma2()).sqrt();
+    model.with(Parameter::Omega, random.between(0.2, 1.2) * top).unwrap()
 }
 
 /// The impacts' times and impulses.
@@ -21,7 +27,7 @@ fn impacts(orbit: &Orbit) -> Vec<(f64, f64)> {
 
 #[test]
 fn no_physical_conservative_orbit_is_missed() {
-    let mut random = fastrand::Rng::with_seed(13);
+    let mut random = Random(13);
     let (mut finder, mut found) = (Finder::new(6), Found::default());
     let (mut listed, mut looked_at, mut physical, mut asymmetric) = (0, 0, 0, 0);
     for _ in 0..6000 {

@@ -1,9 +1,10 @@
 //! Forces of several harmonics: against the plain cosine, and against a scan of the plane for solutions left out.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BreatherError, Completeness, Family, Found, Orbit, breathers};
+use vibrochain_breather::{BreatherError, Family, Found, Orbit, Proof, breathers};
 use vibrochain_lattice::{Chain, Force, Harmonic, ImpulseResponse, Model, Spectrum};
-use vibrochain_testkit::Random;
+use vibrochain_testkit::Values::{Either, Even, Is};
+use vibrochain_testkit::{Random, Ranges};
 
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
@@ -41,8 +42,9 @@ fn points() -> Vec<Model> {
 /// The orbits of `a` are among those of `b`, whose force is ahead by the time `shift`; all of them are, unless `a` left
 /// places open.
 fn assert_same(a: &Found, b: &Found, shift: f64, name: &str) {
-    assert_eq!((b.unresolved, b.exhausted), (0, 0), "{name}");
-    assert!(a.orbits.len() == b.orbits.len() || (a.unresolved > 0 && a.orbits.len() < b.orbits.len()), "{name}");
+    assert_eq!(b.completeness.open(), (0, 0), "{name}");
+    let unresolved = a.completeness.open().0 > 0;
+    assert!(a.orbits.len() == b.orbits.len() || (unresolved && a.orbits.len() < b.orbits.len()), "{name}");
     for orbit in &b.orbits {
         assert!(orbit.residual() < 1e-12, "{name}: {}", orbit.residual());
     }
@@ -109,19 +111,23 @@ fn a_resonance_of_the_third_harmonic_is_an_error() {
 }
 
 fn random_model(random: &mut Random) -> Model {
-    let chain =
-        Chain::new(random.between(1.0, 12.99) as usize, random.between(0.05, 1.0), random.between(0.0, 0.3)).unwrap();
+    let plain = random.model(&Ranges {
+        sites: [1, 12],
+        gamma1: Even(0.05, 1.0),
+        gamma2: Even(0.0, 0.3),
+        omega: Even(0.5, 3.0),
+        asymmetry: Either(0.18, &Is(0.0), &Even(0.0, 0.9)),
+        restitution: Either(0.2, &Is(1.0), &Even(0.2, 1.0)),
+        ..Ranges::FORCED
+    });
     let mut terms = Vec::new();
     for number in [1, 3, 5, 7, 9] {
-        if number == 1 || random.between(0.0, 1.0) < 0.5 {
-            let phase = if random.between(0.0, 1.0) < 0.3 { 0.0 } else { random.between(-3.2, 3.2) };
+        if number == 1 || random.chance(0.5) {
+            let phase = random.value(Either(0.3, &Is(0.0), &Even(-3.2, 3.2)));
             terms.push((number, random.between(-1.0, 1.0) / f64::from(number).sqrt(), phase));
         }
     }
-    let elastic = random.between(0.0, 1.0) < 0.2;
-    let (omega, a) = (random.between(0.5, 3.0), random.between(-0.2, 0.9).max(0.0));
-    let e = if elastic { 1.0 } else { random.between(0.2, 1.0) };
-    Model::with_force(chain, omega, a, &force(&terms), e).unwrap()
+    with(&plain, &force(&terms))
 }
 
 /// The conditions at two impacts, from displacements and velocities of the impulse response alone.
@@ -251,7 +257,8 @@ fn scan_two_impacts(model: &Model, family: Family, n: usize, name: &str) -> (usi
     let lower = model.asymmetry() - 1.0;
     let barriers = if family == Family::PeriodDoubled { [lower, lower] } else { [model.asymmetry() + 1.0, lower] };
     let found = breathers(model, family).unwrap();
-    assert_eq!(found.exhausted, 0, "{name}");
+    let (unresolved, exhausted) = found.completeness.open();
+    assert_eq!(exhausted, 0, "{name}");
     let (period, repeat) = (response.period(), model.period());
     let mut seen: Vec<[f64; 2]> = Vec::new();
     for [phi, psi] in (TwoImpacts { model, response: &response, barriers }).scan(n) {
@@ -270,7 +277,7 @@ fn scan_two_impacts(model: &Model, family: Family, n: usize, name: &str) -> (usi
             let turn = (orbit.psi().unwrap() - psi) / repeat;
             (orbit.phi().unwrap() - phi).abs() < 1e-5 * period && (turn - turn.round()).abs() < 1e-5
         };
-        let listed = found.orbits.iter().any(near) || found.unresolved > 0;
+        let listed = found.orbits.iter().any(near) || unresolved > 0;
         assert!(listed, "{name} {family:?}: phi {phi}, psi {psi} is missing of {}; {model:?}", found.orbits.len());
     }
     for (i, orbit) in found.orbits.iter().enumerate() {
@@ -314,10 +321,15 @@ fn no_solution_is_missing_at_length() {
 
 /// A plain cosine, ring and force drawn at random; in every second set the gap is symmetric.
 fn plain(random: &mut Random, set: usize, restitution: f64) -> Model {
-    let chain =
-        Chain::new(random.between(1.0, 24.99) as usize, random.between(0.02, 1.0), random.between(0.0, 0.5)).unwrap();
-    let (omega, a) = (random.between(0.25, 3.0), if set.is_multiple_of(2) { 0.0 } else { random.between(0.0, 0.95) });
-    Model::forced(chain, omega, a, random.between(0.01, 2.0), restitution).unwrap()
+    random.model(&Ranges {
+        sites: [1, 24],
+        gamma1: Even(0.02, 1.0),
+        gamma2: Even(0.0, 0.5),
+        omega: Even(0.25, 3.0),
+        asymmetry: if set.is_multiple_of(2) { Is(0.0) } else { Even(0.0, 0.95) },
+        amplitude: Even(0.01, 2.0),
+        restitution: Is(restitution),
+    })
 }
 
 /// Without loss time can be reversed, so that orbits come in pairs of the same φ; with little loss they nearly do.
@@ -329,11 +341,10 @@ fn nothing_is_left_open(seed: u64, sets: usize) {
             let model = plain(&mut random, set, 1.0 - loss);
             for family in [Family::DoubleSided, Family::PeriodDoubled] {
                 let found = breathers(&model, family).unwrap();
-                assert_eq!((found.unresolved, found.exhausted), (0, 0), "set {set} {family:?} {model:?}");
-                match found.completeness {
-                    Completeness::Enclosures { .. } => searched[0] += 1,
-                    Completeness::BranchAndPrune { .. } => searched[1] += 1,
-                    other => panic!("set {set} {family:?}: {other}"),
+                match found.completeness.proof() {
+                    Some(Proof::Enclosures { .. }) => searched[0] += 1,
+                    Some(Proof::BranchAndPrune { .. }) => searched[1] += 1,
+                    _ => panic!("set {set} {family:?} {model:?}: {:?}", found.completeness),
                 }
                 listed += found.orbits.len();
             }
@@ -393,9 +404,10 @@ fn without_loss_a_pair_that_merges_is_found_or_reported() {
     ] {
         let at = |amplitude: f64| {
             let found = breathers(&Model::forced(chain, omega, a, amplitude, 1.0).unwrap(), family).unwrap();
-            assert_eq!(found.exhausted, 0);
-            assert_eq!(found.completeness.is_established(), found.unresolved == 0);
-            (found.orbits.len(), found.unresolved)
+            let (unresolved, exhausted) = found.completeness.open();
+            assert_eq!(exhausted, 0);
+            assert_eq!(found.completeness.is_established(), unresolved == 0);
+            (found.orbits.len(), unresolved)
         };
         let (few, many) = (at(low), at(high));
         assert!(few.1 + many.1 == 0 && few.0 + 2 == many.0, "{family:?}: {few:?} {many:?}");
@@ -488,8 +500,9 @@ fn next_to_a_fold_the_pair_is_found_or_reported() {
         let chain = Chain::new(21, 0.2, 0.1).unwrap();
         let at = |amplitude: f64| {
             let found = breathers(&Model::with_force(chain, omega, a, &square(amplitude), e).unwrap(), family).unwrap();
-            assert!(found.exhausted == 0 && found.orbits.iter().all(|orbit| orbit.residual() < 1e-13));
-            (found.orbits.len(), found.unresolved)
+            let (unresolved, exhausted) = found.completeness.open();
+            assert!(exhausted == 0 && found.orbits.iter().all(|orbit| orbit.residual() < 1e-13));
+            (found.orbits.len(), unresolved)
         };
         assert_eq!((at(low), at(high)), ((0, 0), (2, 0)), "{family:?}");
         for _ in 0..60 {
@@ -518,7 +531,8 @@ fn a_pair_next_to_its_fold_is_one_place() {
         let family = if random.bool() { Family::DoubleSided } else { Family::PeriodDoubled };
         let at = |amplitude: f64| {
             let found = breathers(&Model::forced(chain, omega, a, amplitude, e).unwrap(), family).unwrap();
-            (found.orbits.len(), found.unresolved, found.exhausted)
+            let (unresolved, exhausted) = found.completeness.open();
+            (found.orbits.len(), unresolved, exhausted)
         };
         let (mut low, mut high) = (0.05 * random.f64(), 0.05 + 1.5 * random.f64());
         let (few, many) = (at(low), at(high));

@@ -12,7 +12,6 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::orbit_command::{model, orbit_value, point_value};
 use crate::which;
-use vibrochain_maps::force;
 use vibrochain_maps::numbers::Number;
 
 fn event(name: EventName) -> Event {
@@ -79,7 +78,7 @@ fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
     let mut finder = Finder::new(model.chain().sites());
     let (_, found) = which::find(&args.which, model, &mut finder, None)?;
     let count = found.orbits.len();
-    if let Some(reason) = found.none {
+    if let Some(reason) = found.completeness.reason() {
         return Err(CliError::Computation(format!("no orbit to start from: {reason}")));
     }
     if let Some(number) = args.solution.filter(|&number| number == 0 || number > count) {
@@ -207,22 +206,13 @@ fn message(search: &Search, value: f64, end: &End) -> String {
     }
 }
 
-fn stability_text(verdict: &Verdict) -> String {
-    let how = match verdict.mechanism {
-        Some(mechanism) => format!("unstable ({})", mechanism.name()),
-        None if verdict.marginal => "marginal".to_owned(),
-        None => "stable".to_owned(),
-    };
-    format!("{how}, spectral radius {}", verdict.spectral_radius)
-}
-
 /// The answer for people. Writing to a String cannot fail.
 fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
     let mut out = String::new();
     let model = start.orbit.model();
     let said = |parameter: Parameter| match parameter {
         Parameter::Amplitude if model.force().cosine_amplitude().is_none() => {
-            Some(format!("force = {}", force::listed(model.force())))
+            Some(format!("force = {}", model.force()))
         }
         parameter if parameter == search.free => None,
         parameter => Some(format!("{} = {}", parameter.name(), Number(model.get(parameter)))),
@@ -275,12 +265,12 @@ fn located_text(out: &mut String, name: &str, found: &Located) {
         ),
         Evidence::Impact(impact) => writeln!(out, "  impact {impact} has no velocity left"),
     };
-    let _ = writeln!(out, "  {}", orbit_text(&found.orbit));
+    let _ = writeln!(out, "  {}", found.orbit);
     if found.physical == Some(false) && matches!(found.evidence, Evidence::Multiplier(_)) {
         let _ = writeln!(out, "  not physical there");
     }
     for (value, verdict) in &found.verdicts {
-        let _ = writeln!(out, "  at {name} = {}: {}", Number(*value), stability_text(verdict));
+        let _ = writeln!(out, "  at {name} = {}: {verdict}", Number(*value));
     }
     if let Some(branching) = &found.branching {
         let which = if branching.orbits.len() == 1 { "the doubled orbit" } else { "the asymmetric pair" };
@@ -290,26 +280,13 @@ fn located_text(out: &mut String, name: &str, found: &Located) {
     }
 }
 
-fn orbit_text(orbit: &Orbit) -> String {
-    let mut text = format!("period {}", Number(orbit.period()));
-    for (name, value) in [("phi", orbit.phi()), ("psi", orbit.psi())] {
-        if let Some(value) = value {
-            let _ = write!(text, ", {name} {}", Number(value));
-        }
-    }
-    let impulses: Vec<String> = orbit.impacts().iter().map(|impact| Number(impact.impulse).to_string()).collect();
-    let plural = if impulses.len() == 1 { "" } else { "s" };
-    let _ = write!(text, ", impulse{plural} {}", impulses.join(", "));
-    text
-}
-
 fn branched_text(out: &mut String, branched: &BranchedOrbit) {
-    let _ = writeln!(out, "    {}", orbit_text(&branched.orbit));
+    let _ = writeln!(out, "    {}", branched.orbit);
     let physical = match branched.physical {
         Some(true) => "physical",
         Some(false) => "not physical",
         None => "not checked",
     };
-    let stability = branched.verdict.as_ref().map_or("stability unknown".to_owned(), stability_text);
+    let stability = branched.verdict.as_ref().map_or("stability unknown".to_owned(), Verdict::to_string);
     let _ = writeln!(out, "    {physical}, {stability}");
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Word};
+use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
 use vibrochain_floquet::{Analyser, Complex, Tolerance};
 use vibrochain_lattice::{MAX_SITES, Model};
 
@@ -17,7 +17,7 @@ use crate::which;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::force;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::point::{Parameter, Point};
+use vibrochain_maps::point::Point;
 use vibrochain_maps::scene::tolerance_from;
 
 /// The checked model of the flags.
@@ -105,25 +105,28 @@ pub(crate) fn point_value(model: &Model) -> Value {
 
 /// How the list is known to be complete: by which means, and how many enclosures it took.
 fn completeness_value(completeness: Completeness) -> Value {
-    let mut value = json!({ "established": completeness.is_established(), "by": completeness.name() });
-    match completeness {
-        Completeness::Enclosures { intervals } => value["intervals"] = intervals.into(),
-        Completeness::BranchAndPrune { boxes } => value["boxes"] = boxes.into(),
-        Completeness::Followed { starts } => value["starts"] = starts.into(),
-        Completeness::ClosedForm | Completeness::Reversible => {}
-        Completeness::NotEstablished => value["by"] = Value::Null,
+    let proof = completeness.proof();
+    let mut value = json!({ "established": proof.is_some(), "by": proof.map(Proof::name) });
+    if let Completeness::Followed { starts, .. } = completeness {
+        (value["by"], value["starts"]) = ("followed".into(), starts.into());
+    }
+    match proof {
+        Some(Proof::Enclosures { intervals }) => value["intervals"] = intervals.into(),
+        Some(Proof::BranchAndPrune { boxes }) => value["boxes"] = boxes.into(),
+        Some(Proof::ClosedForm | Proof::Reversible) | None => {}
     }
     value
 }
 
 fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
+    let (unresolved, exhausted) = found.completeness.open();
     let mut value = json!({
         "parameters": point_value(model),
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
-        "reason": found.none.map(|reason| reason.to_string()),
+        "reason": found.completeness.reason().map(|reason| reason.to_string()),
         "completeness": completeness_value(found.completeness),
-        "unresolved": found.unresolved,
-        "exhausted": found.exhausted,
+        "unresolved": unresolved,
+        "exhausted": exhausted,
     });
     if !found.ended.is_empty() {
         let ended = |ended: &Ended| json!({ "gamma2": ended.gamma2, "message": ended.to_string() });
@@ -244,27 +247,10 @@ fn complex(z: Complex<f64>) -> String {
 
 /// The answer for people.
 fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> String {
-    let mut out = String::new();
-    let named = |(parameter, value): (Parameter, f64)| format!("{} = {}", parameter.name(), Number(value));
-    let force = match model.force().cosine_amplitude() {
-        Some(amplitude) => named((Parameter::Amplitude, amplitude)),
-        None => format!("force = {}", force::listed(model.force())),
-    };
-    let mut point: Vec<String> = [
-        (Parameter::Gamma1, model.chain().gamma1()),
-        (Parameter::Gamma2, model.chain().gamma2()),
-        (Parameter::Omega, model.omega()),
-        (Parameter::Asymmetry, model.asymmetry()),
-    ]
-    .into_iter()
-    .map(named)
-    .collect();
-    point.extend([force, named((Parameter::Restitution, model.restitution()))]);
+    let (mut out, completeness) = (String::new(), found.completeness);
     // Writing to a String cannot fail.
-    let sites = model.chain().sites();
-    let masses = if sites == 1 { "mass" } else { "masses" };
-    let _ = writeln!(out, "{name} breathers, {sites} {masses}, {}", point.join(", "));
-    match found.none {
+    let _ = writeln!(out, "{name} breathers, {model}");
+    match completeness.reason() {
         Some(reason) => {
             let _ = writeln!(out, "none: {reason}");
         }
@@ -274,16 +260,16 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
             let _ = writeln!(out, "{} solution{plural}, {physical} physical", solutions.len());
         }
     }
-    let _ = writeln!(out, "the list is {}", found.completeness);
-    if found.unresolved > 0 {
-        let places = if found.unresolved == 1 { "place" } else { "places" };
-        let _ = writeln!(out, "{} {places} where two more may have merged: next to a fold", found.unresolved);
+    let _ = writeln!(out, "the list is {completeness}");
+    let (unresolved, exhausted) = completeness.open();
+    if unresolved > 0 {
+        let places = if unresolved == 1 { "place" } else { "places" };
+        let _ = writeln!(out, "{unresolved} {places} where two more may have merged: next to a fold");
     }
-    if found.exhausted > 0 {
+    if exhausted > 0 {
         let _ = writeln!(
             out,
-            "the search for solutions was cut short ({} intervals left): the list may be incomplete",
-            found.exhausted
+            "the search for solutions was cut short ({exhausted} intervals left): the list may be incomplete"
         );
     }
     for ended in &found.ended {
@@ -299,22 +285,9 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
         }
         let _ = writeln!(out);
         for impact in orbit.impacts() {
-            let _ = writeln!(
-                out,
-                "  impact of site {} on the {} barrier at t = {}: impulse {}, velocity {} -> {}",
-                impact.site,
-                impact.barrier.name(),
-                Number(impact.time),
-                Number(impact.impulse),
-                Number(impact.velocity_before),
-                Number(impact.velocity_after)
-            );
+            let _ = writeln!(out, "  impact of {impact}");
         }
-        let _ = match (solution.admissibility.obstruction, solution.admissibility.margin) {
-            (Some(obstruction), _) => writeln!(out, "  not physical: {obstruction}"),
-            (None, Some(margin)) => writeln!(out, "  physical, margin {margin}"),
-            (None, None) => writeln!(out, "  physical"),
-        };
+        let _ = writeln!(out, "  {}", solution.admissibility);
         let _ = match &solution.stability {
             Ok(stability) => {
                 let verdict = stability.verdict;
@@ -351,11 +324,7 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
             estimate(condition.impulse_error(orbit)),
             estimate(condition.time_error(orbit))
         );
-        let _ = writeln!(
-            out,
-            "  distance to resonance {:.1e}, to grazing {:.1e}, to a fold {:.1e}",
-            condition.resonance, condition.grazing, condition.fold
-        );
+        let _ = writeln!(out, "  {condition}");
     }
     out
 }

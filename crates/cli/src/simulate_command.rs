@@ -159,7 +159,7 @@ fn starting_point(
             break;
         }
     }
-    let orbit = match (chosen, args.solution, found.none) {
+    let orbit = match (chosen, args.solution, found.completeness.reason()) {
         (Some((orbit, true)), _, _) => orbit,
         (Some((_, false)), Some(number), _) => {
             return Err(CliError::Request(format!("solution {number} is not physical; `mapgen orbit` tells why")));

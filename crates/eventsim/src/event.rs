@@ -1,10 +1,13 @@
 //! What a simulation reports: events, why it stopped, and how much it worked.
 
+use std::fmt;
+
 use crate::time::Time;
 use vibrochain_lattice::Barrier;
 
 /// What happened to a mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum EventKind {
     /// It met a barrier and v⁺ = −e v⁻.
     Impact,
@@ -25,9 +28,17 @@ impl EventKind {
     }
 }
 
+/// The name in files.
+impl fmt::Display for EventKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
 /// One thing that happened to one mass. Masses that meet their barriers together make one event each, at the same
 /// time, in the order of their sites.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Event {
     /// When.
     pub time: Time,
@@ -45,6 +56,8 @@ pub struct Event {
 
 /// How far one call of [`Simulation::run`](crate::Simulation::run) may go; whatever is met first ends it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
 pub struct Limits {
     /// Simulate up to and including this time. `None`: no limit on time.
     pub until: Option<Time>,
@@ -89,6 +102,7 @@ impl Limits {
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Outcome {
     /// The time asked for was reached.
     TimeReached,
@@ -110,6 +124,7 @@ pub enum Outcome {
 
 /// How much was done, since the simulation was created.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Work {
     /// Windows of flight of the whole ring that were expanded.
     pub windows: u64,
@@ -131,6 +146,7 @@ pub struct Work {
 
 /// The end of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Report {
     /// Why it ended.
     pub outcome: Outcome,

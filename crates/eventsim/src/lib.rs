@@ -55,6 +55,8 @@
 //! | `collision` | impact law, chatter, rest and release |
 //! | `simulation` | [`Simulation`]: the event loop |
 //!
+//! With the feature `serde` values are written by the names of `mapgen`'s tables; those without a [`Time`] are read, too.
+//!
 //! # Example
 //!
 //! A hot ring of five: all impacts of ten periods, and the energy that is left.

@@ -37,6 +37,7 @@ struct Pending {
 
 /// State of a chain: displacements and velocities of all masses, phase of the force, and time.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct State {
     /// u_n, one a mass.
     pub displacement: Vec<f64>,

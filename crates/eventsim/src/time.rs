@@ -16,6 +16,8 @@ use vibrochain_lattice::Model;
 /// # Ok::<(), vibrochain_lattice::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
 pub struct Time {
     periods: u64,
     offset: f64,

@@ -19,6 +19,8 @@
 //! | `locate` | [`locate()`]: bifurcations and grazing in one parameter |
 //! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] |
 //!
+//! With the feature `serde` values are written by the names of `mapgen`'s JSON; those that hold nothing derived are read, too.
+//!
 //! Multipliers are per period of the orbit (two periods of the force for a doubled one). Dimensionless throughout.
 //!
 //! # Example
@@ -48,6 +50,8 @@ mod judge;
 mod locate;
 mod monodromy;
 mod multipliers;
+#[cfg(feature = "serde")]
+mod plain;
 mod reversible;
 mod saltation;
 mod secular;

@@ -16,6 +16,8 @@ use crate::error::FloquetError;
 
 /// The saltation matrix of one impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
 pub struct Saltation {
     /// The mass that hits.
     pub site: usize,

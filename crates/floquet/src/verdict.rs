@@ -1,5 +1,7 @@
 //! Stable or not, and how stability is lost.
 
+use std::fmt;
+
 use nalgebra::Complex;
 
 use crate::secular::SecularError;
@@ -11,6 +13,8 @@ use crate::secular::SecularError;
 /// and go on. [`Mechanism::Pitchfork`] is said only where symmetry leaves nothing else; which one it is elsewhere is found by
 /// following the branch to where the multiplier is +1, see [`crate::locate()`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[must_use]
 pub enum Mechanism {
     /// Through +1; a fold or a pitchfork, which one is not known.
     PlusOne,
@@ -60,8 +64,20 @@ impl Mechanism {
     }
 }
 
+/// The name in files.
+impl fmt::Display for Mechanism {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
 /// From which growth per period an orbit counts as unstable.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "Option<f64>", into = "Option<f64>")
+)]
 pub enum Tolerance {
     /// Strict: from any growth that is not rounding, see [`Verdict::resolution`].
     #[default]
@@ -81,15 +97,37 @@ impl Tolerance {
     }
 }
 
+/// As `threshold` in scenes: the growth, or none.
+impl From<Option<f64>> for Tolerance {
+    fn from(threshold: Option<f64>) -> Self {
+        threshold.map_or(Self::Rounding, Self::Growth)
+    }
+}
+
+impl From<Tolerance> for Option<f64> {
+    fn from(tolerance: Tolerance) -> Self {
+        match tolerance {
+            Tolerance::Rounding => None,
+            Tolerance::Growth(growth) => Some(growth),
+        }
+    }
+}
+
 /// Where an answer comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(tag = "method", content = "doubt", rename_all = "kebab-case")
+)]
+#[must_use]
 pub enum Method {
     /// From the secular function: zeros of a scalar function, counted or found.
     #[default]
     Secular,
     /// From a matrix: for impacts at several sites, for masses without coupling (2 × 2: one mass alone is left), where it
     /// was asked for ([`crate::Analyser::dense`]); with the doubt where the secular function had no answer.
-    Dense(Option<SecularError>),
+    Dense(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::doubt"))] Option<SecularError>),
 }
 
 impl Method {
@@ -112,6 +150,8 @@ impl Method {
 
 /// The verdict on an orbit: stable, unstable, or too close to the border to be told (`marginal`).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
 pub struct Verdict {
     /// No perturbation grows by more than the tolerance, errors allowed for.
     pub stable: bool,
@@ -125,14 +165,26 @@ pub struct Verdict {
     pub spectral_radius: f64,
     /// The multiplier of that modulus. Where all are on the circle and none leads, any of them; [`crate::Analyser::verdict`]
     /// then names the trivial 1 and works none out.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complex"))]
     pub leading: Complex<f64>,
     /// Estimated error of the spectral radius, and of the growth. [`crate::Analyser::stability`] works out for every orbit
     /// what the errors of its own data add to it, [`crate::Analyser::verdict`] only where the answer may hang on it; there a
     /// dense matrix's is that of a well-conditioned eigenvalue. 0 where structure decides.
     pub resolution: f64,
     /// Where the verdict comes from.
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub method: Method,
     pub(crate) growth: f64,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.mechanism {
+            Some(mechanism) => write!(f, "unstable ({mechanism})")?,
+            None => write!(f, "{}", if self.marginal { "marginal" } else { "stable" })?,
+        }
+        write!(f, ", spectral radius {}", self.spectral_radius)
+    }
 }
 
 impl Verdict {

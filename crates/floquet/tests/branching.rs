@@ -2,27 +2,29 @@
 //! orbits that meet in a fold.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use fastrand::Rng;
 use vibrochain_breather::{Family, Orbit, breathers};
 use vibrochain_floquet::{Event, Located, Search, locate};
-use vibrochain_lattice::{Chain, Model, Parameter};
-
-/// Between these, evenly in the logarithm.
-fn between(rng: &mut Rng, low: f64, high: f64) -> f64 {
-    low * (high / low).powf(rng.f64())
-}
+use vibrochain_lattice::{Model, Parameter};
+use vibrochain_testkit::Values::{Even, Is, Log};
+use vibrochain_testkit::{Random, Ranges};
 
 /// A model with orbits of the kind that bifurcates: single-sided ones double their period, double-sided ones need a symmetry
 /// to break.
-fn draw(rng: &mut Rng, event: Event) -> Model {
-    let chain = Chain::new(rng.usize(1..8), between(rng, 0.05, 0.8), between(rng, 0.01, 0.4)).unwrap();
-    let (omega, amplitude) = (between(rng, 0.4, 2.2), between(rng, 0.05, 2.0));
+fn draw(random: &mut Random, event: Event) -> Model {
     let (asymmetry, restitution) = match event {
-        Event::PeriodDoubling => (0.95 * rng.f64(), between(rng, 0.05, 1.0)),
-        _ if rng.bool() => (0.0, between(rng, 0.2, 1.0)),
-        _ => (0.9 * rng.f64(), 1.0),
+        Event::PeriodDoubling => (Even(0.0, 0.95), Log(0.05, 1.0)),
+        _ if random.chance(0.5) => (Is(0.0), Log(0.2, 1.0)),
+        _ => (Even(0.0, 0.9), Is(1.0)),
     };
-    Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap()
+    random.model(&Ranges {
+        sites: [1, 7],
+        gamma1: Log(0.05, 0.8),
+        gamma2: Log(0.01, 0.4),
+        omega: Log(0.4, 2.2),
+        asymmetry,
+        amplitude: Log(0.05, 2.0),
+        restitution,
+    })
 }
 
 /// Distance of an orbit from the one that bifurcates: of its time from half its period, and of its impulses.
@@ -42,7 +44,7 @@ fn offset(orbit: &Orbit) -> f64 {
 /// The orbits of lower symmetry that a list has at this value, with their distances; `None` where it cannot say.
 fn listed(found: &Located, free: Parameter, family: Family, value: f64) -> Option<Vec<(f64, Orbit)>> {
     let model = found.orbit.model().with(free, value).ok()?;
-    let list = breathers(&model, family).ok().filter(|list| list.unresolved + list.exhausted == 0)?;
+    let list = breathers(&model, family).ok().filter(|list| list.completeness.open() == (0, 0))?;
     let lower = list.orbits.into_iter().filter(|orbit| offset(orbit) > 1e-8);
     Some(lower.map(|orbit| (distance(&orbit, &found.orbit), orbit)).collect())
 }
@@ -69,16 +71,16 @@ fn same(a: &Orbit, b: &Orbit, value: f64, d: f64) -> bool {
 }
 
 fn every_handover_is_in_the_lists(event: Event, family: Family, branched: Family, seed: u64, wanted: usize) {
-    let mut rng = Rng::with_seed(seed);
+    let mut random = Random(seed);
     let (mut handed, mut none, mut undecided) = (0, 0, 0);
     while handed < wanted {
-        let model = draw(&mut rng, event);
-        let free = Parameter::ALL[rng.usize(0..Parameter::ALL.len())];
+        let model = draw(&mut random, event);
+        let free = random.of(&Parameter::ALL);
         let Ok(list) = breathers(&model, family) else { continue };
         if list.orbits.is_empty() {
             continue;
         }
-        let orbit = &list.orbits[rng.usize(0..list.orbits.len())];
+        let orbit = &list.orbits[random.below(list.orbits.len())];
         // A symmetry that the parameter breaks is none.
         let broken = [(Parameter::Asymmetry, 0.0), (Parameter::Restitution, 1.0)];
         if event == Event::Pitchfork && (broken.contains(&(free, model.get(free))) || offset(orbit) > 1e-9) {
@@ -141,22 +143,22 @@ fn at_pitchforks() {
 fn count(found: &Located, free: Parameter, value: f64) -> Option<usize> {
     let model = found.orbit.model().with(free, value).ok()?;
     let list = breathers(&model, found.orbit.family()).ok()?;
-    (list.unresolved + list.exhausted == 0).then_some(list.orbits.len())
+    (list.completeness.open() == (0, 0)).then_some(list.orbits.len())
 }
 
 #[test]
 fn every_fold_ends_two_orbits() {
-    let mut rng = Rng::with_seed(26);
+    let mut random = Random(26);
     let (mut checked, mut undecided) = (0, 0);
     while checked < 60 {
-        let model = draw(&mut rng, Event::PeriodDoubling);
-        let free = Parameter::ALL[rng.usize(0..Parameter::ALL.len())];
-        let family = [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled][rng.usize(0..3)];
+        let model = draw(&mut random, Event::PeriodDoubling);
+        let free = random.of(&Parameter::ALL);
+        let family = random.of(&[Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled]);
         let Ok(list) = breathers(&model, family) else { continue };
         if list.orbits.is_empty() {
             continue;
         }
-        let orbit = &list.orbits[rng.usize(0..list.orbits.len())];
+        let orbit = &list.orbits[random.below(list.orbits.len())];
         let Ok(answer) = locate(orbit, &Search::new(orbit, Event::Fold, free)) else { continue };
         for found in &answer.located {
             // Nearer lists cannot tell the two apart, farther something else may happen.

@@ -4,6 +4,8 @@
 use vibrochain_breather::{Family, Motion, Orbit, breathers};
 use vibrochain_floquet::{Answer, End, Event, Evidence, LocateError, Mechanism, Search, Verdict, locate};
 use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Spectrum};
+use vibrochain_testkit::Values::{Is, Log};
+use vibrochain_testkit::{Random, Ranges};
 
 fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
     Model::forced(Chain::new(21, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()
@@ -52,7 +54,7 @@ fn fold_of_the_errata_where_the_force_is_just_strong_enough() {
     let found = &answer.located[0];
     // The least amplitude of the quadratic for the impulse, which knows nothing of branches.
     let weak = model((0.2, 0.1), 1.07, 0.8, (0.1, 0.25));
-    let reason = breathers(&weak, Family::SingleSided).unwrap().none.unwrap();
+    let reason = breathers(&weak, Family::SingleSided).unwrap().completeness.reason().unwrap();
     let vibrochain_breather::NoBreather::ForceTooWeak { threshold } = reason else { panic!("{reason:?}") };
     assert!((found.value - threshold).abs() < 1e-14, "{} {threshold}", found.value);
     assert!((found.value - 0.157927457267).abs() < 1e-12);
@@ -299,18 +301,20 @@ fn nothing_is_claimed_of_what_is_no_orbit_or_no_crossing() {
     assert!(answer.located.iter().all(|found| found.value < 0.7846), "{:?}", answer.located);
 }
 
+/// Where doubled orbits are.
+const SLOW_TO_FAST: Ranges =
+    Ranges { sites: [2, 8], gamma1: Log(0.05, 0.8), gamma2: Log(1e-3, 0.4), omega: Log(0.7, 2.0), ..Ranges::FORCED };
+
 /// Where two impacts with vanishing impulses merge: by hand, the motion that the force drives alone, Ã cos ωt, touches the barrier,
 /// |Ã| = 1 − a.
 #[test]
 fn doubled_orbits_end_where_their_impulses_vanish() {
-    let mut rng = fastrand::Rng::with_seed(27);
+    let mut random = Random(27);
+    let ranges = Ranges { asymmetry: Log(0.01, 0.9), restitution: Log(0.05, 1.0), ..SLOW_TO_FAST };
     let (mut found, mut elsewhere) = (0, Vec::new());
     for _ in 0..600 {
-        let mut between = |low: f64, high: f64| low * (high / low).powf(rng.f64());
-        let chain = Chain::new(1 + between(1.0, 8.0) as usize, between(0.05, 0.8), between(1e-3, 0.4)).unwrap();
-        let (omega, amplitude, e) = (between(0.7, 2.0), between(0.05, 2.0), between(0.05, 1.0));
-        let model = Model::forced(chain, omega, between(0.01, 0.9), amplitude, e).unwrap();
-        let free = [Parameter::Asymmetry, Parameter::Amplitude, Parameter::Omega][rng.usize(0..3)];
+        let model = random.model(&ranges);
+        let free = random.of(&[Parameter::Asymmetry, Parameter::Amplitude, Parameter::Omega]);
         let Ok(list) = breathers(&model, Family::PeriodDoubled) else { continue };
         let Some(orbit) = list.orbits.last() else { continue };
         let answer = locate(orbit, &Search::new(orbit, Event::Fold, free)).unwrap();
@@ -333,13 +337,11 @@ fn doubled_orbits_end_where_their_impulses_vanish() {
 /// Right at e = 1 all multipliers are on the circle: no crossing, and no way lost.
 #[test]
 fn the_way_to_elastic_impacts_ends_with_its_range() {
-    let mut rng = fastrand::Rng::with_seed(28);
+    let mut random = Random(28);
+    let ranges = Ranges { asymmetry: Log(0.01, 0.9), restitution: Is(0.9), ..SLOW_TO_FAST };
     let mut there = 0;
     for _ in 0..60 {
-        let mut between = |low: f64, high: f64| low * (high / low).powf(rng.f64());
-        let chain = Chain::new(2 + between(1.0, 6.0) as usize, between(0.05, 0.8), between(1e-3, 0.4)).unwrap();
-        let (omega, a) = (between(0.7, 2.0), between(0.01, 0.9));
-        let model = Model::forced(chain, omega, a, between(0.05, 2.0), 0.9).unwrap();
+        let model = random.model(&ranges);
         let Ok(list) = breathers(&model, Family::DoubleSided) else { continue };
         for orbit in &list.orbits {
             let answer = locate(orbit, &Search::new(orbit, Event::NeimarkSacker, Parameter::Restitution)).unwrap();

@@ -8,7 +8,8 @@ use faer::MatRef;
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, bare_signature, even_monodromy};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
-use vibrochain_testkit::Random;
+use vibrochain_testkit::Values::{Either, Even, Is};
+use vibrochain_testkit::{Random, Ranges};
 
 const BOTH: [Family; 2] = [Family::SingleSided, Family::DoubleSided];
 
@@ -187,16 +188,16 @@ fn every_signature_told_is_that_of_the_form_on_the_multiplier_next_to_the_dresse
     let (mut random, mut bench, mut secular) = (Random(7), Bench::new(), Secular::default());
     // Of stable physical orbits, and of all others.
     let (mut modes, mut told, mut bare_wrong) = ([0, 0], [0, 0], [0, 0]);
-    let log = |low: f64, high: f64, random: &mut Random| random.between(low.ln(), high.ln()).exp();
+    let ranges = Ranges {
+        sites: [2, 23],
+        omega: Even(0.3, 3.0),
+        asymmetry: Either(0.2, &Is(0.0), &Even(0.0, 0.9)),
+        ..Ranges::CONSERVATIVE
+    };
     let chain = Chain::new(15, 0.5448393244032546, 0.049273526372998165).unwrap();
     let carried_past = Model::conservative(chain, 1.6210549604807942, 0.0).unwrap();
     for i in 0..5000 {
-        let sites = 2 + (random.unit() * 22.0) as usize;
-        let (g1, g2) = (log(0.02, 1.0, &mut random), log(1e-3, 0.5, &mut random));
-        let omega = random.between(0.3, 3.0);
-        let a = if random.unit() < 0.2 { 0.0 } else { random.between(0.0, 0.9) };
-        let model = Model::conservative(Chain::new(sites, g1, g2).unwrap(), omega, a).unwrap();
-        let model = if i == 0 { carried_past } else { model };
+        let model = if i == 0 { carried_past } else { random.model(&ranges) };
         let Some(orbit) = bench.orbit_of(BOTH[i % 2], &model) else { continue };
         if secular.replace(bench.finder.prepared(&orbit).unwrap()).is_err() {
             continue;

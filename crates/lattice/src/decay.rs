@@ -9,6 +9,7 @@ use crate::spectrum::Spectrum;
 
 /// Behaviour of a frequency along the infinite chain.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use]
 pub enum Decay {
     /// Outside the band: the amplitude falls by λ from site to site, |λ| < 1 (λ < 0 above the band, where
     /// neighbours move against each other).

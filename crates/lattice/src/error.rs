@@ -41,6 +41,7 @@ pub struct ParameterError {
 
 /// A harmonic jω of a periodic motion meets a mode's frequency Ω_k: no periodic response exists.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[error("{}", self.describe())]
 pub struct Resonance {
     /// The number j of the harmonic.

@@ -22,12 +22,15 @@ pub const MAX_PHASE: f64 = 100.0;
 
 /// One harmonic of a force, A cos(jωt + θ).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Harmonic {
     /// Its number j, odd.
+    #[cfg_attr(feature = "serde", serde(rename = "harmonic"))]
     pub number: u32,
     /// Its amplitude A, of either sign.
     pub amplitude: f64,
     /// Its phase θ in radians.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub phase: f64,
 }
 
@@ -149,6 +152,7 @@ impl Force {
 
 /// One term of a [`Wave`], c cos(rt + θ).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WaveTerm {
     /// c
     pub amplitude: f64,
@@ -160,6 +164,7 @@ pub struct WaveTerm {
 
 /// A sum of cosines, Σ c_j cos(r_j t + θ_j): a force, or the uniform motion it drives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[must_use]
 pub struct Wave {
     count: usize,
     terms: [WaveTerm; MAX_HARMONICS],

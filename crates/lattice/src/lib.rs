@@ -30,6 +30,8 @@
 //! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
 //! | `propagator` | [`Propagator`]: exact free flight |
 //!
+//! With the feature `serde` values are written and read by the names of `mapgen`'s JSON, and what is out of range is refused.
+//!
 //! # Example
 //!
 //! ```
@@ -43,12 +45,15 @@
 //! ```
 
 mod decay;
+mod display;
 mod distinct;
 mod error;
 mod force;
 mod impulse;
 mod parameter;
 mod params;
+#[cfg(feature = "serde")]
+mod plain;
 mod propagator;
 mod ring;
 mod sensitivity;

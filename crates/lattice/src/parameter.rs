@@ -5,6 +5,7 @@ use crate::params::{Chain, Model};
 
 /// A real parameter of the model, which a sweep can vary or a search can solve for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Parameter {
     /// γ₁
     Gamma1,

@@ -8,6 +8,7 @@ pub const MAX_SITES: usize = 10_000_000;
 
 /// One of the two rigid barriers of a mass, at a − 1 and a + 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Barrier {
     /// The barrier at a − 1, the nearer one for a > 0.
     Lower,
@@ -40,6 +41,7 @@ impl Barrier {
 
 /// The linear ring: number of masses and the two stiffnesses of the equations of motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Chain {
     sites: usize,
     gamma1: f64,

@@ -1,6 +1,6 @@
 //! One cell of a map: a parameter point and what lives there.
 
-use vibrochain_breather::{BreatherError, Family, Finder, Found, NoBreather, Orbit, Wanted, Word};
+use vibrochain_breather::{BreatherError, Completeness, Family, Finder, Found, NoBreather, Orbit, Wanted, Word};
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::Model;
 
@@ -160,6 +160,15 @@ impl Status {
         }
     }
 
+    fn of_list(completeness: Completeness) -> Self {
+        match completeness {
+            Completeness::Asked { .. } => Self::Incomplete,
+            Completeness::None { reason: NoBreather::NotSearched(_), .. } => Self::Incomplete,
+            completeness if completeness.open() != (0, 0) => Self::Unresolved,
+            _ => Self::Ok,
+        }
+    }
+
     fn of_orbit(error: &BreatherError) -> Self {
         match error {
             BreatherError::Resonance(_) => Self::Resonance,
@@ -278,13 +287,7 @@ impl Worker {
                     return Cell { class, status, ..cell };
                 }
             }
-            if self.found.unresolved + self.found.exhausted > 0 {
-                cell.status = cell.status.max(Status::Unresolved);
-            }
-            let not_searched = matches!(self.found.none, Some(NoBreather::NotSearched(_)));
-            if self.found.left_out > 0 || not_searched {
-                cell.status = cell.status.max(Status::Incomplete);
-            }
+            cell.status = cell.status.max(Status::of_list(self.found.completeness));
             for orbit in &self.found.orbits {
                 let admissibility = match self.finder.quick_admissibility(orbit) {
                     Ok(admissibility) => admissibility,

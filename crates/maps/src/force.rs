@@ -1,7 +1,7 @@
 //! Forces of several harmonics on the command line and in files.
 
 use serde_json::{Value, json};
-use vibrochain_lattice::{Force, Harmonic, Model, Short};
+use vibrochain_lattice::{Force, Harmonic, Model};
 
 /// Reads a force as `--force` gives it, `number:amplitude[:phase]` for each harmonic, with commas between.
 ///
@@ -9,9 +9,9 @@ use vibrochain_lattice::{Force, Harmonic, Model, Short};
 /// What is wrong with it, and with which harmonic.
 ///
 /// ```
-/// use vibrochain_maps::force::{listed, parse};
+/// use vibrochain_maps::force::parse;
 /// let force = parse("1:0.1:0,3:-0.03").unwrap();
-/// assert_eq!(listed(&force), "1:0.1:0,3:-0.03:0");
+/// assert_eq!(force.to_string(), "1:0.1:0,3:-0.03:0");
 /// assert!(parse("1:0.1:0,2:0.03").unwrap_err().contains("harmonic = 2"));
 /// ```
 pub fn parse(text: &str) -> Result<Force, String> {
@@ -34,13 +34,6 @@ fn harmonic(text: &str) -> Result<Harmonic, String> {
     })
 }
 
-/// The force as `--force` takes it.
-pub fn listed(force: &Force) -> String {
-    let one =
-        |harmonic: &Harmonic| format!("{}:{}:{}", harmonic.number, Short(harmonic.amplitude), Short(harmonic.phase));
-    force.harmonics().iter().map(one).collect::<Vec<_>>().join(",")
-}
-
 /// The force as a scene gives it: its harmonics.
 pub fn value(force: &Force) -> Value {
     let one = |harmonic: &Harmonic| json!({ "harmonic": harmonic.number, "amplitude": harmonic.amplitude, "phase": harmonic.phase });
@@ -52,7 +45,7 @@ pub fn caption(model: &Model) -> Vec<String> {
     let force = match model.force().cosine_amplitude() {
         _ if model.is_conservative() => return Vec::new(),
         Some(_) => format!("A = {}", model.amplitude()),
-        None => format!("force {}", listed(model.force())),
+        None => format!("force {}", model.force()),
     };
     vec![force, format!("e = {}", model.restitution())]
 }

@@ -12,7 +12,6 @@ use crate::lines::{Frame, draw_key, draw_lines};
 use crate::palette::{Palette, Tile, sample};
 use crate::words::Heading;
 use vibrochain_maps::cell::Class;
-use vibrochain_maps::force::listed;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
 
@@ -133,7 +132,7 @@ fn fixed(scene: &Scene) -> String {
         let swept = scene.sweeps(parameter);
         let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
         if let (Parameter::Amplitude, Some(force)) = (parameter, &scene.base.force) {
-            text += &format!(", force {}", listed(force));
+            text += &format!(", force {force}");
         } else if !(swept || forced && scene.is_conservative()) {
             text += &format!(", {} = {}", parameter.symbol(), scene.base.get(parameter));
         }

@@ -112,7 +112,7 @@ fn rows((family, sites, g1, g2, omega, a, amplitude, e): Point) -> Result<Vec<St
         lines.push(line);
     }
     if lines.is_empty() {
-        let reason = found.none.map_or("none is physical".to_owned(), |reason| reason.to_string());
+        let reason = found.completeness.reason().map_or("none is physical".to_owned(), |reason| reason.to_string());
         return Err(CliError::Computation(format!(
             "no {} orbit to validate at omega = {omega}: {reason}",
             family.name()

@@ -4,6 +4,7 @@
 
 mod desk;
 mod digest;
+mod models;
 mod net;
 mod random;
 mod reference;
@@ -12,6 +13,7 @@ mod words;
 
 pub use desk::*;
 pub use digest::Digest;
+pub use models::{Meeting, Ranges, Values};
 pub use net::Net;
 pub use random::Random;
 pub use reference::{Case, reference};

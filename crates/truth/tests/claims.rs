@@ -4,8 +4,9 @@
 
 use vibrochain_breather::{Family, Finder, Found, breathers};
 use vibrochain_floquet::{Analyser, Method, Tolerance, Verdict};
-use vibrochain_lattice::{Chain, Model, Spectrum};
-use vibrochain_testkit::Random;
+use vibrochain_lattice::{Chain, Model, Parameter};
+use vibrochain_testkit::Values::{Either, Even, Is, Log};
+use vibrochain_testkit::{Meeting, Random, Ranges};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,29 +23,29 @@ enum Place {
 }
 
 fn model_at(random: &mut Random, place: Place) -> Option<Model> {
-    let sites = match place {
-        Place::OneMass => 1,
-        Place::Elastic => 2 + random.below(15),
-        _ => 1 + random.below(16),
-    };
-    let coupled = !matches!(place, Place::Uncoupled);
-    let chain = Chain::new(sites, random.log(0.02, 1.0), if coupled { random.log(1e-3, 0.5) } else { 0.0 }).ok()?;
-    let mut omega = random.log(0.15, 3.0);
-    if matches!(place, Place::Resonance | Place::Elastic) || random.unit() < 0.3 {
-        let spectrum = Spectrum::new(chain);
-        let frequency = spectrum.frequencies()[random.below(spectrum.frequencies().len())];
-        let sign = (random.unit() - 0.5).signum();
-        let half = if random.unit() < 0.3 { 2.0 } else { 1.0 };
-        omega = half * frequency / (1.0 + 5.0 * random.unit()).floor() * (1.0 + sign * random.log(1e-10, 1e-2));
+    let model = random.model(&Ranges {
+        sites: match place {
+            Place::OneMass => [1, 1],
+            Place::Elastic => [2, 16],
+            _ => [1, 16],
+        },
+        gamma2: if place == Place::Uncoupled { Is(0.0) } else { Log(1e-3, 0.5) },
+        omega: Log(0.15, 3.0),
+        asymmetry: Either(0.3, &Is(0.0), &Even(0.0, 0.9)),
+        amplitude: Log(0.01, 2.0),
+        restitution: match place {
+            Place::Inelastic => Log(1e-5, 1e-2),
+            Place::Elastic => Is(1.0),
+            _ => Either(0.15, &Is(1.0), &Even(0.05, 0.99)),
+        },
+        ..Ranges::FORCED
+    });
+    if !matches!(place, Place::Resonance | Place::Elastic) && !random.chance(0.3) {
+        return Some(model);
     }
-    let a = if random.unit() < 0.3 { 0.0 } else { random.between(0.0, 0.9) };
-    let e = match (place, random.unit()) {
-        (Place::Inelastic, _) => random.log(1e-5, 1e-2),
-        (Place::Elastic, _) => 1.0,
-        (_, unit) if unit < 0.15 => 1.0,
-        _ => random.between(0.05, 0.99),
-    };
-    Model::forced(chain, omega, a, random.log(0.01, 2.0), e).ok()
+    let half = if random.chance(0.3) { 2.0 } else { 1.0 };
+    let omega = half * random.meeting(model.chain(), Meeting::Mode, 5, Log(1e-10, 1e-2));
+    model.with(Parameter::Omega, omega).ok()
 }
 
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
@@ -88,7 +89,7 @@ fn claims_hold(place: Place, draws: usize) {
     let (mut marginal, mut wide) = (0, 0);
     for _ in 0..draws {
         let Some(model) = model_at(&mut random, place) else { continue };
-        let family = FAMILIES[random.below(3)];
+        let family = random.of(&FAMILIES);
         if finder.find(&model, family, &mut found).is_err() {
             continue;
         }
@@ -223,9 +224,16 @@ fn a_mass_alone_knows_its_multipliers() {
 fn conservative_orbits_off_the_middle_have_the_multipliers_of_many_digits() {
     let mut random = Random(5);
     let (mut finder, mut found, mut compared, mut unstable) = (Finder::new(1), Found::default(), 0, 0);
+    let ranges = Ranges {
+        sites: [2, 13],
+        gamma1: Log(0.1, 0.5),
+        gamma2: Log(0.02, 0.4),
+        omega: Log(0.25, 0.6),
+        asymmetry: Even(0.0, 0.5),
+        ..Ranges::CONSERVATIVE
+    };
     for _ in 0..60 {
-        let chain = Chain::new(2 + random.below(12), random.log(0.1, 0.5), random.log(0.02, 0.4)).unwrap();
-        let model = Model::conservative(chain, random.log(0.25, 0.6), random.between(0.0, 0.5)).unwrap();
+        let model = random.model(&ranges);
         if finder.find(&model, Family::DoubleSided, &mut found).is_err() {
             continue;
         }
@@ -278,17 +286,23 @@ fn lists_of_one_mass_next_to_a_resonance_are_complete() {
 fn searches_for_one_mass_next_to_a_resonance_are_not_cut_short() {
     let mut random = Random(3);
     let (mut searches, mut unresolved, mut orbits) = (0, 0, 0);
+    let ranges = Ranges {
+        sites: [1, 1],
+        gamma2: Is(0.0),
+        amplitude: Log(0.01, 2.0),
+        restitution: Even(0.05, 0.7),
+        ..Ranges::FORCED
+    };
     for _ in 0..60 {
-        let gamma1 = random.log(0.02, 1.0);
-        let off = 1.0 + random.log(1e-10, 1e-7);
-        let omega = gamma1.sqrt() / random.log(2.0, 8.0).floor() * off;
-        let chain = Chain::new(1, gamma1, 0.0).unwrap();
-        let (a, e) = (random.between(0.0, 0.9), random.between(0.05, 0.7));
-        let model = Model::forced(chain, omega, a, random.log(0.01, 2.0), e).unwrap();
+        let model = random.model(&ranges);
+        let harmonic = random.log(2.0, 8.0).floor();
+        let omega = model.chain().gamma1().sqrt() / harmonic * (1.0 + random.log(1e-10, 1e-7));
+        let model = model.with(Parameter::Omega, omega).unwrap();
         let Ok(found) = breathers(&model, Family::PeriodDoubled) else { continue };
-        assert_eq!(found.exhausted, 0, "{model:?}");
+        let (places, exhausted) = found.completeness.open();
+        assert_eq!(exhausted, 0, "{model:?}");
         searches += 1;
-        unresolved += usize::from(found.unresolved > 0);
+        unresolved += usize::from(places > 0);
         orbits += found.orbits.iter().filter(|orbit| TrueOrbit::refine(orbit, DEFAULT_BITS).is_ok()).count();
     }
     println!("{searches} searches, {unresolved} with unresolved places, {orbits} orbits");

@@ -3,8 +3,9 @@
 
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_floquet::{Analyser, Complex, ForcedSecular, Method, Tolerance};
-use vibrochain_lattice::{Chain, Model, Spectrum};
-use vibrochain_testkit::Random;
+use vibrochain_lattice::{Chain, Model, Parameter};
+use vibrochain_testkit::Values::Log;
+use vibrochain_testkit::{Meeting, Random, Ranges};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
 
 /// Where random orbits are looked for.
@@ -20,34 +21,18 @@ enum Place {
 }
 
 fn model_at(random: &mut Random, place: Place, largest: usize) -> Option<Model> {
-    let sites = 1 + random.below(largest);
-    let chain = Chain::new(sites, random.log(0.02, 1.0), random.log(1e-3, 0.5)).ok()?;
-    let a = random.between(0.0, 0.9);
-    let (mut omega, mut amplitude) = (random.between(0.4, 3.0), random.log(0.05, 2.0));
-    let sign = (random.unit() - 0.5).signum();
-    match place {
-        Place::Anywhere => {}
-        Place::Stripe | Place::Resonance => {
-            let spectrum = Spectrum::new(chain);
-            let mut pick = || spectrum.frequencies()[random.below(spectrum.frequencies().len())];
-            let (first, second) = (pick(), pick());
-            let target = match (place, random.unit() < 0.7) {
-                (Place::Resonance, _) => first,
-                (_, true) => first + second,
-                _ => (first - second).abs(),
-            };
-            omega = target / (1.0 + 4.0 * random.unit()).floor() * (1.0 + sign * random.log(1e-14, 1e-2));
-            if omega < 0.2 {
-                return None;
-            }
-        }
+    let model = random.model(&Ranges { sites: [1, largest], ..Ranges::FORCED });
+    let meeting = match place {
+        Place::Anywhere => return Some(model),
         Place::Grazing => {
-            let reach = (1.0 - a) * (chain.gamma1() - omega * omega).abs();
-            amplitude = reach * (1.0 + sign * random.log(1e-10, 0.1));
+            let reach = (1.0 - model.asymmetry()) * (model.chain().gamma1() - model.omega().powi(2)).abs();
+            return model.with(Parameter::Amplitude, random.beside(reach, Log(1e-10, 0.1))).ok();
         }
-    }
-    let e = if random.unit() < 0.2 { 1.0 } else { random.between(0.2, 0.99) };
-    Model::forced(chain, omega, a, amplitude, e).ok()
+        Place::Resonance => Meeting::Mode,
+        Place::Stripe => random.of(&[Meeting::Sum, Meeting::Sum, Meeting::Difference]),
+    };
+    let omega = random.meeting(model.chain(), meeting, 4, Log(1e-14, 1e-2));
+    model.with(Parameter::Omega, omega).ok().filter(|_| omega >= 0.2)
 }
 
 /// How far `z` is from the multiplier next to it; `None` where that is not to be had.
@@ -118,7 +103,7 @@ fn claims_hold(draws: usize) {
         let mut orbits = 0;
         for _ in 0..draws {
             let Some(model) = model_at(&mut random, place, 40) else { continue };
-            let family = FAMILIES[random.below(3)];
+            let family = random.of(&FAMILIES);
             if finder.find_symmetric(&model, family, &mut found).is_err() {
                 continue;
             }
@@ -200,7 +185,7 @@ fn no_spectral_radius_is_farther_off_than_is_claimed() {
     for draw in 0..160 {
         let place = [Place::Anywhere, Place::Stripe, Place::Resonance, Place::Grazing][draw % 4];
         let Some(model) = model_at(&mut random, place, 24) else { continue };
-        let family = FAMILIES[random.below(3)];
+        let family = random.of(&FAMILIES);
         if finder.find_symmetric(&model, family, &mut found).is_err() {
             continue;
         }

@@ -2,24 +2,26 @@
 //! that comes with the answer, and no point comes twice.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use fastrand::Rng;
 use vibrochain_breather::{Family, Hit, Orbit, breathers};
 use vibrochain_floquet::{Event, Evidence, Located, Search, locate};
 use vibrochain_lattice::{Chain, Model, Parameter};
+use vibrochain_testkit::Values::{Either, Even, Is, Log};
+use vibrochain_testkit::{Random, Ranges};
 use vibrochain_truth::{Complex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
 
-/// Between these, evenly in the logarithm.
-fn between(rng: &mut Rng, low: f64, high: f64) -> f64 {
-    low * (high / low).powf(rng.f64())
-}
-
-fn draw(rng: &mut Rng, families: &[Family]) -> (Model, Family) {
-    let chain = Chain::new(rng.usize(2..8), between(rng, 0.05, 0.8), between(rng, 1e-3, 0.4)).unwrap();
-    let family = families[rng.usize(0..families.len())];
-    let omega = between(rng, if family == Family::PeriodDoubled { 0.7 } else { 0.4 }, 2.0);
-    let asymmetry = if rng.u8(0..3) == 0 { 0.0 } else { 0.9 * rng.f64() };
-    let (amplitude, restitution) = (between(rng, 0.05, 2.0), between(rng, 0.05, 1.0));
-    (Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap(), family)
+fn draw(random: &mut Random, families: &[Family]) -> (Model, Family) {
+    let family = random.of(families);
+    let slowest = if family == Family::PeriodDoubled { 0.7 } else { 0.4 };
+    let model = random.model(&Ranges {
+        sites: [2, 7],
+        gamma1: Log(0.05, 0.8),
+        gamma2: Log(1e-3, 0.4),
+        omega: Log(slowest, 2.0),
+        asymmetry: Either(1.0 / 3.0, &Is(0.0), &Even(0.0, 0.9)),
+        amplitude: Log(0.05, 2.0),
+        restitution: Log(0.05, 1.0),
+    });
+    (model, family)
 }
 
 /// The orbit in many digits at another value of the parameter, close by: from this one in steps over which it hardly moves,
@@ -85,16 +87,16 @@ fn holds(found: &Located, event: Event, free: Parameter, times: f64) -> Option<b
 }
 
 fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize) {
-    let mut rng = Rng::with_seed(seed);
+    let mut random = Random(seed);
     let (mut checked, mut undecided, mut twice, mut wrong) = (0, 0, 0, Vec::new());
     while checked < wanted {
-        let (model, family) = draw(&mut rng, families);
-        let free = Parameter::ALL[rng.usize(0..Parameter::ALL.len())];
+        let (model, family) = draw(&mut random, families);
+        let free = random.of(&Parameter::ALL);
         let Ok(list) = breathers(&model, family) else { continue };
         if list.orbits.is_empty() {
             continue;
         }
-        let which = rng.usize(0..list.orbits.len());
+        let which = random.below(list.orbits.len());
         let orbit = &list.orbits[which];
         let search = Search::new(orbit, event, free);
         let Ok(answer) = locate(orbit, &search) else { continue };

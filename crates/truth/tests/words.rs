@@ -159,7 +159,7 @@ fn checked_words_are_found_without_a_guess() {
             reversible += 1;
             continue;
         }
-        assert_eq!(found.completeness, Completeness::Followed { starts: 2 });
+        assert_eq!(found.completeness, Completeness::Followed { starts: 2, left: 0 });
         let psi = |orbit: &&Orbit| (orbit.psi().unwrap() - case.psi).abs() < 1e-10;
         let orbit = found.orbits.iter().find(psi).unwrap();
         assert_same_impulses(orbit, &case.hits, &case.word);
@@ -236,7 +236,7 @@ fn words_without_an_answer_say_why() {
     let mut none = |amplitude: f64, restitution: f64, gamma1: f64, word: &str| {
         let chain = Chain::new(7, gamma1, 0.05).unwrap();
         let model = Model::forced(chain, 1.5, 0.2, amplitude, restitution).unwrap();
-        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).map(|()| found.none)
+        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).map(|()| found.completeness.reason())
     };
     assert_eq!(none(0.0, 0.9, 0.2, "0+3+,0-3-"), Ok(Some(NoBreather::LossWithoutForce)));
     assert_eq!(none(0.0, 1.0, 0.0, "0+3+"), Ok(Some(NoBreather::NetImpulse)));

@@ -1,5 +1,7 @@
 //! What is looked for, and what is found.
 
+use std::fmt;
+
 use nalgebra::Complex;
 use thiserror::Error;
 use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit};
@@ -10,6 +12,7 @@ use crate::verdict::Verdict;
 
 /// What is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Event {
     /// A mass touches a barrier from inside, or the velocity before an impact vanishes.
     Grazing,
@@ -36,8 +39,17 @@ impl Event {
     }
 }
 
+/// The name in files.
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
 /// A search: what, in which parameter, how far.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
 pub struct Search {
     /// What is looked for.
     pub event: Event,
@@ -67,9 +79,10 @@ impl Search {
 
 /// What shows the event at the point found.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum Evidence {
     /// The multiplier that meets the circle, as computed at the point.
-    Multiplier(Complex<f64>),
+    Multiplier(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complex"))] Complex<f64>),
     /// The mass that touches a barrier, and when.
     Touch(Approach),
     /// Index of the impact whose velocity vanishes.
@@ -78,17 +91,20 @@ pub enum Evidence {
 
 /// An orbit that branches off.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BranchedOrbit {
     /// The orbit.
     pub orbit: Orbit,
     /// Whether it is physical there; `None` where that cannot be told.
     pub physical: Option<bool>,
     /// Its stability, where it can be judged.
+    #[cfg_attr(feature = "serde", serde(rename = "stability"))]
     pub verdict: Option<Verdict>,
 }
 
 /// The orbits that branch off, at one value of the parameter.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Branching {
     /// The value, a small step from the bifurcation.
     pub value: f64,
@@ -100,6 +116,7 @@ pub struct Branching {
 
 /// An event that was found.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Located {
     /// Value of the free parameter.
     pub value: f64,
@@ -108,10 +125,12 @@ pub struct Located {
     /// The orbit there.
     pub orbit: Orbit,
     /// What shows the event.
+    #[cfg_attr(feature = "serde", serde(rename = "sign"))]
     pub evidence: Evidence,
     /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
     pub physical: Option<bool>,
     /// The verdict a small step away on either side in the parameter, as far as the orbit exists there.
+    #[cfg_attr(feature = "serde", serde(rename = "sides"))]
     pub verdicts: Vec<(f64, Verdict)>,
     /// The orbits that branch off, at a period doubling or pitchfork.
     pub branching: Option<Branching>,
@@ -122,6 +141,7 @@ pub struct Located {
 /// A stretch of the branch over which what vanishes at an event changes its sign, but rounding moves the zero farther than the
 /// distance over which the sign was seen to change: no point can be claimed.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unresolved {
     /// Least value of the free parameter.
     pub from: f64,
@@ -131,6 +151,11 @@ pub struct Unresolved {
 
 /// How the way in one direction ended.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(tag = "reason", content = "detail", rename_all = "kebab-case")
+)]
 pub enum End {
     /// At the end of the range.
     Range,
@@ -140,6 +165,7 @@ pub enum End {
         error: f64,
     },
     /// The branch of asymmetric orbits ends on the symmetric one.
+    #[cfg_attr(feature = "serde", serde(rename = "symmetric"))]
     Pitchfork,
     /// A harmonic of the orbit meets a mode.
     Resonance(Resonance),
@@ -148,15 +174,18 @@ pub enum End {
     /// All impulses vanish: the breather ends on the motion that the force drives alone, which touches the barrier there.
     ImpulsesVanish,
     /// Newton's method lost the branch.
-    Lost(BranchError),
+    Lost(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] BranchError),
     /// What was to be watched could not be computed any further.
-    Unwatched(FloquetError),
+    Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] FloquetError),
 }
 
 /// The answer to a search.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
 pub struct Answer {
     /// All events on the branch between the ends, the one nearest to the start first.
+    #[cfg_attr(feature = "serde", serde(rename = "points"))]
     pub located: Vec<Located>,
     /// Where there may be more, hidden by rounding.
     pub unresolved: Vec<Unresolved>,

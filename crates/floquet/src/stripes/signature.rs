@@ -12,6 +12,8 @@ const NO_FORM: f64 = 1e-7;
 
 /// Krein signature of a pair of multipliers e^{±iθ}, by the one in the upper half plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "i8"))]
+#[must_use]
 pub enum Signature {
     /// Krein's form is positive on it: it is the e^{iΩT} of its mode.
     Positive,
@@ -31,6 +33,12 @@ impl Signature {
             Self::Positive => 1,
             Self::Negative => -1,
         }
+    }
+}
+
+impl From<Signature> for i8 {
+    fn from(signature: Signature) -> Self {
+        signature.value()
     }
 }
 

@@ -191,7 +191,7 @@ fn force(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
     let model = |amplitude| Model::forced(Chain::new(SITES, point.0, point.1)?, point.2, point.3, amplitude, 0.9);
     let mut found = Found::default();
     Finder::new(SITES).find(&model(1e-6)?, Family::DoubleSided, &mut found).map_err(truth)?;
-    let Some(NoBreather::ForceTooWeak { threshold }) = found.none else {
+    let Some(NoBreather::ForceTooWeak { threshold }) = found.completeness.reason() else {
         return Err(truth("no threshold of the force"));
     };
     let mut rows = Vec::new();

@@ -154,12 +154,13 @@ pub fn check_orbits(case: &str, model: &Model, family: Family, depth: Depth) -> 
     if let Err(error) = finder.find(model, family, &mut found) {
         return vec![whole.told(error.to_string())];
     }
-    if let Some(reason) = found.none {
+    if let Some(reason) = found.completeness.reason() {
         return vec![whole.told(reason.to_string())];
     }
     let orbits = std::mem::take(&mut found.orbits);
     if orbits.is_empty() {
-        return vec![whole.told(format!("{} places unresolved, {} not searched", found.unresolved, found.exhausted))];
+        let (unresolved, exhausted) = found.completeness.open();
+        return vec![whole.told(format!("{unresolved} places unresolved, {exhausted} not searched"))];
     }
     let mut analyser = Analyser::default();
     let mut rows: Vec<Row> = Vec::new();
