@@ -235,14 +235,9 @@ impl Orbit {
         }
     }
 
-    /// The orbit is its own mirror image in time about t = 0 (conservative, impacts at 0 and half a period): half a
-    /// period tells all.
+    /// The orbit is its own mirror image in time about t = 0 (conservative, all impacts at 0 and half a period,
+    /// at any sites): half a period tells all.
     pub fn is_reversible(&self) -> bool {
-        self.fixed_times && self.sources.len() == 1
-    }
-
-    /// Symmetry in time holds all impacts at 0 and half a period (conservative, any number of sites).
-    pub(crate) fn has_fixed_times(&self) -> bool {
         self.fixed_times
     }
 

@@ -24,7 +24,7 @@ pub(crate) struct Unknowns {
 impl Unknowns {
     /// Those of an orbit: times that symmetry fixes are none.
     pub(crate) fn of(orbit: &Orbit) -> Self {
-        Self { times: !orbit.has_fixed_times(), ..Self::free(orbit) }
+        Self { times: !orbit.is_reversible(), ..Self::free(orbit) }
     }
 
     /// Those of an orbit whose times are free whatever its symmetry.

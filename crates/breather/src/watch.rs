@@ -87,7 +87,7 @@ impl Watch {
         let horizon = if orbit.is_reversible() { 0.5 * orbit.period() } else { orbit.period() };
         self.watched.reset(orbit.model().chain(), orbit.impact_site());
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
-        if orbit.is_reversible() && self.grid.set(motion, &self.watched, horizon) {
+        if orbit.is_reversible() && orbit.impact_site().is_some() && self.grid.set(motion, &self.watched, horizon) {
             self.on_grid(orbit, motion, depth, &mut closest);
         } else {
             self.by_windows(orbit, motion, depth, horizon, &mut closest)?;
@@ -166,10 +166,10 @@ impl Watch {
                 }
             }
             // The end of the last window: masses that are not hit may turn right there, and at a reversible half period
-            // a single-sided breather's own mass does.
-            let ends = orbit.is_reversible() && orbit.impacts().len() == 1;
+            // those do that are hit at its other end alone.
+            let late = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site && impact.time > 0.0);
             for (i, &site) in self.watched.sites().iter().enumerate() {
-                if ends || !is_hit(site) {
+                if !is_hit(site) || orbit.is_reversible() && !late(site) {
                     closest.note(a, site, start + length, self.window.final_displacement(i));
                 }
             }

@@ -4,6 +4,7 @@
 //! | orbit | matrix | dimension |
 //! |---|---|---|
 //! | conservative, mirror image of itself in time | `reversible` block | ⌊M/2⌋ |
+//! | the same, of several sites | `reversible_word` block | M − 1 |
 //! | impacts at one site | even subspace | 2(⌊M/2⌋+1), less the trivial pair |
 //! | impacts at several sites | whole ring | 2M, less the trivial pair |
 //!
@@ -17,6 +18,7 @@ use crate::eigen::eigenvalues;
 use crate::error::FloquetError;
 use crate::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy};
 use crate::reversible::Reversible;
+use crate::reversible_word::ReversibleWord;
 use crate::secular::Nu;
 use crate::square::{Reflector, Square};
 
@@ -24,6 +26,7 @@ use crate::square::{Reflector, Square};
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Dense {
     reversible: Reversible,
+    reversible_word: ReversibleWord,
     coordinates: EvenCoordinates,
     matrix: Square,
     flow: Vec<f64>,
@@ -50,7 +53,11 @@ impl Dense {
 
     /// The matrix whose eigenvalues `values` are.
     pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
-        if orbit.is_reversible() { &self.reversible.block } else { &self.matrix }
+        match (orbit.is_reversible(), orbit.impact_site()) {
+            (true, Some(_)) => &self.reversible.block,
+            (true, None) => &self.reversible_word.block,
+            (false, _) => &self.matrix,
+        }
     }
 
     /// Fills `values` with the non-trivial multipliers of the space that feels impacts (for a reversible orbit with
@@ -64,10 +71,19 @@ impl Dense {
             return Ok(0.0);
         }
         if orbit.is_reversible() {
-            check_dimension(chain.even_modes())?;
-            self.reversible.build(orbit, finder)?;
-            eigenvalues(&self.reversible.block, &mut self.values)?;
-            return Ok(self.reversible.block.norm());
+            if orbit.impact_site().is_some() {
+                check_dimension(chain.even_modes())?;
+                self.reversible.build(orbit, finder)?;
+            } else {
+                check_dimension(chain.sites())?;
+                self.reversible_word.build(orbit, finder)?;
+            }
+            let mut values = std::mem::take(&mut self.values);
+            let block = self.matrix_of(orbit);
+            eigenvalues(block, &mut values)?;
+            let norm = block.norm();
+            self.values = values;
+            return Ok(norm);
         }
         if orbit.impact_site().is_some() {
             check_dimension(2 * chain.even_modes())?;

@@ -53,6 +53,7 @@ mod multipliers;
 #[cfg(feature = "serde")]
 mod plain;
 mod reversible;
+mod reversible_word;
 mod saltation;
 mod secular;
 mod square;

@@ -62,7 +62,7 @@ pub struct DressedModes {
 }
 
 impl DressedModes {
-    /// Takes over an orbit that is its own mirror image in time ([`Orbit::is_reversible`]); any other has no such modes, nor has
+    /// Takes over an orbit that is its own mirror image in time ([`Orbit::is_reversible`]) and hit at one site; any other has no such modes, nor has
     /// one of a frequency so low that hundreds of its harmonics are below the band.
     ///
     /// # Errors
@@ -72,7 +72,7 @@ impl DressedModes {
         self.bare.clear();
         self.zeros.clear();
         self.own = None;
-        if !orbit.is_reversible() {
+        if !orbit.is_reversible() || orbit.impact_site().is_none() {
             return Ok(());
         }
         let _ = saltations(orbit)?;
