@@ -167,9 +167,10 @@ impl Watch {
             }
             // The end of the last window: masses that are not hit may turn right there, and at a reversible half period
             // those do that are hit at its other end alone.
+            let turns = orbit.is_reversible() && start + length >= horizon;
             let late = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site && impact.time > 0.0);
             for (i, &site) in self.watched.sites().iter().enumerate() {
-                if !is_hit(site) || orbit.is_reversible() && !late(site) {
+                if !is_hit(site) || turns && !late(site) {
                     closest.note(a, site, start + length, self.window.final_displacement(i));
                 }
             }
