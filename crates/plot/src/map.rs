@@ -161,6 +161,8 @@ impl Sheet<'_> {
     fn legend(&self) -> Vec<(Tile, String)> {
         let tiles = self.picture.tiles;
         let mut entries = Vec::new();
+        let words = [Class::StableWord, Class::UnstableWord, Class::Word];
+        let only_words = tiles.iter().filter_map(|tile| tile.class).all(|c| c == Class::None || words.contains(&c));
         for class in Class::ALL {
             let text = match class {
                 Class::None => "no physical breather",
@@ -170,6 +172,10 @@ impl Sheet<'_> {
                 Class::UnstableSingle => "unstable single-sided",
                 Class::Double => "double-sided",
                 Class::Single => "single-sided",
+                // The title names the words.
+                Class::StableWord if only_words => "stable breather",
+                Class::UnstableWord if only_words => "unstable breather",
+                Class::Word if only_words => "breather",
                 Class::StableWord => "stable, other words",
                 Class::UnstableWord => "unstable, other words",
                 Class::Word => "other words",
