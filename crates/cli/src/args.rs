@@ -290,6 +290,9 @@ pub struct WordsArgs {
     /// Also those whose orbits are not physical, and why.
     #[arg(long)]
     pub all: bool,
+    /// Follow each from γ₂ = 0 to the coupling given, and tell up to where it is physical and what ends that.
+    #[arg(long, conflicts_with_all = ["all", "csv", "threshold"])]
+    pub from_zero: bool,
     /// The list as a table (CSV).
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::sync::atomic::Ordering;
 
-use vibrochain_breather::{Family, Finder, Found, Wanted, Word};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, Obstruction, Wanted, Word};
 use vibrochain_floquet::{Analyser, Tolerance, Verdict};
+use vibrochain_lattice::{Model, Parameter};
 
 use crate::args::{SiteFamily, WordsArgs};
 use crate::console::Console;
@@ -18,6 +19,10 @@ const MOST: f64 = 1e5;
 
 const HEADER: [&str; 8] =
     ["word", "solution", "physical", "margin", "stable", "mechanism", "spectral_radius", "obstruction"];
+
+/// Steps in γ₂ of `--from-zero`, and halvings of the one in which an orbit stops being physical.
+const STEPS: u32 = 200;
+const HALVINGS: u32 = 44;
 
 /// One orbit of a word.
 struct Row {
@@ -95,12 +100,21 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let mut file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let words = Word::enumerate(&model, args.sites_used, args.reach, &families)
         .map_err(|error| CliError::Request(error.to_string()))?;
+    if args.from_zero && !model.is_conservative() {
+        let message = "--from-zero follows words without force and losses; under a force the search does, and `mapgen orbit --word` tells what ends each branch";
+        return request(message.to_owned());
+    }
     let stop = (console.interrupt)()?;
+    let mut fates = Vec::new();
     let (mut finder, mut analyser, mut found) = (Finder::new(sites), Analyser::default(), Found::default());
     let mut rows = Vec::new();
     for word in &words {
         if stop.load(Ordering::Relaxed) {
             return Err(CliError::Interrupted);
+        }
+        if args.from_zero {
+            fates.push(format!("{word}  {}", fate(&mut finder, &model, word)?));
+            continue;
         }
         finder.find_word(&model, word, Wanted::All, &mut found)?;
         for (i, orbit) in found.orbits.iter().enumerate() {
@@ -119,6 +133,9 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
             });
         }
     }
+    if args.from_zero {
+        return console.answer(&format!("{}\n{} words up to symmetry\n", fates.join("\n"), words.len()), taken);
+    }
     console.answer(&text(&words, &rows, args.all), taken)?;
     if let Some(mut file) = file.take() {
         for row in rows.iter().filter(|row| args.all || row.is_physical()) {
@@ -127,6 +144,48 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         file.finish()?;
     }
     Ok(())
+}
+
+/// How far a word is physical from γ₂ = 0 on, and what ends that; windows narrower than a step may be missed.
+fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliError> {
+    let target = model.chain().gamma2();
+    let mut found = Found::default();
+    // What is in the way of the word's first orbit, if anything.
+    let mut obstacle = |gamma2: f64| -> Result<Option<String>, CliError> {
+        let model = model.with(Parameter::Gamma2, gamma2)?;
+        match finder.find_word(&model, word, Wanted::All, &mut found) {
+            Err(BreatherError::Resonance(resonance)) => return Ok(Some(resonance.to_string())),
+            other => other?,
+        }
+        let Some(orbit) = found.orbits.first() else {
+            return Ok(Some(found.completeness.reason().map_or_else(String::new, |reason| reason.to_string())));
+        };
+        Ok(finder.admissibility(orbit)?.obstruction.map(|obstruction| match obstruction {
+            Obstruction::WrongSign { site, .. } => format!("an impact of site {site} loses its velocity"),
+            Obstruction::Crossing { site, barrier, .. } => format!("site {site} touches the {barrier} barrier"),
+        }))
+    };
+    let mut last = 0.0;
+    for step in 0..=STEPS {
+        let gamma2 = target * f64::from(step) / f64::from(STEPS);
+        let Some(mut why) = obstacle(gamma2)? else {
+            last = gamma2;
+            continue;
+        };
+        if step == 0 {
+            return Ok(format!("not physical at gamma2 = 0: {why}"));
+        }
+        let (mut low, mut high) = (last, gamma2);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match obstacle(middle)? {
+                None => low = middle,
+                Some(reason) => (high, why) = (middle, reason),
+            }
+        }
+        return Ok(format!("physical up to gamma2 = {high:.12}: {why}"));
+    }
+    Ok(format!("physical up to gamma2 = {target}"))
 }
 
 fn text(words: &[Word], rows: &[Row], all: bool) -> String {

@@ -208,3 +208,30 @@ fn all_words_of_a_few_sites_are_listed_with_their_fate() {
     let all = desk.run(&format!("words --sites-used 2 --reach 2 --families single-sided --all {MODEL}")).with(0, &[]);
     assert!(all.out.contains("not physical: ") && all.out.contains("0-,1-"), "{}", all.out);
 }
+
+/// Where a word stops being physical: just below it is, just above it is not, and the message is that of the orbit there.
+#[test]
+fn words_are_followed_from_masses_without_coupling_to_their_end() {
+    let desk = Desk::new();
+    let line = "words --sites-used 2 --reach 2 --families double-sided,single-sided --from-zero --sites 9 --gamma1 0.2 \
+        --gamma2 0.4 --omega 1.1 --asymmetry 0.4";
+    let out = desk.run(&line.split_whitespace().collect::<Vec<_>>().join(" ")).with(0, &[]).out;
+    let mut checked = 0;
+    for line in out.lines().filter(|line| line.contains("physical up to gamma2 = 0.") && line.contains(':')) {
+        let word: Word = line.split_whitespace().next().unwrap().parse().unwrap();
+        let end: f64 = line.split("gamma2 = ").nth(1).unwrap().split(':').next().unwrap().parse().unwrap();
+        let physical = |gamma2: f64| {
+            let chain = vibrochain_lattice::Chain::new(9, 0.2, gamma2).unwrap();
+            let model = vibrochain_lattice::Model::conservative(chain, 1.1, 0.4).unwrap();
+            let (mut finder, mut found) = (Finder::new(9), Found::default());
+            finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+            finder.admissibility(&found.orbits[0]).unwrap().is_physical()
+        };
+        assert!(physical(end * (1.0 - 1e-9)) && !physical(end * (1.0 + 1e-9)), "{line}");
+        checked += 1;
+    }
+    assert!(checked >= 4, "{out}");
+    let _ = desk
+        .run(&format!("words --sites-used 2 --reach 2 --gamma2 0.02 {FORCED} --from-zero"))
+        .with(2, &["--from-zero"]);
+}
