@@ -6,6 +6,7 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
 use crate::admissibility::Admissibility;
 use crate::completeness::{Completeness, Proof};
 use crate::condition::{Condition, is_delicate};
+use crate::ended::Ended;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
@@ -14,7 +15,6 @@ use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::radiation::Radiation;
 use crate::rises::Rises;
 use crate::roots::Zeros;
-use crate::uncoupled::Ended;
 use crate::watch::{Depth, Watch};
 use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_single};
 

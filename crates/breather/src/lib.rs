@@ -22,7 +22,7 @@
 //! | `branch`, `corrector`, `resonances`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
 //! | `word` | [`Word`]: which mass meets which barrier, in which order |
 //! | `enumeration` | all words of a few sites |
-//! | `word_search`, `uncoupled` | [`Finder::find_word`]: all orbits of a word |
+//! | `word_search`, `uncoupled`, `ended` | [`Finder::find_word`]: all orbits of a word |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
@@ -57,6 +57,7 @@ mod conservative;
 mod corrector;
 mod display;
 mod enclosure;
+mod ended;
 mod enumeration;
 mod equations;
 mod error;
@@ -97,10 +98,10 @@ pub use admissibility::{Admissibility, Approach, Obstruction};
 pub use branch::{Branch, BranchError, BranchPoint};
 pub use completeness::{Completeness, Proof};
 pub use condition::{Condition, ImpactError, Together};
+pub use ended::{End, Ended};
 pub use error::{BreatherError, NoBreather, Unsearched};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};
-pub use uncoupled::{End, Ended};
 pub use watch::admissibility;
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};

@@ -3,10 +3,11 @@
 //! At γ₂ = 0 each mass that is hit swings on its own, and the families have all its orbits; the force tells when each hits. Every
 //! combination of them that hits in the order of the word is a start.
 
-use vibrochain_lattice::{Barrier, Chain, Model, Parameter, Resonance};
+use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
 
 use crate::branch::{Branch, BranchError, BranchPoint};
 use crate::completeness::Completeness;
+use crate::ended::{End, Ended};
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found, Wanted};
 use crate::forced_single;
@@ -29,46 +30,6 @@ const NEAR: f64 = 1e-3;
 
 /// Orbits whose impulses and times differ by less are one.
 const SAME: f64 = 1e-8;
-
-/// What ends a branch.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
-pub enum End {
-    /// It turns back in γ₂.
-    Fold,
-    /// An impact loses its velocity.
-    Grazing {
-        /// The mass.
-        site: usize,
-    },
-    /// A harmonic of the orbit meets a mode.
-    Resonance(Resonance),
-    /// It could not be followed farther.
-    Lost,
-}
-
-/// Where a branch that was followed from γ₂ = 0 ended.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[must_use]
-pub struct Ended {
-    /// The coupling.
-    pub gamma2: f64,
-    /// The event.
-    pub by: End,
-}
-
-impl std::fmt::Display for Ended {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match &self.by {
-            End::Fold => write!(f, "a fold")?,
-            End::Grazing { site } => write!(f, "a grazing impact of site {site}")?,
-            End::Resonance(resonance) => write!(f, "resonance of mode {}", resonance.mode)?,
-            End::Lost => write!(f, "an event that could not be told")?,
-        }
-        write!(f, " at gamma2 = {}", self.gamma2)
-    }
-}
 
 /// One orbit of a mass alone: its hits by the clock of the force, in periods.
 struct Alone {

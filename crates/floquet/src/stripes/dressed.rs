@@ -62,7 +62,7 @@ pub struct DressedModes {
 }
 
 impl DressedModes {
-    /// Takes over an orbit that is its own mirror image in time ([`Orbit::is_reversible`]) and hit at one site; any other has no such modes, nor has
+    /// Takes over an orbit that is its own mirror image in time ([`is_reversible`](vibrochain_breather::Orbit::is_reversible)) and hit at one site; any other has no such modes, nor has
     /// one of a frequency so low that hundreds of its harmonics are below the band.
     ///
     /// # Errors
