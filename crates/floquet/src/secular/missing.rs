@@ -99,7 +99,7 @@ impl Poles for Residues {
     fn logarithmic(&self, nu: C) -> (C, C) {
         let (x, y) = (all(nu.re), all(nu.im));
         let mut sums = [ZERO; 10];
-        for (residue, pole) in self.residues.iter().zip(&self.poles) {
+        for (residue, pole) in self.whole.charges[0].iter().zip(&self.poles) {
             let (u, residue) = (x - four(*pole), four(*residue));
             let scale = ONE / (u * u + y * y);
             // 1/(ν−d), its square and cube
@@ -129,7 +129,7 @@ impl Poles for Residues {
 
 impl Near for Local<'_> {
     fn value(&self, t: C) -> Option<(C, C)> {
-        self.far.is_none_or(|far| far.holds(t)).then(|| self.complex(t))
+        self.holds(t).then(|| self.complex(t))
     }
 
     fn errors(&self, t: C) -> (f64, f64) {
