@@ -1,6 +1,7 @@
 //! Stable or not, and how stability is lost.
 
 use nalgebra::Complex;
+use vibrochain_breather::Orbit;
 
 use crate::secular::SecularError;
 
@@ -79,6 +80,15 @@ impl Tolerance {
             Self::Growth(growth) => growth,
         }
     }
+}
+
+/// What is asked of an orbit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Question<'a> {
+    pub(crate) orbit: &'a Orbit,
+    pub(crate) tolerance: Tolerance,
+    /// All multipliers, and the error of the leading one even where the verdict does not hang on it.
+    pub(crate) thorough: bool,
 }
 
 /// Where an answer comes from.

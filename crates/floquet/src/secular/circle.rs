@@ -4,7 +4,7 @@
 use nalgebra::Complex;
 
 use super::cauchy::{Nodal, complex_series};
-use super::leaf::{Leaf, Source, divide};
+use super::leaf::{ChargedPole, Leaf, divide};
 use super::pole::Angle;
 use super::search::inverse;
 use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
@@ -37,10 +37,10 @@ impl CirclePole {
         C::new(self.at.d, self.sine)
     }
 
-    fn source(&self) -> Source<3> {
+    fn source(&self) -> ChargedPole<3> {
         let Self { at, sine, residue, .. } = *self;
         let charges = [residue.re, residue.re * at.d + residue.im * sine, self.error];
-        Source { at, shift: self.shift * residue.norm(), charges }
+        ChargedPole { at, shift: self.shift * residue.norm(), charges }
     }
 }
 

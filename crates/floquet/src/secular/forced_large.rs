@@ -21,7 +21,7 @@ use super::cauchy::Tree;
 use super::circle::{CircleForm, CirclePole};
 use super::error::SecularError;
 use super::forced_roots::CircleRoots;
-use super::other_modes::{OtherModes, Sums, pairs};
+use super::other_modes::{OtherModes, PoleSums, pairs};
 use super::pole::Angle;
 
 type C = Complex<f64>;
@@ -80,12 +80,12 @@ fn cauchy<const CHANNELS: usize>(
 }
 
 /// What all K̂(p_k) of `n` impacts need of the other modes, in the order of the modes.
-pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> Result<Vec<Sums>, SecularError> {
+pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> Result<Vec<PoleSums>, SecularError> {
     let (frequencies, weights, omega) = (response.frequencies(), response.weights(), response.omega());
     let sorted = sorted(response);
     let points: Vec<f64> = sorted.iter().map(|mode| mode.at.d).collect();
     let tree = Tree::new(&points, false);
-    let mut all = vec![Sums { pairs: smallvec![[0.0; 6]; n * (n - 1) / 2], ..Sums::default() }; sorted.len()];
+    let mut all = vec![PoleSums { pairs: smallvec![[0.0; 6]; n * (n - 1) / 2], ..PoleSums::default() }; sorted.len()];
     let charges: Vec<[f64; 3]> = sorted
         .iter()
         .map(|mode| {

@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 
 use super::circle::{CircleForm, I, NearCircle, whole};
 use super::error::SecularError;
-use super::search::{Near, Poles, REACH, Search, Zero, inverse};
+use super::search::{Near, Poles, REACH, Zero, ZeroSearch, inverse};
 use vibrochain_breather::lanes::Lane;
 
 type C = Complex<f64>;
@@ -18,7 +18,7 @@ const PI: f64 = std::f64::consts::PI;
 /// The zeros; also the work space.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CircleRoots {
-    search: Search,
+    search: ZeroSearch,
     /// All 2m of them and their errors.
     pub(crate) values: Vec<C>,
     pub(crate) errors: Vec<f64>,

@@ -11,7 +11,7 @@ use vibrochain_breather::lanes::{Lane, fill};
 
 /// One pole as a source of `N − 1` fields.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Source<const N: usize> {
+pub(super) struct ChargedPole<const N: usize> {
     pub(super) at: Angle,
     /// What the error of the pole is known by.
     pub(super) shift: f64,
@@ -47,7 +47,7 @@ impl<const N: usize> Default for Leaf<N> {
 
 impl<const N: usize> Leaf<N> {
     /// Takes over the poles that are counted one by one.
-    pub(super) fn fill(&mut self, sources: impl ExactSizeIterator<Item = Source<N>> + Clone) {
+    pub(super) fn fill(&mut self, sources: impl ExactSizeIterator<Item = ChargedPole<N>> + Clone) {
         for (channel, charges) in self.charges.iter_mut().enumerate() {
             fill(charges, sources.clone().map(|source| source.charges[channel]), 0.0);
         }
@@ -68,7 +68,7 @@ impl<const N: usize> Leaf<N> {
 }
 
 /// Divides poles, by rising d, into leaves.
-pub(super) fn divide<const N: usize>(sources: &[Source<N>]) -> Vec<Leaf<N>> {
+pub(super) fn divide<const N: usize>(sources: &[ChargedPole<N>]) -> Vec<Leaf<N>> {
     let points: Vec<f64> = sources.iter().map(|source| source.at.d).collect();
     let charges: Vec<[f64; N]> = sources.iter().map(|source| source.charges).collect();
     let total_error: f64 = charges.iter().map(|charges| charges[N - 1]).sum();

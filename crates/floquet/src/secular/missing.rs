@@ -13,13 +13,19 @@ use super::evaluate::Local;
 use super::pair::Suspect;
 use super::residues::Residues;
 use super::root::{Root, Roots};
-use super::search::{Near, Poles, Search, Zero};
+use super::search::{Near, Poles, Zero, ZeroSearch};
 use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 
 type C = Complex<f64>;
 
 /// Seeks what `roots` lack of `wanted`.
-pub(super) fn seek(search: &mut Search, form: &Residues, roots: &mut Roots, suspects: &mut [Suspect], wanted: usize) {
+pub(super) fn seek(
+    search: &mut ZeroSearch,
+    form: &Residues,
+    roots: &mut Roots,
+    suspects: &mut [Suspect],
+    wanted: usize,
+) {
     search.begin(form);
     for Root { place, t, error } in &roots.list {
         search.note(form, Zero { place: *place, offset: *t, error: *error, real: true });

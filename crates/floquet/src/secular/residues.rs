@@ -6,7 +6,7 @@ use vibrochain_breather::Prepared;
 use super::error::SecularError;
 use super::evaluate::Local;
 use super::growth::Nu;
-use super::leaf::{Leaf, Source, divide};
+use super::leaf::{ChargedPole, Leaf, divide};
 use super::modes::Modes;
 use super::pole::Pole;
 use super::{double_sided, large, single_sided};
@@ -113,8 +113,11 @@ impl Residues {
         }
         self.table.sort_unstable_by(|a, b| a.at.order(&b.at));
         let table = &self.table;
-        let sources =
-            table.iter().map(|pole| Source { at: pole.at, shift: pole.shift, charges: [pole.residue, pole.error] });
+        let sources = table.iter().map(|pole| ChargedPole {
+            at: pole.at,
+            shift: pole.shift,
+            charges: [pole.residue, pole.error],
+        });
         self.whole.fill(sources.clone());
         self.leaves.clear();
         if large {
