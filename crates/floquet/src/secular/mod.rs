@@ -68,6 +68,7 @@ pub(crate) use growth::{Nu, excess};
 pub(crate) use impact_matrix::ImpactMatrix;
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
+pub(crate) use modes::{Mode, Modes};
 pub use residues::Residues;
 pub use shapes::ModalShape;
 pub use verdict::{Reason, Secular, SecularVerdict, Standing};
