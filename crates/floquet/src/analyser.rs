@@ -18,7 +18,7 @@ use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
 use crate::secular::{ForcedSecular, Secular, SecularError};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
-use crate::verdict::{Mechanism, Method, Tolerance, Verdict};
+use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
 /// Multipliers and verdict of one orbit.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,7 +91,7 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Verdict, FloquetError> {
-        self.decide(orbit, finder, tolerance, false).map(|(verdict, _)| verdict)
+        self.decide(Question { orbit, tolerance, thorough: false }, finder).map(|(verdict, _)| verdict)
     }
 
     /// The verdict, with its error, and all multipliers.
@@ -104,7 +104,7 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Stability, FloquetError> {
-        let (verdict, mut multipliers) = self.decide(orbit, finder, tolerance, true)?;
+        let (verdict, mut multipliers) = self.decide(Question { orbit, tolerance, thorough: true }, finder)?;
         if orbit.model().is_conservative() {
             multipliers.extend([Complex::new(1.0, 0.0); 2]);
         }
@@ -128,18 +128,18 @@ impl Analyser {
         if orbit.impact_site().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
             return Err(SecularError::NotReversible.into());
         }
-        self.by_secular_function(orbit, finder, Tolerance::Rounding, true).map(|(_, multipliers)| multipliers)
+        let question = Question { orbit, tolerance: Tolerance::Rounding, thorough: true };
+        self.by_secular_function(question, finder).map(|(_, multipliers)| multipliers)
     }
 
     /// Verdict and, if `thorough`, the non-trivial multipliers of the space that feels impacts.
     fn decide(
         &mut self,
-        orbit: &Orbit,
+        question: Question<'_>,
         finder: &mut Finder,
-        tolerance: Tolerance,
-        thorough: bool,
     ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
-        let (mut verdict, multipliers) = self.by_multipliers(orbit, finder, tolerance, thorough)?;
+        let (mut verdict, multipliers) = self.by_multipliers(question, finder)?;
+        let orbit = question.orbit;
         if verdict.mechanism == Some(Mechanism::PlusOne)
             && is_symmetric(orbit)
             && breaks_symmetry(finder.prepared(orbit)?, &verdict)
@@ -151,16 +151,15 @@ impl Analyser {
 
     fn by_multipliers(
         &mut self,
-        orbit: &Orbit,
+        question: Question<'_>,
         finder: &mut Finder,
-        tolerance: Tolerance,
-        thorough: bool,
     ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+        let Question { orbit, thorough, .. } = question;
         let alone = uncoupled(orbit);
         let secular = !self.dense_only && orbit.impact_site().is_some() && !alone;
         let mut doubt = None;
         if secular {
-            match self.by_secular_function(orbit, finder, tolerance, thorough) {
+            match self.by_secular_function(question, finder) {
                 Ok(answer) => return Ok(answer),
                 Err(Failure::Floquet(error)) => return Err(error),
                 Err(Failure::SecularError(why)) => doubt = Some(why),
@@ -173,11 +172,11 @@ impl Analyser {
                 return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
             }
         }
-        let verdict = self.dense.judge(orbit, finder, tolerance, thorough)?;
+        let verdict = self.dense.judge(question, finder)?;
         let method = Method::Dense(doubt);
         let tried = doubt.is_some() || alone && !self.dense_only;
         let open = tried && verdict.resolution > 0.0 && (thorough || verdict.marginal);
-        if open && let Some(settled) = self.settled_from_matrix(orbit, finder, tolerance, &verdict)? {
+        if open && let Some(settled) = self.settled_from_matrix(question, finder, &verdict)? {
             let multipliers = if thorough { self.forced.symmetric_multipliers() } else { Vec::new() };
             return Ok((Verdict { method, ..settled }, multipliers));
         }
@@ -187,13 +186,12 @@ impl Analyser {
 
     fn by_secular_function(
         &mut self,
-        orbit: &Orbit,
+        question: Question<'_>,
         finder: &mut Finder,
-        tolerance: Tolerance,
-        thorough: bool,
     ) -> Result<(Verdict, Vec<Complex<f64>>), Failure> {
-        if orbit.is_reversible() {
-            let verdict = self.reversible(orbit, finder, tolerance, thorough)?;
+        let thorough = question.thorough;
+        if question.orbit.is_reversible() {
+            let verdict = self.reversible(question, finder)?;
             if !thorough {
                 return Ok((verdict, Vec::new()));
             }
@@ -202,7 +200,7 @@ impl Analyser {
             let leading = multipliers.first().filter(|_| verdict.growth() == 0.0).copied();
             return Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers));
         }
-        let verdict = self.not_reversible(orbit, finder, tolerance, thorough)?;
+        let verdict = self.not_reversible(question, finder)?;
         Ok((verdict, if thorough { self.forced.symmetric_multipliers() } else { Vec::new() }))
     }
 }

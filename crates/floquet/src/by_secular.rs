@@ -2,14 +2,14 @@
 //! held against the tolerance.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Orbit, Prepared};
+use vibrochain_breather::{Finder, Prepared};
 
 use crate::analyser::{Analyser, Failure};
 use crate::dense::Dense;
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 use crate::secular::{ForcedSecular, Leading, MOST_IMPACTS, Nu, SecularError, Standing, excess, meetings};
-use crate::verdict::{Tolerance, Verdict};
+use crate::verdict::{Question, Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
 /// ones. (Estimates are cautious there, by two to three digits.)
@@ -28,13 +28,8 @@ const BUDGET: usize = 250_000_000;
 const ROOM: f64 = 4.0;
 
 impl Analyser {
-    pub(crate) fn reversible(
-        &mut self,
-        orbit: &Orbit,
-        finder: &mut Finder,
-        tolerance: Tolerance,
-        thorough: bool,
-    ) -> Result<Verdict, Failure> {
+    pub(crate) fn reversible(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {
+        let Question { orbit, tolerance, thorough } = question;
         let _ = saltations(orbit)?;
         // All that the form takes from the orbit is the ratio of its impulses.
         let ratio_error = if orbit.impacts().len() < 2 {
@@ -56,13 +51,13 @@ impl Analyser {
             // A dense matrix knows of other ways, unless it would take too long.
             Err(_) => orbit.model().chain().even_modes() > WORTH_A_MATRIX,
         };
-        if open && let Ok(verdict) = self.told_apart(orbit, finder, tolerance, thorough) {
+        if open && let Ok(verdict) = self.told_apart(question, finder) {
             return Ok(verdict);
         }
         let found = found?;
         Ok(match (found.outcome, found.leading) {
             (Standing::Unstable, Some(leading)) => {
-                check(found.growth, found.growth_error, thorough, orbit)?;
+                check(found.growth, found.growth_error, question)?;
                 Verdict::of_growth(leading, found.growth, found.growth_error, tolerance)
             }
             (Standing::Marginal, Some(leading)) => {
@@ -74,13 +69,8 @@ impl Analyser {
 
     /// A verdict that hangs on the errors of residues next to coincident poles: the multipliers are settled by the impacts' equations,
     /// which know nothing of these.
-    fn told_apart(
-        &mut self,
-        orbit: &Orbit,
-        finder: &mut Finder,
-        tolerance: Tolerance,
-        thorough: bool,
-    ) -> Result<Verdict, Failure> {
+    fn told_apart(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {
+        let orbit = question.orbit;
         let condition = finder.condition(orbit)?;
         let both = |(nu, error): (Nu, f64)| {
             let growth = nu.growth();
@@ -88,16 +78,15 @@ impl Analyser {
             nu.multipliers().map(|mu| (mu, relative * mu.norm()))
         };
         self.forced.adopt(orbit, &condition, self.secular.all_nu()?.flat_map(both), None);
-        elastic(&mut self.forced, finder.prepared(orbit)?, tolerance, thorough)
+        elastic(&mut self.forced, finder.prepared(orbit)?, question)
     }
 
     /// The verdict on a matrix's eigenvalues after the impacts' equations have settled those that matter: next to a resonance errors of the
     /// matrix say next to nothing. `None` where the equations know no better.
     pub(crate) fn settled_from_matrix(
         &mut self,
-        orbit: &Orbit,
+        Question { orbit, tolerance, .. }: Question<'_>,
         finder: &mut Finder,
-        tolerance: Tolerance,
         by_matrix: &Verdict,
     ) -> Result<Option<Verdict>, FloquetError> {
         if orbit.is_reversible() || orbit.impact_site().is_none() || orbit.impacts().len() > MOST_IMPACTS {
@@ -119,13 +108,8 @@ impl Analyser {
         Ok(settled.filter(|verdict| verdict.resolution < by_matrix.resolution))
     }
 
-    pub(crate) fn not_reversible(
-        &mut self,
-        orbit: &Orbit,
-        finder: &mut Finder,
-        tolerance: Tolerance,
-        thorough: bool,
-    ) -> Result<Verdict, Failure> {
+    pub(crate) fn not_reversible(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {
+        let Question { orbit, tolerance, thorough } = question;
         let _ = saltations(orbit)?;
         let careful = thorough || finder.is_delicate(orbit)?;
         self.forced.solve(finder.prepared(orbit)?)?;
@@ -135,22 +119,22 @@ impl Analyser {
         }
         let prepared = finder.prepared(orbit)?;
         if orbit.model().loss() == 0.0 {
-            return elastic(&mut self.forced, prepared, tolerance, thorough);
+            return elastic(&mut self.forced, prepared, question);
         }
         let leading = self.forced.leading(prepared);
         let Some(Leading { place, growth, error }) = leading else { return Err(SecularError::NotReversible.into()) };
-        check(growth, error, thorough, orbit)?;
+        check(growth, error, question)?;
         Ok(settle(self.forced.multipliers().0, place, growth, error, tolerance))
     }
 }
 
 /// An error that a dense solver would beat is a doubt.
-fn check(growth: f64, error: f64, thorough: bool, orbit: &Orbit) -> Result<(), Failure> {
-    if orbit.model().chain().even_modes() > WORTH_A_MATRIX {
+fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
+    if question.orbit.model().chain().even_modes() > WORTH_A_MATRIX {
         return Ok(());
     }
     // Not a number is a doubt, too.
-    let precise = error <= if thorough { WORST } else { WORST_OF_SWEEP } * (2.0 + growth);
+    let precise = error <= if question.thorough { WORST } else { WORST_OF_SWEEP } * (2.0 + growth);
     if precise { Ok(()) } else { Err(SecularError::Imprecise { growth, growth_error: error }.into()) }
 }
 
@@ -184,21 +168,16 @@ impl Elastic {
 }
 
 /// The verdict on elastic impacts, where no pair may have met and the error is of use: else a doubt.
-fn elastic(
-    forced: &mut ForcedSecular,
-    prepared: Prepared<'_>,
-    tolerance: Tolerance,
-    thorough: bool,
-) -> Result<Verdict, Failure> {
+fn elastic(forced: &mut ForcedSecular, prepared: Prepared<'_>, question: Question<'_>) -> Result<Verdict, Failure> {
     let told = told_from_circle(forced, prepared);
     // A pair that may have met is a question of matrices and their eigenvectors.
     if !told.met.is_empty() {
         return Err(SecularError::Tangency.into());
     }
     if let Some((_, growth, error)) = told.leading {
-        check(growth, error, thorough, prepared.orbit())?;
+        check(growth, error, question)?;
     }
-    Ok(told.verdict(forced, tolerance))
+    Ok(told.verdict(forced, question.tolerance))
 }
 
 /// Elastic impacts: a multiplier comes with 1/μ̄, so that one next to the circle that has no other near lies on it exactly.

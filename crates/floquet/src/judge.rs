@@ -11,7 +11,7 @@ use crate::certainty::{eigenvalue_condition, relative_uncertainty};
 use crate::dense::Dense;
 use crate::error::FloquetError;
 use crate::secular::Nu;
-use crate::verdict::{Tolerance, Verdict};
+use crate::verdict::{Question, Tolerance, Verdict};
 
 /// Multiplications that doubtful eigenvalues of one orbit may cost, each the cube of the dimension; what is beyond them is
 /// judged by the bound that needs no eigenvector.
@@ -92,14 +92,9 @@ struct Judge<'a> {
 }
 
 impl Dense {
-    /// The verdict; `thorough` asks for the error of the leading multiplier even where the verdict does not hang on it.
-    pub(crate) fn judge(
-        &mut self,
-        orbit: &Orbit,
-        finder: &mut Finder,
-        tolerance: Tolerance,
-        thorough: bool,
-    ) -> Result<Verdict, FloquetError> {
+    /// The verdict.
+    pub(crate) fn judge(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, FloquetError> {
+        let Question { orbit, tolerance, thorough } = question;
         let norm = self.solve(orbit, finder)?;
         let dimension = self.values.len();
         let rounding = dimension as f64 * f64::EPSILON * norm;

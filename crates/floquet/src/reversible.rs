@@ -18,10 +18,10 @@
 //! Double-sided: section before the impact at 0, M = W S₀, Q = diag(1, −1)·S₀; Qx = x means bᵀx = 0, ẋ = βb.
 
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_lattice::sine_over;
 
 use crate::error::FloquetError;
 use crate::saltation::saltations;
+use crate::secular::{Mode, Modes};
 use crate::square::{Reflector, Square};
 
 /// Work space.
@@ -29,10 +29,10 @@ use crate::square::{Reflector, Square};
 pub(crate) struct Reversible {
     pub(crate) block: Square,
     reflector: Reflector,
+    modes: Modes,
     b: Vec<f64>,
     cb: Vec<f64>,
     sb: Vec<f64>,
-    sin_over: Vec<f64>,
     wsb: Vec<f64>,
     left: Vec<f64>,
     column: Vec<f64>,
@@ -54,23 +54,18 @@ impl Reversible {
         motion.seek(0, 0.0);
         self.left.extend(motion.modes().iter().map(|mode| mode[2]));
         let response = finder.prepared(orbit)?.response();
-        let (frequencies, weights) = (response.frequencies(), response.weights());
-        let (cos, sin, half) = (response.cos_half(), response.sin_half(), 0.5 * response.period());
-        for vector in [&mut self.b, &mut self.cb, &mut self.sb, &mut self.wsb, &mut self.sin_over] {
+        self.modes.set(response);
+        for vector in [&mut self.b, &mut self.cb, &mut self.sb, &mut self.wsb] {
             vector.clear();
         }
-        for k in 0..weights.len() {
-            let b = weights[k].sqrt();
-            let f = frequencies[k];
-            // sin(ΩT/2)/Ω, which a soft mode needs from its series.
-            let sin_over = if f * half > 1e-3 { sin[k] / f } else { sine_over(f, half) };
+        for mode in self.modes.list() {
+            let b = mode.weight.sqrt();
             self.b.push(b);
-            self.cb.push(cos[k] * b);
-            self.sb.push(sin_over * b);
-            self.sin_over.push(sin_over);
-            self.wsb.push(f * sin[k] * b);
+            self.cb.push(mode.cos * b);
+            self.sb.push(mode.sin_over * b);
+            self.wsb.push(mode.sin_times * b);
         }
-        let modes = weights.len();
+        let modes = self.modes.count();
         let kappa = if double { kappas[1] } else { kappas[0] };
         self.block.reset(modes);
         for k in 0..modes {
@@ -78,16 +73,17 @@ impl Reversible {
             for (l, entry) in self.block.row_mut(k).iter_mut().enumerate() {
                 *entry = -2.0 * cb * self.cb[l] + sb * (2.0 * self.wsb[l] + kappa * self.cb[l]);
                 if l == k {
-                    *entry += cos[k] * cos[k] - sin[k] * sin[k];
+                    let Mode { cos, sin, .. } = self.modes.mode(k);
+                    *entry += cos * cos - sin * sin;
                 }
             }
         }
         if double {
-            self.double_sided(cos, sin, frequencies, (kappas[0], kappa), -0.5 * impulse, response.omega());
+            self.double_sided((kappas[0], kappa), -0.5 * impulse, response.omega());
         } else {
             // ẍ(T/2) ∝ bΩ/S; multiplied through by the smallest S it could not overflow, but rings off resonance do not.
             self.left.clear();
-            self.left.extend((0..modes).map(|k| self.b[k] * frequencies[k] / sin[k]));
+            self.left.extend(self.modes.list().iter().zip(&self.b).map(|(mode, b)| b * mode.frequency / mode.sin));
         }
         self.reflector.set(self.left.iter().copied());
         self.block.reflect(&self.reflector);
@@ -96,26 +92,17 @@ impl Reversible {
     }
 
     /// Turns A into the block of M = W S₀ on Qx = x, coordinates (β/ω, x⊥), and `left` into its left eigenvector.
-    fn double_sided(
-        &mut self,
-        cos: &[f64],
-        sin: &[f64],
-        frequencies: &[f64],
-        (kappa0, kappa1): (f64, f64),
-        velocity: f64,
-        omega: f64,
-    ) {
+    fn double_sided(&mut self, (kappa0, kappa1): (f64, f64), velocity: f64, omega: f64) {
         let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
         let (bcb, bsb, bwsb) = (dot(&self.b, &self.cb), dot(&self.b, &self.sb), dot(&self.b, &self.wsb));
         self.column.clear();
         self.row.clear();
-        for k in 0..self.b.len() {
-            let f = frequencies[k];
-            let sin_over = self.sin_over[k];
+        for (k, mode) in self.modes.list().iter().enumerate() {
+            let Mode { cos, sin_over, sin_times, .. } = *mode;
             let (b, cb, sb, wsb) = (self.b[k], self.cb[k], self.sb[k], self.wsb[k]);
             // B·b and C·b
-            self.column.push(2.0 * cos[k] * sin_over * b - 2.0 * cb * bsb - 2.0 * sb * bcb + kappa1 * sb * bsb);
-            self.row.push(-2.0 * f * sin[k] * cos[k] * b + 2.0 * wsb * bcb + 2.0 * cb * bwsb + kappa1 * cb * bcb);
+            self.column.push(2.0 * cos * sin_over * b - 2.0 * cb * bsb - 2.0 * sb * bcb + kappa1 * sb * bsb);
+            self.row.push(-2.0 * sin_times * cos * b + 2.0 * wsb * bcb + 2.0 * cb * bwsb + kappa1 * cb * bcb);
         }
         // The reflection that takes b to the first axis, up to a sign that cancels in pairs below.
         self.reflector.set(self.b.iter().copied());

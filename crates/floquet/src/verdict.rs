@@ -3,6 +3,7 @@
 use std::fmt;
 
 use nalgebra::Complex;
+use vibrochain_breather::Orbit;
 
 use crate::secular::SecularError;
 
@@ -111,6 +112,15 @@ impl From<Tolerance> for Option<f64> {
             Tolerance::Growth(growth) => Some(growth),
         }
     }
+}
+
+/// What is asked of an orbit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Question<'a> {
+    pub(crate) orbit: &'a Orbit,
+    pub(crate) tolerance: Tolerance,
+    /// All multipliers, and the error of the leading one even where the verdict does not hang on it.
+    pub(crate) thorough: bool,
 }
 
 /// Where an answer comes from.

@@ -19,7 +19,7 @@ const LEAF: usize = 48;
 pub(crate) type Nodal = [f64; NODES];
 
 #[derive(Debug, Clone)]
-struct Node {
+struct TreeNode {
     low: f64,
     high: f64,
     points: Range<usize>,
@@ -29,7 +29,7 @@ struct Node {
 /// A binary tree over sorted points.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Tree {
-    nodes: Vec<Node>,
+    nodes: Vec<TreeNode>,
     /// Nodes that are leaves, in order of their points.
     leaves: Vec<usize>,
 }
@@ -83,7 +83,7 @@ impl Tree {
         let index = self.nodes.len();
         let last = if gaps { range.end.min(points.len() - 1) } else { range.end - 1 };
         let (low, high) = (points[range.start], points[last]);
-        self.nodes.push(Node { low, high, points: range.clone(), children: None });
+        self.nodes.push(TreeNode { low, high, points: range.clone(), children: None });
         if range.len() > LEAF {
             let middle = range.start + range.len() / 2;
             let left = self.grow(points, gaps, range.start..middle);

@@ -16,7 +16,7 @@ use super::aberth::Aberth;
 use super::error::SecularError;
 use super::forced_large::{self, ForcedLarge, LARGE};
 use super::linear::{determinant, determinant_and_condition};
-use super::other_modes::{OtherModes, Sums};
+use super::other_modes::{OtherModes, PoleSums};
 use super::rational::Rational;
 use crate::saltation::Saltation;
 use vibrochain_breather::lanes::fill;
@@ -52,7 +52,7 @@ pub struct SecularMultipliers {
     matrix: Vec<C>,
     sizes: Vec<f64>,
     shared: Vec<f64>,
-    sums: Sums,
+    sums: PoleSums,
     pub(super) aberth: Aberth,
     pub(super) large: ForcedLarge,
     /// Number of multipliers that are 1: two without force.

@@ -26,6 +26,7 @@ use vibrochain_breather::Prepared;
 use super::error::SecularError;
 use super::evaluate::Local;
 use super::gap::root;
+use super::leaf::Leaf;
 use super::modes::{Mode, Modes};
 use crate::saltation::Saltation;
 use vibrochain_breather::lanes::{Lane, fill};
@@ -73,9 +74,8 @@ pub struct OutsideCounter {
     /// d, b², 2b²xc, 2b²yc, error of d
     table: Vec<[f64; 5]>,
     poles: Vec<Lane>,
-    weights: Vec<Lane>,
-    zeros: Vec<Lane>,
-    shifts: Vec<Lane>,
+    /// σ
+    sigma: Leaf<2>,
     distances: Vec<Lane>,
 }
 
@@ -125,9 +125,10 @@ impl OutsideCounter {
         }
         self.table.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
         fill(&mut self.poles, self.table.iter().map(|row| row[0]), 1e100);
-        fill(&mut self.weights, self.table.iter().map(|row| row[1]), 0.0);
-        fill(&mut self.shifts, self.table.iter().map(|row| row[4]), 0.0);
-        fill(&mut self.zeros, (0..count).map(|_| 0.0), 0.0);
+        let [weights, errors] = &mut self.sigma.charges;
+        fill(weights, self.table.iter().map(|row| row[1]), 0.0);
+        fill(errors, self.table.iter().map(|_| 0.0), 0.0);
+        fill(&mut self.sigma.shifts, self.table.iter().map(|row| row[4]), 0.0);
         for gap in 0..count.saturating_sub(1) {
             let (left, right) = (self.table[gap][0], self.table[gap + 1][0]);
             let width = right - left;
@@ -137,12 +138,12 @@ impl OutsideCounter {
             }
             // From the nearer pole, whose side the sign in the middle tells: σ falls.
             from(&self.poles, left, &mut self.distances);
-            let middle = local(&self.weights, &self.zeros, &self.shifts, &self.distances).value(0.5 * width);
+            let middle = local(&self.sigma, &self.distances).value(0.5 * width);
             let (low, high, other) = if middle < 0.0 { (0.0, 0.5 * width, width) } else { (-0.5 * width, 0.0, -width) };
             if middle >= 0.0 {
                 from(&self.poles, right, &mut self.distances);
             }
-            let sums = local(&self.weights, &self.zeros, &self.shifts, &self.distances);
+            let sums = local(&self.sigma, &self.distances);
             let t = root(sums, (low, high), false, |t| 1.0 / t - 1.0 / (other - t));
             let moved = sums.noise(Complex::new(t, 0.0)) / sums.jet(t).slope.abs();
             let origin = if middle < 0.0 { left } else { right };
@@ -161,8 +162,8 @@ impl OutsideCounter {
     }
 }
 
-fn local<'a>(residues: &'a [Lane], errors: &'a [Lane], shifts: &'a [Lane], distances: &'a [Lane]) -> Local<'a> {
-    Local { residues, errors, shifts, distances, far: None }
+fn local<'a>(leaf: &'a Leaf<2>, distances: &'a [Lane]) -> Local<'a> {
+    Local { leaf, distances, origin: None }
 }
 
 /// Distances of all poles from an origin.

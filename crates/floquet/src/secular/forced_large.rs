@@ -21,7 +21,8 @@ use super::cauchy::Tree;
 use super::circle::{CircleForm, CirclePole};
 use super::error::SecularError;
 use super::forced_roots::CircleRoots;
-use super::other_modes::{OtherModes, Sums, pairs};
+use super::other_modes::{OtherModes, PoleSums, pairs};
+use super::pole::Angle;
 
 type C = Complex<f64>;
 
@@ -38,24 +39,16 @@ pub(crate) struct ForcedLarge {
 /// A mode by rising d.
 struct Sorted {
     mode: usize,
-    d: f64,
-    /// |c|, |s|, and sin φ with its sign.
-    cos: f64,
-    sin: f64,
+    at: Angle,
+    /// sin φ with its sign.
     sine: f64,
 }
 
 fn sorted(response: &ImpulseResponse) -> Vec<Sorted> {
     let halves = response.cos_half().iter().zip(response.sin_half()).enumerate();
-    let mode = |(mode, (c, s)): (usize, (&f64, &f64))| Sorted {
-        mode,
-        d: (c - s) * (c + s),
-        cos: c.abs(),
-        sin: s.abs(),
-        sine: 2.0 * s * c,
-    };
+    let mode = |(mode, (c, s)): (usize, (&f64, &f64))| Sorted { mode, at: Angle::new(*c, *s), sine: 2.0 * s * c };
     let mut sorted: Vec<Sorted> = halves.map(mode).collect();
-    sorted.sort_unstable_by(|a, b| a.d.total_cmp(&b.d).then(b.sin.total_cmp(&a.sin)).then(a.cos.total_cmp(&b.cos)));
+    sorted.sort_unstable_by(|a, b| a.at.order(&b.at));
     sorted
 }
 
@@ -73,12 +66,7 @@ fn cauchy<const CHANNELS: usize>(
             // The kernel of the field is 1/(d_k−d_l).
             let mut sum = field.at(points[k]).map(|far| -far);
             for l in field.near.iter().flat_map(Clone::clone).filter(|&l| l != k) {
-                let other = &sorted[l];
-                let difference = if own.d < 0.0 {
-                    2.0 * (other.cos - own.cos) * (other.cos + own.cos)
-                } else {
-                    2.0 * (own.sin - other.sin) * (own.sin + other.sin)
-                };
+                let difference = -own.at.distance(&sorted[l].at);
                 if difference == 0.0 {
                     return Err(SecularError::Coincident { mode: own.mode });
                 }
@@ -92,12 +80,12 @@ fn cauchy<const CHANNELS: usize>(
 }
 
 /// What all K̂(p_k) of `n` impacts need of the other modes, in the order of the modes.
-pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> Result<Vec<Sums>, SecularError> {
+pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> Result<Vec<PoleSums>, SecularError> {
     let (frequencies, weights, omega) = (response.frequencies(), response.weights(), response.omega());
     let sorted = sorted(response);
-    let points: Vec<f64> = sorted.iter().map(|mode| mode.d).collect();
+    let points: Vec<f64> = sorted.iter().map(|mode| mode.at.d).collect();
     let tree = Tree::new(&points, false);
-    let mut all = vec![Sums { pairs: smallvec![[0.0; 6]; n * (n - 1) / 2], ..Sums::default() }; sorted.len()];
+    let mut all = vec![PoleSums { pairs: smallvec![[0.0; 6]; n * (n - 1) / 2], ..PoleSums::default() }; sorted.len()];
     let charges: Vec<[f64; 3]> = sorted
         .iter()
         .map(|mode| {
@@ -109,12 +97,12 @@ pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> 
     for (place, sum) in cauchy(&sorted, &tree, &points, &charges)?.into_iter().enumerate() {
         let own = &sorted[place];
         // The mode's own part: cot φ_k alone.
-        let [w, up, down] = charges[place].map(|charge| charge * 0.5 * own.d / own.sine);
+        let [w, up, down] = charges[place].map(|charge| charge * 0.5 * own.at.d / own.sine);
         let sums = &mut all[own.mode];
         sums.own = [own.sine * sum[0] + w, sum[1] - up / own.sine, sum[2] - down / own.sine].map(|sum| 0.5 * sum);
-        sums.nearest = 2.0 * own.sin * own.cos;
+        sums.nearest = 2.0 * own.at.sin * own.at.cos;
         for other in [place.checked_sub(1), Some(place + 1)].into_iter().flatten().filter_map(|l| sorted.get(l)) {
-            sums.nearest = sums.nearest.min((own.sin * other.cos - own.cos * other.sin).abs());
+            sums.nearest = sums.nearest.min((own.at.sin * other.at.cos - own.at.cos * other.at.sin).abs());
         }
     }
     for (_, _, pair) in pairs(n) {
@@ -129,8 +117,8 @@ pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> 
             })
             .collect();
         for (place, mut sum) in cauchy(&sorted, &tree, &points, &charges)?.into_iter().enumerate() {
-            let Sorted { mode, d, sine, .. } = sorted[place];
-            let own = charges[place].map(|charge| charge * 0.5 * d / sine);
+            let Sorted { mode, at, sine } = sorted[place];
+            let own = charges[place].map(|charge| charge * 0.5 * at.d / sine);
             // U-sums take sin φ_k as a factor, V-sums have it in their charges; the mode's own U and V are ±½cot φ_k.
             for channel in [0, 3, 5] {
                 sum[channel] = sine * sum[channel] + own[channel];
@@ -150,7 +138,7 @@ impl ForcedLarge {
         self.form.poles.clear();
         self.form.poles.extend(sorted(response).iter().map(|own| {
             let shift = f64::EPSILON * (2.0 + 2.0 * response.frequencies()[own.mode] * response.period());
-            CirclePole::new(own.cos, own.sin, own.sine, residues[own.mode], errors[own.mode], shift)
+            CirclePole::new(own.at, own.sine, residues[own.mode], errors[own.mode], shift)
         }));
         self.form.divide();
     }

@@ -7,9 +7,9 @@
 use nalgebra::Complex;
 use smallvec::SmallVec;
 
-use super::circle::{CircleForm, I, Local, whole};
+use super::circle::{CircleForm, I, NearCircle, whole};
 use super::error::SecularError;
-use super::search::{Near, Poles, REACH, Search, Zero, inverse};
+use super::search::{Near, Poles, REACH, Zero, ZeroSearch, inverse};
 use vibrochain_breather::lanes::Lane;
 
 type C = Complex<f64>;
@@ -18,7 +18,7 @@ const PI: f64 = std::f64::consts::PI;
 /// The zeros; also the work space.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CircleRoots {
-    search: Search,
+    search: ZeroSearch,
     /// All 2m of them and their errors.
     pub(crate) values: Vec<C>,
     pub(crate) errors: Vec<f64>,
@@ -82,7 +82,7 @@ impl CircleRoots {
 }
 
 impl Poles for CircleForm {
-    type Near<'a> = Local<'a>;
+    type Near<'a> = NearCircle<'a>;
 
     fn count(&self) -> usize {
         self.poles.len()
@@ -111,16 +111,17 @@ impl Poles for CircleForm {
         if theta == end { offset } else { C::new(2.0 * end - theta - origin, offset.im) }
     }
 
-    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Vec<Lane>) -> Option<Local<'a>> {
+    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Vec<Lane>) -> Option<NearCircle<'a>> {
         let leaf = if whole { &self.whole } else { self.leaf(place)? };
-        self.distances(place, leaf, scratch);
-        Some(Local { pole: &self.poles[place], leaf, distances: scratch })
+        let pole = &self.poles[place];
+        leaf.distances(&pole.at, scratch);
+        Some(NearCircle { pole, leaf, distances: scratch })
     }
 
     fn variable(&self, zero: &Zero) -> C {
         let pole = &self.poles[zero.place];
         if !zero.real {
-            return C::new(pole.d, pole.sine) * (I * zero.offset).exp();
+            return pole.pole() * (I * zero.offset).exp();
         }
         let modulus = (-zero.offset.im).exp();
         C::new(if pole.angle + zero.offset.re < 0.5 * PI { modulus } else { -modulus }, 0.0)
@@ -137,7 +138,7 @@ impl Poles for CircleForm {
         let ratio = slope / f;
         let (mut log, mut log_slope) = (ratio, bend / f - ratio * ratio);
         for pole in &self.poles {
-            let p = C::new(pole.d, pole.sine);
+            let p = pole.pole();
             for inverse in [inverse(z - p), inverse(z - p.conj())] {
                 log += inverse;
                 log_slope -= inverse * inverse;
@@ -155,7 +156,7 @@ impl Poles for CircleForm {
     }
 }
 
-impl Near for Local<'_> {
+impl Near for NearCircle<'_> {
     fn value(&self, tau: C) -> Option<(C, C)> {
         let at = self.place(tau);
         self.holds(at.0).then(|| self.value(at))

@@ -36,7 +36,7 @@ pub struct ForcedSecular {
     matrix: ImpactMatrix,
     /// `matrix` is that of the orbit.
     has_matrix: bool,
-    asked: Vec<State>,
+    asked: Vec<Settling>,
     /// Errors of the orbit's data by origin.
     data: Vec<Origin>,
     /// A multiplier that is not among the values.
@@ -47,7 +47,7 @@ pub struct ForcedSecular {
 
 /// What the impacts' equations have said of a multiplier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
+enum Settling {
     Open,
     /// Its error is known by them.
     Settled,
@@ -105,7 +105,7 @@ impl ForcedSecular {
             let rival = rivals
                 .filter(|(place, ((z, error), asked))| {
                     let counts = *place == best.place || excess(**z) + **error > reach;
-                    **asked == State::Open && counts
+                    **asked == Settling::Open && counts
                 })
                 .map(|(place, ((z, error), _))| (place, excess(*z) + error))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
@@ -126,7 +126,7 @@ impl ForcedSecular {
 
     /// It has not been settled yet.
     pub(crate) fn is_open(&self, place: usize) -> bool {
-        self.asked.get(place) == Some(&State::Open)
+        self.asked.get(place) == Some(&Settling::Open)
     }
 
     /// Settles one multiplier by the impacts' equations, where they know better; `included` tells that the errors hold those of
@@ -136,10 +136,10 @@ impl ForcedSecular {
         let z = self.values[place];
         let (known, included) = self.rounding.map_or((self.errors[place], included), |rounding| (rounding, false));
         let Some(Settled { z: settled, error, data }) = self.matrix.settle(z, &self.data) else {
-            self.asked[place] = State::Refused;
+            self.asked[place] = Settling::Refused;
             return;
         };
-        self.asked[place] = State::Settled;
+        self.asked[place] = Settling::Settled;
         let moved = (settled - z).norm();
         let nearest_to = |w: Complex<f64>| {
             let others = self.values.iter().enumerate().filter(|(other, _)| *other != place);
@@ -158,7 +158,7 @@ impl ForcedSecular {
         // The same holds of its mirror image.
         if let Some((partner, _)) = partner {
             (self.values[partner], self.errors[partner]) = (self.values[place].conj(), self.errors[place]);
-            self.asked[partner] = State::Settled;
+            self.asked[partner] = Settling::Settled;
         }
     }
 
@@ -176,7 +176,7 @@ impl ForcedSecular {
         let found: Vec<Option<Settled>> = self.values.iter().map(|z| self.matrix.settle(*z, &self.data)).collect();
         for (place, settled) in found.iter().enumerate() {
             let Some(Settled { z, error, data }) = *settled else {
-                self.asked[place] = State::Refused;
+                self.asked[place] = Settling::Refused;
                 continue;
             };
             let near = |w: Complex<f64>, other: f64| (w - z).norm() <= ALONE * (error + data + other);
@@ -185,7 +185,7 @@ impl ForcedSecular {
             let met = others.any(|other| near(other.z, other.error + other.data));
             if !met && !self.trivial.is_some_and(|trivial| near(trivial, 0.0)) {
                 (self.values[place], self.errors[place]) = (z, error + data);
-                self.asked[place] = State::Settled;
+                self.asked[place] = Settling::Settled;
             }
         }
     }
@@ -206,7 +206,7 @@ impl ForcedSecular {
 
     fn settle_all(&mut self, prepared: Prepared<'_>, included: bool) {
         for place in 0..self.values.len() {
-            if self.asked[place] == State::Open {
+            if self.asked[place] == Settling::Open {
                 self.settle(place, prepared, included);
             }
         }
@@ -267,7 +267,7 @@ impl ForcedSecular {
         self.trivial = trivial;
         self.rounding = None;
         self.asked.clear();
-        self.asked.resize(self.values.len(), State::Open);
+        self.asked.resize(self.values.len(), Settling::Open);
         self.data.clear();
     }
 
@@ -283,7 +283,7 @@ impl ForcedSecular {
         if !self.multipliers.is_large() {
             self.settle_all(prepared, false);
         }
-        if self.asked.iter().all(|state| *state == State::Settled) {
+        if self.asked.iter().all(|state| *state == Settling::Settled) {
             return Ok(());
         }
         self.add_differences(prepared)
@@ -335,7 +335,7 @@ impl ForcedSecular {
                 }
                 let scale = error / step;
                 let mut open =
-                    errors.iter_mut().zip(asked.iter()).map(|(error, state)| (error, *state != State::Settled));
+                    errors.iter_mut().zip(asked.iter()).map(|(error, state)| (error, *state != Settling::Settled));
                 if form.is_large() {
                     let moves = form.large.moved(&moved.large).into_iter().skip(form.trivial);
                     open.zip(moves).filter(|((_, open), _)| *open).for_each(|((total, _), by)| *total += by * scale);

@@ -46,7 +46,7 @@ pub(crate) struct ImpactMatrix {
     pub(super) kappas: Vec<f64>,
     /// Longest time since the first impact.
     pub(super) longest: f64,
-    pub(super) modes: Vec<Mode>,
+    pub(super) modes: Vec<RingMode>,
     /// φ_i e^{iΩ(t_i−t_1)}: [mode][impact]
     pub(super) waves: Vec<C>,
     /// K̂ as last worked out, by rows.
@@ -58,7 +58,7 @@ pub(crate) struct ImpactMatrix {
 
 /// A mode of the ring that the impacts feel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Mode {
+pub(super) struct RingMode {
     pub(super) pole: C,
     pub(super) weight: f64,
     pub(super) frequency: f64,
@@ -87,7 +87,7 @@ impl ImpactMatrix {
         let modes = response.frequencies().iter().zip(response.weights()).zip(halves);
         let at_one_site = orbit.impact_site().is_some();
         for (k, ((f, weight), (c, s))) in modes.enumerate() {
-            let mode = Mode {
+            let mode = RingMode {
                 pole: C::new((c - s) * (c + s), 2.0 * s * c),
                 weight: *weight,
                 frequency: *f,
@@ -160,12 +160,12 @@ impl ImpactMatrix {
 
     /// |1 − p/z||1 − p̄/z| of the nearest pair of poles: about twice the distance to a pole on the circle.
     pub(crate) fn nearest_poles(&self, z: C) -> f64 {
-        let distance = |mode: &Mode| ((z - mode.pole) * (z - mode.pole.conj())).norm_sqr();
+        let distance = |mode: &RingMode| ((z - mode.pole) * (z - mode.pole.conj())).norm_sqr();
         self.modes.iter().map(distance).fold(f64::INFINITY, f64::min).sqrt() / z.norm_sqr()
     }
 }
 
-impl Mode {
+impl RingMode {
     /// 1/(z−p) and 1/(z−p̄) and their moduli, but at a pole.
     pub(super) fn distances(&self, z: C) -> Option<[(C, f64); 2]> {
         let inverse = |pole: C| {

@@ -13,13 +13,19 @@ use super::evaluate::Local;
 use super::pair::Suspect;
 use super::residues::Residues;
 use super::root::{Root, Roots};
-use super::search::{Near, Poles, Search, Zero};
+use super::search::{Near, Poles, Zero, ZeroSearch};
 use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 
 type C = Complex<f64>;
 
 /// Seeks what `roots` lack of `wanted`.
-pub(super) fn seek(search: &mut Search, form: &Residues, roots: &mut Roots, suspects: &mut [Suspect], wanted: usize) {
+pub(super) fn seek(
+    search: &mut ZeroSearch,
+    form: &Residues,
+    roots: &mut Roots,
+    suspects: &mut [Suspect],
+    wanted: usize,
+) {
     search.begin(form);
     for Root { place, t, error } in &roots.list {
         search.note(form, Zero { place: *place, offset: *t, error: *error, real: true });
@@ -99,7 +105,7 @@ impl Poles for Residues {
     fn logarithmic(&self, nu: C) -> (C, C) {
         let (x, y) = (all(nu.re), all(nu.im));
         let mut sums = [ZERO; 10];
-        for (residue, pole) in self.residues.iter().zip(&self.poles) {
+        for (residue, pole) in self.whole.charges[0].iter().zip(&self.poles) {
             let (u, residue) = (x - four(*pole), four(*residue));
             let scale = ONE / (u * u + y * y);
             // 1/(ν−d), its square and cube
@@ -129,7 +135,7 @@ impl Poles for Residues {
 
 impl Near for Local<'_> {
     fn value(&self, t: C) -> Option<(C, C)> {
-        self.far.is_none_or(|far| far.holds(t)).then(|| self.complex(t))
+        self.holds(t).then(|| self.complex(t))
     }
 
     fn errors(&self, t: C) -> (f64, f64) {

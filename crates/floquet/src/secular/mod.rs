@@ -16,7 +16,7 @@
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
 //! | `labels` | the mode that a multiplier is next to |
-//! | `large`, `cauchy`, `window`, `missing` | the same for large rings in O(M) |
+//! | `large`, `cauchy`, `leaf`, `missing` | the same for large rings in O(M) |
 //! | `by_roots` | the verdict from all ν |
 //! | `forced_large`, `circle`, `forced_roots` | all multipliers of large rings with force or losses in O(M) |
 //! | `search` | zeros of a large ring next to poles and anywhere else, for both |
@@ -57,7 +57,6 @@ mod settle;
 mod shapes;
 mod single_sided;
 mod verdict;
-mod window;
 
 pub use error::SecularError;
 pub(crate) use forced::MOST_IMPACTS;
@@ -69,6 +68,7 @@ pub(crate) use growth::{Nu, excess};
 pub(crate) use impact_matrix::ImpactMatrix;
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
+pub(crate) use modes::{Mode, Modes};
 pub use residues::Residues;
 pub use shapes::ModalShape;
 pub use verdict::{Reason, Secular, SecularVerdict, Standing};

@@ -38,7 +38,7 @@ pub(super) struct OtherModes {
 
 /// The sums at one pole, velocities in units of ω.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Sums {
+pub(super) struct PoleSums {
     /// ½Σb²U, ½Σb²V/Ω, ½Σb²VΩ
     pub(super) own: [f64; 3],
     /// The same with cos, sin of Ω(t_i−t_j) for all pairs i > j: U cos, V sin, V cos/Ω, U sin/Ω, ΩV cos, ΩU sin.
@@ -52,7 +52,7 @@ pub(super) fn pairs(n: usize) -> impl Iterator<Item = (usize, usize, usize)> {
     (1..n).flat_map(|i| (0..i).map(move |j| (i, j, i * (i - 1) / 2 + j)))
 }
 
-impl Sums {
+impl PoleSums {
     /// Adds them to K̂ of `n` impacts, whose rows are `width` long.
     pub(super) fn add_to(&self, matrix: &mut [C], n: usize, width: usize) {
         let mut add = |i: usize, j: usize, [even, up, down]: [C; 3]| {
@@ -145,7 +145,7 @@ impl OtherModes {
         k: usize,
         (ck, sk): (f64, f64),
         count: usize,
-        sums: &mut Sums,
+        sums: &mut PoleSums,
     ) -> Result<(), SecularError> {
         let Self { half_weight, cos, sin, ratio, inverse, turn_cos, turn_sin, scratch } = self;
         let groups = cos.len();

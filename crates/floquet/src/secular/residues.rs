@@ -6,9 +6,9 @@ use vibrochain_breather::Prepared;
 use super::error::SecularError;
 use super::evaluate::Local;
 use super::growth::Nu;
-use super::leaf::Leaf;
+use super::leaf::{ChargedPole, Leaf, divide};
 use super::modes::Modes;
-use super::pole::{FAR_ROOT, Pole};
+use super::pole::Pole;
 use super::{double_sided, large, single_sided};
 use vibrochain_breather::lanes::{Lane, fill};
 
@@ -49,14 +49,12 @@ pub struct Residues {
     masked: Vec<Lane>,
     pub(crate) table: Vec<Pole>,
     pub(crate) poles: Vec<Lane>,
-    pub(crate) residues: Vec<Lane>,
-    pub(crate) errors: Vec<Lane>,
-    pub(crate) shifts: Vec<Lane>,
-    pub(crate) cos: Vec<Lane>,
-    pub(crate) sin: Vec<Lane>,
+    /// All poles one by one.
+    pub(super) whole: Leaf<2>,
     pub(crate) below_one: Vec<Lane>,
     pub(crate) above_minus_one: Vec<Lane>,
-    pub(super) leaves: Vec<Leaf>,
+    /// The same for large rings, by neighbourhoods.
+    pub(super) leaves: Vec<Leaf<2>>,
     sum: f64,
     trace: f64,
     pub(crate) expected_trace: f64,
@@ -104,46 +102,67 @@ impl Residues {
         if let [only] = self.table.as_mut_slice() {
             // One mode: the trivial pair is all there is.
             (only.residue, only.error) = (1.0, 0.0);
-            self.expected_trace = only.pole;
+            self.expected_trace = only.at.d;
         }
         self.mend();
         // Frequencies rise, so that poles often come in falling order.
         if let [first, .., last] = self.table.as_slice()
-            && first.pole > last.pole
+            && first.at.d > last.at.d
         {
             self.table.reverse();
         }
-        self.table.sort_unstable_by(Pole::order);
+        self.table.sort_unstable_by(|a, b| a.at.order(&b.at));
         let table = &self.table;
-        fill(&mut self.poles, table.iter().map(|pole| pole.pole), FAR);
-        fill(&mut self.residues, table.iter().map(|pole| pole.residue), 0.0);
-        fill(&mut self.errors, table.iter().map(|pole| pole.error), 0.0);
-        fill(&mut self.shifts, table.iter().map(|pole| pole.shift), 0.0);
-        fill(&mut self.cos, table.iter().map(|pole| pole.cos), FAR_ROOT);
-        fill(&mut self.sin, table.iter().map(|pole| pole.sin), FAR_ROOT);
+        let sources = table.iter().map(|pole| ChargedPole {
+            at: pole.at,
+            shift: pole.shift,
+            charges: [pole.residue, pole.error],
+        });
+        self.whole.fill(sources.clone());
+        self.leaves.clear();
+        if large {
+            self.leaves = divide(&sources.collect::<Vec<_>>());
+        }
+        fill(&mut self.poles, table.iter().map(|pole| pole.at.d), FAR);
         fill(&mut self.below_one, table.iter().map(|pole| pole.below_one), FAR);
         fill(&mut self.above_minus_one, table.iter().map(|pole| pole.above_minus_one), FAR);
-        self.certify()?;
-        self.divide(large);
-        Ok(())
+        self.certify()
     }
 
     /// F about an origin.
     pub(crate) fn about<'a>(&'a self, distances: &'a [Lane]) -> Local<'a> {
-        Local { residues: &self.residues, errors: &self.errors, shifts: &self.shifts, distances, far: None }
+        Local { leaf: &self.whole, distances, origin: None }
+    }
+
+    /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `distances` is scratch space.
+    pub(crate) fn window<'a>(&'a self, gap: usize, place: usize, distances: &'a mut Vec<Lane>) -> Local<'a> {
+        let leaf = self.leaves.partition_point(|leaf| leaf.gaps.end <= gap);
+        let Some(leaf) = self.leaves.get(leaf) else {
+            self.distances(place, distances);
+            return self.about(distances);
+        };
+        leaf.distances(&self.table[place].at, distances);
+        Local { leaf, distances, origin: Some((self.poles()[place] - leaf.middle) * leaf.scale) }
+    }
+
+    /// A gap in the middle of a leaf, the offset of the leaf's middle from its left pole, and half the leaf's width.
+    pub(crate) fn above(&self, leaf: usize) -> (usize, f64, f64) {
+        let Leaf { gaps, middle, scale, .. } = &self.leaves[leaf];
+        let gap = (gaps.start + gaps.len() / 2).min(self.count().saturating_sub(2));
+        (gap, middle - self.poles()[gap], if *scale > 0.0 { 1.0 / scale } else { 0.0 })
     }
 
     /// Distances of all poles from that at `place`.
     pub(crate) fn distances(&self, place: usize, out: &mut Vec<Lane>) {
         if let Some(origin) = self.table.get(place) {
-            origin.distances(&self.cos, &self.sin, out);
+            self.whole.distances(&origin.at, out);
         }
     }
 
     /// The pole at one place less that at another.
     pub(crate) fn distance(&self, place: usize, other: usize) -> f64 {
         match (self.table.get(place), self.table.get(other)) {
-            (Some(a), Some(b)) => a.distance(b),
+            (Some(a), Some(b)) => a.at.distance(&b.at),
             _ => 0.0,
         }
     }
@@ -178,7 +197,7 @@ impl Residues {
         let mut size = 0.0;
         for pole in &self.table {
             self.sum += pole.residue;
-            self.trace += pole.residue * pole.pole;
+            self.trace += pole.residue * pole.at.d;
             self.total_error += pole.error;
             size += pole.residue.abs();
         }
@@ -201,12 +220,12 @@ impl Residues {
 
     /// Residues R_k in the order of the poles.
     pub fn residues(&self) -> &[f64] {
-        self.flat(&self.residues)
+        self.flat(&self.whole.charges[0])
     }
 
     /// Estimates of the rounding errors of the residues.
     pub fn errors(&self) -> &[f64] {
-        self.flat(&self.errors)
+        self.flat(&self.whole.charges[1])
     }
 
     /// The mode k to which a pole belongs, by the pole's place.
@@ -226,7 +245,7 @@ impl Residues {
 
     /// Σν over the non-trivial pairs.
     pub(crate) fn sum_of_roots(&self) -> f64 {
-        self.table.iter().map(|pole| pole.pole * (1.0 - pole.residue)).sum()
+        self.table.iter().map(|pole| pole.at.d * (1.0 - pole.residue)).sum()
     }
 
     pub(crate) fn count(&self) -> usize {

@@ -96,7 +96,7 @@ impl Zero {
 
 /// Zeros that are known; also the work space.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Search {
+pub(super) struct ZeroSearch {
     pub(super) zeros: Vec<Zero>,
     /// Mirror images counted.
     pub(super) found: usize,
@@ -120,7 +120,7 @@ pub(super) enum Attempt {
     Lost,
 }
 
-impl Search {
+impl ZeroSearch {
     /// Forgets all zeros.
     pub(super) fn begin(&mut self, poles: &impl Poles) {
         self.zeros.clear();

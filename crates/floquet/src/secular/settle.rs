@@ -17,7 +17,7 @@
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 
-use super::impact_matrix::{ImpactMatrix, Mode};
+use super::impact_matrix::{ImpactMatrix, RingMode};
 use super::linear::{Factors, Pivots, eliminate};
 
 type C = Complex<f64>;
@@ -183,7 +183,7 @@ impl ImpactMatrix {
             sizes += even_size + odd.norm();
         }
         for (mode, waves) in self.modes.iter().zip(self.waves.chunks_exact(n)) {
-            let Mode { pole, weight, frequency, ratio, error } = *mode;
+            let RingMode { pole, weight, frequency, ratio, error } = *mode;
             // Moduli of all a and c, relative errors of each.
             let (a_size, c_size) = (x[0] + ratio * x[1], 0.5 * (y[0] + y[1] / ratio));
             let relative = EPSILON * (6.0 + 3.0 * frequency * self.longest);

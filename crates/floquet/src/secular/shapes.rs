@@ -13,7 +13,7 @@ use vibrochain_breather::Prepared;
 use vibrochain_lattice::Shapes;
 
 use super::error::SecularError;
-use super::impact_matrix::{ImpactMatrix, Mode};
+use super::impact_matrix::{ImpactMatrix, RingMode};
 
 type C = Complex<f64>;
 
@@ -63,7 +63,7 @@ impl ModalShape {
         let mut matrix = ImpactMatrix::default();
         matrix.set(prepared);
         let (z, omega) = (multiplier, prepared.response().omega());
-        let at_pole = |(mode, one): (usize, &Mode)| one.distances(z).is_none().then_some(mode);
+        let at_pole = |(mode, one): (usize, &RingMode)| one.distances(z).is_none().then_some(mode);
         if let Some(mode) = matrix.modes.iter().enumerate().find_map(at_pole) {
             return Err(SecularError::Coincident { mode });
         }

@@ -23,7 +23,7 @@ use vibrochain_breather::lanes::{ONE, SMALL, TWO, ZERO, all, total};
 
 /// What the residue of one mode needs of others.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Sums {
+pub(crate) struct ResidueSums {
     /// c_k Σ b²u, Σ b²c(x_k−x)²/(x_k x(d_k−d)), and errors of both in units of ε.
     straight: f64,
     bent: f64,
@@ -33,7 +33,7 @@ pub(crate) struct Sums {
 
 /// The sums over `modes`.
 #[inline(always)]
-pub(crate) fn sums(modes: &Modes, mode: &Mode) -> Sums {
+pub(crate) fn sums(modes: &Modes, mode: &Mode) -> ResidueSums {
     let (mut straight, mut bent, mut straight_error, mut bent_error) = (ZERO, ZERO, ZERO, ZERO);
     let (ck, sk, xk) = (all(mode.cos), all(mode.sin), all(mode.sin_over));
     let opposite = sk * sk - ck * ck;
@@ -61,7 +61,7 @@ pub(crate) fn sums(modes: &Modes, mode: &Mode) -> Sums {
         straight_error += w * same.select(ONE, doubt);
         bent_error += t.abs() * (rk + relative + doubt);
     }
-    Sums {
+    ResidueSums {
         straight: total(straight),
         bent: total(bent),
         straight_error: total(straight_error),
@@ -71,7 +71,7 @@ pub(crate) fn sums(modes: &Modes, mode: &Mode) -> Sums {
 
 /// The residue from the sums; `far` is what modes left out of them add to c_k Σ b²(u − …).
 #[inline(always)]
-pub(crate) fn residue(k: usize, mode: &Mode, sums: &Sums, far: f64) -> Pole {
+pub(crate) fn residue(k: usize, mode: &Mode, sums: &ResidueSums, far: f64) -> Pole {
     let Mode { weight, cos, sin, shift, .. } = *mode;
     let residue = 2.0 * weight * (sums.straight - cos * sums.bent + far);
     let phase = shift / sin.abs().max(f64::MIN_POSITIVE);

@@ -20,7 +20,7 @@ use super::growth::{Nu, outside};
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
 use super::root::Roots;
-use super::search::Search;
+use super::search::ZeroSearch;
 use vibrochain_breather::lanes::Lane;
 
 /// What the secular function says.
@@ -111,7 +111,7 @@ pub struct Secular {
     pub(crate) suspects: Vec<Suspect>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) roots: Roots,
-    pub(super) search: Search,
+    pub(super) search: ZeroSearch,
 }
 
 /// The most unstable multiplier so far.

@@ -43,13 +43,13 @@ struct Node {
 
 /// s, g and h.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
+struct WaveSums {
     s: C,
     g: C,
     h: C,
 }
 
-impl Sums {
+impl WaveSums {
     /// f of one impact.
     fn form(&self, kappa: f64) -> C {
         self.g * (self.h - 2.0 * kappa) - self.s * self.s
@@ -182,7 +182,7 @@ impl Form {
         -2.0 * sin * sin
     }
 
-    fn product(&self, even: &Sums, odd: Option<&Sums>) -> C {
+    fn product(&self, even: &WaveSums, odd: Option<&WaveSums>) -> C {
         let own = even.form(self.kappa);
         odd.map_or(own, |odd| own * odd.form(self.kappa) - 4.0 * self.delta * self.delta * even.g * odd.g)
     }
@@ -193,10 +193,10 @@ impl Form {
     }
 
     /// The sums over all w_j = w + (2π/time)j, G₀ = 0 if so wanted.
-    fn sums(&self, w: C, without: bool) -> Sums {
+    fn sums(&self, w: C, without: bool) -> WaveSums {
         let time = self.time();
         let (sin, cos) = ((w * time).sin(), (w * time).cos());
-        let mut sums = Sums::default();
+        let mut sums = WaveSums::default();
         for node in &self.nodes {
             let pole = node.weight / (cos - node.cos);
             sums.s += sin * pole;

@@ -69,7 +69,7 @@ impl OwnMode {
 
 /// A zero between two edges of the band.
 #[derive(Debug, Clone, Copy)]
-struct Zero {
+struct OwnZero {
     w: C,
     /// Derivative of f there.
     slope: C,
@@ -86,7 +86,7 @@ struct Part {
 /// The narrowest one, and, for the w_j into which it is lost, where in the band the coefficient of reflection has its zero.
 pub(super) fn own_mode(form: &Form, zeros: &mut Vec<C>) -> Option<OwnMode> {
     let omega = form.omega();
-    let mut best: Option<(Zero, Vec<f64>)> = None;
+    let mut best: Option<(OwnZero, Vec<f64>)> = None;
     for part in parts(form) {
         // Two impacts: waves that run off move the trivial pair from 1, and what is found is as often that as a mode.
         if form.is_double() && !part.waves.is_empty() {
@@ -165,7 +165,7 @@ fn slope(form: &Form, w: C) -> C {
 }
 
 /// f is real: its changes of sign.
-fn localised(form: &Form, part: &Part) -> Vec<Zero> {
+fn localised(form: &Form, part: &Part) -> Vec<OwnZero> {
     let value = |w: f64| form.free(C::from(w)).re;
     let looks: Vec<(f64, f64)> = part.places().map(|w| (w, value(w))).collect();
     let mut found = Vec::new();
@@ -176,13 +176,13 @@ fn localised(form: &Form, part: &Part) -> Vec<Zero> {
         }
         let Ok(w) = zero(low, high, high.0, |w| Ok::<f64, ()>(value(w))) else { continue };
         let w = C::from(w);
-        found.push(Zero { w, slope: slope(form, w) });
+        found.push(OwnZero { w, slope: slope(form, w) });
     }
     found
 }
 
 /// Zeros next to the real axis, by the secant method from where |f| is least on it.
-fn leaking(form: &Form, part: &Part) -> Vec<Zero> {
+fn leaking(form: &Form, part: &Part) -> Vec<OwnZero> {
     let omega = form.omega();
     let looks: Vec<(f64, f64)> = part.places().map(|w| (w, form.free(C::from(w)).norm())).collect();
     let at = |i: usize| looks.get(i).map_or(f64::INFINITY, |look| look.1);
@@ -212,7 +212,7 @@ fn leaking(form: &Form, part: &Part) -> Vec<Zero> {
                 // Waves at ω/2 that feed each other are no mode of the breather's.
                 let mirrored = (w.re / omega - 0.5).abs() < 1e-6 || w.re < 1e-6 * omega;
                 if settled && inside && !mirrored {
-                    found.push(Zero { w, slope });
+                    found.push(OwnZero { w, slope });
                 }
                 break;
             }
