@@ -98,9 +98,9 @@ fn help_has_no_breaks_within_a_sentence() {
 }
 
 #[test]
-fn without_a_start_both_ways_to_give_one_are_named() {
+fn without_a_start_all_ways_to_give_one_are_named() {
     let (code, _, message) = run(&format!("mapgen simulate {POINT}"));
-    assert!(code == 2 && message.contains("--family <FAMILY>|--state <FILE>"), "{message}");
+    assert!(code == 2 && message.contains("--family <FAMILY>|--word <WORD>|--near <FILE>|--state <FILE>"), "{message}");
     let (code, _, message) = run(&format!("mapgen simulate {POINT} --family double-sided --state x.json"));
     assert!(code == 2 && message.contains("cannot be used with"), "{message}");
 }
