@@ -60,7 +60,10 @@ impl Word {
 
     /// How many words [`Word::enumerate`] looks at before symmetry makes them fewer.
     pub fn combinations(sites_used: usize, reach: usize, families: &[Family]) -> f64 {
-        let sets: f64 = (1..sites_used).map(|i| (reach + 1 - i) as f64 / i as f64).product();
+        if sites_used == 0 || sites_used - 1 > reach {
+            return 0.0;
+        }
+        let sets: f64 = (1..sites_used).map(|i| (reach - (i - 1)) as f64 / i as f64).product();
         sets * (ways(families).len() as f64).powi(i32::try_from(sites_used).unwrap_or(i32::MAX))
     }
 }
@@ -137,5 +140,8 @@ mod tests {
         assert_eq!(Word::combinations(3, 6, &both), 15.0 * 64.0);
         assert_eq!(choices(3, 6).len(), 15);
         assert!(choices(4, 2).is_empty() && choices(1, 3) == [[0]]);
+        // What has no room, or no end.
+        assert_eq!(Word::combinations(4, 2, &both) + Word::combinations(0, 2, &both), 0.0);
+        assert!(Word::combinations(3, usize::MAX, &both) > 1e30);
     }
 }
