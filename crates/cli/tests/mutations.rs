@@ -351,7 +351,9 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         },
         Ok(Command::Orbit(args)) => match model(&args.model) {
             Ok(model) if args.plot.is_none() && args.all_plots.is_none() => {
-                of(model.chain().sites() as f64 * windows(&model, true), Plan::Parameters)
+                // Words under a force are followed over many orbits.
+                let orbits = if args.which.word.is_some() { 100.0 } else { 1.0 };
+                of(orbits * model.chain().sites() as f64 * windows(&model, true), Plan::Parameters)
             }
             Ok(_) => Plan::Parameters,
             Err(_) => Plan::Whole,
