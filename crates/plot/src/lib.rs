@@ -12,7 +12,7 @@
 //! ```
 //! use vibrochain_plot::{Format, OrbitPanels, orbit_picture};
 //! let trace = (0..100).map(|i| (f64::from(i) / 100.0, (0.0628 * f64::from(i)).cos())).collect();
-//! let orbit = OrbitPanels { caption: "a swing".to_owned(), profiles: Vec::new(), trace, barriers: (-1.0, 1.0) };
+//! let orbit = OrbitPanels { caption: "a swing".to_owned(), profiles: Vec::new(), traces: vec![(0, trace)], barriers: (-1.0, 1.0) };
 //! assert!(orbit_picture(&[orbit], Format::Svg)?.starts_with(b"<svg"));
 //! # Ok::<(), vibrochain_plot::PlotError>(())
 //! ```
