@@ -65,7 +65,7 @@ impl Return {
     fn flow(&self, time: f64) -> DMatrix<f64> {
         let m = self.point.len() / 2;
         let flow = Propagator::new(&Spectrum::new(*self.orbit.model().chain()), time);
-        DMatrix::from_fn(2 * m, 2 * m, |i, j| flow.block((i % m).abs_diff(j % m))[i / m][j / m])
+        DMatrix::from_fn(2 * m, 2 * m, |i, j| flow.block(i % m, j % m)[i / m][j / m])
     }
 }
 

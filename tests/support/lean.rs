@@ -59,7 +59,7 @@ impl Kind {
     /// Allocations a cell once the work space has seen the whole map.
     pub(crate) fn allocations(self) -> f64 {
         let scene = self.scene();
-        let mut worker = Worker::new(scene.base.sites);
+        let mut worker = Worker::new(scene.base.sites());
         Self::compute(&scene, &mut worker);
         measure(|| Self::compute(&scene, &mut worker)).count_total as f64 / scene.cells() as f64
     }

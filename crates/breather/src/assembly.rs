@@ -94,7 +94,7 @@ impl Orbit {
         let mut previous = 0.0;
         for (index, &Hit { site, time, impulse, .. }) in impacts.iter().enumerate() {
             if site >= chain.sites() {
-                return bad(index, "the site does not exist on this ring");
+                return bad(index, "the site does not exist on this lattice");
             }
             if !(previous..response.period()).contains(&time) {
                 return bad(index, "the times must rise from 0 and stay below the period");
@@ -111,16 +111,16 @@ impl Orbit {
             None => {
                 let scale: f64 = impacts.iter().map(|impact| impact.impulse.abs()).sum();
                 if net.abs() > 4.0 * f64::EPSILON * scale {
-                    return bad(0, "gamma1 = 0 needs a net impulse of zero");
+                    return bad(0, "gamma1 = 0 without walls needs a net impulse of zero");
                 }
                 0.0
             }
         };
         let mut draft =
             Draft { family: Family::Word, force_periods, psi, impacts: impacts.into(), sources, uniform_offset };
-        let mut motion = Motion::vacant(chain.sites());
-        if chain.gamma1() == 0.0 {
-            // A ring that nothing holds may stand anywhere: where its first impact meets the barrier.
+        let mut motion = Motion::vacant(chain);
+        if chain.is_adrift() {
+            // A lattice that nothing holds may stand anywhere: where its first impact meets the barrier.
             Self::assemble(model, &response, &mut motion, draft.clone())?;
             let Hit { site, barrier, .. } = impacts[0];
             draft.uniform_offset = model.barrier(barrier) - motion.after_impact(0, site).displacement;

@@ -298,7 +298,7 @@ impl Equations<'_> {
         let (force, t) = (orbit.model().force_wave(), impact.time + orbit.psi_or_zero());
         let turned = |term: &WaveTerm| (term.amplitude * (term.rate * t + term.phase)).abs();
         let force = force.terms().iter().map(turned).sum::<f64>();
-        let sides = chain.neighbours(impact.site).map(displacement);
+        let sides = chain.neighbours(impact.site).map(|n| n.map_or(0.0, displacement));
         chain.spring_force_bound(displacement(impact.site), sides) + UNIT * (neighbours + force)
     }
 }

@@ -36,7 +36,7 @@ impl Word {
                 let mut instants = [Vec::new(), Vec::new()];
                 for (&site, &way) in sites.iter().zip(&chosen) {
                     for (instant, barrier) in instants.iter_mut().zip(ways.get(way).copied().unwrap_or_default()) {
-                        instant.extend(barrier.map(|barrier| Letter { site, barrier }));
+                        instant.extend(barrier.map(|barrier| Letter::new(site, barrier)));
                     }
                 }
                 let instants: Vec<_> = instants.into_iter().filter(|letters| !letters.is_empty()).collect();
@@ -117,7 +117,7 @@ mod tests {
             }
             let mut instants = vec![Vec::new(), Vec::new()];
             for site in 0..7 {
-                let at = |instant: &mut Vec<Letter>, barrier| instant.push(Letter { site: site as usize, barrier });
+                let at = |instant: &mut Vec<Letter>, barrier| instant.push(Letter::new(site as usize, barrier));
                 match way(site) {
                     1 => at(&mut instants[0], Barrier::Lower),
                     2 => at(&mut instants[1], Barrier::Lower),

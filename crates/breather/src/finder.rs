@@ -1,7 +1,7 @@
 //! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
 //! same, the impulse response as long as chain and frequency do, and all scratch space.
 
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum};
 
 use crate::admissibility::Admissibility;
 use crate::completeness::{Completeness, Proof};
@@ -16,6 +16,7 @@ use crate::radiation::Radiation;
 use crate::rises::Rises;
 use crate::roots::Zeros;
 use crate::watch::{Depth, Watch};
+use crate::word::Word;
 use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_single};
 
 /// All orbits of a family at a point.
@@ -84,14 +85,14 @@ pub struct Finder {
 }
 
 impl Finder {
-    /// A finder for rings of `sites` masses (others work too, at the price of new scratch space).
+    /// A finder for rings of `sites` masses (other lattices work too, at the price of new scratch space).
     pub fn new(sites: usize) -> Self {
-        let sites = sites.max(1);
+        let chain = Chain::alone(sites);
         Self {
             spectrum: None,
-            response: ImpulseResponse::vacant(sites),
+            response: ImpulseResponse::vacant(&chain),
             current: None,
-            motion: Motion::vacant(sites),
+            motion: Motion::vacant(&chain),
             zeros: Zeros::default(),
             rises: Rises::default(),
             radiation: None,
@@ -148,6 +149,10 @@ impl Finder {
         wanted: Wanted,
         found: &mut Found,
     ) -> Result<(), BreatherError> {
+        // Where sites are not alike the name is the word at site 0.
+        if let (false, Some(word)) = (model.chain().is_ring(), Word::of_family(family)) {
+            return self.find_word(model, &word, wanted, found);
+        }
         found.orbits.clear();
         found.ended.clear();
         found.completeness = Completeness::default();

@@ -30,7 +30,7 @@ impl Flights {
     /// `None` for an orbit that is not of this kind: with coupling, at several sites, or without force.
     pub(crate) fn of(orbit: &Orbit) -> Option<Self> {
         let (model, n) = (orbit.model(), orbit.impacts().len());
-        if orbit.impact_site().is_none() || model.is_conservative() || !model.chain().is_uncoupled() {
+        if orbit.centre().is_none() || model.is_conservative() || !model.chain().is_uncoupled() {
             return None;
         }
         let (mut matrix, mut left) = (Matrix::zeros(2 * n), zeros(2 * n));

@@ -78,7 +78,7 @@ pub struct Kinematics {
 /// A mass, the displacements of its neighbours, and Σ|Ω²q| over the modes there.
 struct Around {
     own: Kinematics,
-    sides: [f64; 2],
+    sides: [f64; 4],
     modal: f64,
 }
 
@@ -117,10 +117,10 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Room for rings of `sites` masses.
-    pub(crate) fn vacant(sites: usize) -> Self {
+    /// Room for the masses of a chain.
+    pub(crate) fn vacant(chain: &Chain) -> Self {
         Self {
-            shapes: Shapes::new(sites),
+            shapes: Shapes::new(chain),
             table: Vec::new(),
             sums: Vec::new(),
             origin: None,
@@ -128,7 +128,7 @@ impl Motion {
             period: 1.0,
             psi: 0.0,
             steady: Wave::default(),
-            chain: Chain::alone(sites),
+            chain: *chain,
             force: Wave::default(),
             sites: Vec::new(),
             starts: Vec::new(),
@@ -144,7 +144,7 @@ impl Motion {
     /// [`BreatherError::Resonance`], which an orbit that exists has already passed.
     pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
         let response = ImpulseResponse::new(&Spectrum::new(*orbit.model().chain()), orbit.frequency())?;
-        let mut motion = Self::vacant(response.sites());
+        let mut motion = Self::vacant(orbit.model().chain());
         motion.load(orbit, &response);
         Ok(motion)
     }
@@ -157,12 +157,12 @@ impl Motion {
             return;
         }
         self.origin = Some(Origin::new(orbit, response));
-        if self.shapes.sites() != response.sites() {
+        if !self.shapes.are_of(model.chain()) {
             self.shapes = response.shapes().clone();
             self.table.clear();
         }
         let modes = response.modes();
-        if orbit.impact_site().is_none() {
+        if orbit.centre().is_none() {
             self.table.clear();
         } else if self.table.is_empty() && modes <= TABLE {
             let groups = groups(modes);
@@ -181,16 +181,16 @@ impl Motion {
         self.sites.extend(orbit.sources().iter().map(|source| source.site));
         self.starts.clear();
         self.starts.extend(orbit.impacts().iter().map(|impact| impact.time));
-        let (weights, modes) = (response.weights(), response.modes());
+        let (weights, modes, uniform) = (response.weights(), response.modes(), !model.chain().has_walls());
         self.states.clear();
         for &start in &self.starts {
             for (s, source) in orbit.sources().iter().enumerate() {
                 let from = self.states.len();
                 let net = source.net_impulse;
                 self.states.extend((0..modes).map(|k| match k {
-                    // The uniform mode's static part is common to all sources; the first one carries it.
-                    0 if s == 0 => (orbit.uniform_offset() / weights[0], 0.0),
-                    0 => (0.0, 0.0),
+                    // The uniform mode's static part is common to all sources; the first one carries it. Its shape is 1.
+                    0 if uniform && s == 0 => (orbit.uniform_offset() / weights[0], 0.0),
+                    0 if uniform => (0.0, 0.0),
                     _ => (net * response.mode_static(k), 0.0),
                 }));
                 let states = &mut self.states[from..];
@@ -276,9 +276,7 @@ impl Motion {
     /// The mass at `site` at the time last sought.
     pub fn site(&self, site: usize) -> Kinematics {
         let mut sum = [0.0; 3];
-        if let ([source], true) = (self.sites.as_slice(), self.now.len() <= BLOCK)
-            && *source == site
-        {
+        if self.is_centre(site) {
             // All modes are 1 there.
             for now in &self.now {
                 (0..3).for_each(|i| sum[i] += now[i]);
@@ -297,6 +295,11 @@ impl Motion {
             }
         }
         self.forced(sum)
+    }
+
+    /// Whether all modes of a small ring are 1 at `site`: it takes all impacts.
+    fn is_centre(&self, site: usize) -> bool {
+        self.sites == [site] && self.chain.is_ring() && self.now.len() <= BLOCK
     }
 
     /// Adds the uniform motion under the force.
@@ -370,22 +373,22 @@ impl Motion {
     /// A mass and its neighbours at the time last sought.
     fn around(&self, site: usize) -> Around {
         let mut modal = 0.0;
-        if let ([source], true) = (self.sites.as_slice(), self.now.len() <= BLOCK)
-            && *source == site
-        {
+        if self.is_centre(site) {
             // Both neighbours of the only site that is hit move alike.
             let mut side = 0.0;
             for (now, shape) in self.now.iter().zip(self.shapes.evens(1, 0)) {
                 side += shape * now[0];
                 modal += now[2].abs();
             }
-            return Around { own: self.site(site), sides: [side + self.now_force.displacement; 2], modal };
+            let own = self.site(site);
+            let side = side + self.now_force.displacement;
+            return Around { own, sides: [side, side, own.displacement, own.displacement], modal };
         }
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
             let shapes = self.shapes.evens(site, source);
             modal += modes.iter().zip(shapes).map(|(now, shape)| (shape * now[2]).abs()).sum::<f64>();
         }
-        let sides = self.chain.neighbours(site).map(|n| self.site(n).displacement);
+        let sides = self.chain.neighbours(site).map(|n| n.map_or(0.0, |n| self.site(n).displacement));
         Around { own: self.site(site), sides, modal }
     }
 

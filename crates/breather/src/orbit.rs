@@ -235,6 +235,12 @@ impl Orbit {
         }
     }
 
+    /// The site about which the motion of a ring is symmetric, because it takes all impacts: modes odd about it stay at rest, and
+    /// half of the masses tell all. `None` where several sites are hit, and on other lattices.
+    pub fn centre(&self) -> Option<usize> {
+        self.impact_site().filter(|_| self.model.chain().is_ring())
+    }
+
     /// The orbit is its own mirror image in time about t = 0 (conservative, all impacts at 0 and half a period,
     /// at any sites): half a period tells all.
     pub fn is_reversible(&self) -> bool {

@@ -85,9 +85,9 @@ impl Watch {
             return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
         }
         let horizon = if orbit.is_reversible() { 0.5 * orbit.period() } else { orbit.period() };
-        self.watched.reset(orbit.model().chain(), orbit.impact_site());
+        self.watched.reset(orbit.model().chain(), orbit.centre());
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
-        if orbit.is_reversible() && orbit.impact_site().is_some() && self.grid.set(motion, &self.watched, horizon) {
+        if orbit.is_reversible() && orbit.centre().is_some() && self.grid.set(motion, &self.watched, horizon) {
             self.on_grid(orbit, motion, depth, &mut closest);
         } else {
             self.by_windows(orbit, motion, depth, horizon, &mut closest)?;
@@ -288,7 +288,7 @@ mod tests {
         let (mut watch, mut compared, mut physical) = (Watch::default(), 0, 0);
         orbits(|orbit, motion| {
             let horizon = 0.5 * orbit.period();
-            watch.watched.reset(orbit.model().chain(), orbit.impact_site());
+            watch.watched.reset(orbit.model().chain(), orbit.centre());
             if !watch.grid.set(motion, &watch.watched, horizon) {
                 return;
             }
@@ -330,7 +330,7 @@ mod tests {
         let (mut watch, mut checked) = (Watch::default(), 0);
         orbits(|orbit, motion| {
             let horizon = 0.5 * orbit.period();
-            watch.watched.reset(orbit.model().chain(), orbit.impact_site());
+            watch.watched.reset(orbit.model().chain(), orbit.centre());
             if checked > 60_000 || !watch.grid.set(motion, &watch.watched, horizon) {
                 return;
             }

@@ -97,11 +97,17 @@ impl Window {
                 size *= rate / (k + 1) as f64;
             }
         }
-        let (stride, last) = (self.stride, FIRST + self.masses - 1);
-        let ends = (FIRST + watched.left()[0], FIRST + watched.right()[self.masses - 1]);
-        for row in self.coefficients.chunks_exact_mut(stride).take(2) {
-            (row[0], row[last + 1]) = (row[ends.0], row[ends.1]);
+        if !watched.across().is_empty() {
+            self.expand_layers(watched, model, &pushes);
+            return;
         }
+        let (stride, masses) = (self.stride, self.masses);
+        let close = |row: &mut [f64]| {
+            let ends = [watched.left()[0], watched.right()[masses - 1]]
+                .map(|neighbour| if neighbour < masses { row[FIRST + neighbour] } else { 0.0 });
+            (row[0], row[FIRST + masses]) = (ends[0], ends[1]);
+        };
+        self.coefficients.chunks_exact_mut(stride).take(2).for_each(close);
         for (k, push) in pushes.into_iter().enumerate() {
             let scale = 1.0 / ((k + 1) * (k + 2)) as f64;
             let (known, rest) = self.coefficients.split_at_mut((k + 2) * stride);
@@ -114,7 +120,23 @@ impl Window {
                 let (own, sides) = (f64x4::from(*own), f64x4::from(*left) + f64x4::from(*right));
                 *next = (scale * (push - g1 * own - g2 * (own + own - sides))).to_array();
             }
-            (next[0], next[last + 1]) = (next[ends.0], next[ends.1]);
+            close(next);
+        }
+    }
+
+    /// The same mass by mass, for layers, where neighbours do not stand next to each other in memory.
+    fn expand_layers(&mut self, watched: &DistinctMasses, model: &Model, pushes: &[f64]) {
+        let (chain, squared, stride) = (model.chain(), self.unit * self.unit, self.stride);
+        let along = watched.left().iter().zip(watched.right());
+        let sides: Vec<[usize; 4]> = along.zip(watched.across()).map(|((l, r), [b, a])| [*l, *r, *b, *a]).collect();
+        for (k, push) in pushes.iter().enumerate() {
+            let scale = 1.0 / ((k + 1) * (k + 2)) as f64;
+            let (known, rest) = self.coefficients.split_at_mut((k + 2) * stride);
+            let (c, next) = (&known[k * stride + FIRST..][..self.masses], &mut rest[FIRST..]);
+            for ((next, own), sides) in next.iter_mut().zip(c).zip(&sides) {
+                let sides = sides.map(|n| c.get(n).copied().unwrap_or_default());
+                *next = scale * (push + squared * chain.spring_force(*own, sides));
+            }
         }
     }
 

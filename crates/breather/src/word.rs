@@ -1,17 +1,17 @@
 //! Impact words: which mass meets which barrier, in which order, in one period of an orbit.
 //!
 //! `0+3+,0-3-` are two masses on their upper barriers at one instant and on their lower ones at another. Instants are
-//! separated by commas or spaces; an impact is a site and `+` (upper) or `-` (lower barrier).
+//! separated by commas or spaces; an impact is a site and `+` (upper) or `-` (lower barrier). `2:1+` is site 2 of layer 1.
 //!
 //! Words that a shift in time turns into each other are one word, and so are those that a symmetry of the chain does:
-//! rotations and reflections of the ring; reversal of time, where impacts are elastic and no force acts; and exchange of the
+//! rotations and reflections of a ring, reflections of a row with ends, the same across layers; reversal of time, where impacts are elastic and no force acts; and exchange of the
 //! barriers where they are centred (half a period later, under a force). [`Word::canonical`] is the smallest of them.
 
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
-use vibrochain_lattice::{Barrier, Model};
+use vibrochain_lattice::{Barrier, Ends, Layout, Model};
 
 use crate::orbit::{Family, Orbit};
 
@@ -36,11 +36,13 @@ pub enum WordError {
         /// What was read.
         text: String,
     },
-    /// A layer that the chain does not have.
-    #[error("layer {layer} does not exist: a ring is one layer, 0")]
-    Layer {
+    /// A layer that the lattice does not have.
+    #[error("layer {layer} does not exist: this lattice has the layers 0 to {last}")]
+    NoSuchLayer {
         /// The layer.
-        layer: String,
+        layer: usize,
+        /// The last one there is.
+        last: usize,
     },
     /// One mass on both barriers at one instant.
     #[error("site {site} cannot be on both barriers at one instant: put a comma between the two")]
@@ -61,7 +63,7 @@ pub enum WordError {
         impacts: usize,
     },
     /// A site that the chain does not have.
-    #[error("site {site} does not exist: this ring has the sites 0 to {last}")]
+    #[error("site {site} does not exist: this chain has the sites 0 to {last}")]
     NoSuchSite {
         /// The site.
         site: usize,
@@ -70,18 +72,29 @@ pub enum WordError {
     },
 }
 
-/// One impact of a word. They are ordered by site, the upper barrier first.
+/// One impact of a word. They are ordered by layer and site, the upper barrier first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Letter {
-    /// The mass that hits.
+    /// The mass that hits, in its layer.
     pub site: usize,
+    /// Its layer.
+    pub layer: usize,
     /// The barrier it hits.
     pub barrier: Barrier,
 }
 
 impl Letter {
-    fn key(self) -> (usize, bool) {
-        (self.site, self.barrier == Barrier::Lower)
+    /// An impact in the first layer.
+    pub fn new(site: usize, barrier: Barrier) -> Self {
+        Self { site, layer: 0, barrier }
+    }
+
+    fn place(self) -> (usize, usize) {
+        (self.layer, self.site)
+    }
+
+    fn key(self) -> ((usize, usize), bool) {
+        (self.place(), self.barrier == Barrier::Lower)
     }
 }
 
@@ -134,7 +147,7 @@ impl Word {
                 return Err(WordError::Empty { instant: i + 1 });
             }
             letters.sort_unstable();
-            if let Some(pair) = letters.windows(2).find(|pair| pair[0].site == pair[1].site) {
+            if let Some(pair) = letters.windows(2).find(|pair| pair[0].place() == pair[1].place()) {
                 let site = pair[0].site;
                 return Err(if pair[0] == pair[1] {
                     WordError::Twice { site }
@@ -146,13 +159,26 @@ impl Word {
         Ok(Self { instants })
     }
 
+    /// The word of a family at site 0.
+    pub fn of_family(family: Family) -> Option<Self> {
+        let at = |barrier| vec![Letter::new(0, barrier)];
+        let instants = match family {
+            Family::SingleSided => vec![at(Barrier::Lower)],
+            Family::PeriodDoubled => vec![at(Barrier::Lower), at(Barrier::Lower)],
+            Family::DoubleSided => vec![at(Barrier::Upper), at(Barrier::Lower)],
+            Family::Word => return None,
+        };
+        Some(Self { instants })
+    }
+
     /// The word of an orbit.
     pub fn of(orbit: &Orbit) -> Self {
-        let close = SIMULTANEOUS * orbit.period();
+        let (layout, close) = (orbit.model().chain().layout(), SIMULTANEOUS * orbit.period());
         let mut instants: Vec<Vec<Letter>> = Vec::new();
         let mut last = f64::NEG_INFINITY;
         for impact in orbit.impacts() {
-            let letter = Letter { site: impact.site, barrier: impact.barrier };
+            let (site, layer) = layout.place(impact.site);
+            let letter = Letter { site, layer, barrier: impact.barrier };
             match instants.last_mut() {
                 Some(letters) if impact.time - last <= close => letters.push(letter),
                 _ => instants.push(vec![letter]),
@@ -178,29 +204,40 @@ impl Word {
         self.instants.iter().flatten().copied()
     }
 
-    /// The sites that are hit, rising.
-    pub fn sites(&self) -> Vec<usize> {
-        let mut sites: Vec<usize> = self.letters().map(|letter| letter.site).collect();
-        sites.sort_unstable();
-        sites.dedup();
-        sites
+    /// The masses that are hit, as layers and sites, rising.
+    pub fn places(&self) -> Vec<(usize, usize)> {
+        let mut places: Vec<_> = self.letters().map(Letter::place).collect();
+        places.sort_unstable();
+        places.dedup();
+        places
     }
 
-    /// Whether all its sites exist on a ring of `sites` masses.
+    /// Whether all its sites exist on a lattice.
     ///
     /// # Errors
-    /// [`WordError::NoSuchSite`].
-    pub fn check(&self, sites: usize) -> Result<(), WordError> {
-        match self.letters().map(|letter| letter.site).find(|&site| site >= sites) {
-            Some(site) => Err(WordError::NoSuchSite { site, last: sites.saturating_sub(1) }),
-            None => Ok(()),
+    /// [`WordError::NoSuchSite`], [`WordError::NoSuchLayer`].
+    pub fn check(&self, layout: &Layout) -> Result<(), WordError> {
+        for Letter { site, layer, .. } in self.letters() {
+            if layer >= layout.layers {
+                return Err(WordError::NoSuchLayer { layer, last: layout.layers.saturating_sub(1) });
+            }
+            if site >= layout.length {
+                return Err(WordError::NoSuchSite { site, last: layout.length.saturating_sub(1) });
+            }
         }
+        Ok(())
+    }
+
+    /// The same word with all layers of the lattice as one row, numbered as [`vibrochain_lattice::Chain`] numbers masses.
+    pub(crate) fn in_one_row(&self, layout: &Layout) -> Self {
+        let of = |letter: &Letter| Letter::new(letter.site + letter.layer * layout.length, letter.barrier);
+        Self { instants: self.instants.iter().map(|letters| letters.iter().map(of).collect()).collect() }
     }
 
     /// The family of which it is the name, at whatever site: `0+,0-`, `0-`, and `0-,0-` of two periods of the force.
     pub fn family(&self) -> Option<Family> {
         let letters: Vec<Letter> = self.letters().collect();
-        let same_site = letters.iter().all(|letter| letter.site == letters[0].site);
+        let same_site = letters.iter().all(|letter| letter.place() == letters[0].place());
         let barriers: Vec<Barrier> = letters.iter().map(|letter| letter.barrier).collect();
         match barriers.as_slice() {
             _ if !same_site => None,
@@ -213,22 +250,29 @@ impl Word {
 
     /// The smallest word that says the same of this model.
     pub fn canonical(&self, model: &Model) -> Self {
-        let sites = model.chain().sites();
+        let layout = model.chain().layout();
         let elastic = model.is_conservative();
         let centred = model.asymmetry() == 0.0;
+        let places = self.places();
+        let homes = |of: fn(&(usize, usize)) -> usize| {
+            let mut homes: Vec<usize> = places.iter().map(of).collect();
+            homes.sort_unstable();
+            homes.dedup();
+            homes
+        };
+        let along = moves(layout.length, layout.ends, &homes(|place| place.1));
+        let across = moves(layout.layers, layout.layer_ends, &homes(|place| place.0));
         let mut smallest: Option<Self> = None;
         for exchanged in [false, true].into_iter().filter(|&exchanged| !exchanged || centred) {
             for reversed in [false, true].into_iter().filter(|&reversed| !reversed || elastic) {
-                for home in self.sites() {
-                    for mirrored in [false, true] {
-                        let moved = self.moved(sites, home, mirrored, reversed, exchanged);
-                        for shift in 0..moved.len() {
-                            let mut instants = moved.clone();
-                            instants.rotate_left(shift);
-                            let word = Self { instants };
-                            if smallest.as_ref().is_none_or(|smallest| word.precedes(smallest)) {
-                                smallest = Some(word);
-                            }
+                for (along, across) in along.iter().flat_map(|along| across.iter().map(move |across| (along, across))) {
+                    let moved = self.moved([along, across], reversed, exchanged);
+                    for shift in 0..moved.len() {
+                        let mut instants = moved.clone();
+                        instants.rotate_left(shift);
+                        let word = Self { instants };
+                        if smallest.as_ref().is_none_or(|smallest| word.precedes(smallest)) {
+                            smallest = Some(word);
                         }
                     }
                 }
@@ -243,16 +287,14 @@ impl Word {
         if single == of { self < other } else { single }
     }
 
-    fn moved(&self, sites: usize, home: usize, mirrored: bool, reversed: bool, exchanged: bool) -> Vec<Vec<Letter>> {
-        let letter = |&Letter { site, barrier }: &Letter| {
-            let away = (site + sites - home) % sites;
-            let site = if mirrored { (sites - away) % sites } else { away };
+    fn moved(&self, [along, across]: [&Move; 2], reversed: bool, exchanged: bool) -> Vec<Vec<Letter>> {
+        let letter = |&Letter { site, layer, barrier }: &Letter| {
             let barrier = match (exchanged, barrier) {
                 (false, barrier) => barrier,
                 (true, Barrier::Lower) => Barrier::Upper,
                 (true, Barrier::Upper) => Barrier::Lower,
             };
-            Letter { site, barrier }
+            Letter { site: along.of(site), layer: across.of(layer), barrier }
         };
         let mut instants: Vec<Vec<Letter>> = (self.instants.iter())
             .map(|letters| {
@@ -268,14 +310,47 @@ impl Word {
     }
 }
 
+/// A symmetry of a row of `count` masses: what is at `home` comes to 0, and perhaps the order is turned round.
+#[derive(Debug, Clone, Copy)]
+struct Move {
+    count: usize,
+    home: usize,
+    mirrored: bool,
+}
+
+impl Move {
+    fn of(self, site: usize) -> usize {
+        let away = (site + self.count - self.home) % self.count;
+        if self.mirrored { (self.count - away) % self.count } else { away }
+    }
+}
+
+/// The symmetries of a row that may make a word with impacts at these sites smallest.
+fn moves(count: usize, ends: Ends, homes: &[usize]) -> Vec<Move> {
+    let shift = |home: usize| [false, true].map(|mirrored| Move { count, home, mirrored });
+    match ends {
+        Ends::Closed => homes.iter().flat_map(|&home| shift(home)).collect(),
+        // The last mass comes to 0, turned round, or all stay.
+        Ends::Free | Ends::Fixed => {
+            vec![Move { count, home: 0, mirrored: false }, Move { count, home: count - 1, mirrored: true }]
+        }
+    }
+}
+
 impl fmt::Display for Word {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let layered = self.letters().any(|letter| letter.layer > 0);
         for (i, letters) in self.instants.iter().enumerate() {
             if i > 0 {
                 f.write_str(",")?;
             }
-            for Letter { site, barrier } in letters {
-                write!(f, "{site}{}", if *barrier == Barrier::Upper { '+' } else { '-' })?;
+            for Letter { site, layer, barrier } in letters {
+                let barrier = if *barrier == Barrier::Upper { '+' } else { '-' };
+                if layered {
+                    write!(f, "{site}:{layer}{barrier}")?;
+                } else {
+                    write!(f, "{site}{barrier}")?;
+                }
             }
         }
         Ok(())
@@ -327,12 +402,11 @@ fn letters_of(group: &str) -> Result<Vec<Letter>, WordError> {
             let digits = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
             if digits { text.parse::<usize>().map_err(|_| unreadable()) } else { Err(unreadable()) }
         };
-        let site = match place.split_once(':') {
-            None => number(place)?,
-            Some((site, layer)) if number(layer)? == 0 => number(site)?,
-            Some((_, layer)) => return Err(WordError::Layer { layer: layer.to_owned() }),
+        let (site, layer) = match place.split_once(':') {
+            None => (number(place)?, 0),
+            Some((site, layer)) => (number(site)?, number(layer)?),
         };
-        letters.push(Letter { site, barrier });
+        letters.push(Letter { site, layer, barrier });
     }
     Ok(letters)
 }
@@ -354,6 +428,7 @@ mod tests {
             ("  0+3+   0-3- ", "0+3+,0-3-"),
             ("3+0+ ,0-", "0+3+,0-"),
             ("0:0+,0-", "0+,0-"),
+            ("2:1+0+,1-", "0:0+2:1+,1:0-"),
             ("single-sided", "0-"),
         ] {
             assert_eq!(word(text).to_string(), written);
@@ -369,14 +444,18 @@ mod tests {
             ("99999999999999999999+", "is not an impact"),
             ("0+0-", "both barriers"),
             ("0+0+", "twice"),
-            ("0:1+", "layer 1"),
+            ("0:+", "`0:+` is not"),
+            ("2:1+2:1-", "both barriers"),
         ] {
             let error = text.parse::<Word>().unwrap_err().to_string();
             assert!(error.contains(part), "{text}: {error}");
         }
         let long = vec!["0+"; MAX_IMPACTS + 1].join(",");
         assert_eq!(long.parse::<Word>(), Err(WordError::TooMany { impacts: MAX_IMPACTS + 1 }));
-        assert_eq!(word("0+25-").check(21), Err(WordError::NoSuchSite { site: 25, last: 20 }));
+        let layout = Layout { layers: 2, ..Layout::ring(21) };
+        assert_eq!(word("0+25-").check(&layout), Err(WordError::NoSuchSite { site: 25, last: 20 }));
+        assert_eq!(word("0+20:2-").check(&layout), Err(WordError::NoSuchLayer { layer: 2, last: 1 }));
+        assert_eq!(word("0+20:1-").check(&layout), Ok(()));
     }
 
     #[test]
@@ -414,16 +493,38 @@ mod tests {
                     random.shuffle(&mut sites);
                     let barrier = |upper: bool| if upper { Barrier::Upper } else { Barrier::Lower };
                     sites.truncate(1 + random.usize(0..3));
-                    sites.into_iter().map(|site| Letter { site, barrier: barrier(random.bool()) }).collect()
+                    sites.into_iter().map(|site| Letter::new(site, barrier(random.bool()))).collect()
                 })
                 .collect();
             let one = Word::new(instants).unwrap();
             let reversed = random.bool();
-            let mut other = one.moved(12, random.usize(0..12), random.bool(), reversed, false);
+            let along = Move { count: 12, home: random.usize(0..12), mirrored: random.bool() };
+            let mut other = one.moved([&along, &Move { count: 1, home: 0, mirrored: false }], reversed, false);
             other.rotate_left(random.usize(0..count));
             let other = Word { instants: other };
             assert_eq!(one.canonical(&free), other.canonical(&free));
             assert!(reversed || one.canonical(&forced) == other.canonical(&forced));
+        }
+    }
+
+    #[test]
+    fn lattices_have_the_symmetries_of_their_rows() {
+        let ring = Chain::new(5, 0.2, 0.1).unwrap();
+        let open = ring.with_ends(Ends::Free);
+        let layered = |chain: Chain, layers, ends| chain.with_layers(layers, 0.1, ends).unwrap();
+        for (chain, text, expected) in [
+            (open, "4+,4-", "0+,0-"),
+            (open, "3+,3-", "1+,1-"),
+            (open, "2+4+,2-4-", "0+2+,0-2-"),
+            (ring.with_ends(Ends::Fixed), "1+2-,1-2+", "1+2-,1-2+"),
+            (layered(ring, 3, Ends::Free), "3:2+4:0+,3:2-4:0-", "0:0+1:2+,0:0-1:2-"),
+            (layered(ring, 3, Ends::Free), "3:1+,3:1-", "0:1+,0:1-"),
+            (layered(ring, 3, Ends::Closed), "3:2+4:0+,3:2-4:0-", "0:0+1:1+,0:0-1:1-"),
+            (layered(open, 2, Ends::Free), "4:1+,4:1-", "0+,0-"),
+        ] {
+            let model = Model::conservative(chain, 1.5, 0.2).unwrap();
+            assert_eq!(word(text).canonical(&model).to_string(), expected, "{chain} {text}");
+            assert_eq!(word(expected).canonical(&model), word(expected), "{chain}");
         }
     }
 

@@ -48,8 +48,12 @@ impl Finder {
         wanted: Wanted,
         found: &mut Found,
     ) -> Result<(), BreatherError> {
-        word.check(model.chain().sites())?;
-        if let Some(family) = word.family() {
+        let layout = model.chain().layout();
+        word.check(&layout)?;
+        let word = &word.in_one_row(&layout);
+        if let Some(family) = word.family()
+            && model.chain().is_ring()
+        {
             return self.search(model, family, wanted, found);
         }
         *found = Found { orbits: std::mem::take(&mut found.orbits), ..Found::default() };

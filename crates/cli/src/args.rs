@@ -192,7 +192,7 @@ pub enum FamilyName {
 /// The model's parameters as flags.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
-    /// Number of masses on the ring (the paper's N + 1).
+    /// Number of masses on the ring (the paper's N + 1), or of one layer.
     #[arg(long, value_name = "M", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub sites: i64,
     /// On-site stiffness γ₁.
@@ -217,6 +217,38 @@ pub struct ModelArgs {
     /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
     #[arg(long, value_name = "e", value_parser = real, allow_negative_numbers = true)]
     pub restitution: Option<f64>,
+    /// What stands at the ends of the chain: each other, nothing, or walls.
+    #[arg(long, value_enum, default_value = "closed")]
+    pub ends: EndsName,
+    /// Number of equal chains side by side, coupled mass by mass.
+    #[arg(long, value_name = "L", default_value = "1", requires = "gamma3", value_parser = whole::<i64>, allow_negative_numbers = true)]
+    pub layers: i64,
+    /// Coupling stiffness γ₃ between layers.
+    #[arg(long, value_name = "γ₃", requires = "layers", value_parser = real, allow_negative_numbers = true)]
+    pub gamma3: Option<f64>,
+    /// Whether the last layer is the first one's neighbour, too.
+    #[arg(long, value_enum, default_value = "free")]
+    pub layer_ends: LayerEndsName,
+}
+
+/// What stands at the ends of a chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EndsName {
+    /// Each other: a ring.
+    Closed,
+    /// Nothing.
+    Free,
+    /// Walls, to which springs go as between neighbours.
+    Fixed,
+}
+
+/// What stands below the first and above the last layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LayerEndsName {
+    /// Each other.
+    Closed,
+    /// Nothing.
+    Free,
 }
 
 /// Which breathers: of a family, of any impact word, or near a given one.
@@ -227,7 +259,7 @@ pub struct WhichArgs {
     #[arg(long, value_enum)]
     pub family: Option<FamilyName>,
     /// Breathers of an impact word: instants separated by commas or spaces, each one or more impacts, SITE+ on the upper or SITE- on
-    /// the lower barrier, as in "0+3+,0-3-" for two masses in phase.
+    /// the lower barrier, as in "0+3+,0-3-" for two masses in phase; SITE:LAYER+ where there are layers.
     #[arg(long, value_name = "WORD")]
     pub word: Option<Word>,
     /// The breather near that of a file, as `mapgen orbit --json` writes it (its first solution), or an object with `impacts`

@@ -14,12 +14,15 @@ pub fn in_common(models: &[&Model]) -> String {
     let parts = |model: &Model| {
         let chain = model.chain();
         let mut parts = vec![
-            format!("N = {}", chain.sites() - 1),
+            if chain.is_ring() { format!("N = {}", chain.sites() - 1) } else { chain.layout().to_string() },
             format!("γ₁ = {}", chain.gamma1()),
             format!("γ₂ = {}", chain.gamma2()),
             format!("ω = {}", model.omega()),
             format!("a = {}", model.asymmetry()),
         ];
+        if chain.layers() > 1 {
+            parts.insert(3, format!("γ₃ = {}", chain.gamma3()));
+        }
         parts.extend(force::caption(model));
         parts
     };

@@ -31,7 +31,7 @@ struct Sample {
 fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
     let scene = &plan.scene;
     let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not estimate: {error}"));
-    let mut worker = Worker::new(scene.base.sites);
+    let mut worker = Worker::new(scene.base.sites());
     let mut table = Table::new(scene);
     let wanted = SAMPLE.min(plan.cells());
     // The first cell fills the work space: it is computed once more.

@@ -217,7 +217,7 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
         parameter if parameter == search.free => None,
         parameter => Some(format!("{} = {}", parameter.name(), Number(model.get(parameter)))),
     };
-    let point: Vec<String> = Parameter::ALL.into_iter().filter_map(said).collect();
+    let point: Vec<String> = Parameter::of(model.chain().layers()).iter().copied().filter_map(said).collect();
     let name = search.free.name();
     let _ = writeln!(
         out,

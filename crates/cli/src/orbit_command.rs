@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
 use vibrochain_floquet::{Analyser, Complex, Tolerance};
-use vibrochain_lattice::{MAX_SITES, Model};
+use vibrochain_lattice::{Ends, Layout, MAX_SITES, Model};
 
-use crate::args::{ModelArgs, OrbitArgs};
+use crate::args::{EndsName, LayerEndsName, ModelArgs, OrbitArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::multiplier_file::MultiplierFile;
@@ -25,12 +25,25 @@ use vibrochain_maps::scene::tolerance_from;
 /// # Errors
 /// [`CliError::Request`] for a value out of range.
 pub fn model(args: &ModelArgs) -> Result<Model, CliError> {
-    let sites = usize::try_from(args.sites).ok().filter(|&sites| sites <= MAX_SITES).ok_or_else(|| {
-        CliError::Request(format!("sites = {} is out of range: give a whole number from 1 to {MAX_SITES}", args.sites))
-    })?;
+    let count = |name: &str, value: i64, most: usize| {
+        let range = format!("{name} = {value} is out of range: give a whole number from 1 to {most}");
+        usize::try_from(value).ok().filter(|count| (1..=most).contains(count)).ok_or(CliError::Request(range))
+    };
+    let length = count("sites", args.sites, MAX_SITES)?;
+    let layers = count("layers", args.layers, MAX_SITES / length)?;
+    let ends = match args.ends {
+        EndsName::Closed => Ends::Closed,
+        EndsName::Free => Ends::Free,
+        EndsName::Fixed => Ends::Fixed,
+    };
+    let layer_ends = match args.layer_ends {
+        LayerEndsName::Closed => Ends::Closed,
+        LayerEndsName::Free => Ends::Free,
+    };
     let (amplitude, restitution) = (args.amplitude.unwrap_or(0.0), args.restitution.unwrap_or(1.0));
-    let values = [args.gamma1, args.gamma2, args.omega, args.asymmetry, amplitude, restitution];
-    let plain = Point { sites, values, force: None };
+    let gamma3 = args.gamma3.unwrap_or(0.0);
+    let values = [args.gamma1, args.gamma2, args.omega, args.asymmetry, amplitude, restitution, gamma3];
+    let plain = Point { values, ..Point::of(Layout { length, ends, layers, layer_ends }) };
     Ok(args.force.map_or(plain, |force| plain.under(&force)).model()?)
 }
 
@@ -88,13 +101,22 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 
 /// The point as JSON; a plain cosine by its amplitude, any other force by its harmonics.
 pub(crate) fn point_value(model: &Model) -> Value {
+    let chain = model.chain();
     let mut parameters = json!({
-        "sites": model.chain().sites(),
-        "gamma1": model.chain().gamma1(),
-        "gamma2": model.chain().gamma2(),
+        "sites": chain.length(),
+        "gamma1": chain.gamma1(),
+        "gamma2": chain.gamma2(),
         "omega": model.omega(),
         "asymmetry": model.asymmetry(),
     });
+    if chain.ends() != Ends::Closed {
+        parameters["ends"] = chain.ends().name().into();
+    }
+    if chain.layers() > 1 {
+        parameters["layers"] = chain.layers().into();
+        parameters["layer_ends"] = chain.layer_ends().name().into();
+        parameters["gamma3"] = chain.gamma3().into();
+    }
     match model.force().cosine_amplitude() {
         Some(amplitude) => parameters["amplitude"] = amplitude.into(),
         None => parameters["force"] = force::value(model.force()),
@@ -338,7 +360,7 @@ use without_plot::Plot;
 mod with_plot {
     use std::path::PathBuf;
 
-    use vibrochain_breather::{Motion, Word};
+    use vibrochain_breather::Motion;
 
     use super::{CliError, Console, OrbitArgs, Solution};
     use crate::caption::describe;
@@ -419,8 +441,10 @@ mod with_plot {
             })
             .collect();
         let part = |k: usize| k as f64 / SAMPLES as f64;
-        let traces = Word::of(orbit)
-            .sites()
+        let mut hit: Vec<usize> = orbit.impacts().iter().map(|impact| impact.site).collect();
+        hit.sort_unstable();
+        hit.dedup();
+        let traces = hit
             .into_iter()
             .map(|site| {
                 let at = |k: usize| (part(k), motion.at(site, part(k) * orbit.period()).displacement);

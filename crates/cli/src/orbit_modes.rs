@@ -38,7 +38,7 @@ impl OrbitModes {
     /// For a conservative orbit that is its own mirror image in time; `leading` is its multiplier off the circle, if it has
     /// one.
     pub(crate) fn of(orbit: &Orbit, finder: &mut Finder, leading: Option<Complex<f64>>) -> Option<Self> {
-        if !orbit.is_reversible() || orbit.impact_site().is_none() {
+        if !orbit.is_reversible() || orbit.centre().is_none() {
             return None;
         }
         let prepared = finder.prepared(orbit).ok()?;

@@ -36,7 +36,7 @@ pub(crate) fn find(
         return Ok((family(name).name().to_owned(), found));
     }
     if let Some(word) = &which.word {
-        word.check(model.chain().sites()).map_err(|error| CliError::Request(format!("--word: {error}")))?;
+        word.check(&model.chain().layout()).map_err(|error| CliError::Request(format!("--word: {error}")))?;
         let canonical = word.canonical(model);
         if let (true, Some(console)) = (canonical != *word, console) {
             console.remark(&format!("{word} is the word {canonical}"));

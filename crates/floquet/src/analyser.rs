@@ -125,7 +125,7 @@ impl Analyser {
         orbit: &Orbit,
         finder: &mut Finder,
     ) -> Result<Vec<Complex<f64>>, Failure> {
-        if orbit.impact_site().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
+        if orbit.centre().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
             return Err(SecularError::NotReversible.into());
         }
         let question = Question { orbit, tolerance: Tolerance::Rounding, thorough: true };
@@ -156,7 +156,7 @@ impl Analyser {
     ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
         let Question { orbit, thorough, .. } = question;
         let alone = uncoupled(orbit);
-        let secular = !self.dense_only && orbit.impact_site().is_some() && !alone;
+        let secular = !self.dense_only && orbit.centre().is_some() && !alone;
         let mut doubt = None;
         if secular {
             match self.by_secular_function(question, finder) {

@@ -53,7 +53,7 @@ impl Dense {
 
     /// The matrix whose eigenvalues `values` are.
     pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
-        match (orbit.is_reversible(), orbit.impact_site()) {
+        match (orbit.is_reversible(), orbit.centre()) {
             (true, Some(_)) => &self.reversible.block,
             (true, None) => &self.reversible_word.block,
             (false, _) => &self.matrix,
@@ -71,7 +71,7 @@ impl Dense {
             return Ok(0.0);
         }
         if orbit.is_reversible() {
-            if orbit.impact_site().is_some() {
+            if orbit.centre().is_some() {
                 check_dimension(chain.even_modes())?;
                 self.reversible.build(orbit, finder)?;
             } else {
@@ -85,7 +85,7 @@ impl Dense {
             self.values = values;
             return Ok(norm);
         }
-        if orbit.impact_site().is_some() {
+        if orbit.centre().is_some() {
             check_dimension(2 * chain.even_modes())?;
             let response = finder.prepared(orbit)?.response();
             let (frequencies, weights) = (response.frequencies(), response.weights());
@@ -112,7 +112,7 @@ impl Dense {
     fn deflate(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<(), FloquetError> {
         let half = self.matrix.size() / 2;
         self.left.clear();
-        if orbit.impact_site().is_some() {
+        if orbit.centre().is_some() {
             flow_before_first_impact(orbit, finder, &self.coordinates, &mut self.flow)?;
             // ω(f, z) = Σ (f_X z_Y − f_Y z_X)/Ω̃
             let scales = &self.coordinates.scales;
@@ -145,5 +145,5 @@ impl Dense {
 
 /// The masses that are not hit swing alone.
 pub(crate) fn uncoupled(orbit: &Orbit) -> bool {
-    orbit.impact_site().is_some() && orbit.model().chain().is_uncoupled()
+    orbit.centre().is_some() && orbit.model().chain().is_uncoupled()
 }

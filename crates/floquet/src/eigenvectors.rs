@@ -36,7 +36,7 @@ impl FloquetMode {
     /// [`SecularError`], also for a number that is no multiplier of the orbit.
     pub fn of(orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>) -> Result<Self, SecularError> {
         let home = orbit
-            .impact_site()
+            .centre()
             .filter(|_| orbit.model().chain().sites() == 1 || !uncoupled(orbit))
             .ok_or(SecularError::NotReversible)?;
         let prepared = finder.prepared(orbit).map_err(|_| SecularError::NotReversible)?;
@@ -87,7 +87,7 @@ pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, Fl
         Err(Failure::Floquet(error)) => Err(error),
         Err(Failure::SecularError(doubt)) => {
             let dimension = 2 * orbit.model().chain().even_modes();
-            if orbit.impact_site().is_some() && dimension > MAX_DIMENSION {
+            if orbit.centre().is_some() && dimension > MAX_DIMENSION {
                 return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
             }
             by_matrix(orbit, count)
@@ -107,7 +107,7 @@ fn by_secular_function(orbit: &Orbit, finder: &mut Finder, count: usize) -> Resu
 
 fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {
     let chain = orbit.model().chain();
-    let home = orbit.impact_site();
+    let home = orbit.centre();
     let matrix = if home.is_some() { even_monodromy(orbit)? } else { full_monodromy(orbit)? };
     let size = matrix.size();
     let failed = || FloquetError::NotConverged { dimension: size };
@@ -121,7 +121,7 @@ fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetErr
     let modulus = |i: usize| values[i].re.hypot(values[i].im);
     order.sort_by(|&i, &j| modulus(j).total_cmp(&modulus(i)).then(values[i].im.total_cmp(&values[j].im)));
     let spectrum = Spectrum::new(*chain);
-    let shapes = Shapes::new(chain.sites());
+    let shapes = Shapes::new(chain);
     let (sites, half) = (chain.sites(), size / 2);
     let modes = order.into_iter().take(count).map(|i| {
         let entry = |row: usize| {

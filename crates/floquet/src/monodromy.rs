@@ -122,7 +122,7 @@ impl EvenCoordinates {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn even_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
-    if orbit.impact_site().is_none() {
+    if orbit.centre().is_none() {
         let what = "the even subspace needs all impacts at one site";
         return Err(BreatherError::Impact { index: 1, what }.into());
     }
@@ -163,7 +163,7 @@ pub fn full_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
         next.reset(2 * sites);
         for n in 0..sites {
             for m in 0..sites {
-                let block = flow.block(n.abs_diff(m));
+                let block = flow.block(n, m);
                 for (half, row) in block.iter().enumerate() {
                     let target = next.row_mut(n + half * sites);
                     for ((t, u), v) in target.iter_mut().zip(matrix.row(m)).zip(matrix.row(m + sites)) {

@@ -7,7 +7,7 @@ use vibrochain_lattice::Spectrum;
 /// Multipliers of the modes odd about the one site that is hit, exactly e^{±iΩ_kT}: the impacts are at their node. In
 /// pairs, k = 1 … ⌊(M−1)/2⌋; `None` for impacts at several sites, where no mode is spared.
 pub fn odd_multipliers(orbit: &Orbit) -> Option<Vec<Complex<f64>>> {
-    orbit.impact_site()?;
+    orbit.centre()?;
     let chain = orbit.model().chain();
     let spectrum = Spectrum::new(*chain);
     let pairs = spectrum.frequencies().iter().skip(1).take(chain.odd_modes());

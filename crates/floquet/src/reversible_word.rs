@@ -60,11 +60,11 @@ impl ReversibleWord {
         let spectrum = Spectrum::new(*chain);
         let (half, whole) = (Propagator::new(&spectrum, 0.5 * period), Propagator::new(&spectrum, period));
         let flight = |n: usize, m: usize| {
-            let [[c, s], [minus_s, _]] = half.block(n.abs_diff(m));
+            let [[c, s], [minus_s, _]] = half.block(n, m);
             (c, s, -minus_s)
         };
         let entry = |n: usize, m: usize| {
-            let [[mut a, mut b], [mut c, _]] = whole.block(n.abs_diff(m));
+            let [[mut a, mut b], [mut c, _]] = whole.block(n, m);
             for hit in &middle {
                 let ((c_n, s_n, t_n), (c_m, s_m, t_m)) = (flight(n, hit.site), flight(hit.site, m));
                 a += s_n * (2.0 * t_m + hit.kappa * c_m) - 2.0 * c_n * c_m;

@@ -75,7 +75,7 @@ fn every_handover_is_in_the_lists(event: Event, family: Family, branched: Family
     let (mut handed, mut none, mut undecided) = (0, 0, 0);
     while handed < wanted {
         let model = draw(&mut random, event);
-        let free = random.of(&Parameter::ALL);
+        let free = random.of(Parameter::of(1));
         let Ok(list) = breathers(&model, family) else { continue };
         if list.orbits.is_empty() {
             continue;
@@ -152,7 +152,7 @@ fn every_fold_ends_two_orbits() {
     let (mut checked, mut undecided) = (0, 0);
     while checked < 60 {
         let model = draw(&mut random, Event::PeriodDoubling);
-        let free = random.of(&Parameter::ALL);
+        let free = random.of(Parameter::of(1));
         let family = random.of(&[Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled]);
         let Ok(list) = breathers(&model, family) else { continue };
         if list.orbits.is_empty() {

@@ -17,12 +17,12 @@ fn word(random: &mut Random, sites: usize) -> Option<Word> {
         let first = random.below(2);
         for (i, barrier) in barriers.into_iter().enumerate() {
             if double || i == first {
-                instants[i].push(Letter { site, barrier });
+                instants[i].push(Letter::new(site, barrier));
             }
         }
     }
     instants.retain(|letters| !letters.is_empty());
-    Word::new(instants).ok().filter(|word| word.sites().len() > 1)
+    Word::new(instants).ok().filter(|word| word.places().len() > 1)
 }
 
 /// Σ μᵏ is the trace of Mᵏ.

@@ -4,11 +4,19 @@ use std::fmt::{Display, Formatter, Result};
 
 use crate::error::Short;
 use crate::force::{Force, Harmonic};
+use crate::line::Ends;
 use crate::parameter::Parameter;
-use crate::params::{Barrier, Chain, Model};
+use crate::params::{Barrier, Chain, Layout, Model};
 
 /// The name in files.
 impl Display for Barrier {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.pad(self.name())
+    }
+}
+
+/// The name in files.
+impl Display for Ends {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         f.pad(self.name())
     }
@@ -32,11 +40,27 @@ impl Display for Force {
     }
 }
 
+/// "21 masses", "12 masses, free ends", "11 masses × 2 layers".
+impl Display for Layout {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{} {}", self.length, if self.length == 1 { "mass" } else { "masses" })?;
+        if self.layers > 1 {
+            write!(f, " × {} layers", self.layers)?;
+        }
+        if self.ends != Ends::Closed {
+            write!(f, ", {} ends", self.ends)?;
+        }
+        // The first and last of two layers are neighbours anyway, if by one spring only.
+        let closed = self.layers > 1 && self.layer_ends != Ends::Free;
+        if closed { write!(f, ", {} layers", self.layer_ends) } else { Ok(()) }
+    }
+}
+
 impl Display for Chain {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let masses = if self.sites() == 1 { "mass" } else { "masses" };
         let (gamma1, gamma2) = (Short(self.gamma1()), Short(self.gamma2()));
-        write!(f, "{} {masses}, gamma1 = {gamma1}, gamma2 = {gamma2}", self.sites())
+        write!(f, "{}, gamma1 = {gamma1}, gamma2 = {gamma2}", self.layout())?;
+        if self.layers() > 1 { write!(f, ", gamma3 = {}", Short(self.gamma3())) } else { Ok(()) }
     }
 }
 
@@ -61,6 +85,9 @@ mod tests {
         let plain = Model::forced(chain, 1.5, 0.1 + 0.2, 0.0, 1.0).unwrap();
         let words = "1 mass, gamma1 = 0.2, gamma2 = 1e-9, omega = 1.5, asymmetry = 0.30000000000000004";
         assert_eq!(plain.to_string(), format!("{words}, amplitude = 0, restitution = 1"));
+        let layered = Chain::new(4, 0.2, 0.1).unwrap().with_ends(Ends::Fixed).with_layers(2, 0.3, Ends::Free).unwrap();
+        let expected = "4 masses × 2 layers, fixed ends, gamma1 = 0.2, gamma2 = 0.1, gamma3 = 0.3";
+        assert_eq!(layered.to_string(), expected);
         let terms =
             [(5, -0.03, 0.5), (1, 0.1, 0.0)].map(|(number, amplitude, phase)| Harmonic { number, amplitude, phase });
         let force = Force::new(&terms).unwrap();

@@ -1,41 +1,57 @@
 //! The masses that symmetry leaves distinct.
 
+use crate::line::Line;
 use crate::params::Chain;
 
-/// The masses of a ring that need watching: one half of it, where its motion is symmetric about a site, or all of it.
+/// The masses of a lattice that need watching: one half of a ring, where its motion is symmetric about a site, or all of them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DistinctMasses {
-    of: Option<(usize, Option<usize>)>,
+    of: Option<([Line; 2], Option<usize>)>,
     sites: Vec<usize>,
     left: Vec<usize>,
     right: Vec<usize>,
+    across: Vec<[usize; 2]>,
 }
 
+/// In place of a neighbour's: a wall.
+const WALL: usize = usize::MAX;
+
 impl DistinctMasses {
-    /// Takes over the masses of `chain`, of which symmetry about `home` leaves half; allocates only if there are more of them.
+    /// Takes over the masses of `chain`, of which symmetry about `home` leaves half on a ring; allocates only if there are more
+    /// of them.
     pub fn reset(&mut self, chain: &Chain, home: Option<usize>) {
-        let ring = chain.sites();
-        if self.of == Some((ring, home)) {
+        let home = home.filter(|_| chain.is_ring());
+        if self.of == Some((chain.lines(), home)) {
             return;
         }
-        self.of = Some((ring, home));
-        let count = if home.is_some() { ring / 2 + 1 } else { ring };
+        self.of = Some((chain.lines(), home));
+        let all = chain.sites();
+        let count = if home.is_some() { all / 2 + 1 } else { all };
         // Symmetry folds a site beyond the half ring onto its mirror image.
-        let fold = |n: usize| if home.is_some() { n.min(ring - n) } else { n };
+        let fold = |n: usize| if home.is_some() { n.min(all - n) } else { n };
+        let neighbour = |n: usize, side: usize| match chain.neighbours(n)[side] {
+            Some(n) => fold(n),
+            None => WALL,
+        };
+        self.across.clear();
+        if chain.layers() > 1 {
+            self.across.extend((0..count).map(|n| [neighbour(n, 2), neighbour(n, 3)]));
+        }
         for list in [&mut self.sites, &mut self.left, &mut self.right] {
             list.clear();
         }
-        self.sites.extend((0..count).map(|n| (home.unwrap_or(0) + n) % ring));
-        self.left.extend((0..count).map(|n| fold((n + ring - 1) % ring)));
-        self.right.extend((0..count).map(|n| fold((n + 1) % ring)));
+        self.sites.extend((0..count).map(|n| (home.unwrap_or(0) + n) % all));
+        self.left.extend((0..count).map(|n| neighbour(n, 0)));
+        self.right.extend((0..count).map(|n| neighbour(n, 1)));
     }
 
-    /// Their sites, neighbour by neighbour; the first is the centre of symmetry.
+    /// Their sites, neighbour by neighbour and layer by layer; the first is the centre of symmetry.
     pub fn sites(&self) -> &[usize] {
         &self.sites
     }
 
-    /// For each of them the place in [`DistinctMasses::sites`] of its left neighbour, or of that one's mirror image.
+    /// For each of them the place in [`DistinctMasses::sites`] of its left neighbour, or of that one's mirror image;
+    /// beyond all of them for a wall.
     pub fn left(&self) -> &[usize] {
         &self.left
     }
@@ -44,11 +60,17 @@ impl DistinctMasses {
     pub fn right(&self) -> &[usize] {
         &self.right
     }
+
+    /// The same of the masses below and above; empty for one layer.
+    pub fn across(&self) -> &[[usize; 2]] {
+        &self.across
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::line::Ends;
 
     #[test]
     fn half_rings_fold_onto_themselves() {
@@ -70,5 +92,10 @@ mod tests {
         assert_eq!(distinct.sites(), [3, 4, 0]);
         distinct.reset(&chain(5), None);
         assert_eq!((distinct.sites().len(), distinct.left()[0], distinct.right()[4]), (5, 4, 0));
+        distinct.reset(&chain(5).with_ends(Ends::Fixed), Some(3));
+        assert_eq!((distinct.sites()[0], distinct.left()[0], distinct.right()), (0, WALL, &[1, 2, 3, 4, WALL][..]));
+        distinct.reset(&chain(2).with_ends(Ends::Free).with_layers(3, 0.1, Ends::Closed).unwrap(), None);
+        assert_eq!((distinct.left(), distinct.right()), (&[0, 0, 2, 2, 4, 4][..], &[1, 1, 3, 3, 5, 5][..]));
+        assert_eq!(distinct.across(), [[4, 2], [5, 3], [0, 4], [1, 5], [2, 0], [3, 1]]);
     }
 }

@@ -21,6 +21,7 @@ use rustfft::num_complex::Complex;
 
 use crate::error::RESONANCE_TOLERANCE;
 use crate::error::Resonance;
+use crate::params::Chain;
 use crate::shapes::Shapes;
 use crate::small::{cubic_defect, long_sum, sinc, sinc_from};
 use crate::spectrum::Spectrum;
@@ -51,8 +52,7 @@ pub struct KernelJet {
 /// ```
 #[derive(Debug, Clone)]
 pub struct ImpulseResponse {
-    sites: usize,
-    gamma1: f64,
+    chain: Chain,
     omega: f64,
     period: f64,
     shapes: Shapes,
@@ -81,19 +81,18 @@ impl ImpulseResponse {
     /// [`Resonance`] when a harmonic of `omega` meets a mode to within rounding
     /// ([`RESONANCE_TOLERANCE`], relative).
     pub fn new(spectrum: &Spectrum, omega: f64) -> Result<Self, Resonance> {
-        let mut response = Self::vacant(spectrum.chain().sites());
+        let mut response = Self::vacant(spectrum.chain());
         response.reset(spectrum, omega)?;
         Ok(response)
     }
 
-    /// Room for a ring of `sites` masses, to be filled by [`ImpulseResponse::reset`].
-    pub fn vacant(sites: usize) -> Self {
+    /// Room for the masses of a chain, to be filled by [`ImpulseResponse::reset`].
+    pub fn vacant(chain: &Chain) -> Self {
         Self {
-            sites,
-            gamma1: 0.0,
+            chain: *chain,
             omega: 1.0,
             period: std::f64::consts::TAU,
-            shapes: Shapes::new(sites),
+            shapes: Shapes::new(chain),
             frequencies: Vec::new(),
             weights: Vec::new(),
             half_phase: Vec::new(),
@@ -110,16 +109,16 @@ impl ImpulseResponse {
         }
     }
 
-    /// Takes over another spectrum or frequency; allocates only if the number of sites changes.
+    /// Takes over another spectrum or frequency; allocates only if there are other masses or other ends.
     ///
     /// # Errors
     /// As [`ImpulseResponse::new`]; the response must then be reset before it is used.
     pub fn reset(&mut self, spectrum: &Spectrum, omega: f64) -> Result<(), Resonance> {
         let chain = spectrum.chain();
-        if chain.sites() != self.sites {
-            *self = Self::vacant(chain.sites());
+        if chain.lines() != self.chain.lines() {
+            *self = Self::vacant(chain);
         }
-        self.gamma1 = chain.gamma1();
+        self.chain = *chain;
         self.omega = omega;
         self.period = std::f64::consts::TAU / omega;
         self.frequencies.clear();
@@ -184,12 +183,15 @@ impl ImpulseResponse {
             }
         }
         let (at_impulse, at_half) = (&self.at_impulse[..modes], &self.at_half[..modes]);
+        // On a ring all modes are 1 at the site that they are even about.
+        let (ring, shapes) = (chain.is_ring(), &self.shapes);
+        let weight = |k: usize| if ring { weights[k] } else { weights[k] * shapes.even(k, 0, 0) };
         [self.dynamic_at_impulse, self.dynamic_at_half] =
-            long_sum(modes, |k| [weights[k] * at_impulse[k], weights[k] * at_half[k]]);
-        self.static_stiffness = if self.gamma1 == 0.0 {
+            long_sum(modes, |k| [weight(k) * at_impulse[k], weight(k) * at_half[k]]);
+        self.static_stiffness = if chain.is_adrift() {
             0.0
         } else {
-            let [sum] = long_sum(modes, |k| [weights[k] / (frequencies[k] * frequencies[k])]);
+            let [sum] = long_sum(modes, |k| [weight(k) / (frequencies[k] * frequencies[k])]);
             self.period / sum
         };
         Ok(())
@@ -197,7 +199,7 @@ impl ImpulseResponse {
 
     /// Number of masses.
     pub fn sites(&self) -> usize {
-        self.sites
+        self.chain.sites()
     }
 
     /// Number of modes even about site 0.
@@ -220,7 +222,7 @@ impl ImpulseResponse {
         &self.frequencies
     }
 
-    /// b_k² of the even modes.
+    /// Weights of the modes ([`Spectrum::weights`]): on a ring b_k².
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
@@ -246,10 +248,17 @@ impl ImpulseResponse {
         self.condition
     }
 
-    /// 1/(γ₁MT): the uniform displacement that one unit of net impulse a period holds up. `None` for γ₁ = 0, where
-    /// nothing holds the ring as a whole and a periodic motion needs a net impulse of zero.
+    /// 1/(γ₁MT): the uniform displacement that one unit of net impulse a period holds up; between walls, where no mode is
+    /// uniform, the displacement of site 0 under impulses at site 0. `None` where nothing holds the lattice as a whole and a
+    /// periodic motion needs a net impulse of zero ([`Chain::is_adrift`]).
     pub fn uniform_static(&self) -> Option<f64> {
-        (self.gamma1 > 0.0).then(|| 1.0 / (self.gamma1 * self.sites as f64 * self.period))
+        if self.chain.is_adrift() {
+            None
+        } else if self.chain.has_walls() {
+            Some(1.0 / self.static_stiffness)
+        } else {
+            Some(1.0 / (self.chain.gamma1() * self.sites() as f64 * self.period))
+        }
     }
 
     /// Static response of mode `k`, 1/(Ω_k²T), without its weight; 0 for a rigid mode.
@@ -258,12 +267,13 @@ impl ImpulseResponse {
         if frequency > 0.0 { 1.0 / (frequency * frequency * self.period) } else { 0.0 }
     }
 
-    /// 1/S₀ with S₀ = Σ b_k²/(Ω_k²T), the static stiffness at site 0 times T; 0 for γ₁ = 0.
+    /// 1/S₀ with S₀ = Σ b_k²/(Ω_k²T), the static stiffness at site 0 times T; 0 where nothing holds the lattice.
     pub fn static_stiffness(&self) -> f64 {
         self.static_stiffness
     }
 
-    /// Share of the uniform mode in the static response at site 0: (1/γ₁MT)/S₀, 1 for γ₁ = 0.
+    /// Share of [`ImpulseResponse::uniform_static`] in the static response at site 0: (1/γ₁MT)/S₀, 1 where nothing holds the
+    /// lattice and between walls.
     #[inline]
     pub fn uniform_share(&self) -> f64 {
         self.uniform_static().map_or(1.0, |uniform| uniform * self.static_stiffness())
@@ -344,7 +354,7 @@ impl ImpulseResponse {
         bounds
     }
 
-    /// Dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
+    /// On a ring: dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
         let [value, slope, curvature, third] =
@@ -353,10 +363,10 @@ impl ImpulseResponse {
     }
 
     /// As [`ImpulseResponse::jet_from_half`], of site `to` where site `from` receives the impulses. What the mean force holds
-    /// up less at `to` than at `from`, Σ b_k² [1 − cos(2πk(to−from)/M)]/(Ω_k²T), is taken from the value: then for any sites, and
-    /// for γ₁ = 0, displacement = (net impulse)·S₀ + Σ impulse·value.
+    /// up less at `to` than at site 0 under impulses there, on a ring Σ b_k² [1 − cos(2πk(to−from)/M)]/(Ω_k²T), is taken from the
+    /// value: then for any sites, and adrift, displacement = (net impulse)·S₀ + Σ impulse·value.
     pub fn jet_between(&self, to: usize, from: usize, offset: f64) -> KernelJet {
-        if to == from {
+        if self.is_home(to, from) {
             return self.jet_from_half(offset);
         }
         let [value, slope, curvature, third] = long_sum(self.modes(), |k| {
@@ -370,7 +380,7 @@ impl ImpulseResponse {
 
     /// As [`ImpulseResponse::jet_between`], its value alone at the impulse itself or, if `half`, half a period after it.
     pub fn dynamic_between(&self, to: usize, from: usize, half: bool) -> f64 {
-        if to == from {
+        if self.is_home(to, from) {
             return if half { self.dynamic_at_half } else { self.dynamic_at_impulse };
         }
         let parts = if half { &self.at_half } else { &self.at_impulse };
@@ -380,7 +390,12 @@ impl ImpulseResponse {
         sum
     }
 
-    /// What mode `k` lacks at `to` of its static response at `from`, weight included.
+    /// What a site hears of its own impulses on a ring, where it is what every site hears.
+    pub(crate) fn is_home(&self, to: usize, from: usize) -> bool {
+        to == from && self.chain.is_ring()
+    }
+
+    /// What mode `k` lacks, between two sites, of its static response between site 0 and itself; weight included.
     pub(crate) fn static_drop(&self, k: usize, to: usize, from: usize) -> f64 {
         self.weights[k] * self.mode_static(k) * self.shapes.drop(k, to, from)
     }
@@ -434,15 +449,16 @@ impl ImpulseResponse {
         long_sum(self.modes(), |k| [self.weights[k] * self.shapes.even(k, site, 0) * self.mode_slope(k, t)])[0]
     }
 
-    /// K_n(t) at the sites n = 0 … ⌊M/2⌋ (the ring is symmetric about site 0), written to `out`; one sine a mode
-    /// for all of them, O(M log M) for a large ring. Entries of `out` beyond ⌊M/2⌋ are left alone.
+    /// K_n(t) at all sites n, of a ring at n = 0 … ⌊M/2⌋ (it is symmetric about site 0), written to `out`; one sine a mode
+    /// for all of them, O(M log M) for a large ring. Entries of `out` beyond are left alone.
     pub fn profile(&self, t: f64, out: &mut [f64]) {
         let t = self.fold(t);
         let amplitude = |k: usize| Complex::new(self.weights[k] * (self.mode_static(k) + self.mode_dynamic(k, t)), 0.0);
         let amplitudes: Vec<_> = (0..self.modes()).map(amplitude).collect();
-        let mut all = vec![Complex::default(); self.sites];
+        let mut all = vec![Complex::default(); self.sites()];
         self.shapes.clone().add_all(0, amplitudes.into_iter(), &mut all);
-        out.iter_mut().take(self.modes()).zip(all).for_each(|(out, value)| *out = value.re);
+        let distinct = if self.chain.is_ring() { self.modes() } else { self.sites() };
+        out.iter_mut().take(distinct).zip(all).for_each(|(out, value)| *out = value.re);
     }
 
     /// K_n at many times, written to `out` (as many as the shorter of the two holds); no allocation.
@@ -460,7 +476,6 @@ impl ImpulseResponse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::Chain;
 
     fn response(sites: usize, g1: f64, g2: f64, omega: f64) -> ImpulseResponse {
         ImpulseResponse::new(&Spectrum::new(Chain::new(sites, g1, g2).unwrap()), omega).unwrap()

@@ -1,4 +1,4 @@
-//! The linear ring underneath a vibro-impact chain.
+//! The linear lattice underneath a vibro-impact chain: a ring, and rows with other ends and in several layers.
 //!
 //! Between impacts the chain is linear: `M` unit masses on a ring, each held by an on-site spring γ₁ and
 //! coupled to both neighbours by γ₂,
@@ -11,7 +11,8 @@
 //! Everything is dimensionless: the half width of the gap and the mass are 1.
 //!
 //! Conventions, the same in every layer above:
-//! - a ring has `sites` = M masses, numbered 0 … M−1 (the paper's N is M − 1);
+//! - a ring has `sites` = M masses, numbered 0 … M−1 (the paper's N is M − 1); other lattices are numbered row by row
+//!   ([`Chain`]);
 //! - modes are numbered by wavenumber k, Ω_k² = γ₁ + 4γ₂ sin²(πk/M); a vector over modes holds those even
 //!   about site 0, k = 0 … ⌊M/2⌋, because impacts at site 0 excite no others;
 //! - `omega` is the frequency of the force and of a map, T = 2π/ω its period;
@@ -21,6 +22,7 @@
 //! |---|---|
 //! | `params` | [`Chain`], [`Model`], [`Barrier`]: validated parameters |
 //! | `force` | [`Force`], [`Wave`]: odd harmonics and the uniform motion they drive |
+//! | `line` | [`Ends`]: closed, free, fixed; modes of one row, by images |
 //! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
 //! | `parameter` | [`Parameter`]: the real ones by name, to be varied |
 //! | `shapes` | [`Shapes`]: what each mode makes of each mass; `ring`, `transform`: cosines to the last digit, all masses at once |
@@ -50,6 +52,7 @@ mod distinct;
 mod error;
 mod force;
 mod impulse;
+mod line;
 mod parameter;
 mod params;
 #[cfg(feature = "serde")]
@@ -67,8 +70,9 @@ pub use distinct::DistinctMasses;
 pub use error::{LatticeError, MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, Short};
 pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use impulse::{ImpulseResponse, KernelJet};
+pub use line::Ends;
 pub use parameter::Parameter;
-pub use params::{Barrier, Chain, MAX_SITES, Model};
+pub use params::{Barrier, Chain, Layout, MAX_SITES, Model};
 pub use propagator::Propagator;
 pub use rustfft::num_complex::Complex;
 pub use shapes::Shapes;

@@ -19,12 +19,20 @@ pub enum Parameter {
     Amplitude,
     /// e
     Restitution,
+    /// γ₃
+    Gamma3,
 }
 
 impl Parameter {
     /// All of them, in the order of tables.
-    pub const ALL: [Self; 6] =
-        [Self::Gamma1, Self::Gamma2, Self::Omega, Self::Asymmetry, Self::Amplitude, Self::Restitution];
+    pub const ALL: [Self; 7] =
+        [Self::Gamma1, Self::Gamma2, Self::Omega, Self::Asymmetry, Self::Amplitude, Self::Restitution, Self::Gamma3];
+
+    /// Those of a lattice of so many layers: γ₃ takes two.
+    pub fn of(layers: usize) -> &'static [Self] {
+        const ALL: [Parameter; 7] = Parameter::ALL;
+        if layers > 1 { &ALL } else { ALL.split_at(6).0 }
+    }
 
     /// The name in scenes, flags and tables.
     pub fn name(self) -> &'static str {
@@ -35,6 +43,7 @@ impl Parameter {
             Self::Asymmetry => "asymmetry",
             Self::Amplitude => "amplitude",
             Self::Restitution => "restitution",
+            Self::Gamma3 => "gamma3",
         }
     }
 
@@ -47,6 +56,7 @@ impl Parameter {
             Self::Asymmetry => "a",
             Self::Amplitude => "A",
             Self::Restitution => "e",
+            Self::Gamma3 => "γ₃",
         }
     }
 
@@ -59,6 +69,7 @@ impl Parameter {
             Self::Asymmetry => "asymmetry",
             Self::Amplitude => "force amplitude",
             Self::Restitution => "restitution",
+            Self::Gamma3 => "coupling of layers",
         }
     }
 
@@ -78,6 +89,7 @@ impl Model {
             Parameter::Asymmetry => self.asymmetry(),
             Parameter::Amplitude => self.amplitude(),
             Parameter::Restitution => self.restitution(),
+            Parameter::Gamma3 => self.chain().gamma3(),
         }
     }
 
@@ -97,7 +109,8 @@ impl Model {
     /// ```
     pub fn with(&self, parameter: Parameter, value: f64) -> Result<Self, ParameterError> {
         let or = |which: Parameter| if which == parameter { value } else { self.get(which) };
-        let chain = Chain::new(self.chain().sites(), or(Parameter::Gamma1), or(Parameter::Gamma2))?;
+        let [gamma1, gamma2, gamma3] = [Parameter::Gamma1, Parameter::Gamma2, Parameter::Gamma3].map(or);
+        let chain = Chain::on(self.chain().layout(), gamma1, gamma2, gamma3)?;
         let force = match parameter {
             Parameter::Amplitude => self.force().scaled_to(value)?,
             _ => *self.force(),
@@ -110,12 +123,17 @@ impl Model {
 mod tests {
     use super::*;
     use crate::force::{Force, Harmonic};
+    use crate::line::Ends;
 
     #[test]
     fn with_changes_one_value_and_get_reads_it() {
-        let model = Model::forced(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.3, 0.9).unwrap();
+        let chain = Chain::new(5, 0.2, 0.1).unwrap();
+        assert!(Model::conservative(chain, 1.5, 0.4).unwrap().with(Parameter::Gamma3, 0.1).is_err());
+        let chain = chain.with_ends(Ends::Free).with_layers(3, 0.05, Ends::Closed).unwrap();
+        let model = Model::forced(chain, 1.5, 0.4, 0.3, 0.9).unwrap();
         for parameter in Parameter::ALL {
             let changed = model.with(parameter, 0.77).unwrap();
+            assert_eq!(changed.chain().layout(), chain.layout());
             for other in Parameter::ALL {
                 let expected = if other == parameter { 0.77 } else { model.get(other) };
                 assert_eq!(changed.get(other), expected, "{parameter:?} {other:?}");

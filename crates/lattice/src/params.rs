@@ -2,6 +2,7 @@
 
 use crate::error::{MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, check};
 use crate::force::{Force, Wave};
+use crate::line::{Ends, Line};
 
 /// The most masses a ring may have; beyond it the work arrays would not fit a usual machine.
 pub const MAX_SITES: usize = 10_000_000;
@@ -39,14 +40,61 @@ impl Barrier {
     }
 }
 
-/// The linear ring: number of masses and the two stiffnesses of the equations of motion.
+/// The linear lattice: unit masses in a row, or in several layers of equal rows, and the stiffnesses of the equations of motion
+///
+/// ```text
+/// ü = −γ₁u − γ₂(2u − u_left − u_right) − γ₃(2u − u_below − u_above) ,
+/// ```
+///
+/// where beside a free end stands the mass itself once more, and a wall (fixed end) does not move. Sites are numbered along the
+/// rows, layer by layer: site n of layer l is n + l·[`Chain::length`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(into = "crate::plain::PlainChain"))]
 pub struct Chain {
-    sites: usize,
+    along: Line,
+    across: Line,
     gamma1: f64,
     gamma2: f64,
+    gamma3: f64,
 }
+
+/// Where the masses of a lattice stand; checked when springs join them ([`Chain::on`]).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Layout {
+    /// Masses of one layer.
+    pub length: usize,
+    /// What stands at the ends of the rows.
+    pub ends: Ends,
+    /// Number of layers.
+    pub layers: usize,
+    /// What stands below the first and above the last layer; of one layer nothing is said.
+    pub layer_ends: Ends,
+}
+
+impl Layout {
+    /// One closed row.
+    pub fn ring(sites: usize) -> Self {
+        Self { length: sites, ends: Ends::Closed, layers: 1, layer_ends: Ends::Closed }
+    }
+
+    /// One layer, closed.
+    pub fn is_ring(&self) -> bool {
+        self.layers == 1 && self.ends == Ends::Closed
+    }
+
+    /// Number of mass `site` of layer `layer`; `None` where there is none.
+    pub fn index(&self, site: usize, layer: usize) -> Option<usize> {
+        (site < self.length && layer < self.layers).then(|| site + layer * self.length)
+    }
+
+    /// The site and layer of mass `index`.
+    pub fn place(&self, index: usize) -> (usize, usize) {
+        (index % self.length.max(1), index / self.length.max(1))
+    }
+}
+
+const STIFFNESS: &str = "a finite number from 0 to 1e100";
 
 impl Chain {
     /// A ring of `sites` unit masses with on-site stiffness `gamma1` and coupling stiffness `gamma2`.
@@ -62,19 +110,107 @@ impl Chain {
     /// assert!(Chain::new(21, -0.2, 0.1).is_err());
     /// ```
     pub fn new(sites: usize, gamma1: f64, gamma2: f64) -> Result<Self, ParameterError> {
-        let stiffness = "a finite number from 0 to 1e100";
         check((1..=MAX_SITES).contains(&sites), "sites", sites as f64, "a whole number from 1 to 10000000")?;
-        check((0.0..=MAX_MAGNITUDE).contains(&gamma1), "gamma1", gamma1, stiffness)?;
-        check((0.0..=MAX_MAGNITUDE).contains(&gamma2), "gamma2", gamma2, stiffness)?;
+        check((0.0..=MAX_MAGNITUDE).contains(&gamma1), "gamma1", gamma1, STIFFNESS)?;
+        check((0.0..=MAX_MAGNITUDE).contains(&gamma2), "gamma2", gamma2, STIFFNESS)?;
         let both = "a positive gamma1 or gamma2: with both zero no mass is held by any spring";
         check(gamma1 > 0.0 || gamma2 > 0.0, "gamma1", gamma1, both)?;
         // A minus zero would survive the range check and change signs downstream.
-        Ok(Self { sites, gamma1: gamma1 + 0.0, gamma2: gamma2 + 0.0 })
+        let along = Line { masses: sites, ends: Ends::Closed };
+        Ok(Self { along, across: ONE_LAYER, gamma1: gamma1 + 0.0, gamma2: gamma2 + 0.0, gamma3: 0.0 })
     }
 
-    /// Number M of masses.
+    /// The same with other ends of its rows.
+    #[must_use]
+    pub fn with_ends(mut self, ends: Ends) -> Self {
+        self.along.ends = ends;
+        self
+    }
+
+    /// The same in `layers` rows, between neighbours of which springs of stiffness `gamma3` go; `ends` tells whether the first
+    /// row is the last one's neighbour, too.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] unless there is at least one layer, all masses together are at most [`MAX_SITES`] and 0 ≤ γ₃ ≤
+    /// [`MAX_MAGNITUDE`].
+    ///
+    /// ```
+    /// use vibrochain_lattice::{Chain, Ends, Spectrum};
+    /// // Two masses joined by one spring.
+    /// let pair = Chain::new(1, 0.2, 0.0)?.with_layers(2, 0.03, Ends::Free)?;
+    /// assert!((Spectrum::new(pair).band().1.powi(2) - 0.26).abs() < 1e-15);
+    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
+    /// ```
+    pub fn with_layers(mut self, layers: usize, gamma3: f64, ends: Ends) -> Result<Self, ParameterError> {
+        let fits = layers >= 1 && layers.checked_mul(self.along.masses).is_some_and(|sites| sites <= MAX_SITES);
+        check(fits, "layers", layers as f64, "at least 1, and at most 10000000 masses in all")?;
+        check((0.0..=MAX_MAGNITUDE).contains(&gamma3), "gamma3", gamma3, STIFFNESS)?;
+        let held = layers == 1 || self.gamma1 > 0.0 || gamma3 > 0.0;
+        check(held, "gamma3", gamma3, "positive where gamma1 is 0: no spring holds the layers together")?;
+        check(layers > 1 || gamma3 == 0.0, "gamma3", gamma3, "0 with one layer, which has no neighbour: give layers")?;
+        // One row has no neighbours whatever its ends.
+        self.across = if layers == 1 { ONE_LAYER } else { Line { masses: layers, ends } };
+        self.gamma3 = gamma3 + 0.0;
+        Ok(self)
+    }
+
+    /// The lattice of a layout with its stiffnesses γ₁, γ₂ and γ₃.
+    ///
+    /// # Errors
+    /// As [`Chain::new`] and [`Chain::with_layers`].
+    pub fn on(layout: Layout, gamma1: f64, gamma2: f64, gamma3: f64) -> Result<Self, ParameterError> {
+        let Layout { length, ends, layers, layer_ends } = layout;
+        Self::new(length, gamma1, gamma2)?.with_ends(ends).with_layers(layers, gamma3, layer_ends)
+    }
+
+    /// Where its masses stand.
+    pub fn layout(&self) -> Layout {
+        let (Line { masses: length, ends }, Line { masses: layers, ends: layer_ends }) = (self.along, self.across);
+        Layout { length, ends, layers, layer_ends }
+    }
+
+    /// Number of masses, of all layers together.
     pub fn sites(&self) -> usize {
-        self.sites
+        self.along.masses * self.across.masses
+    }
+
+    /// Masses of one layer.
+    pub fn length(&self) -> usize {
+        self.along.masses
+    }
+
+    /// Number of layers.
+    pub fn layers(&self) -> usize {
+        self.across.masses
+    }
+
+    /// What stands at the ends of the rows.
+    pub fn ends(&self) -> Ends {
+        self.along.ends
+    }
+
+    /// What stands below the first and above the last layer.
+    pub fn layer_ends(&self) -> Ends {
+        self.across.ends
+    }
+
+    /// One layer, closed: the lattice of the paper, on which all sites are alike.
+    pub fn is_ring(&self) -> bool {
+        self.along.ends == Ends::Closed && self.across.masses == 1
+    }
+
+    /// A wall somewhere: there is no mode in which all masses move alike.
+    pub fn has_walls(&self) -> bool {
+        self.along.ends == Ends::Fixed || self.across.ends == Ends::Fixed
+    }
+
+    /// Nothing holds the lattice as a whole: a periodic motion needs a net impulse of zero.
+    pub fn is_adrift(&self) -> bool {
+        self.gamma1 == 0.0 && !self.has_walls()
+    }
+
+    pub(crate) fn lines(&self) -> [Line; 2] {
+        [self.along, self.across]
     }
 
     /// On-site stiffness γ₁.
@@ -82,53 +218,73 @@ impl Chain {
         self.gamma1
     }
 
-    /// Coupling stiffness γ₂.
+    /// Coupling stiffness γ₂ along the rows.
     pub fn gamma2(&self) -> f64 {
         self.gamma2
+    }
+
+    /// Coupling stiffness γ₃ between layers.
+    pub fn gamma3(&self) -> f64 {
+        self.gamma3
     }
 
     /// No coupling that a number could hold, or none to couple to: each mass swings alone.
     pub fn is_uncoupled(&self) -> bool {
         // Modes are one frequency to a few units in the last place then.
-        self.sites == 1 || 4.0 * self.gamma2 <= 32.0 * f64::EPSILON * self.gamma1
+        let negligible = |gamma: f64| 4.0 * gamma <= 32.0 * f64::EPSILON * self.gamma1;
+        let alone = self.along.masses == 1 && self.along.ends != Ends::Fixed;
+        (alone || negligible(self.gamma2)) && (self.across.masses == 1 || negligible(self.gamma3))
     }
 
-    /// Number of modes even about a site: ⌊M/2⌋ + 1.
+    /// Number of frequencies of modes: of a ring ⌊M/2⌋ + 1, those even about a site.
     pub fn even_modes(&self) -> usize {
-        self.sites / 2 + 1
+        self.along.modes() * self.across.modes()
     }
 
-    /// Number of modes odd about a site: ⌊(M−1)/2⌋; each shares its frequency with the even mode k = 1, 2, ….
+    /// Number of modes that are not among [`Chain::even_modes`]: of a ring ⌊(M−1)/2⌋, those odd about a site; each shares its
+    /// frequency with the even mode k = 1, 2, ….
     pub fn odd_modes(&self) -> usize {
-        (self.sites - 1) / 2
+        self.sites() - self.even_modes()
     }
 
     /// Masses on unit springs without coupling, at least one: a chain to begin with.
     pub fn alone(sites: usize) -> Self {
-        Self { sites: sites.max(1), gamma1: 1.0, gamma2: 0.0 }
+        let along = Line { masses: sites.max(1), ends: Ends::Closed };
+        Self { along, across: ONE_LAYER, gamma1: 1.0, gamma2: 0.0, gamma3: 0.0 }
     }
 
-    /// The two masses that a mass is coupled to: each other's and its own in rings of two and one.
-    pub fn neighbours(&self, site: usize) -> [usize; 2] {
-        [(site + self.sites - 1) % self.sites, (site + 1) % self.sites]
+    /// The masses to the left and right, below and above, to which a mass is coupled: itself beside a free end and in rows of
+    /// one; `None` for a wall.
+    pub fn neighbours(&self, site: usize) -> [Option<usize>; 4] {
+        let length = self.along.masses;
+        let (n, layer) = (site % length, site / length);
+        let [left, right] = self.along.neighbours(n).map(|n| n.map(|n| n + layer * length));
+        let [below, above] = self.across.neighbours(layer).map(|layer| layer.map(|layer| n + layer * length));
+        [left, right, below, above]
     }
 
-    /// What the springs do to a mass displaced by `own`, its neighbours by `sides`: −γ₁u − γ₂(2u − u_left − u_right).
-    pub fn spring_force(&self, own: f64, [left, right]: [f64; 2]) -> f64 {
-        -self.gamma1 * own - self.gamma2 * (2.0 * own - (left + right))
+    /// What the springs do to a mass displaced by `own`, its neighbours by `sides` (in the order of [`Chain::neighbours`], a wall
+    /// by 0): −γ₁u − γ₂(2u − u_left − u_right) − γ₃(2u − u_below − u_above).
+    pub fn spring_force(&self, own: f64, [left, right, below, above]: [f64; 4]) -> f64 {
+        let row = -self.gamma1 * own - self.gamma2 * (2.0 * own - (left + right));
+        if self.across.masses == 1 { row } else { row - self.gamma3 * (2.0 * own - (below + above)) }
     }
 
     /// The largest that [`Chain::spring_force`] can be for displacements up to these moduli.
-    pub fn spring_force_bound(&self, own: f64, [left, right]: [f64; 2]) -> f64 {
-        self.gamma1 * own + self.gamma2 * (2.0 * own + right + left)
+    pub fn spring_force_bound(&self, own: f64, [left, right, below, above]: [f64; 4]) -> f64 {
+        let row = self.gamma1 * own + self.gamma2 * (2.0 * own + right + left);
+        if self.across.masses == 1 { row } else { row + self.gamma3 * (2.0 * own + below + above) }
     }
 
-    /// Distance on the ring between two sites, at most ⌊M/2⌋.
+    /// Distance on a ring between two sites, at most ⌊M/2⌋.
     pub fn distance(&self, from: usize, to: usize) -> usize {
-        let d = from.abs_diff(to) % self.sites;
-        d.min(self.sites - d)
+        let d = from.abs_diff(to) % self.along.masses;
+        d.min(self.along.masses - d)
     }
 }
+
+/// A row without neighbouring rows.
+const ONE_LAYER: Line = Line { masses: 1, ends: Ends::Closed };
 
 /// A chain with its barriers, its force and its law of impact: one point of the parameter space.
 ///
@@ -197,12 +353,16 @@ impl Model {
         restitution: f64,
     ) -> Result<Self, ParameterError> {
         check_place(omega, asymmetry)?;
+        let unmoved = !chain.has_walls() || force.amplitude() == 0.0;
+        let walls =
+            "0 with fixed ends: a uniform force is not yet worked out where walls keep masses from moving alike";
+        check(unmoved, "amplitude", force.amplitude(), walls)?;
         let e_ok = restitution > 0.0 && restitution <= 1.0;
         check(e_ok, "restitution", restitution, "a number above 0 and up to 1")?;
         Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, force: *force, restitution })
     }
 
-    /// The linear ring.
+    /// The linear lattice.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }

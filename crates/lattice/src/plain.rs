@@ -3,22 +3,57 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::error::check;
+use crate::error::{ParameterError, check};
 use crate::force::{Force, Harmonic};
+use crate::line::Ends;
 use crate::params::{Chain, Model};
 
-#[derive(Deserialize)]
+/// A lattice; what a ring does not have is not written.
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PlainChain {
+pub(crate) struct PlainChain {
     sites: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    ends: Option<Ends>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    layers: Option<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    layer_ends: Option<Ends>,
     gamma1: f64,
     gamma2: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    gamma3: Option<f64>,
+}
+
+impl From<Chain> for PlainChain {
+    fn from(chain: Chain) -> Self {
+        let layered = chain.layers() > 1;
+        Self {
+            sites: chain.length(),
+            ends: (chain.ends() != Ends::Closed).then_some(chain.ends()),
+            layers: layered.then_some(chain.layers()),
+            layer_ends: layered.then_some(chain.layer_ends()),
+            gamma1: chain.gamma1(),
+            gamma2: chain.gamma2(),
+            gamma3: layered.then_some(chain.gamma3()),
+        }
+    }
+}
+
+impl PlainChain {
+    fn checked(self) -> Result<Chain, ParameterError> {
+        let (layers, gamma3) = (self.layers.unwrap_or(1), self.gamma3.unwrap_or(0.0));
+        Chain::new(self.sites, self.gamma1, self.gamma2)?.with_ends(self.ends.unwrap_or_default()).with_layers(
+            layers,
+            gamma3,
+            self.layer_ends.unwrap_or(Ends::Free),
+        )
+    }
 }
 
 impl<'de> Deserialize<'de> for Chain {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let PlainChain { sites, gamma1, gamma2 } = PlainChain::deserialize(deserializer)?;
-        Self::new(sites, gamma1, gamma2).map_err(D::Error::custom)
+        PlainChain::deserialize(deserializer)?.checked().map_err(D::Error::custom)
     }
 }
 
@@ -27,8 +62,16 @@ impl<'de> Deserialize<'de> for Chain {
 #[serde(deny_unknown_fields)]
 struct PlainModel {
     sites: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    ends: Option<Ends>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    layers: Option<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    layer_ends: Option<Ends>,
     gamma1: f64,
     gamma2: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    gamma3: Option<f64>,
     omega: f64,
     asymmetry: f64,
     /// Of a plain cosine.
@@ -47,11 +90,16 @@ fn elastic() -> f64 {
 
 impl Serialize for Model {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (chain, amplitude) = (self.chain(), self.force().cosine_amplitude());
+        let amplitude = self.force().cosine_amplitude();
+        let PlainChain { sites, ends, layers, layer_ends, gamma1, gamma2, gamma3 } = (*self.chain()).into();
         PlainModel {
-            sites: chain.sites(),
-            gamma1: chain.gamma1(),
-            gamma2: chain.gamma2(),
+            sites,
+            ends,
+            layers,
+            layer_ends,
+            gamma1,
+            gamma2,
+            gamma3,
             omega: self.omega(),
             asymmetry: self.asymmetry(),
             amplitude,
@@ -64,12 +112,14 @@ impl Serialize for Model {
 
 impl<'de> Deserialize<'de> for Model {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let PlainModel { sites, gamma1, gamma2, omega, asymmetry, amplitude, force, restitution } =
-            PlainModel::deserialize(deserializer)?;
+        let plain = PlainModel::deserialize(deserializer)?;
+        let PlainModel { sites, ends, layers, layer_ends, gamma1, gamma2, gamma3, .. } = plain;
+        let PlainModel { omega, asymmetry, amplitude, force, restitution, .. } = plain;
+        let chain = PlainChain { sites, ends, layers, layer_ends, gamma1, gamma2, gamma3 };
         let (both, given) = (amplitude.is_some() && force.is_some(), amplitude.unwrap_or(0.0));
         let either = "either an amplitude or a force, which has amplitudes of its own";
         check(!both, "amplitude", given, either)
-            .and_then(|()| Chain::new(sites, gamma1, gamma2))
+            .and_then(|()| chain.checked())
             .and_then(|chain| match force {
                 None => Self::forced(chain, omega, asymmetry, given, restitution),
                 Some(force) => Self::with_force(chain, omega, asymmetry, &force, restitution),

@@ -36,6 +36,17 @@ impl RingCosines {
         2.0 * half * half
     }
 
+    /// cos(2πkn/M) − cos(2πkm/M) to its own last digits.
+    pub(crate) fn defect_between(&self, k: usize, n: usize, m: usize) -> f64 {
+        // = 2 sin(πk(m+n)/M) sin(πk(m−n)/M)
+        let half = |turns: usize| {
+            let (turns, sites) = ((k as u128 * turns as u128 % (2 * self.sites() as u128)) as usize, self.sites());
+            cos_turn((4 * turns + 6 * sites) % (8 * sites), 8 * sites)
+        };
+        let sign = if m < n { -1.0 } else { 1.0 };
+        2.0 * sign * half(m + n) * half(m.abs_diff(n))
+    }
+
     /// sin(2πkn/M), the displacement of site `n` in the other mode of the frequency of mode `k`, which has a node at site 0.
     pub(crate) fn sine(&self, k: usize, n: usize) -> f64 {
         let sites = self.sites();
@@ -84,6 +95,10 @@ mod tests {
                 let expected = (std::f64::consts::TAU * j as f64 / m as f64).cos();
                 assert!((ring.shape(1, j) - expected).abs() < 2e-15, "{j}/{m}");
                 assert!((ring.defect(1, j) - (1.0 - expected)).abs() < 2e-15, "{j}/{m}");
+                for (k, n) in [(1, 0), (3, 2), (2, j / 2)] {
+                    let plain = ring.shape(k, n) - ring.shape(k, j);
+                    assert!((ring.defect_between(k, n, j) - plain).abs() < 2e-15, "{k} {n} {j}/{m}");
+                }
                 let expected = (std::f64::consts::TAU * j as f64 / m as f64).sin();
                 assert!((ring.sine(1, j) - expected).abs() < 2e-15, "{j}/{m}");
             }

@@ -27,7 +27,7 @@ impl ImpulseResponse {
 
     /// As [`ImpulseResponse::sensitivity`], for K_n and its derivatives at the site `site`.
     pub fn sensitivity_at(&self, site: usize, t: f64) -> KernelJet {
-        self.response_to(site, t, |k| self.mode_detuning(k))
+        self.response_to(site, 0, t, |k| self.mode_detuning(k))
     }
 
     /// As [`ImpulseResponse::sensitivity`], for [`ImpulseResponse::jet_between`].
@@ -42,10 +42,10 @@ impl ImpulseResponse {
     }
 
     fn between(&self, to: usize, from: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
-        let mut sum = self.response_to(to.abs_diff(from), t, detuning);
-        if to != from {
-            // Terms of one sign: the frequency twice, the period once, a few operations.
-            sum.value += 6.0 * (0..self.modes()).map(|k| self.static_drop(k, to, from)).sum::<f64>();
+        let mut sum = self.response_to(to, from, t, detuning);
+        if !self.is_home(to, from) {
+            // The frequency twice, the period once, a few operations.
+            sum.value += 6.0 * (0..self.modes()).map(|k| self.static_drop(k, to, from).abs()).sum::<f64>();
         }
         sum
     }
@@ -57,12 +57,12 @@ impl ImpulseResponse {
         if y < 1.0 { 0.0 } else { 2.0 * y * (self.cos_half()[k] / self.sin_half()[k]).abs() }
     }
 
-    fn response_to(&self, site: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
+    fn response_to(&self, to: usize, from: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
         let t = self.fold(t);
         let offset = t - 0.5 * self.period();
         let mut sum = KernelJet::default();
         for (k, (&frequency, &weight)) in self.frequencies().iter().zip(self.weights()).enumerate() {
-            let weight = weight * self.shapes().even(k, site, 0).abs();
+            let weight = weight * self.shapes().even(k, to, from).abs();
             let y = 0.5 * frequency * self.period();
             if y < 1.0 {
                 // All terms are of one sign or regular in y: a few units each, and what a change of t and T does.

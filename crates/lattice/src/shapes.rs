@@ -2,63 +2,96 @@
 
 use rustfft::num_complex::Complex;
 
-use crate::ring::RingCosines;
+use crate::line::{Ends, LineShapes};
+use crate::params::Chain;
 use crate::transform::{LARGE_RING, RingTransform};
 
-/// The shapes of a ring's modes: mode k swings evenly about any site one likes, with cos(2πkn/M) at the n-th site from there; its
-/// partner of the same frequency, sin(2πkn/M), has a node there.
+/// The shapes of a lattice's modes, those of its two directions multiplied: number k along the chain and l across its layers is
+/// mode k + l·(number of modes along the chain).
+///
+/// On a ring mode k swings evenly about any site one likes, with cos(2πkn/M) at the n-th site from there; its partner of the same
+/// frequency, sin(2πkn/M), has a node there.
 ///
 /// ```
-/// use vibrochain_lattice::Shapes;
-/// let shapes = Shapes::new(12);
+/// use vibrochain_lattice::{Chain, Shapes};
+/// let shapes = Shapes::new(&Chain::new(12, 0.2, 0.1)?);
 /// assert_eq!((shapes.even(2, 8, 5), shapes.odd(3, 6, 5)), (-1.0, 1.0));
+/// # Ok::<(), vibrochain_lattice::ParameterError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Shapes {
-    cosines: RingCosines,
+    along: LineShapes,
+    /// Of a lattice of several layers.
+    across: Option<LineShapes>,
     /// For large rings, once all masses have been asked for.
     transform: Option<RingTransform>,
 }
 
 impl Shapes {
-    /// The shapes of a ring of `sites` masses.
-    pub fn new(sites: usize) -> Self {
-        Self { cosines: RingCosines::new(sites), transform: None }
+    /// The shapes of a chain's modes, whatever its springs.
+    pub fn new(chain: &Chain) -> Self {
+        let [along, across] = chain.lines();
+        let across = (across.masses > 1).then(|| LineShapes::new(across));
+        Self { along: LineShapes::new(along), across, transform: None }
+    }
+
+    /// Whether they are those of `chain`.
+    pub fn are_of(&self, chain: &Chain) -> bool {
+        let [along, across] = chain.lines();
+        self.along.line() == along && self.across.as_ref().map_or(across.masses == 1, |own| own.line() == across)
     }
 
     /// Number of masses.
     pub fn sites(&self) -> usize {
-        self.cosines.sites()
+        self.along.line().masses * self.across.as_ref().map_or(1, |across| across.line().masses)
     }
 
-    /// All masses at once ([`Shapes::add_all`]) cost less than half of them one by one.
+    /// All masses of a ring at once ([`Shapes::add_all`]) cost less than half of them one by one.
     pub fn is_large(&self) -> bool {
-        self.sites() >= LARGE_RING
+        self.is_ring() && self.sites() >= LARGE_RING
     }
 
-    /// Displacement of `site` in mode `k` even about site `about`, which is displaced by 1.
+    fn is_ring(&self) -> bool {
+        self.across.is_none() && self.along.line().ends == Ends::Closed
+    }
+
+    /// The shape of mode `k` at `site` times that at `about`, which a kernel between the two has for a factor beside the mode's
+    /// weight ([`crate::Spectrum::weights`]). On a ring the displacement of `site` in the mode even about `about`, which is
+    /// displaced by 1.
     pub fn even(&self, k: usize, site: usize, about: usize) -> f64 {
-        self.cosines.shape(k, site.abs_diff(about))
+        let Some(across) = &self.across else { return self.along.even(k, site, about) };
+        let (length, modes) = (self.along.line().masses, self.along.line().modes());
+        self.along.even(k % modes, site % length, about % length)
+            * across.even(k / modes, site / length, about / length)
     }
 
-    /// Displacement of `site` in the partner of mode `k`, odd about site `about`.
+    /// Displacement of `site` in the partner of mode `k` of a ring, odd about site `about`.
     pub fn odd(&self, k: usize, site: usize, about: usize) -> f64 {
-        let sine = self.cosines.sine(k, site.abs_diff(about));
+        let sine = self.along.cosines.sine(k, site.abs_diff(about));
         if site < about { -sine } else { sine }
     }
 
-    /// 1 − [`Shapes::even`] to its own last digits.
+    /// What [`Shapes::even`] of two sites lacks of that of site 0 with itself, to its own last digits.
     pub fn drop(&self, k: usize, site: usize, about: usize) -> f64 {
-        self.cosines.defect(k, site.abs_diff(about))
+        let Some(across) = &self.across else { return self.along.drop(k, site, about) };
+        let (length, modes) = (self.along.line().masses, self.along.line().modes());
+        let (k, l) = (k % modes, k / modes);
+        // xy − x′y′ = x(y − y′) + (x − x′)y′
+        self.along.even(k, 0, 0) * across.drop(l, site / length, about / length)
+            + self.along.drop(k, site % length, about % length) * across.even(l, site / length, about / length)
     }
 
-    /// [`Shapes::even`] of all modes, without a multiplication a step.
+    /// [`Shapes::even`] of all modes, without a multiplication a step on a ring.
     pub fn evens(&self, site: usize, about: usize) -> impl Iterator<Item = f64> + '_ {
-        self.cosines.shapes(site.abs_diff(about))
+        let length = self.along.line().masses;
+        let layers = self.across.as_ref().map(|across| across.evens(site / length, about / length));
+        let single = layers.is_none().then_some(1.0);
+        let factors = single.into_iter().chain(layers.into_iter().flatten());
+        factors.flat_map(move |factor| self.along.evens(site % length, about % length).map(move |shape| factor * shape))
     }
 
-    /// Adds to every mass what the even modes about site `about` make of it, in O(M log M) for a large ring: Σ_k amplitude_k ·
-    /// even(k, n, about) at each site n. Two real sums fit in one complex one.
+    /// Adds to every mass what the modes make of it, Σ_k amplitude_k · even(k, n, about) at each site n; in O(M log M) for a
+    /// large ring. Two real sums fit in one complex one.
     pub fn add_all(
         &mut self,
         about: usize,
@@ -83,10 +116,14 @@ impl Shapes {
 mod tests {
     use super::*;
 
+    fn ring(sites: usize) -> Chain {
+        Chain::new(sites, 0.2, 0.1).unwrap()
+    }
+
     #[test]
     fn all_masses_move_as_one_by_one_on_small_and_large_rings() {
         for sites in [1, 2, 7, 600, 601] {
-            let mut shapes = Shapes::new(sites);
+            let mut shapes = Shapes::new(&ring(sites));
             let amplitude = |k: usize| Complex::new((3.7 * k as f64).sin(), (k as f64).cos());
             let about = sites / 3;
             let mut all = vec![Complex::new(1.0, 0.0); sites];
@@ -100,13 +137,56 @@ mod tests {
 
     #[test]
     fn even_and_odd_make_a_running_wave() {
-        let shapes = Shapes::new(9);
+        let shapes = Shapes::new(&ring(9));
         for (k, site, about) in [(1, 2, 7), (3, 8, 1), (4, 0, 0)] {
             let turn = std::f64::consts::TAU * k as f64 * (site as f64 - about as f64) / 9.0;
             assert!((shapes.even(k, site, about) - turn.cos()).abs() < 2e-15);
             assert!((shapes.odd(k, site, about) - turn.sin()).abs() < 2e-15);
             assert!((shapes.drop(k, site, about) - (1.0 - turn.cos())).abs() < 2e-15);
-            assert_eq!(shapes.evens(site, about).nth(k), Some(shapes.even(k, site, about)));
+        }
+    }
+
+    #[test]
+    fn shapes_of_chains_with_ends_are_those_by_hand() {
+        let pi = std::f64::consts::PI;
+        for (length, layers, along, across) in [
+            (5, 1, Ends::Free, Ends::Free),
+            (5, 1, Ends::Fixed, Ends::Free),
+            (1, 1, Ends::Fixed, Ends::Closed),
+            (4, 3, Ends::Closed, Ends::Free),
+            (3, 4, Ends::Fixed, Ends::Closed),
+            (2, 2, Ends::Free, Ends::Fixed),
+        ] {
+            let chain =
+                ring(length).with_ends(along).with_layers(layers, if layers > 1 { 0.03 } else { 0.0 }, across).unwrap();
+            let shapes = Shapes::new(&chain);
+            let one = |ends: Ends, m: usize, k: usize, n: usize, about: usize| {
+                let (k, n, about, m) = (k as f64, n as f64, about as f64, m as f64);
+                match ends {
+                    Ends::Closed => (2.0 * pi * k * (n - about) / m).cos(),
+                    Ends::Free => (pi * k * (n + 0.5) / m).cos() * (pi * k * (about + 0.5) / m).cos(),
+                    Ends::Fixed => {
+                        let k = k + 1.0;
+                        (pi * k * (n + 1.0) / (m + 1.0)).sin() * (pi * k * (about + 1.0) / (m + 1.0)).sin()
+                    }
+                }
+            };
+            let modes = chain.lines()[0].modes();
+            for (site, about) in [(0, 0), (length - 1, 0), (length * layers - 1, length / 2), (1 % length, length - 1)]
+            {
+                let all: Vec<f64> = shapes.evens(site, about).collect();
+                assert_eq!(all.len(), modes * chain.lines()[1].modes());
+                for (k, shape) in all.into_iter().enumerate() {
+                    let plain = |site: usize, about: usize| {
+                        one(along, length, k % modes, site % length, about % length)
+                            * one(across, layers, k / modes, site / length, about / length)
+                    };
+                    assert_eq!(shape, shapes.even(k, site, about));
+                    assert!((shape - plain(site, about)).abs() < 3e-15, "{chain:?} {k} {site} {about}");
+                    let drop = plain(0, 0) - plain(site, about);
+                    assert!((shapes.drop(k, site, about) - drop).abs() < 3e-15, "{chain:?} {k} {site} {about}");
+                }
+            }
         }
     }
 }

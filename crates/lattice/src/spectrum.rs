@@ -1,6 +1,7 @@
 //! Normal modes of the ring: Ω_k² = γ₁ + 4γ₂ sin²(πk/M).
 
 use crate::error::Resonance;
+use crate::line::Line;
 use crate::params::Chain;
 
 /// Frequencies and weights of the modes even about site 0, k = 0 … ⌊M/2⌋.
@@ -17,8 +18,9 @@ use crate::params::Chain;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
     chain: Chain,
-    /// 4 sin²(πk/M), which depends on M alone.
+    /// 4 sin²(πk/M), which depends on M alone, and the same across layers.
     shape: Vec<f64>,
+    shape_across: Vec<f64>,
     frequencies: Vec<f64>,
     weights: Vec<f64>,
 }
@@ -26,48 +28,53 @@ pub struct Spectrum {
 impl Spectrum {
     /// The spectrum of a ring.
     pub fn new(chain: Chain) -> Self {
-        let mut spectrum = Self { chain, shape: Vec::new(), frequencies: Vec::new(), weights: Vec::new() };
-        spectrum.resize(chain.sites());
+        let (shape, shape_across) = (Vec::new(), Vec::new());
+        let mut spectrum = Self { chain, shape, shape_across, frequencies: Vec::new(), weights: Vec::new() };
+        spectrum.resize(chain.lines());
         spectrum.reset(chain);
         spectrum
     }
 
-    /// Takes over another chain; allocates only if the number of sites changes.
+    /// Takes over another chain; allocates only if there are other masses or other ends.
     pub fn reset(&mut self, chain: Chain) {
-        if chain.sites() != self.chain.sites() {
-            self.resize(chain.sites());
+        if chain.lines() != self.chain.lines() {
+            self.resize(chain.lines());
         }
         self.chain = chain;
-        for (frequency, shape) in self.frequencies.iter_mut().zip(&self.shape) {
-            *frequency = chain.gamma2().mul_add(*shape, chain.gamma1()).sqrt();
+        let along = self.shape.len();
+        for (row, across) in self.frequencies.chunks_exact_mut(along).zip(&self.shape_across) {
+            let held = chain.gamma3().mul_add(*across, chain.gamma1());
+            for (frequency, shape) in row.iter_mut().zip(&self.shape) {
+                *frequency = chain.gamma2().mul_add(*shape, held).sqrt();
+            }
         }
     }
 
-    fn resize(&mut self, sites: usize) {
-        let m = sites as f64;
-        let modes = sites / 2 + 1;
+    fn resize(&mut self, [along, across]: [Line; 2]) {
         self.shape.clear();
-        self.shape.extend((0..modes).map(|k| {
-            let s = (std::f64::consts::PI * k as f64 / m).sin();
-            4.0 * s * s
-        }));
+        self.shape.extend(along.stiffnesses());
+        self.shape_across.clear();
+        self.shape_across.extend(across.stiffnesses());
         self.weights.clear();
-        self.weights.extend((0..modes).map(|k| if k == 0 || 2 * k == sites { 1.0 / m } else { 2.0 / m }));
+        for l in 0..across.modes() {
+            self.weights.extend((0..along.modes()).map(|k| along.weight(k) * across.weight(l)));
+        }
         self.frequencies.clear();
-        self.frequencies.resize(modes, 0.0);
+        self.frequencies.resize(along.modes() * across.modes(), 0.0);
     }
 
-    /// The ring.
+    /// The lattice.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }
 
-    /// Ω_k of the even modes, rising.
+    /// Ω_k of all modes, those even about a site on a ring: lowest first, highest last; rising in one layer.
     pub fn frequencies(&self) -> &[f64] {
         &self.frequencies
     }
 
-    /// b_k² of the even modes: their squared amplitude at site 0; they sum to 1.
+    /// What [`crate::Shapes::even`] is to be multiplied by in a kernel. On a ring b_k², the squared amplitude of the even modes
+    /// at any site; they sum to 1.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }

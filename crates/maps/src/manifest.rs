@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::{Ends, Layout};
 
 use crate::cell::{Class, Status};
 use crate::force;
@@ -64,8 +65,16 @@ fn axis(axis: &Axis) -> Value {
 /// Everything of a scene that decides what its table holds: `model`, `sweep`, `compute`.
 pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     let mut model = Map::new();
-    model.insert("sites".into(), scene.base.sites.into());
-    for parameter in Parameter::ALL {
+    let Layout { length, ends, layers, layer_ends } = scene.base.layout;
+    model.insert("sites".into(), length.into());
+    if ends != Ends::Closed {
+        model.insert("ends".into(), ends.name().into());
+    }
+    if layers > 1 {
+        model.insert("layers".into(), layers.into());
+        model.insert("layer_ends".into(), layer_ends.name().into());
+    }
+    for &parameter in Parameter::of(layers) {
         match &scene.base.force {
             Some(force) if parameter == Parameter::Amplitude => {
                 model.insert("force".into(), force::value(force));

@@ -1,20 +1,30 @@
 //! Points of the parameter space.
 
 pub use vibrochain_lattice::Parameter;
-use vibrochain_lattice::{Chain, Force, Model, ParameterError};
+use vibrochain_lattice::{Chain, Force, Layout, Model, ParameterError};
 
 /// A point of the parameter space, not yet checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Number of masses.
-    pub sites: usize,
+    /// Where the masses stand.
+    pub layout: Layout,
     /// Values in the order of [`Parameter::ALL`].
-    pub values: [f64; 6],
+    pub values: [f64; Parameter::ALL.len()],
     /// A force that is not the plain cosine of the amplitude among the values, which is then Σ|A_j|.
     pub force: Option<Force>,
 }
 
 impl Point {
+    /// The point of a layout with all values 0 and no force.
+    pub fn of(layout: Layout) -> Self {
+        Self { layout, values: [0.0; Parameter::ALL.len()], force: None }
+    }
+
+    /// Number of masses.
+    pub fn sites(&self) -> usize {
+        self.layout.length.saturating_mul(self.layout.layers)
+    }
+
     /// Value of a parameter.
     pub fn get(&self, parameter: Parameter) -> f64 {
         self.values[parameter as usize]
@@ -37,8 +47,8 @@ impl Point {
     /// # Errors
     /// [`ParameterError`] for a value out of range.
     pub fn model(&self) -> Result<Model, ParameterError> {
-        let [gamma1, gamma2, omega, asymmetry, amplitude, restitution] = self.values;
-        let chain = Chain::new(self.sites, gamma1, gamma2)?;
+        let [gamma1, gamma2, omega, asymmetry, amplitude, restitution, gamma3] = self.values;
+        let chain = Chain::on(self.layout, gamma1, gamma2, gamma3)?;
         match &self.force {
             None => Model::forced(chain, omega, asymmetry, amplitude, restitution),
             Some(force) => Model::with_force(chain, omega, asymmetry, force, restitution),

@@ -127,8 +127,9 @@ fn label(axis: &Axis) -> String {
 
 /// "N = 20 (21 masses), γ₁ = 0.2, …": what is fixed.
 fn fixed(scene: &Scene) -> String {
-    let mut text = format!("N = {} ({} masses)", scene.base.sites - 1, scene.base.sites);
-    for parameter in Parameter::ALL {
+    let layout = scene.base.layout;
+    let mut text = if layout.is_ring() { format!("N = {} ({layout})", layout.length - 1) } else { layout.to_string() };
+    for &parameter in Parameter::of(scene.base.layout.layers) {
         let swept = scene.sweeps(parameter);
         let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
         if let (Parameter::Amplitude, Some(force)) = (parameter, &scene.base.force) {

@@ -2,9 +2,9 @@
 
 use serde_json::Value;
 use vibrochain_breather::Hit;
-use vibrochain_lattice::{Barrier, Chain, Model};
+use vibrochain_lattice::{Barrier, Chain, Ends, Model};
 
-/// One word of the table, on a ring.
+/// One word of the table.
 #[derive(Debug, Clone)]
 pub struct WordCase {
     /// The word, in groups of impacts at one instant.
@@ -25,7 +25,13 @@ fn case(values: &Value) -> WordCase {
     let model = &values["model"];
     let parameter = |name: &str, otherwise: f64| model[name].as_f64().unwrap_or(otherwise);
     let sites = model["sites"].as_u64().unwrap() as usize;
+    let ends = |name: &str, otherwise: Ends| {
+        model[name].as_str().map_or(otherwise, |ends| Ends::ALL.into_iter().find(|known| known.name() == ends).unwrap())
+    };
+    let layers = model["layers"].as_u64().unwrap_or(1) as usize;
     let chain = Chain::new(sites, parameter("gamma1", 0.0), parameter("gamma2", 0.0)).unwrap();
+    let chain = chain.with_ends(ends("ends", Ends::Closed));
+    let chain = chain.with_layers(layers, parameter("gamma3", 0.0), ends("layer_ends", Ends::Free)).unwrap();
     let (amplitude, restitution) = (parameter("amplitude", 0.0), parameter("restitution", 1.0));
     let (omega, asymmetry) = (parameter("omega", 0.0), parameter("asymmetry", 0.0));
     let model = Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap();
@@ -52,16 +58,12 @@ fn case(values: &Value) -> WordCase {
     }
 }
 
-/// All words of the table on a ring.
+/// All words of the table.
 #[must_use]
 pub fn words() -> Vec<WordCase> {
     let table: Value = serde_json::from_str(include_str!("../../../tests/data/words.json")).unwrap();
-    let on_a_ring = |values: &&Value| {
-        let model = &values["model"];
-        model["layers"].is_null() && model["ends"].as_str().is_none_or(|ends| ends == "closed")
-    };
     let lists = ["reversible", "forced"].map(|key| table[key].as_array().unwrap());
-    let cases: Vec<_> = lists.into_iter().flatten().filter(on_a_ring).map(case).collect();
-    assert!(cases.len() >= 25, "{}", cases.len());
+    let cases: Vec<_> = lists.into_iter().flatten().map(case).collect();
+    assert!(cases.len() >= 54, "{}", cases.len());
     cases
 }

@@ -84,7 +84,7 @@ impl TrueSpectrum {
     /// # Errors
     /// As [`TrueSpectrum::new`]; [`TruthError::Resonance`].
     pub fn as_given(orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
-        if orbit.impact_site().is_none() {
+        if orbit.centre().is_none() {
             return Err(TruthError::SeveralSites);
         }
         let model = orbit.model();

@@ -45,7 +45,7 @@ fn widened(request: &Request, marks: &[bool]) -> Vec<bool> {
 
 /// The table that is printed.
 pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String {
-    let mut text = format!("N = {}: share of cells within one cell of a line\n", request.scene.base.sites - 1);
+    let mut text = format!("N = {}: share of cells within one cell of a line\n", request.scene.base.sites() - 1);
     let bare = rows.bare.each_ref().map(|marks| widened(request, marks));
     let mut growing = vec![false; tiles.len()];
     rows.growing.iter().for_each(|&cell| growing[cell] = true);

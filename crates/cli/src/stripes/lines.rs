@@ -85,8 +85,8 @@ pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &
             .into_par_iter()
             .map_init(
                 || Worker {
-                    carrier: Carrier::new(request.scene.base.sites),
-                    finder: Finder::new(request.scene.base.sites),
+                    carrier: Carrier::new(request.scene.base.sites()),
+                    finder: Finder::new(request.scene.base.sites()),
                     found: Found::default(),
                     modes: DressedModes::default(),
                 },
@@ -216,7 +216,7 @@ fn bare(request: &Request, row: usize) -> [Vec<bool>; 2] {
     let mut near = [vec![false; columns], vec![false; columns]];
     let base = &request.scene.base;
     let gamma2 = request.scene.point(request.cell(row, 0) as u64).get(Parameter::Gamma2);
-    let Ok(chain) = Chain::new(base.sites, base.get(Parameter::Gamma1), gamma2) else { return near };
+    let Ok(chain) = Chain::new(base.sites(), base.get(Parameter::Gamma1), gamma2) else { return near };
     let spectrum = Spectrum::new(chain);
     let frequencies = spectrum.frequencies();
     for (k, low) in frequencies.iter().enumerate() {

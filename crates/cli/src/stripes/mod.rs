@@ -55,7 +55,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let shown = tiles.iter().zip(0..).filter(|(_, cell)| is_shown(&request.scene, *cell));
     let shown: Vec<Tile> = shown.map(|(tile, _)| *tile).collect();
     // The last of the modes even about the site that is hit.
-    let own = request.scene.base.sites / 2;
+    let own = request.scene.base.sites() / 2;
     let bytes = map_with_lines(
         &MapPicture { scene: &request.scene, tiles: &shown, palette: Palette::default() },
         &lines.iter().filter(|line| line.sum || args.all).map(|line| drawn(line, own)).collect::<Vec<_>>(),

@@ -53,11 +53,11 @@ impl Request {
         if cells > MOST_CELLS {
             return Err(wrong(&format!("the map has {cells} cells and is held whole: give at most {MOST_CELLS}")));
         }
-        let modes = scene.base.sites as u64 / 2 + 1;
+        let modes = scene.base.sites() as u64 / 2 + 1;
         // Half of all k, l, of both families.
         if modes.saturating_mul(modes).saturating_mul(cells) > MOST_PAIRS {
             let most = 2 * (MOST_PAIRS / cells).isqrt() - 1;
-            let sites = scene.base.sites;
+            let sites = scene.base.sites();
             return Err(wrong(&format!(
                 "every pair of the modes of {sites} masses in every one of {cells} cells is too much: give at most {most} sites, or fewer points"
             )));

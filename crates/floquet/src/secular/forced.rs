@@ -71,7 +71,7 @@ impl SecularMultipliers {
     pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
         let orbit = prepared.orbit();
         let n = orbit.impacts().len();
-        if orbit.impact_site().is_none() || n == 0 || n > MOST_IMPACTS {
+        if orbit.centre().is_none() || n == 0 || n > MOST_IMPACTS {
             return Err(SecularError::NotReversible);
         }
         self.take_over(orbit);

@@ -85,7 +85,7 @@ impl ImpactMatrix {
         let shapes = response.shapes();
         let halves = response.cos_half().iter().zip(response.sin_half());
         let modes = response.frequencies().iter().zip(response.weights()).zip(halves);
-        let at_one_site = orbit.impact_site().is_some();
+        let at_one_site = orbit.centre().is_some();
         for (k, ((f, weight), (c, s))) in modes.enumerate() {
             let mode = RingMode {
                 pole: C::new((c - s) * (c + s), 2.0 * s * c),

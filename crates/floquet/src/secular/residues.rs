@@ -73,7 +73,7 @@ impl Residues {
 
     /// The same, for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
     pub(crate) fn replace_within(&mut self, prepared: Prepared<'_>, ratio_error: f64) -> Result<(), SecularError> {
-        if !prepared.orbit().is_reversible() || prepared.orbit().impact_site().is_none() {
+        if !prepared.orbit().is_reversible() || prepared.orbit().centre().is_none() {
             return Err(SecularError::NotReversible);
         }
         self.modes.set(prepared.response());

@@ -10,7 +10,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
-use vibrochain_lattice::Shapes;
+use vibrochain_lattice::{Chain, Shapes};
 
 use super::error::SecularError;
 use super::impact_matrix::{ImpactMatrix, RingMode};
@@ -57,7 +57,7 @@ impl ModalShape {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(prepared: Prepared<'_>, multiplier: C) -> Result<Self, SecularError> {
-        if prepared.orbit().impact_site().is_none() {
+        if prepared.orbit().centre().is_none() {
             return Err(SecularError::NotReversible);
         }
         let mut matrix = ImpactMatrix::default();
@@ -99,7 +99,7 @@ impl ModalShape {
     pub fn at_sites(&self, sites: usize, home: usize) -> (Vec<Complex<f64>>, Vec<Complex<f64>>) {
         let m = sites as f64;
         let amplitude = |k: usize| (if k == 0 || 2 * k == sites { 1.0 / m } else { 2.0 / m }).sqrt();
-        let mut shapes = Shapes::new(sites.max(1));
+        let mut shapes = Shapes::new(&Chain::alone(sites));
         let mut at = |modes: &[C]| {
             let mut values = vec![C::default(); sites.max(1)];
             shapes.add_all(home, modes.iter().enumerate().map(|(k, x)| x * amplitude(k)), &mut values);

@@ -72,7 +72,7 @@ impl DressedModes {
         self.bare.clear();
         self.zeros.clear();
         self.own = None;
-        if !orbit.is_reversible() || orbit.impact_site().is_none() {
+        if !orbit.is_reversible() || orbit.centre().is_none() {
             return Ok(());
         }
         let _ = saltations(orbit)?;

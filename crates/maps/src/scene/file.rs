@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use toml::Spanned;
 use vibrochain_breather::{Family, Word};
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Force, Harmonic, MAX_HARMONIC, Model, Short};
+use vibrochain_lattice::{Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Model, Short};
 
 use crate::cell::{SYMMETRIC, Task};
 use crate::error::MapError;
@@ -30,12 +30,17 @@ pub(super) struct File {
 #[serde(deny_unknown_fields)]
 pub(super) struct ModelTable {
     pub(super) sites: Spanned<i64>,
+    #[serde(default)]
+    pub(super) ends: Ends,
+    pub(super) layers: Option<Spanned<i64>>,
+    pub(super) layer_ends: Option<Ends>,
     pub(super) gamma1: Option<Spanned<f64>>,
     pub(super) gamma2: Option<Spanned<f64>>,
     pub(super) omega: Option<Spanned<f64>>,
     pub(super) asymmetry: Option<Spanned<f64>>,
     pub(super) amplitude: Option<Spanned<f64>>,
     pub(super) restitution: Option<Spanned<f64>>,
+    pub(super) gamma3: Option<Spanned<f64>>,
     pub(super) forcing: Option<ForcingTable>,
     pub(super) force: Option<Spanned<Vec<HarmonicTable>>>,
 }
@@ -91,6 +96,20 @@ impl SweepTable {
 }
 
 impl ModelTable {
+    /// Where the masses stand, `length` in a row.
+    pub(super) fn layout(&self, length: usize, source: &Source<'_>) -> Result<Layout, MapError> {
+        let Some(given) = &self.layers else {
+            return Ok(Layout { ends: self.ends, ..Layout::ring(length) });
+        };
+        let most = (MAX_SITES / length) as i64;
+        let layers = *given.get_ref();
+        let Some(layers) = usize::try_from(layers).ok().filter(|_| (1..=most).contains(&layers)) else {
+            let message = format!("layers = {layers} is out of range: give a whole number from 1 to {most}");
+            return Err(source.error(given.span(), message));
+        };
+        Ok(Layout { length, ends: self.ends, layers, layer_ends: self.layer_ends.unwrap_or(Ends::Free) })
+    }
+
     /// Amplitude and restitution, wherever they stand.
     pub(super) fn driving(&self, source: &Source<'_>) -> Result<[Option<&Spanned<f64>>; 2], MapError> {
         let table = self.forcing.as_ref();
@@ -270,7 +289,7 @@ impl Source<'_> {
             return Err(self.error(span, message));
         }
         let word: Word = text.parse().map_err(|error| self.error(span.clone(), error))?;
-        word.check(model.chain().sites()).map_err(|error| self.error(span.clone(), error))?;
+        word.check(&model.chain().layout()).map_err(|error| self.error(span.clone(), error))?;
         if model.is_conservative() && word.instants().len() > 2 {
             let message = format!(
                 "the word {word} cannot be searched for: without force and losses only words of one or two instants determine their times"

@@ -99,7 +99,7 @@ impl Scene {
             let message = format!("sites = {sites} is out of range: give a whole number from 1 to {limit}");
             source.error(file.model.sites.span(), message)
         })?;
-        let mut base = Point { sites, values: [0.0; 6], force: None };
+        let mut base = Point::of(file.model.layout(sites, &source)?);
         let [amplitude, restitution] = file.model.driving(&source)?;
         let force = file.model.force.as_ref().map(|list| source.force(list)).transpose()?;
         let given = [
@@ -109,6 +109,7 @@ impl Scene {
             (Parameter::Asymmetry, file.model.asymmetry.as_ref()),
             (Parameter::Amplitude, amplitude),
             (Parameter::Restitution, restitution),
+            (Parameter::Gamma3, file.model.gamma3.as_ref()),
         ];
         let axis_of = |parameter| axes.iter().find(|axis| axis.parameter == parameter);
         let is_swept = |parameter| axis_of(parameter).is_some();
@@ -121,7 +122,7 @@ impl Scene {
             && !is_swept(Parameter::Restitution);
         // A restitution of 1 needs no force either.
         let elastic = restitution.is_some_and(|value| *value.get_ref() == 1.0);
-        let mut spans = [const { None }; 6];
+        let mut spans = [const { None }; Parameter::ALL.len()];
         for (parameter, value) in given {
             let name = parameter.name();
             if parameter == Parameter::Amplitude
@@ -147,6 +148,7 @@ impl Scene {
                 (None, Some(axis)) => axis.first(),
                 (None, None) if (conservative || elastic) && parameter == Parameter::Amplitude => 0.0,
                 (None, None) if conservative && parameter == Parameter::Restitution => 1.0,
+                (None, None) if parameter == Parameter::Gamma3 && base.layout.layers == 1 => 0.0,
                 (None, None) => {
                     let message = format!("{name} is missing: set it in [model], or sweep it");
                     return Err(source.error(file.model.sites.span(), message));

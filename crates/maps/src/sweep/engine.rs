@@ -169,7 +169,7 @@ pub fn blocks<T: Send, E>(
             let (sender, queue, digest, stopped) = (sender.clone(), &queue, &digest, &stopped);
             scope.spawn(move |_| {
                 let _watch = Watch(queue);
-                let mut worker = Worker::new(job.scene.base.sites);
+                let mut worker = Worker::new(job.scene.base.sites());
                 let mut cells = Vec::with_capacity(queue.block as usize);
                 while let Some(order) = queue.take() {
                     if compute(job, &mut worker, order.cells.clone(), &mut cells).is_none() {

@@ -96,7 +96,7 @@ struct File {
 /// Cells of a chunk: fewer where cells are slow, more where there would be too many chunks.
 fn chunk_cells(scene: &Scene) -> u64 {
     // Existence costs as the masses, stability as their square.
-    let slower = (scene.base.sites / FEW_SITES) as u64;
+    let slower = (scene.base.sites() / FEW_SITES) as u64;
     let slower = if scene.task.stability { slower.saturating_mul(slower) } else { slower };
     let most = CHUNK_CELLS * if scene.is_conservative() { CONSERVATIVE } else { 1 };
     let cells = (most / slower.max(1).next_power_of_two()).max(LEAST_CELLS);

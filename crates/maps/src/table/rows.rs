@@ -228,7 +228,7 @@ mod tests {
 
     /// The rows of some cells, and their counts.
     fn rows(scene: &Scene, range: Range<u64>) -> (String, Summary) {
-        let mut worker = Worker::new(scene.base.sites);
+        let mut worker = Worker::new(scene.base.sites());
         let cell = |number| worker.cell(&scene.point(number).model().unwrap(), &scene.task);
         let cells: Vec<Cell> = range.clone().map(cell).collect();
         let rows = Rows::of(scene, range, &cells);

@@ -74,7 +74,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
                 }
             }
             // As in a sweep: work space is kept, everything that depends on the parameters is made anew.
-            let (mut spectrum, mut response) = (Spectrum::new(chain), ImpulseResponse::vacant(SITES));
+            let (mut spectrum, mut response) = (Spectrum::new(chain), ImpulseResponse::vacant(&chain));
             measure("closed form", "no term left out".to_owned(), &mut || {
                 spectrum.reset(*black_box(&chain));
                 response.reset(&spectrum, omega).map_err(computation)?;

@@ -97,7 +97,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
                 Ok(by_paper(&model, family, &|chi, phi| series.chi(chi, phi)))
             })?;
         }
-        let (mut spectrum, mut response) = (Spectrum::new(*model.chain()), ImpulseResponse::vacant(21));
+        let (mut spectrum, mut response) = (Spectrum::new(*model.chain()), ImpulseResponse::vacant(model.chain()));
         measure("closed-form kernels", "no term left out".to_owned(), &mut || {
             spectrum.reset(*black_box(model.chain()));
             response.reset(&spectrum, omega).map_err(computation)?;

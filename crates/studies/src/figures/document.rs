@@ -67,8 +67,8 @@ impl Document {
 fn parameters(scene: &FigureScene) -> String {
     match scene {
         FigureScene::Map(scene) => {
-            let mut parts = vec![format!("N = {}", scene.base.sites - 1)];
-            for parameter in Parameter::ALL {
+            let mut parts = vec![format!("N = {}", scene.base.sites() - 1)];
+            for &parameter in Parameter::of(1) {
                 let force = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
                 if !(scene.sweeps(parameter) || force && scene.is_conservative()) {
                     parts.push(format!("{} = {}", parameter.symbol(), scene.base.get(parameter)));
@@ -83,7 +83,7 @@ fn parameters(scene: &FigureScene) -> String {
         FigureScene::Lines(scene) => {
             let Some((_, first, model)) = scene.curves.first() else { return String::new() };
             let mut parts = Vec::new();
-            let sites: Vec<_> = scene.curves.iter().map(|(_, point, _)| (point.sites - 1) as f64).collect();
+            let sites: Vec<_> = scene.curves.iter().map(|(_, point, _)| (point.sites() - 1) as f64).collect();
             let mut say = |symbol: &str, values: &[f64]| {
                 let same = values.iter().all(|value| *value == values[0]);
                 let shown: Vec<_> =
@@ -91,7 +91,7 @@ fn parameters(scene: &FigureScene) -> String {
                 parts.push(format!("{symbol} = {}", shown.join("; ")));
             };
             say("N", &sites);
-            for parameter in Parameter::ALL {
+            for &parameter in Parameter::of(1) {
                 let force = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
                 if force && model.is_conservative() && first.get(Parameter::Restitution) == 1.0 {
                     continue;

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 use vibrochain_breather::Family;
-use vibrochain_lattice::{MAX_SITES, Model, Short};
+use vibrochain_lattice::{Layout, MAX_SITES, Model, Short};
 
 use crate::figures::library::Entry;
 use vibrochain_cli::caption::in_common;
@@ -202,9 +202,9 @@ pub(super) fn parse(entry: &Entry) -> Result<FigureScene, CliError> {
         let sites = usize::try_from(sites).ok().filter(|sites| (1..=MAX_SITES).contains(sites)).ok_or_else(|| {
             wrong(format!("sites = {sites} is out of range: give a whole number from 1 to {MAX_SITES}"))
         })?;
-        let mut point = Point { sites, values: [0.0; 6], force: None };
+        let mut point = Point::of(Layout::ring(sites));
         let mut label: Vec<String> = curve.sites.map(|_| format!("N = {}", sites - 1)).into_iter().collect();
-        for (parameter, own) in Parameter::ALL.into_iter().zip(curve.values()) {
+        for (parameter, own) in Parameter::of(1).iter().copied().zip(curve.values()) {
             let without_force = match parameter {
                 Parameter::Amplitude if conservative => Some(0.0),
                 Parameter::Restitution if conservative => Some(1.0),
@@ -265,7 +265,7 @@ mod tests {
     fn curves_take_over_what_they_do_not_say() {
         let Ok(FigureScene::Lines(scene)) = read(PROFILE) else { panic!("not a line scene") };
         let (label, point, model) = &scene.curves[0];
-        assert_eq!((label.as_str(), point.sites, point.get(Parameter::Omega)), ("N = 10, a = 0", 11, 1.5));
+        assert_eq!((label.as_str(), point.sites(), point.get(Parameter::Omega)), ("N = 10, a = 0", 11, 1.5));
         assert!(model.is_conservative() && scene.kind == Kind::Profile { reach: Some(10) });
     }
 

@@ -119,7 +119,7 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
         let Ok(shape) = ModalShape::new(finder.prepared(orbit).unwrap(), multiplier) else { return };
         let matrix = crate::full_monodromy(orbit).unwrap();
         let sites = orbit.model().chain().sites();
-        let (mut state, velocity) = shape.at_sites(sites, orbit.impact_site().unwrap());
+        let (mut state, velocity) = shape.at_sites(sites, orbit.centre().unwrap());
         state.extend(velocity);
         let size = state.iter().map(|z| z.norm()).fold(0.0, f64::max);
         for row in 0..2 * sites {

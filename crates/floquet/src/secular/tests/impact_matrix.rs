@@ -42,7 +42,7 @@ fn determinants_of_words_are_those_of_the_whole_ring() {
         matrix.set(Finder::new(sites).prepared(&orbit).unwrap());
         let dense = crate::full_monodromy(&orbit).unwrap();
         let size = dense.size();
-        several += usize::from(orbit.impact_site().is_none());
+        several += usize::from(orbit.centre().is_none());
         for z in places(&mut random) {
             let shifted = DMatrix::from_fn(size, size, |i, j| {
                 Complex::new(-dense.at(i, j), 0.0) + if i == j { z } else { Complex::default() }
