@@ -53,8 +53,10 @@ pub(crate) fn breaks_symmetry(prepared: Prepared<'_>, verdict: &Verdict) -> bool
     }
     let sigma = (1.0 + growth - below).sqrt();
     let (mut diagonal, mut upper, mut lower) = (0.0, 0.0, 0.0);
-    let modes = response.frequencies().iter().zip(response.weights());
-    for ((&frequency, &weight), (&c, &s)) in modes.zip(response.cos_half().iter().zip(response.sin_half())) {
+    // b_k² of the site that is hit.
+    let weights = response.weights().iter().zip(response.shapes().evens(impact.site, impact.site));
+    let modes = response.frequencies().iter().zip(weights.map(|(weight, shape)| weight * shape));
+    for ((&frequency, weight), (&c, &s)) in modes.zip(response.cos_half().iter().zip(response.sin_half())) {
         // (σ − c)² + s², without the cancellation of σ² − 2cσ + 1.
         let share = weight / ((sigma - c) * (sigma - c) + s * s);
         diagonal += share * (sigma * c - 1.0);

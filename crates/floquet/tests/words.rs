@@ -4,37 +4,39 @@
 use vibrochain_breather::{Finder, Found, Letter, Wanted, Word};
 use vibrochain_floquet::{Complex, FloquetError, Mechanism, Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Barrier, Chain, Model};
-use vibrochain_testkit::{Random, dense};
+use vibrochain_testkit::{Random, Ranges, Values, dense};
 
 /// A word of one or two instants at up to four sites.
-fn word(random: &mut Random, sites: usize) -> Option<Word> {
+fn word(random: &mut Random, chain: &Chain) -> Option<Word> {
     let mut instants = vec![Vec::new(), Vec::new()];
     for _ in 0..1 + random.below(4) {
-        let site = random.below(sites);
+        let (site, layer) = chain.layout().place(random.below(chain.sites()));
         let barriers =
             if random.chance(0.5) { [Barrier::Upper, Barrier::Lower] } else { [Barrier::Lower, Barrier::Upper] };
         let double = random.chance(0.6);
         let first = random.below(2);
         for (i, barrier) in barriers.into_iter().enumerate() {
             if double || i == first {
-                instants[i].push(Letter::new(site, barrier));
+                instants[i].push(Letter { site, layer, barrier });
             }
         }
     }
     instants.retain(|letters| !letters.is_empty());
-    Word::new(instants).ok().filter(|word| word.places().len() > 1)
+    Word::new(instants).ok().filter(|word| word.places().len() > 1 || !chain.is_ring())
 }
 
 /// Σ μᵏ is the trace of Mᵏ.
 #[test]
 fn power_sums_are_traces_of_the_whole_matrix() {
     let mut random = Random(31);
-    let (mut checked, mut unstable, mut one_instant) = (0, 0, 0);
-    for _ in 0..600 {
-        let sites = 2 + random.below(9);
-        let chain = Chain::new(sites, random.between(0.05, 0.6), random.between(0.01, 0.3)).unwrap();
+    let (mut checked, mut unstable, mut one_instant, mut rings, mut walls, mut layered) = (0, 0, 0, 0, 0, 0);
+    let (gamma1, gamma2) = (Values::Even(0.05, 0.6), Values::Even(0.01, 0.3));
+    let ranges = Ranges { sites: [2, 10], gamma1, gamma2, ..Ranges::CONSERVATIVE };
+    for round in 0..1000 {
+        let chain = if round < 400 { random.chain(&ranges) } else { random.lattice(&ranges) };
+        let sites = chain.sites();
         let model = Model::conservative(chain, random.between(0.6, 2.5), random.between(0.0, 0.8)).unwrap();
-        let Some(word) = word(&mut random, sites) else { continue };
+        let Some(word) = word(&mut random, &chain) else { continue };
         let (mut finder, mut found) = (Finder::new(sites), Found::default());
         if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
             continue;
@@ -60,10 +62,14 @@ fn power_sums_are_traces_of_the_whole_matrix() {
             assert!(verdict.marginal || (verdict.spectral_radius - radius).abs() < 1e-6 * radius, "{word} {model}");
             unstable += usize::from(!verdict.stable && !verdict.marginal);
             one_instant += usize::from(word.instants().len() == 1);
+            rings += usize::from(chain.is_ring());
+            walls += usize::from(chain.has_walls());
+            layered += usize::from(chain.layers() > 1);
             checked += 1;
         }
     }
-    assert!(checked > 150 && unstable > 50 && one_instant > 3, "{checked} {unstable} {one_instant}");
+    assert!(checked > 300 && unstable > 100 && one_instant > 3, "{checked} {unstable} {one_instant}");
+    assert!(rings > 100 && walls > 50 && layered > 70, "{rings} {walls} {layered}");
 }
 
 /// Two breathers so far apart that nothing is left between them but the phase: it is free, and out of it comes the smallest growth.

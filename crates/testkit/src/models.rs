@@ -1,6 +1,6 @@
 //! Random models, all from one generator: a test asks for the ranges that its subject lives in.
 
-use vibrochain_lattice::{Chain, Model, Spectrum};
+use vibrochain_lattice::{Chain, Ends, Model, Spectrum};
 
 use crate::random::Random;
 
@@ -90,6 +90,16 @@ impl Random {
         let [fewest, most] = ranges.sites;
         let sites = fewest + self.below(most + 1 - fewest);
         Chain::new(sites, self.value(ranges.gamma1), self.value(ranges.gamma2)).unwrap()
+    }
+
+    /// A ring, or the same masses with other ends, or up to four layers of them.
+    pub fn lattice(&mut self, ranges: &Ranges) -> Chain {
+        let layers = if self.chance(0.5) { 1 } else { 2 + self.below(3) };
+        let gamma3 = if layers > 1 { self.value(ranges.gamma2) } else { 0.0 };
+        let ends = [Ends::Closed, Ends::Free, Ends::Fixed];
+        let chain = self.chain(ranges).with_ends(self.of(&ends));
+        let layer_ends = self.of(&[Ends::Closed, Ends::Free]);
+        chain.with_layers(layers, gamma3, layer_ends).unwrap()
     }
 
     /// A model.
