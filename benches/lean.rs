@@ -16,7 +16,7 @@ fn cells(criterion: &mut Criterion) {
     group.sample_size(10);
     for kind in KINDS {
         let scene = kind.scene();
-        let mut worker = Worker::new(scene.base.sites);
+        let mut worker = Worker::new(scene.base.sites());
         group.throughput(Throughput::Elements(scene.cells()));
         group.bench_function(kind.name(), |bencher| bencher.iter(|| Kind::compute(&scene, &mut worker)));
         // A benchmark whose output is cut off (`| head`) has nothing left to say.

@@ -10,7 +10,7 @@ use vibrochain_lattice::{Model, Parameter, Short};
 use crate::args::{EventName, LocateArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::orbit_command::{model, orbit_value, point_value};
+use crate::orbit_command::{model, orbit_value, point_value, with_layer};
 use crate::which;
 use vibrochain_maps::numbers::Number;
 
@@ -109,10 +109,13 @@ fn verdict_json(verdict: &Verdict) -> Value {
     })
 }
 
-fn sign_json(sign: &Evidence) -> Value {
+fn sign_json(model: &Model, sign: &Evidence) -> Value {
     match sign {
         Evidence::Multiplier(multiplier) => json!({ "multiplier": [multiplier.re, multiplier.im] }),
-        Evidence::Touch(touch) => json!({ "site": touch.site, "barrier": touch.barrier.name(), "time": touch.time }),
+        Evidence::Touch(touch) => {
+            let value = json!({ "site": touch.site, "barrier": touch.barrier.name(), "time": touch.time });
+            with_layer(model, touch.site, value)
+        }
         Evidence::Impact(impact) => json!({ "impact": impact }),
     }
 }
@@ -139,7 +142,7 @@ fn located_json(found: &Located) -> Value {
     json!({
         "value": found.value,
         "error": found.error.is_finite().then_some(found.error),
-        "sign": sign_json(&found.evidence),
+        "sign": sign_json(found.orbit.model(), &found.evidence),
         "physical": found.physical,
         "orbit": orbit_value(&found.orbit),
         "sides": sides,

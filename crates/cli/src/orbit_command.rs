@@ -157,20 +157,32 @@ fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
     value
 }
 
+/// `value` with its `site`, a mass counted through all layers, as the site of its layer, and with that `layer` where there are
+/// several.
+pub(crate) fn with_layer(model: &Model, index: usize, mut value: Value) -> Value {
+    let (site, layer) = model.chain().layout().place(index);
+    value["site"] = site.into();
+    if model.chain().layers() > 1 {
+        value["layer"] = layer.into();
+    }
+    value
+}
+
 /// The orbit itself as JSON: period, phases, impacts, residual.
 pub(crate) fn orbit_value(orbit: &Orbit) -> Value {
     let impacts: Vec<Value> = orbit
         .impacts()
         .iter()
         .map(|impact| {
-            json!({
+            let value = json!({
                 "site": impact.site,
                 "barrier": impact.barrier.name(),
                 "time": impact.time,
                 "impulse": impact.impulse,
                 "velocity_before": impact.velocity_before,
                 "velocity_after": impact.velocity_after,
-            })
+            });
+            with_layer(orbit.model(), impact.site, value)
         })
         .collect();
     let mut value = json!({
@@ -200,7 +212,7 @@ impl Solution {
         });
         value["physical"] = self.admissibility.is_physical().into();
         value["margin"] = self.admissibility.margin.into();
-        value["obstruction"] = self.admissibility.obstruction.map(obstruction).into();
+        value["obstruction"] = self.admissibility.obstruction.map(|found| obstruction(orbit.model(), found)).into();
         value["stability"] = Value::Null;
         match &self.stability {
             Ok(stability) => {
@@ -247,14 +259,16 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 /// What is in the way: kind, site, time, and by how much.
-fn obstruction(obstruction: Obstruction) -> Value {
+fn obstruction(model: &Model, obstruction: Obstruction) -> Value {
     let message = obstruction.to_string();
     match obstruction {
         Obstruction::Crossing { site, barrier, time, excess } => {
-            json!({ "kind": "crossing", "site": site, "barrier": barrier.name(), "time": time, "excess": excess, "message": message })
+            let value = json!({ "kind": "crossing", "site": site, "barrier": barrier.name(), "time": time, "excess": excess, "message": message });
+            with_layer(model, site, value)
         }
         Obstruction::WrongSign { impact, site, time, velocity_before } => {
-            json!({ "kind": "wrong-sign", "impact": impact, "site": site, "time": time, "velocity_before": velocity_before, "message": message })
+            let value = json!({ "kind": "wrong-sign", "impact": impact, "site": site, "time": time, "velocity_before": velocity_before, "message": message });
+            with_layer(model, site, value)
         }
     }
 }
@@ -272,6 +286,10 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
     let (mut out, completeness) = (String::new(), found.completeness);
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{name} breathers, {model}");
+    if model.chain().layers() > 1 {
+        let length = model.chain().length();
+        let _ = writeln!(out, "sites are numbered through: site n of layer l is {length} l + n");
+    }
     match completeness.reason() {
         Some(reason) => {
             let _ = writeln!(out, "none: {reason}");

@@ -70,6 +70,8 @@ struct OrbitFile {
 #[derive(Deserialize)]
 struct ImpactEntry {
     site: usize,
+    #[serde(default)]
+    layer: usize,
     barrier: String,
     time: f64,
     impulse: f64,
@@ -91,9 +93,11 @@ fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
     let stretch = file.period.map_or(1.0, |period| periods * model.period() / period);
     let barrier = |name: &str| [Barrier::Lower, Barrier::Upper].into_iter().find(|barrier| barrier.name() == name);
     let mut hits = Vec::new();
-    for ImpactEntry { site, barrier: name, time, impulse } in &file.impacts {
+    for &ImpactEntry { site, layer, barrier: ref name, time, impulse } in &file.impacts {
         let barrier = barrier(name).ok_or_else(|| wrong(&format!("`{name}` is no barrier, lower and upper are")))?;
-        hits.push(Hit::new(*site, barrier, time * stretch, *impulse));
+        let layout = model.chain().layout();
+        let place = layout.index(site, layer).ok_or_else(|| wrong(&format!("{layout} have no site {site}:{layer}")))?;
+        hits.push(Hit::new(place, barrier, time * stretch, impulse));
     }
     hits.sort_by(|one, other| one.time.total_cmp(&other.time));
     let psi = file.psi.unwrap_or(0.0) * stretch;

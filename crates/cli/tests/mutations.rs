@@ -337,7 +337,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let pictures = args.pictures.png.is_some()
                 || args.pictures.svg.is_some()
                 || args.threads.is_none_or(|threads| threads > 4);
-            let cost = scene.cells() as f64 * scene.base.sites as f64 * windows_most;
+            let cost = scene.cells() as f64 * scene.base.sites() as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
         // Each word by a dense matrix.

@@ -49,6 +49,9 @@ impl Request {
                 "stripes are collisions of modes without loss: give a scene without force and with elastic impacts",
             ));
         }
+        if !scene.base.layout.is_ring() {
+            return Err(wrong("stripes are lines of a ring: give a scene with closed ends and one layer"));
+        }
         let cells = scene.cells();
         if cells > MOST_CELLS {
             return Err(wrong(&format!("the map has {cells} cells and is held whole: give at most {MOST_CELLS}")));

@@ -30,10 +30,9 @@ pub(super) struct File {
 #[serde(deny_unknown_fields)]
 pub(super) struct ModelTable {
     pub(super) sites: Spanned<i64>,
-    #[serde(default)]
-    pub(super) ends: Ends,
+    pub(super) ends: Option<Spanned<String>>,
     pub(super) layers: Option<Spanned<i64>>,
-    pub(super) layer_ends: Option<Ends>,
+    pub(super) layer_ends: Option<Spanned<String>>,
     pub(super) gamma1: Option<Spanned<f64>>,
     pub(super) gamma2: Option<Spanned<f64>>,
     pub(super) omega: Option<Spanned<f64>>,
@@ -98,16 +97,30 @@ impl SweepTable {
 impl ModelTable {
     /// Where the masses stand, `length` in a row.
     pub(super) fn layout(&self, length: usize, source: &Source<'_>) -> Result<Layout, MapError> {
-        let Some(given) = &self.layers else {
-            return Ok(Layout { ends: self.ends, ..Layout::ring(length) });
+        let ends = |key: &str, given: &Option<Spanned<String>>, known: &[Ends], otherwise: Ends| {
+            let Some(given) = given else { return Ok(otherwise) };
+            known.iter().find(|ends| ends.name() == given.get_ref()).copied().ok_or_else(|| {
+                let names: Vec<_> = known.iter().map(|ends| ends.name()).collect();
+                let message =
+                    format!("{key} = \"{}\" is unknown: give {}", clipped(given.get_ref(), SHOWN), names.join(" or "));
+                source.error(given.span(), message)
+            })
         };
+        let along = ends("ends", &self.ends, &Ends::ALL, Ends::Closed)?;
+        let layer_ends = ends("layer_ends", &self.layer_ends, &[Ends::Closed, Ends::Free], Ends::Free)?;
         let most = (MAX_SITES / length) as i64;
-        let layers = *given.get_ref();
-        let Some(layers) = usize::try_from(layers).ok().filter(|_| (1..=most).contains(&layers)) else {
-            let message = format!("layers = {layers} is out of range: give a whole number from 1 to {most}");
-            return Err(source.error(given.span(), message));
+        let layers = match &self.layers {
+            None => 1,
+            Some(given) => {
+                let layers = *given.get_ref();
+                if !(1..=most).contains(&layers) {
+                    let message = format!("layers = {layers} is out of range: give a whole number from 1 to {most}");
+                    return Err(source.error(given.span(), message));
+                }
+                layers as usize
+            }
         };
-        Ok(Layout { length, ends: self.ends, layers, layer_ends: self.layer_ends.unwrap_or(Ends::Free) })
+        Ok(Layout { length, ends: along, layers, layer_ends })
     }
 
     /// Amplitude and restitution, wherever they stand.
