@@ -15,9 +15,9 @@
 
 use vibrochain_lattice::{ImpulseResponse, Model};
 
-use crate::conservative::{double_sided_draft, impulses};
+use crate::conservative::{impulses, two_impact_draft};
 use crate::enclosure::Dual;
-use crate::orbit::Draft;
+use crate::orbit::{Draft, Family};
 use crate::rises::{MOST, Rises, top};
 use crate::roots::{Enclosed, Zeros};
 
@@ -80,7 +80,7 @@ fn drafts(model: &Model, response: &ImpulseResponse, zeros: &Zeros, mut found: i
     for delta in zeros.simple.iter().flat_map(|&zero| [-zero, zero]) {
         let kernel = response.jet_from_half(delta).value;
         if let Some((impulses, displacement)) = impulses(model, response, kernel) {
-            found(double_sided_draft(response, 0.0, half + delta, impulses, displacement));
+            found(two_impact_draft(response, Family::DoubleSided, 0.0, half + delta, impulses, displacement));
         }
     }
 }

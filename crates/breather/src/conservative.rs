@@ -10,34 +10,26 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 use crate::error::NoBreather;
 use crate::orbit::{Draft, Family, Hit};
 
-/// An orbit of two opposite impacts, from its half impulses and its static displacement at site 0.
-pub(crate) fn double_sided_draft(
+/// An orbit of two impacts, at 0 and φ, from its half impulses p₂ and p₁ and its static displacement at site 0: opposite ones, the
+/// first on the upper barrier, or a doubled orbit, both on the lower one.
+pub(crate) fn two_impact_draft(
     response: &ImpulseResponse,
+    family: Family,
     psi: f64,
     phi: f64,
     (p1, p2): (f64, f64),
     static_displacement: f64,
 ) -> Draft {
-    let impacts = smallvec![Hit::new(0, Barrier::Upper, 0.0, -2.0 * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)];
-    Draft::new(response, (Family::DoubleSided, 1), psi, impacts, static_displacement)
+    let (first, periods) = if family == Family::PeriodDoubled { (Barrier::Lower, 2) } else { (Barrier::Upper, 1) };
+    let impacts =
+        smallvec![Hit::new(0, first, 0.0, -2.0 * first.sign() * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)];
+    Draft::new(response, (family, periods), psi, impacts, static_displacement)
 }
 
 /// An orbit of one impact on the lower barrier.
 pub(crate) fn single_sided_draft(response: &ImpulseResponse, psi: f64, p: f64, static_displacement: f64) -> Draft {
     let impacts = smallvec![Hit::new(0, Barrier::Lower, 0.0, 2.0 * p)];
     Draft::new(response, (Family::SingleSided, 1), psi, impacts, static_displacement)
-}
-
-/// A doubled orbit: impacts on the lower barrier at 0 and φ, half impulses p₂ and p₁.
-pub(crate) fn doubled_draft(
-    response: &ImpulseResponse,
-    psi: f64,
-    phi: f64,
-    (p1, p2): (f64, f64),
-    static_displacement: f64,
-) -> Draft {
-    let impacts = smallvec![Hit::new(0, Barrier::Lower, 0.0, 2.0 * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)];
-    Draft::new(response, (Family::PeriodDoubled, 2), psi, impacts, static_displacement)
 }
 
 /// Half impulses and static displacement for impacts at 0 and φ without force, given K₀(φ)'s dynamic part.
@@ -55,7 +47,7 @@ pub(crate) fn impulses(model: &Model, response: &ImpulseResponse, kernel: f64) -
 /// The double-sided breather with φ = T/2.
 pub(crate) fn double_sided(model: &Model, response: &ImpulseResponse) -> Result<Draft, NoBreather> {
     let (impulses, displacement) = impulses(model, response, response.dynamic_at_half()).ok_or(NoBreather::Singular)?;
-    Ok(double_sided_draft(response, 0.0, 0.5 * response.period(), impulses, displacement))
+    Ok(two_impact_draft(response, Family::DoubleSided, 0.0, 0.5 * response.period(), impulses, displacement))
 }
 
 /// The single-sided breather.

@@ -31,8 +31,7 @@ impl Word {
         let mut words = Vec::new();
         for sites in choices(sites_used, reach.min(model.chain().sites().saturating_sub(1))) {
             let ways = ways(families);
-            let mut chosen = vec![0; sites.len()];
-            'combinations: loop {
+            for chosen in combinations(vec![ways.len(); sites.len()]) {
                 let mut instants = [Vec::new(), Vec::new()];
                 for (&site, &way) in sites.iter().zip(&chosen) {
                     for (instant, barrier) in instants.iter_mut().zip(ways.get(way).copied().unwrap_or_default()) {
@@ -43,14 +42,6 @@ impl Word {
                 if !instants.is_empty() {
                     words.push(Self::new(instants)?.canonical(model));
                 }
-                for way in &mut chosen {
-                    *way += 1;
-                    if *way < ways.len() {
-                        continue 'combinations;
-                    }
-                    *way = 0;
-                }
-                break;
             }
         }
         words.sort();
@@ -66,6 +57,22 @@ impl Word {
         let sets: f64 = (1..sites_used).map(|i| (reach - (i - 1)) as f64 / i as f64).product();
         sets * (ways(families).len() as f64).powi(i32::try_from(sites_used).unwrap_or(i32::MAX))
     }
+}
+
+/// One of each: all choices of a number below each of `sizes`, the first number changing fastest.
+pub(crate) fn combinations(sizes: Vec<usize>) -> impl Iterator<Item = Vec<usize>> {
+    let first = sizes.iter().all(|&size| size > 0).then(|| vec![0; sizes.len()]);
+    std::iter::successors(first, move |choice| {
+        let mut next = choice.clone();
+        for (number, &size) in next.iter_mut().zip(&sizes) {
+            *number += 1;
+            if *number < size {
+                return Some(next);
+            }
+            *number = 0;
+        }
+        None
+    })
 }
 
 /// What a site may do at the two instants.
@@ -139,6 +146,9 @@ mod tests {
         assert_eq!(listed, all.into_iter().collect::<Vec<_>>());
         assert_eq!(Word::combinations(3, 6, &both), 15.0 * 64.0);
         assert_eq!(choices(3, 6).len(), 15);
+        let listed: Vec<_> = combinations(vec![2, 1, 2]).collect();
+        assert_eq!(listed, [[0, 0, 0], [1, 0, 0], [0, 0, 1], [1, 0, 1]]);
+        assert_eq!((combinations(vec![3, 0]).count(), combinations(Vec::new()).count()), (0, 1));
         assert!(choices(4, 2).is_empty() && choices(1, 3) == [[0]]);
         // What has no room, or no end.
         assert_eq!(Word::combinations(4, 2, &both) + Word::combinations(0, 2, &both), 0.0);

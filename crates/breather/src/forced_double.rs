@@ -15,11 +15,11 @@
 
 use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
-use crate::conservative::{double_sided_draft, doubled_draft};
+use crate::conservative::two_impact_draft;
 use crate::error::NoBreather;
 use crate::forced_harmonics;
 use crate::one_mass::OneMass;
-use crate::orbit::Draft;
+use crate::orbit::{Draft, Family};
 use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
 use crate::two_impacts::{Pattern, SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, shortest_flight};
@@ -54,7 +54,14 @@ pub(crate) fn double_sided(
     let mut emit = |solution: TwoImpactSolution| {
         let phi = half + solution.delta;
         let psi = phase(solution.theta, phi, omega);
-        let draft = double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement);
+        let draft = two_impact_draft(
+            response,
+            Family::DoubleSided,
+            psi,
+            phi,
+            (solution.p1, solution.p2),
+            solution.static_displacement,
+        );
         found(draft);
     };
     let mut count = 0;
@@ -157,7 +164,14 @@ pub(crate) fn period_doubled(
         let phi = half + solution.delta;
         let psi = phase(solution.theta, phi, omega);
         count += 1;
-        found(doubled_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement));
+        found(two_impact_draft(
+            response,
+            Family::PeriodDoubled,
+            psi,
+            phi,
+            (solution.p1, solution.p2),
+            solution.static_displacement,
+        ));
     }
     if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }

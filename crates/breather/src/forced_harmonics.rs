@@ -15,11 +15,11 @@
 
 use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
-use crate::conservative::{double_sided_draft, doubled_draft, single_sided_draft};
+use crate::conservative::{single_sided_draft, two_impact_draft};
 use crate::enclosure::Dual;
 use crate::error::NoBreather;
 use crate::harmonic_impacts::HarmonicImpacts;
-use crate::orbit::Draft;
+use crate::orbit::{Draft, Family};
 use crate::planar_roots::PlanarZeros;
 use crate::roots::{Enclosed, Zeros};
 use crate::two_impacts::{Pattern, SYMMETRIC, SYMMETRIC_GUARD, shortest_flight};
@@ -125,7 +125,14 @@ pub(crate) fn double_sided(
         let phi = half + solution.delta;
         let psi = (place[1] - 0.5 * phi).rem_euclid(repeat);
         count += 1;
-        found(double_sided_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement));
+        found(two_impact_draft(
+            response,
+            Family::DoubleSided,
+            psi,
+            phi,
+            (solution.p1, solution.p2),
+            solution.static_displacement,
+        ));
     };
     let edge = half - shortest_flight(response, steady.bound(1));
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
@@ -165,7 +172,14 @@ pub(crate) fn period_doubled(
         let phi = half + solution.delta;
         let psi = (place[1] - 0.5 * phi).rem_euclid(repeat);
         count += 1;
-        found(doubled_draft(response, psi, phi, (solution.p1, solution.p2), solution.static_displacement));
+        found(two_impact_draft(
+            response,
+            Family::PeriodDoubled,
+            psi,
+            phi,
+            (solution.p1, solution.p2),
+            solution.static_displacement,
+        ));
     }
     outcome(count, plane.unresolved.len() + plane.exhausted)
 }

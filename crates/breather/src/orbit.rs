@@ -9,6 +9,10 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
 
+/// Impacts closer than this part of the period are at one instant: farther apart than rounding of their times, nearer than anything
+/// that happens between two of them.
+pub(crate) const SIMULTANEOUS: f64 = 1e-9;
+
 /// The families of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
@@ -239,6 +243,12 @@ impl Orbit {
     /// half of the masses tell all. `None` where several sites are hit, and on other lattices.
     pub fn centre(&self) -> Option<usize> {
         self.impact_site().filter(|_| self.model.chain().is_ring())
+    }
+
+    /// The impacts by instants, in order of time.
+    pub fn instants(&self) -> impl Iterator<Item = &[Impact]> {
+        let close = SIMULTANEOUS * self.period();
+        self.impacts.chunk_by(move |earlier, later| later.time - earlier.time <= close)
     }
 
     /// The orbit is its own mirror image in time about t = 0 (conservative, all impacts at 0 and half a period,

@@ -8,17 +8,15 @@ use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
 use crate::branch::{Branch, BranchError, BranchPoint};
 use crate::completeness::Completeness;
 use crate::ended::{End, Ended};
+use crate::enumeration::combinations;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found, Wanted};
 use crate::forced_single;
-use crate::orbit::{Family, Hit, Orbit};
+use crate::orbit::{Family, Hit, Orbit, SIMULTANEOUS};
 use crate::word::Word;
 
 /// The most starts that are followed; each takes some milliseconds.
 const MOST_STARTS: usize = 1024;
-
-/// Hits closer than this part of the period are at one instant.
-const SIMULTANEOUS: f64 = 1e-9;
 
 /// The longest and the shortest step, where 1 is a change of γ₂ as large as that asked for or of the orbit of order 1.
 const LONGEST: f64 = 0.1;
@@ -94,10 +92,10 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
             }
         }
     }
-    let combinations = solutions.iter().try_fold(1_usize, |product, list| product.checked_mul(list.len()));
-    let all = combinations.unwrap_or(usize::MAX);
-    let (mut starts, mut choice) = (0, vec![0; sites.len()]);
-    for _ in 0..all.min(MOST_STARTS) {
+    let product = solutions.iter().try_fold(1_usize, |product, list| product.checked_mul(list.len()));
+    let all = product.unwrap_or(usize::MAX);
+    let mut starts = 0;
+    for choice in combinations(solutions.iter().map(Vec::len).collect()).take(MOST_STARTS) {
         let chosen: Vec<&Alone> = choice.iter().zip(&solutions).map(|(&i, list)| &list[i]).collect();
         if let Some(start) = together(model, word, &sites, &chosen)? {
             starts += 1;
@@ -109,14 +107,6 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
                 }
                 Err(ended) => found.ended.push(ended),
             }
-        }
-        // The next combination.
-        for (i, list) in choice.iter_mut().zip(&solutions) {
-            *i += 1;
-            if *i < list.len() {
-                break;
-            }
-            *i = 0;
         }
     }
     found.completeness = if found.orbits.is_empty() {

@@ -13,13 +13,10 @@ use std::str::FromStr;
 use thiserror::Error;
 use vibrochain_lattice::{Barrier, Ends, Layout, Model};
 
-use crate::orbit::{Family, Orbit};
+use crate::orbit::{Family, Impact, Orbit, SIMULTANEOUS};
 
 /// The most impacts of a word: their equations are solved densely.
 pub const MAX_IMPACTS: usize = 64;
-
-/// Impacts closer than this part of the period are at one instant.
-const SIMULTANEOUS: f64 = 1e-9;
 
 /// What cannot be an impact word, or not one of this chain.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -173,20 +170,16 @@ impl Word {
 
     /// The word of an orbit.
     pub fn of(orbit: &Orbit) -> Self {
-        let (layout, close) = (orbit.model().chain().layout(), SIMULTANEOUS * orbit.period());
-        let mut instants: Vec<Vec<Letter>> = Vec::new();
-        let mut last = f64::NEG_INFINITY;
-        for impact in orbit.impacts() {
+        let layout = orbit.model().chain().layout();
+        let letter = |impact: &Impact| {
             let (site, layer) = layout.place(impact.site);
-            let letter = Letter { site, layer, barrier: impact.barrier };
-            match instants.last_mut() {
-                Some(letters) if impact.time - last <= close => letters.push(letter),
-                _ => instants.push(vec![letter]),
-            }
-            last = impact.time;
-        }
+            Letter { site, layer, barrier: impact.barrier }
+        };
+        let mut instants: Vec<Vec<Letter>> =
+            orbit.instants().map(|impacts| impacts.iter().map(letter).collect()).collect();
         // Just before the period is at its beginning.
-        if instants.len() > 1 && orbit.period() - last <= close {
+        let left = orbit.impacts().last().map_or(orbit.period(), |impact| orbit.period() - impact.time);
+        if instants.len() > 1 && left <= SIMULTANEOUS * orbit.period() {
             let end = instants.pop().unwrap_or_default();
             instants[0].extend(end);
         }

@@ -448,11 +448,10 @@ mod with_plot {
         let sites = motion.sites() as i64;
         let home = orbit.impacts().first().map_or(0, |impact| impact.site);
         // One profile an instant: simultaneous impacts share it.
-        let mut instants: Vec<f64> = orbit.impacts().iter().map(|impact| impact.time).collect();
-        instants.dedup_by(|later, earlier| *later - *earlier <= 1e-9 * orbit.period());
-        let profiles = instants
-            .into_iter()
-            .map(|time| {
+        let profiles = orbit
+            .instants()
+            .map(|impacts| {
+                let time = impacts[0].time;
                 let v = motion.displacements(time);
                 let offsets = -(sites - 1) / 2..=sites / 2;
                 (time, offsets.map(|n| (n, v[(home as i64 + n).rem_euclid(sites) as usize])).collect())

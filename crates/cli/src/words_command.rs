@@ -67,7 +67,37 @@ impl Row {
 /// [`CliError`]; that no word has an orbit is an answer.
 pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let model = model(&args.model)?;
-    let sites = model.chain().sites();
+    let families = families(args, model.chain().sites())?;
+    let tolerance = match args.threshold {
+        None => Tolerance::Rounding,
+        Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
+    };
+    let taken = distinct(&[], &[("--csv", args.csv.as_deref())])?;
+    let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
+    let words = Word::enumerate(&model, args.sites_used, args.reach, &families)
+        .map_err(|error| CliError::Request(error.to_string()))?;
+    if args.from_zero && !model.is_conservative() {
+        let message = "--from-zero follows words without force and losses; under a force the search does, and `mapgen orbit --word` tells what ends each branch";
+        return Err(CliError::Request(message.to_owned()));
+    }
+    let stop = (console.interrupt)()?;
+    let uninterrupted = || if stop.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) };
+    if args.from_zero {
+        return console.answer(&fates(&model, &words, uninterrupted)?, taken);
+    }
+    let rows = rows(&model, &words, tolerance, uninterrupted)?;
+    console.answer(&text(&words, &rows, args.all), taken)?;
+    if let Some(mut file) = file {
+        for row in rows.iter().filter(|row| args.all || row.is_physical()) {
+            file.row(row.fields())?;
+        }
+        file.finish()?;
+    }
+    Ok(())
+}
+
+/// The families asked for, if there is room for their words on a ring of `sites` masses, and they are not too many.
+fn families(args: &WordsArgs, sites: usize) -> Result<Vec<Family>, CliError> {
     let families: Vec<_> = (args.families.iter())
         .map(|name| match name {
             SiteFamily::DoubleSided => Family::DoubleSided,
@@ -92,31 +122,22 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     if Word::combinations(args.sites_used, args.reach, &families) > MOST {
         return request(format!("these are more than {MOST} words: give fewer sites, a smaller reach or one family"));
     }
-    let tolerance = match args.threshold {
-        None => Tolerance::Rounding,
-        Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
-    };
-    let taken = distinct(&[], &[("--csv", args.csv.as_deref())])?;
-    let mut file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
-    let words = Word::enumerate(&model, args.sites_used, args.reach, &families)
-        .map_err(|error| CliError::Request(error.to_string()))?;
-    if args.from_zero && !model.is_conservative() {
-        let message = "--from-zero follows words without force and losses; under a force the search does, and `mapgen orbit --word` tells what ends each branch";
-        return request(message.to_owned());
-    }
-    let stop = (console.interrupt)()?;
-    let mut fates = Vec::new();
-    let (mut finder, mut analyser, mut found) = (Finder::new(sites), Analyser::default(), Found::default());
+    Ok(families)
+}
+
+/// The orbits of all words, each with what is known of it.
+fn rows(
+    model: &Model,
+    words: &[Word],
+    tolerance: Tolerance,
+    uninterrupted: impl Fn() -> Result<(), CliError>,
+) -> Result<Vec<Row>, CliError> {
+    let mut finder = Finder::new(model.chain().sites());
+    let (mut analyser, mut found) = (Analyser::default(), Found::default());
     let mut rows = Vec::new();
-    for word in &words {
-        if stop.load(Ordering::Relaxed) {
-            return Err(CliError::Interrupted);
-        }
-        if args.from_zero {
-            fates.push(format!("{word}  {}", fate(&mut finder, &model, word)?));
-            continue;
-        }
-        finder.find_word(&model, word, Wanted::All, &mut found)?;
+    for word in words {
+        uninterrupted()?;
+        finder.find_word(model, word, Wanted::All, &mut found)?;
         for (i, orbit) in found.orbits.iter().enumerate() {
             let admissibility = finder.admissibility(orbit)?;
             let verdict = match admissibility.obstruction {
@@ -133,17 +154,18 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
             });
         }
     }
-    if args.from_zero {
-        return console.answer(&format!("{}\n{} words up to symmetry\n", fates.join("\n"), words.len()), taken);
+    Ok(rows)
+}
+
+/// How far each word is physical, one a line.
+fn fates(model: &Model, words: &[Word], uninterrupted: impl Fn() -> Result<(), CliError>) -> Result<String, CliError> {
+    let mut finder = Finder::new(model.chain().sites());
+    let mut fates = Vec::new();
+    for word in words {
+        uninterrupted()?;
+        fates.push(format!("{word}  {}", fate(&mut finder, model, word)?));
     }
-    console.answer(&text(&words, &rows, args.all), taken)?;
-    if let Some(mut file) = file.take() {
-        for row in rows.iter().filter(|row| args.all || row.is_physical()) {
-            file.row(row.fields())?;
-        }
-        file.finish()?;
-    }
-    Ok(())
+    Ok(format!("{}\n{} words up to symmetry\n", fates.join("\n"), words.len()))
 }
 
 /// How far a word is physical from γ₂ = 0 on, and what ends that; windows narrower than a step may be missed.

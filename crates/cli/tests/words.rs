@@ -19,30 +19,42 @@ fn orbit(desk: &Desk, line: &str) -> Value {
 #[test]
 fn checked_words_are_printed_with_their_numbers() {
     let desk = Desk::new();
-    let mut checked = 0;
+    let (mut checked, mut lattices) = (0, 0);
     for case in words() {
         let (model, word) = (&case.model, case.word.parse::<Word>().unwrap());
+        let (chain, layout) = (model.chain(), model.chain().layout());
         // In other families' names and places the numbers are the same, but not the list of impacts.
-        if word.family().is_some() || word.canonical(model) != word || !model.is_conservative() {
+        let family = chain.is_ring() && word.family().is_some();
+        if family || word.canonical(model) != word || !model.is_conservative() {
             continue;
         }
-        let chain = model.chain();
-        let flags = format!(
+        let mut flags = format!(
             "--sites {} --gamma1 {} --gamma2 {} --omega {} --asymmetry {}",
-            chain.sites(),
+            chain.length(),
             chain.gamma1(),
             chain.gamma2(),
             model.omega(),
             model.asymmetry()
         );
+        if !chain.is_ring() {
+            flags += &format!(" --ends {}", chain.ends());
+            lattices += 1;
+        }
+        if chain.layers() > 1 {
+            let (layers, gamma3, ends) = (chain.layers(), chain.gamma3(), chain.layer_ends());
+            flags += &format!(" --layers {layers} --gamma3 {gamma3} --layer-ends {ends}");
+        }
         let answer = orbit(&desk, &format!("--word {word} {flags}"));
         let solution = &answer["solutions"][0];
         assert_eq!(solution["word"], case.word);
         assert_eq!(answer["completeness"]["by"], "reversible");
         assert_eq!(solution["physical"], case.physical.unwrap(), "{word}");
         for impact in solution["impacts"].as_array().unwrap() {
-            let same =
-                |hit: &&vibrochain_breather::Hit| impact["site"] == hit.site && impact["barrier"] == hit.barrier.name();
+            let same = |hit: &&vibrochain_breather::Hit| {
+                let (site, layer) = layout.place(hit.site);
+                let of_layer = chain.layers() == 1 && impact["layer"].is_null() || impact["layer"] == layer;
+                impact["site"] == site && of_layer && impact["barrier"] == hit.barrier.name()
+            };
             let impulse = case.hits.iter().find(same).unwrap().impulse;
             assert!((impact["impulse"].as_f64().unwrap() - impulse).abs() < 1e-12, "{word}");
         }
@@ -50,7 +62,7 @@ fn checked_words_are_printed_with_their_numbers() {
         assert!((radius - case.spectral_radius).abs() < 1e-6 * radius, "{word}: {radius}");
         checked += 1;
     }
-    assert!(checked >= 20, "{checked}");
+    assert!(checked >= 40 && lattices >= 19, "{checked} {lattices}");
 }
 
 #[test]
@@ -71,11 +83,11 @@ fn words_that_cannot_be_are_refused_by_name() {
     let desk = Desk::new();
     let long = "0+,".repeat(64) + "0-";
     for (word, part) in [
-        ("0+25-", "site 25 does not exist: this ring has the sites 0 to 20"),
+        ("0+25-", "site 25 does not exist: this chain has the sites 0 to 20"),
         ("0+0-", "site 0 cannot be on both barriers at one instant"),
         ("0+,,0-", "instant 2 of the word has no impact"),
         ("up", "`up` is not an impact"),
-        ("0:1+", "layer 1 does not exist"),
+        ("0:1+", "layer 1 does not exist: this lattice has the layers 0 to 0"),
         (&long, "65 impacts are too many"),
     ] {
         for command in ["orbit", "simulate", "locate --event fold --free omega"] {

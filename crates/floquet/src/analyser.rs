@@ -3,9 +3,10 @@
 //! | orbit | path |
 //! |---|---|
 //! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
+//! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
 //! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
-//! | impacts at several sites, and whatever the secular form doubts | dense matrix |
+//! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
 
@@ -16,7 +17,7 @@ use crate::dense::{Dense, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
-use crate::secular::{ForcedSecular, Secular, SecularError};
+use crate::secular::{ForcedSecular, Pair, Partners, Secular, SecularError};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -51,6 +52,7 @@ pub struct Analyser {
     dense_only: bool,
     pub(crate) dense: Dense,
     pub(crate) secular: Secular,
+    pub(crate) partners: Partners,
     pub(crate) forced: ForcedSecular,
 }
 
@@ -157,16 +159,22 @@ impl Analyser {
         let Question { orbit, thorough, .. } = question;
         let alone = uncoupled(orbit);
         let secular = !self.dense_only && orbit.centre().is_some() && !alone;
+        let pair = Pair::of(orbit).filter(|_| !self.dense_only && !orbit.model().chain().is_uncoupled());
         let mut doubt = None;
-        if secular {
-            match self.by_secular_function(question, finder) {
+        if secular || pair.is_some() {
+            let answer = match pair {
+                Some(pair) => self.by_partners(pair, question, finder),
+                None => self.by_secular_function(question, finder),
+            };
+            match answer {
                 Ok(answer) => return Ok(answer),
                 Err(Failure::Floquet(error)) => return Err(error),
                 Err(Failure::SecularError(why)) => doubt = Some(why),
             }
         }
         if let Some(doubt) = doubt {
-            let modes = orbit.model().chain().even_modes();
+            let chain = orbit.model().chain();
+            let modes = if pair.is_some() { chain.sites() } else { chain.even_modes() };
             let dimension = if orbit.is_reversible() { modes } else { 2 * modes };
             if dimension > MAX_DIMENSION {
                 return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });

@@ -8,7 +8,9 @@ use crate::analyser::{Analyser, Failure};
 use crate::dense::Dense;
 use crate::error::FloquetError;
 use crate::saltation::saltations;
-use crate::secular::{ForcedSecular, Leading, MOST_IMPACTS, Nu, SecularError, Standing, excess, meetings};
+use crate::secular::{
+    ForcedSecular, Leading, MOST_IMPACTS, Nu, SecularError, SecularVerdict, Standing, excess, meetings,
+};
 use crate::verdict::{Question, Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -29,21 +31,9 @@ const ROOM: f64 = 4.0;
 
 impl Analyser {
     pub(crate) fn reversible(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {
-        let Question { orbit, tolerance, thorough } = question;
+        let orbit = question.orbit;
         let _ = saltations(orbit)?;
-        // All that the form takes from the orbit is the ratio of its impulses.
-        let ratio_error = if orbit.impacts().len() < 2 {
-            0.0
-        } else if thorough || finder.is_delicate(orbit)? {
-            let condition = finder.condition(orbit)?;
-            let relative = orbit.impacts().iter().zip(&condition.impacts).map(|(i, error)| error.impulse / i.impulse);
-            relative.map(f64::abs).sum()
-        } else {
-            let sizes = orbit.impacts().iter().map(|impact| impact.impulse.abs());
-            let (least, most) =
-                sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)));
-            4.0 * f64::EPSILON * most / least
-        };
+        let ratio_error = ratio_error(question, finder)?;
         self.secular.residues.replace_within(finder.prepared(orbit)?, ratio_error)?;
         let found = self.secular.verdict();
         let open = match &found {
@@ -54,17 +44,7 @@ impl Analyser {
         if open && let Ok(verdict) = self.told_apart(question, finder) {
             return Ok(verdict);
         }
-        let found = found?;
-        Ok(match (found.outcome, found.leading) {
-            (Standing::Unstable, Some(leading)) => {
-                check(found.growth, found.growth_error, question)?;
-                Verdict::of_growth(leading, found.growth, found.growth_error, tolerance)
-            }
-            (Standing::Marginal, Some(leading)) => {
-                Verdict::unsettled(leading, found.growth, found.growth_error, tolerance)
-            }
-            _ => Verdict::on_circle(None),
-        })
+        told(&found?, question)
     }
 
     /// A verdict that hangs on the errors of residues next to coincident poles: the multipliers are settled by the impacts' equations,
@@ -126,6 +106,36 @@ impl Analyser {
         check(growth, error, question)?;
         Ok(settle(self.forced.multipliers().0, place, growth, error, tolerance))
     }
+}
+
+/// Error of the ratio of the impulses at the two instants of a reversible orbit, relative: all that the form takes from the orbit.
+pub(crate) fn ratio_error(question: Question<'_>, finder: &mut Finder) -> Result<f64, FloquetError> {
+    let impacts = question.orbit.impacts();
+    Ok(if question.orbit.instants().count() < 2 {
+        0.0
+    } else if question.thorough || finder.is_delicate(question.orbit)? {
+        let condition = finder.condition(question.orbit)?;
+        let relative = impacts.iter().zip(&condition.impacts).map(|(i, error)| error.impulse / i.impulse);
+        relative.map(f64::abs).sum()
+    } else {
+        let sizes = impacts.iter().map(|impact| impact.impulse.abs());
+        let (least, most) =
+            sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)));
+        4.0 * f64::EPSILON * most / least
+    })
+}
+
+/// What the secular function says, held against the tolerance.
+pub(crate) fn told(found: &SecularVerdict, question: Question<'_>) -> Result<Verdict, Failure> {
+    let tolerance = question.tolerance;
+    Ok(match (found.outcome, found.leading) {
+        (Standing::Unstable, Some(leading)) => {
+            check(found.growth, found.growth_error, question)?;
+            Verdict::of_growth(leading, found.growth, found.growth_error, tolerance)
+        }
+        (Standing::Marginal, Some(leading)) => Verdict::unsettled(leading, found.growth, found.growth_error, tolerance),
+        _ => Verdict::on_circle(None),
+    })
 }
 
 /// An error that a dense solver would beat is a doubt.

@@ -11,7 +11,7 @@
 //! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
 //! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
 //! | `stripes` | [`DressedModes`], [`Collision`]: which modes collide |
-//! | `analyser`, `by_secular` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `analyser`, `by_secular`, `by_partners` | [`stability`], [`Analyser`]: the path that fits an orbit |
 //! | `dense`, `reversible` | the smallest matrix that has the multipliers |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
 //! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
@@ -40,6 +40,7 @@
 
 mod analyser;
 mod bracket;
+mod by_partners;
 mod by_secular;
 mod certainty;
 mod dense;

@@ -33,6 +33,8 @@ pub(crate) struct ReversibleWord {
     pub(crate) block: Square,
     reflector: Reflector,
     left: Vec<f64>,
+    /// Of the last orbit's chain: that of the next one in most sweeps.
+    spectrum: Option<Spectrum>,
 }
 
 impl ReversibleWord {
@@ -57,32 +59,43 @@ impl ReversibleWord {
             first.for_each(|impact| self.left[impact.site] = impact.velocity_before * omega);
         }
 
-        let spectrum = Spectrum::new(*chain);
+        let spectrum = match self.spectrum.take() {
+            Some(spectrum) if spectrum.chain() == chain => spectrum,
+            _ => Spectrum::new(*chain),
+        };
         let (half, whole) = (Propagator::new(&spectrum, 0.5 * period), Propagator::new(&spectrum, period));
+        self.spectrum = Some(spectrum);
         let flight = |n: usize, m: usize| {
             let [[c, s], [minus_s, _]] = half.block(n, m);
             (c, s, -minus_s)
         };
-        let entry = |n: usize, m: usize| {
-            let [[mut a, mut b], [mut c, _]] = whole.block(n, m);
-            for hit in &middle {
-                let ((c_n, s_n, t_n), (c_m, s_m, t_m)) = (flight(n, hit.site), flight(hit.site, m));
-                a += s_n * (2.0 * t_m + hit.kappa * c_m) - 2.0 * c_n * c_m;
-                b += hit.kappa * s_n * s_m - 2.0 * (c_n * s_m + s_n * c_m);
-                c += hit.kappa * c_n * c_m + 2.0 * (t_n * c_m + c_n * t_m);
-            }
-            (a, b, c)
+        let a = |n: usize, m: usize| {
+            middle.iter().fold(whole.block(n, m)[0][0], |a, hit| {
+                let ((c_n, s_n, _), (c_m, _, t_m)) = (flight(n, hit.site), flight(hit.site, m));
+                a + (s_n * (2.0 * t_m + hit.kappa * c_m) - 2.0 * c_n * c_m)
+            })
+        };
+        let b = |n: usize, m: usize| {
+            middle.iter().fold(whole.block(n, m)[0][1], |b, hit| {
+                let ((c_n, s_n, _), (c_m, s_m, _)) = (flight(n, hit.site), flight(hit.site, m));
+                b + (hit.kappa * s_n * s_m - 2.0 * (c_n * s_m + s_n * c_m))
+            })
+        };
+        let c = |n: usize, m: usize| {
+            middle.iter().fold(whole.block(n, m)[1][0], |c, hit| {
+                let ((c_n, _, t_n), (c_m, _, t_m)) = (flight(n, hit.site), flight(hit.site, m));
+                c + (hit.kappa * c_n * c_m + 2.0 * (t_n * c_m + c_n * t_m))
+            })
         };
         self.block.reset(sites);
         for n in 0..sites {
             for m in 0..sites {
-                let (a, b, c) = entry(n, m);
                 self.block.row_mut(n)[m] = match (ends[n], ends[m]) {
-                    (None, None) => a,
+                    (None, None) => a(n, m),
                     // β in units of velocities over ω.
-                    (None, Some(_)) => -b * omega,
-                    (Some(kappa), None) => (c - 0.5 * kappa * a) / omega,
-                    (Some(kappa), Some(_)) => 0.5 * kappa * b - entry(m, n).0,
+                    (None, Some(_)) => -b(n, m) * omega,
+                    (Some(kappa), None) => (c(n, m) - 0.5 * kappa * a(n, m)) / omega,
+                    (Some(kappa), Some(_)) => 0.5 * kappa * b(n, m) - a(m, n),
                 };
             }
         }

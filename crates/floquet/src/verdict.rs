@@ -220,6 +220,15 @@ impl Verdict {
         }
     }
 
+    /// The verdict on two spaces that do not mix.
+    pub(crate) fn or_worse(self, other: Self) -> Self {
+        let rank = |verdict: &Self| (!verdict.stable && !verdict.marginal, verdict.marginal, verdict.growth);
+        let (worse, better) = if rank(&self) < rank(&other) { (other, self) } else { (self, other) };
+        // An instability beyond doubt stays one, but how large it is may be in question.
+        let open = better.growth + better.resolution - worse.growth;
+        Self { resolution: if better.marginal { worse.resolution.max(open) } else { worse.resolution }, ..worse }
+    }
+
     /// A growth that may as well be none.
     pub(crate) fn unsettled(leading: Complex<f64>, growth: f64, resolution: f64, tolerance: Tolerance) -> Self {
         let stable = growth + resolution < tolerance.allowed();

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Finder, Found, Letter, Wanted, Word};
-use vibrochain_floquet::{Complex, FloquetError, Mechanism, Tolerance, full_monodromy, stability};
+use vibrochain_floquet::{Analyser, Complex, FloquetError, Mechanism, Method, Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Barrier, Chain, Model};
 use vibrochain_testkit::{Random, Ranges, Values, dense};
 
@@ -91,4 +91,69 @@ fn far_breathers_hardly_feel_each_other() {
         last = growth;
     }
     assert!(last > 1e-4 && last < 1e-2, "{last}");
+}
+
+/// A pair that a reflection exchanges: its blocks against the dense block, which knows of no symmetry.
+#[test]
+fn blocks_of_pairs_are_the_dense_block() {
+    let mut random = Random(77);
+    let (mut checked, mut unstable, mut stable, mut spared, mut opposite, mut one_instant) = (0, 0, 0, 0, 0, 0);
+    for _ in 0..1500 {
+        let sites = 2 + random.below(15);
+        let gamma1 = random.log(0.01, 0.6);
+        let chain = Chain::new(sites, gamma1, random.log(1e-3, 0.4)).unwrap();
+        let out = random.chance(0.3);
+        let asymmetry = if out { 0.0 } else { random.between(0.0, 0.8) };
+        let model = Model::conservative(chain, random.between(0.5, 3.0), asymmetry).unwrap();
+        let distance = 1 + random.below(sites - 1);
+        let words = if out {
+            [format!("0+{distance}-,0-{distance}+"), format!("0-{distance}+")]
+        } else {
+            [format!("0+{distance}+,0-{distance}-"), format!("0-{distance}-")]
+        };
+        let word: Word = words[usize::from(random.chance(0.4))].parse().unwrap();
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        for orbit in &found.orbits {
+            let answer = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding);
+            let reference = Analyser::dense().stability(orbit, &mut finder, Tolerance::Rounding);
+            let (answer, reference) = match (answer, reference) {
+                (Err(FloquetError::Grazing { .. }), Err(_)) => continue,
+                (answer, reference) => (answer.unwrap(), reference.unwrap()),
+            };
+            if answer.verdict.method != Method::Secular {
+                continue;
+            }
+            let told = format!("{word} {model} {:?} {:?}", answer.verdict, reference.verdict);
+            assert_eq!(answer.multipliers.len(), 2 * sites, "{told}");
+            let (verdict, dense) = (answer.verdict, reference.verdict);
+            let radius = verdict.spectral_radius;
+            assert!((radius - dense.spectral_radius).abs() <= 1e-6 * radius, "{told}");
+            if !verdict.marginal && !dense.marginal {
+                assert_eq!((verdict.stable, verdict.mechanism), (dense.stable, dense.mechanism), "{told}");
+            }
+            // All multipliers, where they are not next to each other.
+            let nu = |multipliers: &[Complex<f64>]| {
+                let mut sums = [Complex::new(0.0, 0.0); 5];
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    *sum = multipliers.iter().map(|mu| mu.powi(k as i32 + 1)).sum();
+                }
+                sums
+            };
+            let scale = radius.powi(6) * sites as f64;
+            for (one, other) in nu(&answer.multipliers).into_iter().zip(nu(&reference.multipliers)) {
+                assert!((one - other).norm() < 1e-8 * scale, "{one} {other} {told}");
+            }
+            unstable += usize::from(verdict.mechanism.is_some());
+            stable += usize::from(verdict.stable);
+            spared += usize::from(sites % 2 == 0 && 2 * distance == sites);
+            opposite += usize::from(out);
+            one_instant += usize::from(word.instants().len() == 1);
+            checked += 1;
+        }
+    }
+    println!("{checked} {unstable} {stable} {spared} {opposite} {one_instant}");
+    assert!(checked > 800 && unstable > 300 && stable > 100 && spared > 30 && opposite > 200 && one_instant > 200);
 }

@@ -62,6 +62,12 @@ impl Local<'_> {
         total(value) + self.origin.map_or(0.0, |origin| series(&self.leaf.far[0][0], origin + t * self.leaf.scale))
     }
 
+    /// The residue of a pole at the origin itself.
+    pub(crate) fn charge_here(&self) -> f64 {
+        let pairs = self.leaf.charges[0].as_flattened().iter().zip(self.distances.as_flattened());
+        pairs.filter(|(_, distance)| **distance == 0.0).map(|(residue, _)| residue).sum()
+    }
+
     /// Error of F from those of the residues, of the poles and of the sum.
     pub(crate) fn noise(&self, t: Complex<f64>) -> f64 {
         let mut noise = ZERO;

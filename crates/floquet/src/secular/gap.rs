@@ -124,7 +124,12 @@ fn middle(low: f64, high: f64) -> f64 {
 pub(crate) fn beyond(local: Local<'_>) -> f64 {
     let Jet { value, slope, .. } = local.jet(0.0);
     let nearest = local.distances.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-    let guess = if slope > 0.0 { -value / slope } else { nearest };
+    let guess = match slope > 0.0 {
+        // At a pole F = R/δ + …, with a rest that is of the order of 1.
+        _ if nearest == 0.0 => local.charge_here().abs(),
+        true => -value / slope,
+        false => nearest,
+    };
     let mut high = 2.0 * guess.max(f64::MIN_POSITIVE);
     let mut low = 0.0;
     while local.value(high) <= 0.0 && high < 1e300 {

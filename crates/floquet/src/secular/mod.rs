@@ -6,6 +6,7 @@
 //! | `single_sided`, `double_sided` | derivation and residues of F for reversible orbits |
 //! | `residues` | [`Residues`]: poles, residues, certificates |
 //! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
+//! | `foreign`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference |
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
@@ -35,6 +36,7 @@ mod forced_count;
 mod forced_large;
 mod forced_roots;
 mod forced_verdict;
+mod foreign;
 mod gap;
 mod growth;
 mod impact_matrix;
@@ -47,6 +49,7 @@ mod missing;
 mod modes;
 mod other_modes;
 mod pair;
+mod partners;
 mod pole;
 mod rational;
 mod residues;
@@ -69,6 +72,7 @@ pub(crate) use impact_matrix::ImpactMatrix;
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
 pub(crate) use modes::{Mode, Modes};
+pub(crate) use partners::{Pair, Partners};
 pub use residues::Residues;
 pub use shapes::ModalShape;
 pub use verdict::{Reason, Secular, SecularVerdict, Standing};

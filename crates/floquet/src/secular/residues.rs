@@ -5,10 +5,11 @@ use vibrochain_breather::Prepared;
 
 use super::error::SecularError;
 use super::evaluate::Local;
+use super::foreign::Foreign;
 use super::growth::Nu;
 use super::leaf::{ChargedPole, Leaf, divide};
 use super::modes::Modes;
-use super::pole::Pole;
+use super::pole::{NO_MODE, Pole};
 use super::{double_sided, large, single_sided};
 use vibrochain_breather::lanes::{Lane, fill};
 
@@ -58,6 +59,8 @@ pub struct Residues {
     sum: f64,
     trace: f64,
     pub(crate) expected_trace: f64,
+    /// The last pole is at 1, in place of a trivial pair, see [`super::foreign`].
+    pub(super) has_pole_at_one: bool,
     total_error: f64,
 }
 
@@ -76,33 +79,67 @@ impl Residues {
         if !prepared.orbit().is_reversible() || prepared.orbit().centre().is_none() {
             return Err(SecularError::NotReversible);
         }
+        let ratio = match prepared.orbit().impacts() {
+            [_] => None,
+            [first, second] if first.impulse != 0.0 && second.impulse != 0.0 => {
+                Some((second.impulse / first.impulse, ratio_error))
+            }
+            _ => return Err(SecularError::NotReversible),
+        };
         self.modes.set(prepared.response());
+        self.work_out(ratio, None)
+    }
+
+    /// Takes over modes, from which [`Residues::work_out`] goes on.
+    pub(super) fn set_modes(&mut self, set: impl FnOnce(&mut Modes)) {
+        set(&mut self.modes);
+    }
+
+    pub(super) fn modes(&self) -> &Modes {
+        &self.modes
+    }
+
+    /// Poles and residues of the modes taken over, for one instant or two with this ratio of impulses and its error; `foreign` if these
+    /// are not the modes in which the orbit swings.
+    pub(super) fn work_out(
+        &mut self,
+        ratio: Option<(f64, f64)>,
+        foreign: Option<&Foreign<'_>>,
+    ) -> Result<(), SecularError> {
         let large = self.modes.count() > LARGE;
-        match prepared.orbit().impacts() {
-            [_] => {
+        let pole_at_one = match ratio {
+            None => {
                 if large {
                     large::single_sided(&self.modes, &mut self.table);
                 } else {
                     single_sided::residues(&self.modes, &mut self.table);
                 }
-                self.expected_trace = single_sided::trace(&self.modes);
+                self.expected_trace = single_sided::trace(&self.modes, foreign.map_or(0.0, Foreign::offset));
+                foreign.map(|foreign| foreign.single_sided(&self.modes, &mut self.table))
             }
-            [first, second] if first.impulse != 0.0 && second.impulse != 0.0 => {
-                let saltations =
-                    double_sided::Saltations::new(&self.modes, second.impulse / first.impulse, ratio_error);
+            Some((ratio, ratio_error)) => {
+                let orbit = foreign.map_or(&self.modes, |foreign| foreign.orbit);
+                let saltations = double_sided::Saltations::new(orbit, ratio, ratio_error);
                 if large {
                     large::double_sided(&self.modes, &saltations, &mut self.table);
                 } else {
                     double_sided::residues(&self.modes, &saltations, &mut self.masked, &mut self.table);
                 }
                 self.expected_trace = double_sided::trace(&self.modes, &saltations);
+                foreign.map(|foreign| foreign.double_sided(&self.modes, ratio, ratio_error))
             }
-            _ => return Err(SecularError::NotReversible),
-        }
-        if let [only] = self.table.as_mut_slice() {
-            // One mode: the trivial pair is all there is.
-            (only.residue, only.error) = (1.0, 0.0);
-            self.expected_trace = only.at.d;
+        };
+        self.has_pole_at_one = pole_at_one.is_some();
+        match (pole_at_one, self.table.as_mut_slice()) {
+            // A rigid mode has its own pole there.
+            (Some(pole), _) if !pole.residue.is_finite() => return Err(SecularError::Coincident { mode: 0 }),
+            (Some(pole), _) => self.table.push(pole),
+            (None, [only]) => {
+                // One mode: the trivial pair is all there is.
+                (only.residue, only.error) = (1.0, 0.0);
+                self.expected_trace = only.at.d;
+            }
+            _ => {}
         }
         self.mend();
         // Frequencies rise, so that poles often come in falling order.
@@ -173,6 +210,19 @@ impl Residues {
         Nu { below: t.re - pole.below_one, above: t.re + pole.above_minus_one, im: t.im }
     }
 
+    /// F at an end ±1, its slope and its error; at a pole those of (ν−1)F.
+    pub(super) fn at_end(&self, end: f64, local: Local<'_>) -> (f64, f64, f64) {
+        match self.table.split_last() {
+            Some((pole, others)) if end > 0.0 && self.has_pole_at_one => {
+                (pole.residue, others.iter().map(|other| other.residue / other.below_one).sum(), pole.error)
+            }
+            _ => {
+                let at = local.jet(0.0);
+                (at.value, at.slope, local.noise(Complex::new(0.0, 0.0)))
+            }
+        }
+    }
+
     /// The residue known worst, from ΣR = 1.
     fn mend(&mut self) {
         let Some(worst) = (0..self.table.len()).max_by(|&i, &j| self.table[i].error.total_cmp(&self.table[j].error))
@@ -230,7 +280,7 @@ impl Residues {
 
     /// The mode k to which a pole belongs, by the pole's place.
     pub fn mode(&self, place: usize) -> Option<usize> {
-        self.table.get(place).map(|pole| pole.mode as usize)
+        self.table.get(place).filter(|pole| pole.mode != NO_MODE).map(|pole| pole.mode as usize)
     }
 
     /// ΣR_k − 1, a certificate.

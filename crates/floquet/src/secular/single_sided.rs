@@ -87,9 +87,9 @@ pub(crate) fn residues(modes: &Modes, poles: &mut Vec<Pole>) {
     }
 }
 
-/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1.
-pub(crate) fn trace(modes: &Modes) -> f64 {
-    let (mut mean, mut coupling, mut stiffness) = (0.0, 0.0, 0.0);
+/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1. 2κ' is Σb²c/x less `offset`.
+pub(crate) fn trace(modes: &Modes, offset: f64) -> f64 {
+    let (mut mean, mut coupling, mut stiffness) = (0.0, 0.0, -offset);
     for &Mode { weight: w, cos: c, sin: s, sin_over: x, .. } in modes.list() {
         mean += w * (c * c - s * s);
         coupling += 2.0 * w * x * c;

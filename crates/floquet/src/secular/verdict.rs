@@ -157,8 +157,11 @@ impl Secular {
         for (place, (residue, error)) in signs.iter().zip(errors).enumerate() {
             // Not a number is a doubt, too.
             let known = residue.abs() > *error;
-            if !known && count > 1 {
-                let mode = form.mode(place).unwrap_or_default();
+            // What a pole at 1 leaves open is whether a root is next to 1.
+            if !known
+                && count > 1
+                && let Some(mode) = form.mode(place)
+            {
                 if !large {
                     return Err(SecularError::Signature { mode });
                 }
@@ -179,17 +182,16 @@ impl Secular {
             // Beyond ±1: the sum over 1/(|ν|−|d|…) is positive far away.
             for (end, distances, outermost) in [(1.0, &form.below_one, last), (-1.0, &form.above_minus_one, first)] {
                 let local = form.about(distances);
-                let at = local.jet(0.0);
-                let error = local.noise(Complex::new(0.0, 0.0));
-                let distance = (at.value / at.slope).abs();
+                let (value, slope, error) = form.at_end(end, local);
+                let distance = (value / slope).abs();
                 clearance = clearance.min(distance);
                 // The sign next to the outermost pole is that of its residue.
-                counted += usize::from((outermost > 0.0) != (at.value > 0.0)) + usize::from(at.value < 0.0);
-                if at.value.abs() <= error {
-                    let reach = (at.value.abs() + error) / at.slope.abs();
+                counted += usize::from((outermost > 0.0) != (value > 0.0)) + usize::from(value < 0.0);
+                if value.abs() <= error {
+                    let reach = (value.abs() + error) / slope.abs();
                     let (nu, growth) = (Nu::beyond(end, reach), outside(reach));
                     marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
-                } else if at.value < 0.0 {
+                } else if value < 0.0 {
                     let delta = beyond(local);
                     let error = local.root_error(delta);
                     let (nu, growth) = (Nu::beyond(end, delta), outside(delta));
