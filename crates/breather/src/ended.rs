@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use vibrochain_lattice::Resonance;
+use vibrochain_lattice::{Parameter, Resonance};
 
 /// What ends a branch.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum End {
-    /// It turns back in γ₂.
+    /// It turns back.
     Fold,
     /// An impact loses its velocity.
     Grazing {
@@ -21,13 +21,15 @@ pub enum End {
     Lost,
 }
 
-/// Where a branch that was followed from γ₂ = 0 ended.
+/// Where a branch that was followed from masses without coupling ended.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
 pub struct Ended {
-    /// The coupling.
-    pub gamma2: f64,
+    /// The coupling that was being raised: γ₂, or γ₃ where γ₂ was reached.
+    pub coupling: Parameter,
+    /// Its value.
+    pub value: f64,
     /// The event.
     pub by: End,
 }
@@ -40,6 +42,6 @@ impl fmt::Display for Ended {
             End::Resonance(resonance) => write!(f, "resonance of mode {}", resonance.mode)?,
             End::Lost => write!(f, "an event that could not be told")?,
         }
-        write!(f, " at gamma2 = {}", self.gamma2)
+        write!(f, " at {} = {}", self.coupling, self.value)
     }
 }

@@ -8,7 +8,7 @@ impl Branch {
     /// The first resonance as the parameter goes from one value to another, and the value where it is: a harmonic of the
     /// orbit's frequency on a mode.
     pub fn resonance_within(&self, from: f64, to: f64) -> Option<(f64, Resonance)> {
-        if !matches!(self.free, Parameter::Gamma1 | Parameter::Gamma2 | Parameter::Omega) {
+        if !matches!(self.free, Parameter::Gamma1 | Parameter::Gamma2 | Parameter::Gamma3 | Parameter::Omega) {
             return None;
         }
         let periods = f64::from(self.origin.force_periods());

@@ -1,6 +1,6 @@
-//! Orbits of a word under a force, followed in γ₂ from masses without coupling.
+//! Orbits of a word under a force, followed from masses without coupling: in γ₂ and, where there are layers, then in γ₃.
 //!
-//! At γ₂ = 0 each mass that is hit swings on its own, and the families have all its orbits; the force tells when each hits. Every
+//! Without coupling each mass that is hit swings on its own, and the families have all its orbits; the force tells when each hits. Every
 //! combination of them that hits in the order of the word is a start.
 
 use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
@@ -18,7 +18,10 @@ use crate::word::Word;
 /// The most starts that are followed; each takes some milliseconds.
 const MOST_STARTS: usize = 1024;
 
-/// The longest and the shortest step, where 1 is a change of γ₂ as large as that asked for or of the orbit of order 1.
+/// What couples masses, in the order in which it is raised from 0.
+const COUPLINGS: [Parameter; 2] = [Parameter::Gamma2, Parameter::Gamma3];
+
+/// The longest and the shortest step, where 1 is a change of coupling as large as that asked for or of the orbit of order 1.
 const LONGEST: f64 = 0.1;
 const SHORTEST: f64 = 1e-7;
 
@@ -148,7 +151,7 @@ fn together(model: &Model, word: &Word, sites: &[usize], chosen: &[&Alone]) -> R
             hits.push(Hit::new(letter.site, letter.barrier, turn * model.period(), impulse));
         }
     }
-    let uncoupled = model.with(Parameter::Gamma2, 0.0)?;
+    let uncoupled = COUPLINGS.iter().try_fold(*model, |model, &coupling| model.with(coupling, 0.0))?;
     let psi = first.unwrap_or(0.0) * model.period();
     let orbit = Orbit::from_impulses(&uncoupled, 1, psi, &hits)?;
     Ok(orbit.impacts().iter().all(crate::orbit::Impact::is_right_signed).then_some(orbit))
@@ -156,15 +159,27 @@ fn together(model: &Model, word: &Word, sites: &[usize], chosen: &[&Alone]) -> R
 
 /// Follows an orbit without coupling to the model's.
 fn follow(start: &Orbit, model: &Model) -> Result<Result<Orbit, Ended>, BreatherError> {
-    let target = model.chain().gamma2();
+    let mut orbit = start.clone();
+    for coupling in COUPLINGS {
+        match follow_in(&orbit, coupling, model.get(coupling))? {
+            Ok(there) => orbit = there,
+            ended => return Ok(ended),
+        }
+    }
+    Ok(Ok(orbit))
+}
+
+/// Follows an orbit in one coupling, from 0 to `target`.
+fn follow_in(start: &Orbit, coupling: Parameter, target: f64) -> Result<Result<Orbit, Ended>, BreatherError> {
     if target == 0.0 {
         return Ok(Ok(start.clone()));
     }
+    let ended = |value: f64, by: End| Ok(Err(Ended { coupling, value, by }));
     let branch = |error: BranchError| match error {
         BranchError::Breather(error) => Err(error),
-        _ => Ok(Err(Ended { gamma2: 0.0, by: End::Lost })),
+        _ => ended(0.0, End::Lost),
     };
-    let mut along = match Branch::through(start, Parameter::Gamma2, target) {
+    let mut along = match Branch::through(start, coupling, target) {
         Ok(along) => along,
         Err(error) => return branch(error),
     };
@@ -188,23 +203,22 @@ fn follow(start: &Orbit, model: &Model) -> Result<Result<Orbit, Ended>, Breather
             step = OVER[0];
         }
         let Ok(next) = next else {
-            let gamma2 = point.value();
-            let near = along.resonance_within(gamma2, gamma2 + NEAR * target);
-            let by = near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance));
-            return Ok(Err(Ended { gamma2, by }));
+            let here = point.value();
+            let near = along.resonance_within(here, here + NEAR * target);
+            return ended(here, near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance)));
         };
         if next.heading() <= 0.0 {
             let near = |fold: &BranchPoint| (fold.value() - point.value()).abs() < LONGEST * target;
-            let gamma2 = along.fold(&next).ok().filter(near).map_or(point.value(), |fold| fold.value());
-            return Ok(Err(Ended { gamma2, by: End::Fold }));
+            let there = along.fold(&next).ok().filter(near).map_or(point.value(), |fold| fold.value());
+            return ended(there, End::Fold);
         }
         if let Some(site) = grazing(&next) {
-            let gamma2 = grazing_value(&mut along, &point, &next);
+            let there = grazing_value(&mut along, &point, &next);
             // Where a harmonic meets a mode all impulses vanish.
-            let reach = NEAR * gamma2;
-            let resonance = along.resonance_within(gamma2 - reach, gamma2 + reach);
+            let reach = NEAR * there;
+            let resonance = along.resonance_within(there - reach, there + reach);
             let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
-            return Ok(Err(Ended { gamma2, by }));
+            return ended(there, by);
         }
         if there && next.value() == target {
             return Ok(Ok(next.orbit().clone()));

@@ -151,7 +151,7 @@ fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
         "exhausted": exhausted,
     });
     if !found.ended.is_empty() {
-        let ended = |ended: &Ended| json!({ "gamma2": ended.gamma2, "message": ended.to_string() });
+        let ended = |ended: &Ended| json!({ ended.coupling.name(): ended.value, "message": ended.to_string() });
         value["ended"] = found.ended.iter().map(ended).collect();
     }
     value

@@ -198,9 +198,9 @@ fn followed_words_are_orbits_and_their_ends_are_ends() {
         let told = |ended: &&Ended| matches!(ended.by, End::Fold | End::Grazing { .. });
         for ended in found.ended.iter().filter(told) {
             ends += 1;
-            assert!(ended.gamma2 > 0.0 && ended.gamma2 < gamma2, "{ended} {word}");
+            assert!(ended.value > 0.0 && ended.value < gamma2, "{ended} {word}");
             let at = |part: f64| {
-                let model = model.with(Parameter::Gamma2, part * ended.gamma2).unwrap();
+                let model = model.with(Parameter::Gamma2, part * ended.value).unwrap();
                 let (mut finder, mut found) = (Finder::new(9), Found::default());
                 finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
                 found
