@@ -32,7 +32,7 @@ impl Orbit {
             family: draft.family,
             force_periods: draft.force_periods,
             psi: draft.psi,
-            steady: model.steady_response()?,
+            steady: model.steady()?,
             impacts: draft.impacts.iter().map(impact).collect(),
             sources: draft.sources,
             uniform_offset: draft.uniform_offset,

@@ -100,7 +100,8 @@ impl<'a> Equations<'a> {
 
     /// G and its first three derivatives at impact `i`.
     fn force(&self, i: usize) -> [f64; 4] {
-        self.orbit.steady().jet(self.impact(i).time + self.orbit.psi_or_zero())
+        let impact = self.impact(i);
+        self.orbit.steady().at(impact.site).jet(impact.time + self.orbit.psi_or_zero())
     }
 
     /// What is left of the equations.
@@ -207,8 +208,9 @@ impl<'a> Equations<'a> {
 
     /// Error of G's derivative of some order at impact `i`.
     pub(crate) fn force_rounding(&self, i: usize, order: usize) -> f64 {
-        let t = self.impact(i).time + self.orbit.psi_or_zero();
-        let moduli = self.orbit.steady().moduli(t);
+        let impact = self.impact(i);
+        let t = impact.time + self.orbit.psi_or_zero();
+        let moduli = self.orbit.steady().sensitivity(impact.site).moduli(t);
         UNIT * (moduli[order] + t.abs() * moduli[order + 1])
     }
 

@@ -5,7 +5,7 @@
 //! from one interval to the next) and swings them forward.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Wave};
+use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Steady, Wave};
 
 use crate::error::BreatherError;
 use crate::lanes::{LANES, Lane, combine, groups};
@@ -23,7 +23,7 @@ struct Origin {
     chain: Chain,
     period: f64,
     psi: f64,
-    steady: Wave,
+    steady: Steady,
     uniform_offset: f64,
     /// Site, time, impulse.
     impacts: SmallVec<[(usize, f64, f64); 2]>,
@@ -50,7 +50,7 @@ impl Origin {
             && self.uniform_offset == orbit.uniform_offset()
             && self.impacts.iter().copied().eq(impacts(orbit))
             && self.net_impulses.iter().copied().eq(net_impulses(orbit))
-            && self.steady.terms() == orbit.steady().terms()
+            && self.steady == *orbit.steady()
     }
 }
 
@@ -73,6 +73,13 @@ pub struct Kinematics {
     pub velocity: f64,
     /// v̈_n, force included
     pub acceleration: f64,
+}
+
+impl Kinematics {
+    fn of(motion: &Wave, t: f64) -> Self {
+        let [displacement, velocity, acceleration, _] = motion.jet(t);
+        Self { displacement, velocity, acceleration }
+    }
 }
 
 /// A mass, the displacements of its neighbours, and Σ|Ω²q| over the modes there.
@@ -104,7 +111,7 @@ pub struct Motion {
     frequencies: Vec<f64>,
     period: f64,
     psi: f64,
-    steady: Wave,
+    steady: Steady,
     chain: Chain,
     force: Wave,
     sites: Vec<usize>,
@@ -113,6 +120,8 @@ pub struct Motion {
     states: Vec<(f64, f64)>,
     /// The modes at the time last asked for: [source][mode] displacement, velocity, acceleration.
     now: Vec<[f64; 3]>,
+    /// t+ψ, and the motion under the force, where it is uniform.
+    now_time: f64,
     now_force: Kinematics,
 }
 
@@ -127,13 +136,14 @@ impl Motion {
             frequencies: Vec::new(),
             period: 1.0,
             psi: 0.0,
-            steady: Wave::default(),
+            steady: Steady::default(),
             chain: *chain,
             force: Wave::default(),
             sites: Vec::new(),
             starts: Vec::new(),
             states: Vec::new(),
             now: Vec::new(),
+            now_time: 0.0,
             now_force: Kinematics::default(),
         }
     }
@@ -250,8 +260,8 @@ impl Motion {
             let displacement = q * cos + p * sin_over;
             *now = [displacement, p * cos - q * frequency * sin, -frequency * frequency * displacement];
         }
-        let [displacement, velocity, acceleration, _] = self.steady.jet(self.force_time(i, elapsed));
-        self.now_force = Kinematics { displacement, velocity, acceleration };
+        self.now_time = self.force_time(i, elapsed);
+        self.now_force = self.steady.uniform().map(|motion| Kinematics::of(motion, self.now_time)).unwrap_or_default();
     }
 
     /// Displacements and velocities of several masses at the time last sought, as [`Motion::site`] has them; quick for the
@@ -281,7 +291,7 @@ impl Motion {
             for now in &self.now {
                 (0..3).for_each(|i| sum[i] += now[i]);
             }
-            return self.forced(sum);
+            return self.forced(site, sum);
         }
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
             let mut shapes = self.shapes.evens(site, source);
@@ -294,7 +304,7 @@ impl Motion {
                 (0..3).for_each(|i| sum[i] += part[i]);
             }
         }
-        self.forced(sum)
+        self.forced(site, sum)
     }
 
     /// Whether all modes of a small ring are 1 at `site`: it takes all impacts.
@@ -302,19 +312,31 @@ impl Motion {
         self.sites == [site] && self.chain.is_ring() && self.now.len() <= BLOCK
     }
 
-    /// Adds the uniform motion under the force.
-    fn forced(&self, [displacement, velocity, acceleration]: [f64; 3]) -> Kinematics {
+    /// The motion of a mass under the force, at the time last sought.
+    fn driven(&self, site: usize) -> Kinematics {
+        match self.steady.uniform() {
+            Some(_) => self.now_force,
+            None => Kinematics::of(&self.steady.at(site), self.now_time),
+        }
+    }
+
+    /// Adds it.
+    fn forced(&self, site: usize, [displacement, velocity, acceleration]: [f64; 3]) -> Kinematics {
+        let force = self.driven(site);
         Kinematics {
-            displacement: displacement + self.now_force.displacement,
-            velocity: velocity + self.now_force.velocity,
-            acceleration: acceleration + self.now_force.acceleration,
+            displacement: displacement + force.displacement,
+            velocity: velocity + force.velocity,
+            acceleration: acceleration + force.acceleration,
         }
     }
 
     /// Displacement and velocity of all masses at the time last sought, as one complex number; in O(M log M) for a large ring.
     pub(crate) fn all_sites(&mut self, out: &mut Vec<Complex<f64>>) {
         out.clear();
-        out.resize(self.sites(), Complex::new(self.now_force.displacement, self.now_force.velocity));
+        out.extend((0..self.sites()).map(|n| {
+            let force = self.driven(n);
+            Complex::new(force.displacement, force.velocity)
+        }));
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
             self.shapes.add_all(source, modes.iter().map(|now| Complex::new(now[0], now[1])), out);
         }

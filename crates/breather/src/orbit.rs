@@ -7,7 +7,7 @@
 //! ```
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Wave};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Steady};
 
 /// Impacts closer than this part of the period are at one instant: farther apart than rounding of their times, nearer than anything
 /// that happens between two of them.
@@ -101,7 +101,7 @@ pub struct Orbit {
     pub(crate) family: Family,
     pub(crate) force_periods: u32,
     pub(crate) psi: f64,
-    pub(crate) steady: Wave,
+    pub(crate) steady: Steady,
     pub(crate) impacts: SmallVec<[Impact; 2]>,
     pub(crate) sources: SmallVec<[Source; 1]>,
     pub(crate) uniform_offset: f64,
@@ -222,7 +222,7 @@ impl Orbit {
     }
 
     /// G, the uniform motion driven by the force, as a function of t+ψ.
-    pub fn steady(&self) -> &Wave {
+    pub fn steady(&self) -> &Steady {
         &self.steady
     }
 

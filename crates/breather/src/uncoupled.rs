@@ -80,7 +80,7 @@ fn alone(model: &Model, barriers: &[Barrier]) -> Result<Result<Vec<Alone>, NoBre
 /// All orbits of `word`, of one row, that can be followed to the model's coupling.
 pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut Found) -> Result<(), BreatherError> {
     // A point where no motion is defined has no answer, whatever leads there.
-    let _ = model.steady_response()?;
+    let _ = model.steady()?;
     finder.prepare(model, model.omega())?;
     let sites: Vec<usize> = word.places().into_iter().map(|(_, site)| site).collect();
     let mut solutions = Vec::new();

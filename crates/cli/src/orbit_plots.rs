@@ -256,7 +256,7 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
     let home = orbit.impact_site().unwrap_or(0);
     let mut all = Vec::new();
     for (i, impact) in orbit.impacts().iter().enumerate() {
-        let uniform = orbit.steady().value(impact.time + orbit.psi().unwrap_or(0.0));
+        let uniform = orbit.steady().at(impact.site).value(impact.time + orbit.psi().unwrap_or(0.0));
         let v = motion.displacements(impact.time);
         let field = |n: usize| if n == 0 { v[home] - uniform } else { beside(orbit, &spectrum, n, impact.time) };
         let points = (0..chain.even_modes()).map(|n| (n as f64, field(n).abs())).collect();

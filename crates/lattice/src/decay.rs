@@ -72,7 +72,7 @@ pub fn harmonic_response(chain: &Chain, w: f64, n: usize) -> f64 {
     }
 }
 
-fn power(factor: f64, n: usize) -> f64 {
+pub(crate) fn power(factor: f64, n: usize) -> f64 {
     // A count beyond i32 would underflow or be 1 all the same.
     factor.powi(i32::try_from(n).unwrap_or(i32::MAX))
 }

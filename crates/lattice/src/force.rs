@@ -184,6 +184,12 @@ impl Wave {
         Ok(wave)
     }
 
+    /// Each term's amplitude times `factor`.
+    pub(crate) fn scaled(mut self, factor: impl Fn(&WaveTerm) -> f64) -> Self {
+        self.terms.iter_mut().take(self.count).for_each(|term| term.amplitude *= factor(term));
+        self
+    }
+
     /// The terms, rising in rate.
     #[inline]
     pub fn terms(&self) -> &[WaveTerm] {

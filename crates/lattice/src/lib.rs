@@ -23,6 +23,7 @@
 //! | `params` | [`Chain`], [`Model`], [`Barrier`]: validated parameters |
 //! | `force` | [`Force`], [`Wave`]: odd harmonics and the uniform motion they drive |
 //! | `line` | [`Ends`]: closed, free, fixed; modes of one row, by images |
+//! | `steady` | [`Steady`]: motion under the force alone, between walls too |
 //! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
 //! | `parameter` | [`Parameter`]: the real ones by name, to be varied |
 //! | `shapes` | [`Shapes`]: what each mode makes of each mass; `ring`, `transform`: cosines to the last digit, all masses at once |
@@ -63,6 +64,7 @@ mod sensitivity;
 mod shapes;
 mod small;
 mod spectrum;
+mod steady;
 mod transform;
 
 pub use decay::{Decay, decay, far_field, far_motion, harmonic_response};
@@ -78,3 +80,4 @@ pub use rustfft::num_complex::Complex;
 pub use shapes::Shapes;
 pub use small::{sinc, sine_over};
 pub use spectrum::Spectrum;
+pub use steady::Steady;

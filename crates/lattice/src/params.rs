@@ -3,6 +3,7 @@
 use crate::error::{MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, check};
 use crate::force::{Force, Wave};
 use crate::line::{Ends, Line};
+use crate::steady::Steady;
 
 /// The most masses a ring may have; beyond it the work arrays would not fit a usual machine.
 pub const MAX_SITES: usize = 10_000_000;
@@ -253,6 +254,11 @@ impl Chain {
         Self { along, across: ONE_LAYER, gamma1: 1.0, gamma2: 0.0, gamma3: 0.0 }
     }
 
+    /// One layer of another chain, on its own.
+    pub(crate) fn alone_with(chain: &Self) -> Self {
+        Self { across: ONE_LAYER, gamma3: 0.0, ..*chain }
+    }
+
     /// The masses to the left and right, below and above, to which a mass is coupled: itself beside a free end and in rows of
     /// one; `None` for a wall.
     pub fn neighbours(&self, site: usize) -> [Option<usize>; 4] {
@@ -353,10 +359,13 @@ impl Model {
         restitution: f64,
     ) -> Result<Self, ParameterError> {
         check_place(omega, asymmetry)?;
-        let unmoved = !chain.has_walls() || force.amplitude() == 0.0;
-        let walls =
-            "0 with fixed ends: a uniform force is not yet worked out where walls keep masses from moving alike";
-        check(unmoved, "amplitude", force.amplitude(), walls)?;
+        let alike = chain.layer_ends() != Ends::Fixed || force.amplitude() == 0.0;
+        check(
+            alike,
+            "amplitude",
+            force.amplitude(),
+            "0 with walls beside layers: give walls to the ends of rows only",
+        )?;
         let e_ok = restitution > 0.0 && restitution <= 1.0;
         check(e_ok, "restitution", restitution, "a number above 0 and up to 1")?;
         Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, force: *force, restitution })
@@ -419,7 +428,7 @@ impl Model {
         barrier.position(self.asymmetry)
     }
 
-    /// Σ A_j/(γ₁ − j²ω²) cos(jω(t+ψ) + θ_j): the uniform motion that the force drives without impacts, as a function of the
+    /// Σ A_j/(γ₁ − j²ω²) cos(jω(t+ψ) + θ_j): the uniform motion that the force drives without impacts and walls, as a function of the
     /// time t + ψ (paper, sec. II B; of the plain cosine Ã cos ω(t+ψ)).
     ///
     /// # Errors
@@ -439,6 +448,14 @@ impl Model {
             }
             Ok(stiffness)
         })
+    }
+
+    /// The motion that the force drives without impacts, of every mass: [`Model::steady_response`], or less between walls.
+    ///
+    /// # Errors
+    /// [`Resonance`] when a harmonic meets a mode that the force reaches.
+    pub fn steady(&self) -> Result<Steady, Resonance> {
+        Steady::new(self)
     }
 
     /// Ã = A/(γ₁ − ω²), the amplitude of [`Model::steady_response`] to a plain cosine; of any other force

@@ -181,7 +181,7 @@ impl Follower {
         }
         let touch = |value: f64| {
             let model = orbit.model().with(free, value).ok()?;
-            let motion = model.steady_response().ok()?;
+            let motion = model.steady().ok()?.at(impact.site);
             // The peak, where the impact is, but for little.
             let mut t = (impact.time + psi) * model.period() / orbit.model().period();
             for _ in 0..PEAK_STEPS {

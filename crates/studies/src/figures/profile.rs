@@ -86,7 +86,7 @@ fn farthest(orbit: &Orbit, v: &[f64]) -> f64 {
     match orbit.impacts().first() {
         // A ring that nothing holds has a place as well as a motion.
         Some(impact) if n > 0 && chain.gamma1() > 0.0 => {
-            let uniform = orbit.steady().value(impact.time + orbit.psi().unwrap_or(0.0));
+            let uniform = orbit.steady().at(impact.site).value(impact.time + orbit.psi().unwrap_or(0.0));
             uniform + beside(orbit, &Spectrum::new(*chain), n, impact.time)
         }
         _ => v.get(n).copied().unwrap_or_default(),
