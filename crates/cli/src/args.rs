@@ -288,7 +288,7 @@ pub struct OrbitArgs {
     /// Picture of the orbits, .png or .svg: profile at the impacts, impacting mass over a period.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Folder for six pictures of each solution: profile, trace, phase portrait, multipliers, leading eigenvector, decay.
+    /// Folder for pictures of each solution: profile, space and time, trace, phase portrait, multipliers, leading eigenvector, decay.
     #[arg(long, value_name = "DIR")]
     pub all_plots: Option<PathBuf>,
     /// Write the pictures of --all-plots as SVG instead of PNG.

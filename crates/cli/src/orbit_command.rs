@@ -378,7 +378,7 @@ use without_plot::Plot;
 mod with_plot {
     use std::path::PathBuf;
 
-    use vibrochain_breather::Motion;
+    use vibrochain_breather::{Impact, Motion};
 
     use super::{CliError, Console, OrbitArgs, Solution};
     use crate::caption::describe;
@@ -445,18 +445,8 @@ mod with_plot {
         let orbit = &solution.orbit;
         let model = orbit.model();
         let mut motion = Motion::of(orbit)?;
-        let sites = motion.sites() as i64;
-        let home = orbit.impacts().first().map_or(0, |impact| impact.site);
-        // One profile an instant: simultaneous impacts share it.
-        let profiles = orbit
-            .instants()
-            .map(|impacts| {
-                let time = impacts[0].time;
-                let v = motion.displacements(time);
-                let offsets = -(sites - 1) / 2..=sites / 2;
-                (time, offsets.map(|n| (n, v[(home as i64 + n).rem_euclid(sites) as usize])).collect())
-            })
-            .collect();
+        let at = |impacts: &[Impact]| format!("at t = {:.4}", impacts.first().map_or(0.0, |impact| impact.time));
+        let profiles = orbit_plots::profiles(orbit, &mut motion, at);
         let part = |k: usize| k as f64 / SAMPLES as f64;
         let mut hit: Vec<usize> = orbit.impacts().iter().map(|impact| impact.site).collect();
         hit.sort_unstable();
@@ -481,7 +471,7 @@ mod with_plot {
         };
         let caption = format!("{} breather {}: {}; {state}", crate::which::name(orbit), i + 1, describe(model));
         let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
-        Ok(OrbitPanels { caption, profiles, traces, barriers })
+        Ok(OrbitPanels { caption, x: orbit_plots::along(orbit), profiles, traces, barriers })
     }
 }
 

@@ -1,25 +1,29 @@
-//! `mapgen orbit --all-plots`: six pictures of each solution.
+//! `mapgen orbit --all-plots`: seven pictures of each solution, six of one with impacts at several sites or not on a ring.
 //!
 //! | file | shows |
 //! |---|---|
 //! | `solution-K-profile` | displacements of all masses at the impacts |
+//! | `solution-K-spacetime` | displacements of all masses over a period, and its impacts |
 //! | `solution-K-trace` | the impacting mass and its neighbour over a period |
 //! | `solution-K-phase` | phase portrait of the impacting mass, impacts as jumps |
 //! | `solution-K-multipliers` | Floquet multipliers and the unit circle |
 //! | `solution-K-eigenvector` | the perturbation that belongs to the leading multiplier |
-//! | `solution-K-decay` | distance from the uniform motion, site by site, on a logarithmic axis |
+//! | `solution-K-decay` | of one impact site on a ring: distance from the uniform motion, site by site, on a logarithmic axis |
 
 use std::ffi::OsStr;
 use std::path::Path;
 
-use vibrochain_breather::{BreatherError, Finder, Motion, Orbit};
+use vibrochain_breather::{BreatherError, Finder, Impact, Motion, Orbit};
 use vibrochain_floquet::{Complex, FloquetMode, Stability, leading_modes};
-use vibrochain_lattice::{Decay, Spectrum, decay};
+use vibrochain_lattice::{Decay, Ends, Spectrum, decay};
 
 use crate::caption::{beside, describe};
 use crate::error::CliError;
 use vibrochain_maps::files::Output;
-use vibrochain_plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
+use vibrochain_plot::field::FieldWriter;
+use vibrochain_plot::{
+    Curves, Format, Mark, Pane, Scale, Series, Spacetime, Stroke, curves_picture, spacetime_picture,
+};
 
 /// Samples of one flight between impacts.
 const FLIGHT: usize = 160;
@@ -66,7 +70,12 @@ pub(crate) fn write(
     let (trace, phase) = flights(orbit)?;
     save("trace", (960, 480), vec![trace])?;
     save("phase", (960, 560), vec![phase])?;
-    save("decay", (960, 520), vec![decay_pane(orbit)?])?;
+    let picture = spacetime_picture(&spacetime(orbit, title.clone())?, format).map_err(computation)?;
+    let file = Output::create(&folder.join(format!("{NAME}{number}-spacetime.{ending}")))?;
+    file.finish_with(&picture)?;
+    if orbit.centre().is_some() {
+        save("decay", (960, 520), vec![decay_pane(orbit)?])?;
+    }
     if let Some(stability) = stability {
         save("multipliers", (960, 760), vec![multipliers(stability)])?;
         save("eigenvector", (660, 480), eigenvector(orbit, stability.verdict.leading)?)?;
@@ -74,11 +83,46 @@ pub(crate) fn write(
     Ok(())
 }
 
-/// Sites by offset from the breather, −⌊(M−1)/2⌋ … ⌊M/2⌋.
-fn offsets(orbit: &Orbit) -> impl Iterator<Item = (f64, usize)> + use<> {
-    let sites = orbit.model().chain().sites() as i64;
-    let home = orbit.impact_site().unwrap_or(0) as i64;
-    (-(sites - 1) / 2..=sites / 2).map(move |n| (n as f64, (home + n).rem_euclid(sites) as usize))
+/// What stands below profiles.
+pub(crate) fn along(orbit: &Orbit) -> &'static str {
+    if orbit.model().chain().ends() == Ends::Closed { "site n, from the impacting mass" } else { "site n" }
+}
+
+/// The masses of each layer by their place below profiles: in a closed row by offset from the first impact, −⌊(M−1)/2⌋ … ⌊M/2⌋.
+pub(crate) fn rows(orbit: &Orbit) -> Vec<Vec<(f64, usize)>> {
+    let chain = orbit.model().chain();
+    let length = chain.length() as i64;
+    let home = orbit.impacts().first().map_or(0, |impact| impact.site as i64 % length);
+    let (from, home) = if chain.ends() == Ends::Closed { (-(length - 1) / 2, home) } else { (0, 0) };
+    let row = |layer: i64| {
+        let place = |n: i64| (n as f64, (layer * length + (home + n).rem_euclid(length)) as usize);
+        (from..from + length).map(place).collect()
+    };
+    (0..chain.layers() as i64).map(row).collect()
+}
+
+/// The most lines of a profile; of more layers the first instant is shown alone.
+const MOST_LINES: usize = 8;
+
+/// Displacements below each other: a line for every instant of impacts and layer, named by `name` and the layer, with the number of
+/// the instant.
+pub(crate) fn profiles(
+    orbit: &Orbit,
+    motion: &mut Motion,
+    name: impl Fn(&[Impact]) -> String,
+) -> Vec<(String, usize, Vec<(f64, f64)>)> {
+    let (rows, mut lines) = (rows(orbit), Vec::new());
+    let instants = if rows.len() == 1 { usize::MAX } else { (MOST_LINES / rows.len()).max(1) };
+    for (i, impacts) in orbit.instants().take(instants).enumerate() {
+        let Some(first) = impacts.first() else { continue };
+        let v = motion.displacements(first.time);
+        for (layer, row) in rows.iter().enumerate() {
+            let of_layer = if rows.len() == 1 { String::new() } else { format!(", layer {layer}") };
+            let points = row.iter().map(|&(n, site)| (n, v[site])).collect();
+            lines.push((format!("{}{of_layer}", name(impacts)), i, points));
+        }
+    }
+    lines
 }
 
 fn pane(caption: &str, x: &str, y: &str, series: Vec<Series>) -> Pane {
@@ -99,32 +143,46 @@ fn barriers(orbit: &Orbit) -> Vec<f64> {
     vec![a - 1.0, a + 1.0]
 }
 
-fn impact_name(orbit: &Orbit, i: usize) -> String {
-    let impact = orbit.impacts().get(i);
-    impact.map_or(String::new(), |impact| {
-        format!("{} barrier, t/T = {:.4}", impact.barrier.name(), impact.time / orbit.period())
-    })
+fn impact_name(orbit: &Orbit, impact: &Impact) -> String {
+    format!("{} barrier, t/T = {:.4}", impact.barrier.name(), impact.time / orbit.period())
 }
 
 fn profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
-    let mut motion = Motion::of(orbit)?;
-    let mut all = Vec::new();
-    for (i, impact) in orbit.impacts().iter().enumerate() {
-        let v = motion.displacements(impact.time);
+    let name = |impacts: &[Impact]| match impacts {
+        [impact] => format!("impact on the {}", impact_name(orbit, impact)),
+        _ => format!("impacts at t/T = {:.4}", impacts.first().map_or(0.0, |impact| impact.time / orbit.period())),
+    };
+    let lines = profiles(orbit, &mut Motion::of(orbit)?, name);
+    let series = lines.into_iter().enumerate().map(|(colour, (name, instant, points))| {
         let (stroke, mark) =
-            if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
-        let points = offsets(orbit).map(|(n, site)| (n, v[site])).collect();
-        all.push(Series { name: format!("impact on the {}", impact_name(orbit, i)), colour: i, stroke, mark, points });
-    }
-    let pane = pane("", "site n, from the impacting mass", "displacement vₙ", all);
+            if instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
+        Series { name, colour, stroke, mark, points }
+    });
+    let pane = pane("", along(orbit), "displacement vₙ", series.collect());
     Ok(Pane { levels: barriers(orbit), ..pane })
+}
+
+/// Samples of a period in space and time: a column for every other pixel.
+const COLUMNS: u64 = 450;
+
+fn spacetime(orbit: &Orbit, title: String) -> Result<Spacetime, BreatherError> {
+    let mut motion = Motion::of(orbit)?;
+    let mut field = FieldWriter::new(orbit.model().chain(), 1.0, COLUMNS);
+    for k in 0..=COLUMNS {
+        let part = k as f64 / COLUMNS as f64;
+        field.see(&motion.displacements(part * orbit.period()), part);
+    }
+    let a = orbit.model().asymmetry();
+    let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period(), impact.site)).collect();
+    Ok(Spacetime { title, barriers: (a - 1.0, a + 1.0), field: field.finish(), impacts })
 }
 
 /// The traces over a period, and the phase portrait.
 fn flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
     let mut motion = Motion::of(orbit)?;
-    let home = orbit.impact_site().unwrap_or(0);
-    let next = (home + 1) % motion.sites();
+    let home = orbit.impacts().first().map_or(0, |impact| impact.site);
+    let [left, right, ..] = orbit.model().chain().neighbours(home);
+    let next = right.filter(|&n| n != home).or(left).unwrap_or(home);
     let (mut own, mut neighbour) = (Vec::new(), Vec::new());
     let (mut flight, mut jumps, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut ends: Vec<((f64, f64), (f64, f64))> = Vec::new();
@@ -163,7 +221,7 @@ fn flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
         Series { name, colour, stroke: Stroke::None, mark, points }
     };
     let mut traces = vec![line("impacting mass v₀", 0, Stroke::Solid(3), own)];
-    if motion.sites() > 1 {
+    if next != home {
         traces.push(line("its neighbour v₁", 1, Stroke::Dashed(2), neighbour));
     }
     let trace = pane("", "time t/T", "displacement", traces);
@@ -224,19 +282,25 @@ fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliErr
     };
     let Some(mode) = mode else { return Ok(Vec::new()) };
     let turning = mode.multiplier.im != 0.0;
+    // Layer upon layer the x axis goes on.
+    let row: Vec<(f64, usize)> = match rows(orbit) {
+        mut rows if rows.len() == 1 => rows.remove(0),
+        _ => (0..orbit.model().chain().sites()).map(|n| (n as f64, n)).collect(),
+    };
+    let x = if orbit.model().chain().layers() == 1 { along(orbit) } else { "site, layer after layer" };
     let part = |name: &str, colour, stroke, mark, of: &dyn Fn(usize) -> f64| Series {
         name: name.to_owned(),
         colour,
         stroke,
         mark,
-        points: offsets(orbit).map(|(n, site)| (n, of(site))).collect(),
+        points: row.iter().map(|&(n, site)| (n, of(site))).collect(),
     };
     let panel = |caption: &str, letter: &str, values: &[Complex<f64>]| {
         let mut series = vec![part("real part", 0, Stroke::Solid(2), Mark::Filled(0), &|n| values[n].re)];
         if turning {
             series.push(part("imaginary part", 1, Stroke::Dashed(2), Mark::Hollow(3), &|n| values[n].im));
         }
-        pane(caption, "site n, from the impacting mass", letter, series)
+        pane(caption, x, letter, series)
     };
     let caption = format!("leading perturbation just before the first impact, |μ| = {:.6}", mode.multiplier.norm());
     Ok(vec![
@@ -262,7 +326,13 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
         let points = (0..chain.even_modes()).map(|n| (n as f64, field(n).abs())).collect();
         let (stroke, mark) =
             if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Solid(2), Mark::Filled(3)) };
-        all.push(Series { name: format!("impact on the {}", impact_name(orbit, i)), colour: i, stroke, mark, points });
+        all.push(Series {
+            name: format!("impact on the {}", impact_name(orbit, impact)),
+            colour: i,
+            stroke,
+            mark,
+            points,
+        });
         if i == 0 {
             let modal = (0..chain.even_modes()).map(|n| (n as f64, (v[(home + n) % chain.sites()] - uniform).abs()));
             let (name, stroke, mark) = ("the same by the sum over modes".to_owned(), Stroke::None, Mark::Hollow(1));

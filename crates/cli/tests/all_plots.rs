@@ -19,11 +19,11 @@ const SQUARE: &str = "1:0.1:0,3:-0.03:0.5,5:0.01:0";
 const POINT: [&str; 10] = ["--sites", "21", "--gamma1", ".2", "--gamma2", ".1", "--omega", "1.5", "--asymmetry", ".4"];
 
 #[test]
-fn all_plots_are_six_of_each_solution() {
+fn all_plots_are_seven_of_each_solution() {
     let desk = TempDir::new().unwrap();
-    let six = ["decay", "eigenvector", "multipliers", "phase", "profile", "trace"];
+    let seven = ["decay", "eigenvector", "multipliers", "phase", "profile", "spacetime", "trace"];
     let expected = |count: usize, ending: &str| -> Vec<String> {
-        (1..=count).flat_map(|k| six.map(|name| format!("solution-{k}-{name}.{ending}"))).collect()
+        (1..=count).flat_map(|k| seven.map(|name| format!("solution-{k}-{name}.{ending}"))).collect()
     };
     for (folder, extra, count, ending) in [
         ("forced", &["--family", "double-sided", "--amplitude", ".1", "--restitution", ".9", "--svg"][..], 2, "svg"),
@@ -42,7 +42,7 @@ fn all_plots_are_six_of_each_solution() {
     // A dot over v would be taken for a prime.
     assert!(svg("eigenvector").contains("velocity d(δvₙ)/dt") && !svg("eigenvector").contains('\u{307}'));
     // All that is fixed is on all of them.
-    for name in six {
+    for name in seven {
         for fixed in ["N = 20", "γ₁ = 0.2", "γ₂ = 0.1", "ω = 1.5", "a = 0.4", "A = 0.1", "e = 0.9"] {
             assert!(svg(name).contains(fixed), "{name}: {fixed}");
         }
@@ -57,6 +57,17 @@ fn all_plots_are_six_of_each_solution() {
     let text = fs::read_to_string(real.join("solution-1-multipliers.svg")).unwrap();
     let caption = text.lines().find(|line| line.contains("leading μ = ")).unwrap().trim();
     assert_eq!(caption, "unstable, plus-one; |μ| = 2.797574412, leading μ = 2.797574");
+
+    // Layers stand upon each other; the decay is that of one site on a ring.
+    let layered = desk.path().join("layered");
+    let point = "orbit --word 0:0+3:1+,0:0-3:1- --sites 7 --ends free --gamma1 .2 --gamma2 .05 --layers 2 --gamma3 .03 --omega 1.5 \
+                 --asymmetry .2 --svg --all-plots";
+    mapgen(&point.split(' ').filter(|part| !part.is_empty()).collect::<Vec<_>>()).arg(&layered).assert().success();
+    let drawn = seven.iter().filter(|name| **name != "decay").map(|name| format!("solution-1-{name}.svg"));
+    assert_eq!(names(&layered), drawn.collect::<Vec<_>>());
+    let text = |name: &str| fs::read_to_string(layered.join(format!("solution-1-{name}.svg"))).unwrap();
+    assert!(text("spacetime").contains("site, layer upon layer") && text("spacetime").contains("7 masses × 2 layers"));
+    assert!(text("profile").contains("layer 1") && text("eigenvector").contains("site, layer after layer"));
 
     // None: an answer, an empty folder. A file in its place: a wrong request.
     let none = desk.path().join("none");

@@ -27,9 +27,13 @@ pub enum Shown {
 pub struct Field {
     /// What is shown.
     pub shown: Shown,
-    /// Masses of the ring.
+    /// Masses, of all layers.
     pub sites: usize,
-    /// Each column from the masses left of site 0 to those right of it.
+    /// The site of the lowest row: on a ring the last one left of site 0, otherwise 0.
+    pub lowest: i64,
+    /// Masses of one layer.
+    pub length: usize,
+    /// Each column from the lowest site to the highest.
     pub columns: Vec<Vec<f64>>,
     /// Periods from one column to the next.
     pub spacing: f64,
@@ -58,10 +62,12 @@ impl FieldWriter {
         let (shown, stride) =
             if resolved { (Shown::Displacement, sparse) } else { (Shown::Amplitude, per_column * samples as f64) };
         let sites = chain.sites();
+        // The masses of a ring stand on both sides of site 0.
+        let lowest = if chain.is_ring() { -(sites.saturating_sub(1) as i64 / 2) } else { 0 };
         let spacing = stride / samples as f64;
         let swings = if resolved { 0 } else { sites };
         Self {
-            field: Field { shown, sites, columns: Vec::new(), spacing, covered: 0.0 },
+            field: Field { shown, sites, lowest, length: chain.length(), columns: Vec::new(), spacing, covered: 0.0 },
             stride: stride as u64,
             seen: 0,
             least: vec![f64::INFINITY; swings],
@@ -84,7 +90,7 @@ impl FieldWriter {
         let column = self.is_column();
         match self.field.shown {
             Shown::Displacement if column => {
-                let rows = rows(displacement.iter().copied());
+                let rows = rows(displacement.iter().copied(), self.field.lowest);
                 self.field.columns.push(rows);
             }
             Shown::Displacement => {}
@@ -108,7 +114,7 @@ impl FieldWriter {
 
     fn close(&mut self) {
         let swings = self.least.iter().zip(&self.most).map(|(least, most)| 0.5 * (most - least));
-        let rows = rows(swings);
+        let rows = rows(swings, self.field.lowest);
         self.field.columns.push(rows);
         self.least.fill(f64::INFINITY);
         self.most.fill(f64::NEG_INFINITY);
@@ -123,11 +129,11 @@ impl FieldWriter {
     }
 }
 
-/// Rows of a column of values, one a mass in the order of sites: from the left of site 0 to its right, and of several masses
-/// in a row the largest value.
-fn rows(values: impl ExactSizeIterator<Item = f64>) -> Vec<f64> {
+/// Rows of a column of values, one a mass in the order of sites: from the lowest on, and of several masses in a row the largest
+/// value.
+fn rows(values: impl ExactSizeIterator<Item = f64>, lowest: i64) -> Vec<f64> {
     let sites = values.len();
-    let left = sites.saturating_sub(1) / 2;
+    let left = lowest.unsigned_abs() as usize;
     let mut rows = vec![0.0_f64; sites.min(ROWS)];
     let count = rows.len();
     for (site, value) in values.enumerate() {
@@ -194,7 +200,8 @@ mod tests {
     fn a_large_ring_takes_no_more_than_the_picture_and_hides_no_mass() {
         for (sites, hot) in [(100_000, 0), (100_000, 49_999), (100_001, 50_001), (3, 2), (256, 255), (257, 100), (1, 0)]
         {
-            let column = rows((0..sites).map(|n| if n == hot { -0.9 } else { 0.1 }));
+            let lowest = -((sites - 1) as i64 / 2);
+            let column = rows((0..sites).map(|n| if n == hot { -0.9 } else { 0.1 }), lowest);
             assert_eq!(column.len(), sites.min(ROWS));
             let place = column.iter().position(|&u| u == -0.9).unwrap();
             assert_eq!(column.iter().filter(|&&u| u == -0.9).count(), 1);

@@ -6,13 +6,14 @@
 //! | `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
 //! | `map`, `lines`, `palette` | the picture of a map, lines over it, its colours and textures |
 //! | `curves`, `axes`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
-//! | `orbit`, `run` | an orbit in profile and time; a simulated run |
+//! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
 //! | `field` | all masses of a run in space and time, thinned while it runs |
 //!
 //! ```
 //! use vibrochain_plot::{Format, OrbitPanels, orbit_picture};
 //! let trace = (0..100).map(|i| (f64::from(i) / 100.0, (0.0628 * f64::from(i)).cos())).collect();
-//! let orbit = OrbitPanels { caption: "a swing".to_owned(), profiles: Vec::new(), traces: vec![(0, trace)], barriers: (-1.0, 1.0) };
+//! let (caption, x, profiles) = ("a swing".to_owned(), "site", Vec::new());
+//! let orbit = OrbitPanels { caption, x, profiles, traces: vec![(0, trace)], barriers: (-1.0, 1.0) };
 //! assert!(orbit_picture(&[orbit], Format::Svg)?.starts_with(b"<svg"));
 //! # Ok::<(), vibrochain_plot::PlotError>(())
 //! ```
@@ -28,6 +29,7 @@ pub mod markers;
 mod orbit;
 pub mod palette;
 mod run;
+mod spacetime;
 mod words;
 
 pub use canvas::{Format, PlotError, open};
@@ -36,3 +38,4 @@ pub use map::{MapLine, MapPicture, is_shown, map_picture, map_with_lines};
 pub use orbit::{OrbitPanels, orbit_picture};
 pub use palette::{Palette, Tile};
 pub use run::{RunPicture, run_picture};
+pub use spacetime::{Spacetime, spacetime_picture};

@@ -12,8 +12,10 @@ use crate::words::Heading;
 pub struct OrbitPanels {
     /// Line above the panels.
     pub caption: String,
-    /// Displacements by site, the first impacted site in the middle, at each instant of impacts: (its time, (offset, v)).
-    pub profiles: Vec<(f64, Vec<(i64, f64)>)>,
+    /// What stands below the profiles.
+    pub x: &'static str,
+    /// Displacements by site at each instant of impacts: (name, number of the instant, (site, v)).
+    pub profiles: Vec<(String, usize, Vec<(f64, f64)>)>,
     /// The impacting masses over one period, each with its site: (t/T, v).
     pub traces: Vec<(usize, Vec<(f64, f64)>)>,
     /// Positions of the two barriers.
@@ -70,13 +72,12 @@ fn pane(orbit: &OrbitPanels, x: &str, y: &str, series: Vec<Series>) -> Pane {
 }
 
 fn profile(orbit: &OrbitPanels) -> Pane {
-    let series = orbit.profiles.iter().enumerate().map(|(i, (time, profile))| {
+    let series = orbit.profiles.iter().enumerate().map(|(colour, (name, instant, points))| {
         let (stroke, mark) =
-            if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
-        let points = profile.iter().map(|&(n, v)| (n as f64, v)).collect();
-        Series { name: format!("at t = {time:.4}"), colour: i, stroke, mark, points }
+            if *instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
+        Series { name: name.clone(), colour, stroke, mark, points: points.clone() }
     });
-    pane(orbit, "site n, from the impacting mass", "displacement vₙ", series.collect())
+    pane(orbit, orbit.x, "displacement vₙ", series.collect())
 }
 
 fn trace(orbit: &OrbitPanels) -> Pane {
@@ -110,9 +111,10 @@ mod tests {
     fn legends_hide_nothing_and_long_captions_lose_nothing() {
         let caption = "double-sided breather 1: N = 20, γ₁ = 0.2790465016543734, γ₂ = 0.13606569615937517, \
                        ω = 0.3456359754617771, a = 0.4, force 1:0.1:0,3:-0.03:0.5,5:0.01:0, e = 0.9; stable";
-        let profile = |time: f64| (time, vec![(-1, 0.1), (0, 1.4), (1, 0.1)]);
+        let profile = |time: f64| (format!("at t = {time:.4}"), 0, vec![(-1.0, 0.1), (0.0, 1.4), (1.0, 0.1)]);
         let orbit = OrbitPanels {
             caption: caption.to_owned(),
+            x: "site",
             profiles: vec![profile(0.0), profile(2.0)],
             traces: vec![(0, vec![(0.0, 1.4), (0.5, -0.6), (1.0, 1.4)])],
             barriers: (-0.6, 1.4),
