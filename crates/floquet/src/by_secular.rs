@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use vibrochain_breather::{Finder, Prepared};
 
 use crate::analyser::{Analyser, Failure};
-use crate::dense::Dense;
+use crate::dense::{Dense, WORTH_A_MATRIX};
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 use crate::secular::{
@@ -19,9 +19,6 @@ const WORST: f64 = 1e-10;
 
 /// As [`WORST`], for a sweep, whose cells are not worth as much.
 const WORST_OF_SWEEP: f64 = 1e-9;
-
-/// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
-const WORTH_A_MATRIX: usize = 1000;
 
 /// Passes of one mode that multipliers of elastic impacts may cost which are to be told apart: seconds.
 const BUDGET: usize = 250_000_000;
