@@ -241,7 +241,7 @@ impl Kernel {
     }
 
     /// cos(2πkn/M)
-    fn shape(&self, k: usize, site: usize) -> &Real {
+    pub(crate) fn shape(&self, k: usize, site: usize) -> &Real {
         let sites = self.cosines.len();
         // M ≤ 10⁷: the product fits.
         &self.cosines[(k % sites) * (site % sites) % sites]
