@@ -23,10 +23,9 @@ impl RingCosines {
         self.table[self.turns(k, n)]
     }
 
-    /// kn modulo M, which no ring is too large for.
+    /// kn modulo M: of [`crate::MAX_SITES`] masses the product fits.
     fn turns(&self, k: usize, n: usize) -> usize {
-        let sites = self.table.len();
-        ((k % sites) as u128 * (n % sites) as u128 % sites as u128) as usize
+        (k as u64 * n as u64 % self.table.len() as u64) as usize
     }
 
     /// 1 − cos(2πkn/M) to its own last digits.
@@ -40,7 +39,7 @@ impl RingCosines {
     pub(crate) fn defect_between(&self, k: usize, n: usize, m: usize) -> f64 {
         // = 2 sin(πk(m+n)/M) sin(πk(m−n)/M)
         let half = |turns: usize| {
-            let (turns, sites) = ((k as u128 * turns as u128 % (2 * self.sites() as u128)) as usize, self.sites());
+            let (turns, sites) = ((k as u64 * turns as u64 % (2 * self.sites() as u64)) as usize, self.sites());
             cos_turn((4 * turns + 6 * sites) % (8 * sites), 8 * sites)
         };
         let sign = if m < n { -1.0 } else { 1.0 };
