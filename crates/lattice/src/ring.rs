@@ -5,12 +5,19 @@
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RingCosines {
     table: Vec<f64>,
+    /// 1 − cos(2πj/M) of a small ring.
+    defects: Vec<f64>,
 }
+
+/// Up to so many masses defects are kept: sweeps are of small rings, and large ones have better use of memory.
+const KEPT: usize = 4096;
 
 impl RingCosines {
     /// The table for a ring of `sites` masses.
     pub(crate) fn new(sites: usize) -> Self {
-        Self { table: (0..sites).map(|j| cos_turn(j, sites)).collect() }
+        let kept = if sites <= KEPT { sites } else { 0 };
+        let defects = (0..kept).map(|j| defect(j, sites)).collect();
+        Self { table: (0..sites).map(|j| cos_turn(j, sites)).collect(), defects }
     }
 
     /// Number M of masses.
@@ -31,8 +38,7 @@ impl RingCosines {
     /// 1 − cos(2πkn/M) to its own last digits.
     pub(crate) fn defect(&self, k: usize, n: usize) -> f64 {
         let j = self.turns(k, n);
-        let half = (std::f64::consts::PI * j.min(self.sites() - j) as f64 / self.sites() as f64).sin();
-        2.0 * half * half
+        self.defects.get(j).copied().unwrap_or_else(|| defect(j, self.sites()))
     }
 
     /// cos(2πkn/M) − cos(2πkm/M) to its own last digits.
@@ -67,6 +73,12 @@ impl RingCosines {
             value
         })
     }
+}
+
+/// 1 − cos(2πj/m) for j < m.
+fn defect(j: usize, m: usize) -> f64 {
+    let half = (std::f64::consts::PI * j.min(m - j) as f64 / m as f64).sin();
+    2.0 * half * half
 }
 
 /// cos(2πj/m) for j < m; beyond the first octant the complement is smaller, hence exact to more digits.
