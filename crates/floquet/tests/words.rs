@@ -1,8 +1,10 @@
 //! Words of several sites without force: their block against the whole monodromy matrix.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Finder, Found, Letter, Wanted, Word};
-use vibrochain_floquet::{Analyser, Complex, FloquetError, Mechanism, Method, Tolerance, full_monodromy, stability};
+use vibrochain_breather::{Finder, Found, Letter, Orbit, Wanted, Word};
+use vibrochain_floquet::{
+    Analyser, Complex, FloquetError, Mechanism, Method, Tolerance, Verdict, full_monodromy, stability,
+};
 use vibrochain_lattice::{Barrier, Chain, Model};
 use vibrochain_testkit::{Random, Ranges, Values, dense};
 
@@ -93,6 +95,38 @@ fn far_breathers_hardly_feel_each_other() {
     assert!(last > 1e-4 && last < 1e-2, "{last}");
 }
 
+/// The verdict by secular functions, if there is one, held against the dense block.
+fn by_blocks_as_by_matrix(orbit: &Orbit, finder: &mut Finder) -> Option<Verdict> {
+    let (model, sites) = (orbit.model(), orbit.model().chain().sites());
+    let answer = Analyser::default().stability(orbit, finder, Tolerance::Rounding);
+    let reference = Analyser::dense().stability(orbit, finder, Tolerance::Rounding);
+    let (answer, reference) = match (answer, reference) {
+        (Err(FloquetError::Grazing { .. }), Err(_)) => return None,
+        (answer, reference) => (answer.unwrap(), reference.unwrap()),
+    };
+    if answer.verdict.method != Method::Secular {
+        return None;
+    }
+    let told = format!("{} {model} {:?} {:?}", Word::of(orbit), answer.verdict, reference.verdict);
+    assert_eq!(answer.multipliers.len(), 2 * sites, "{told}");
+    let (verdict, dense) = (answer.verdict, reference.verdict);
+    let radius = verdict.spectral_radius;
+    assert!((radius - dense.spectral_radius).abs() <= 1e-6 * radius, "{told}");
+    if !verdict.marginal && !dense.marginal {
+        assert_eq!((verdict.stable, verdict.mechanism), (dense.stable, dense.mechanism), "{told}");
+    }
+    // All multipliers, where they are not next to each other.
+    let powers = |multipliers: &[Complex<f64>]| {
+        let sum = |k: i32| multipliers.iter().map(|mu| mu.powi(k)).sum::<Complex<f64>>();
+        [1, 2, 3, 4, 5].map(sum)
+    };
+    let scale = radius.powi(6) * sites as f64;
+    for (one, other) in powers(&answer.multipliers).into_iter().zip(powers(&reference.multipliers)) {
+        assert!((one - other).norm() < 1e-8 * scale, "{one} {other} {told}");
+    }
+    Some(verdict)
+}
+
 /// A pair that a reflection exchanges: its blocks against the dense block, which knows of no symmetry.
 #[test]
 fn blocks_of_pairs_are_the_dense_block() {
@@ -117,35 +151,7 @@ fn blocks_of_pairs_are_the_dense_block() {
             continue;
         }
         for orbit in &found.orbits {
-            let answer = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding);
-            let reference = Analyser::dense().stability(orbit, &mut finder, Tolerance::Rounding);
-            let (answer, reference) = match (answer, reference) {
-                (Err(FloquetError::Grazing { .. }), Err(_)) => continue,
-                (answer, reference) => (answer.unwrap(), reference.unwrap()),
-            };
-            if answer.verdict.method != Method::Secular {
-                continue;
-            }
-            let told = format!("{word} {model} {:?} {:?}", answer.verdict, reference.verdict);
-            assert_eq!(answer.multipliers.len(), 2 * sites, "{told}");
-            let (verdict, dense) = (answer.verdict, reference.verdict);
-            let radius = verdict.spectral_radius;
-            assert!((radius - dense.spectral_radius).abs() <= 1e-6 * radius, "{told}");
-            if !verdict.marginal && !dense.marginal {
-                assert_eq!((verdict.stable, verdict.mechanism), (dense.stable, dense.mechanism), "{told}");
-            }
-            // All multipliers, where they are not next to each other.
-            let nu = |multipliers: &[Complex<f64>]| {
-                let mut sums = [Complex::new(0.0, 0.0); 5];
-                for (k, sum) in sums.iter_mut().enumerate() {
-                    *sum = multipliers.iter().map(|mu| mu.powi(k as i32 + 1)).sum();
-                }
-                sums
-            };
-            let scale = radius.powi(6) * sites as f64;
-            for (one, other) in nu(&answer.multipliers).into_iter().zip(nu(&reference.multipliers)) {
-                assert!((one - other).norm() < 1e-8 * scale, "{one} {other} {told}");
-            }
+            let Some(verdict) = by_blocks_as_by_matrix(orbit, &mut finder) else { continue };
             unstable += usize::from(verdict.mechanism.is_some());
             stable += usize::from(verdict.stable);
             spared += usize::from(sites % 2 == 0 && 2 * distance == sites);
@@ -156,4 +162,45 @@ fn blocks_of_pairs_are_the_dense_block() {
     }
     println!("{checked} {unstable} {stable} {spared} {opposite} {one_instant}");
     assert!(checked > 800 && unstable > 300 && stable > 100 && spared > 30 && opposite > 200 && one_instant > 200);
+}
+
+/// One site, and two that a reflection exchanges, of lattices that are no rings: as above.
+#[test]
+fn blocks_of_lattices_are_the_dense_block() {
+    let mut random = Random(78);
+    let (gamma1, gamma2) = (Values::Log(0.01, 0.6), Values::Log(1e-3, 0.4));
+    let ranges = Ranges { sites: [1, 9], gamma1, gamma2, ..Ranges::CONSERVATIVE };
+    let (mut alone, mut pairs, mut layered, mut walls, mut unstable, mut stable) = (0, 0, 0, 0, 0, 0);
+    for _ in 0..3000 {
+        let chain = random.lattice(&ranges);
+        let model = Model::conservative(chain, random.between(0.5, 3.0), random.between(0.0, 0.8)).unwrap();
+        let site = random.below(chain.sites());
+        let partners: Vec<usize> = (0..chain.sites()).filter(|&other| chain.exchanges(site, other)).collect();
+        let partner = random.of(&partners);
+        if chain.is_ring() || chain.is_uncoupled() {
+            continue;
+        }
+        let mut places = vec![chain.layout().place(site), chain.layout().place(partner)];
+        places.dedup();
+        let at = |barrier| places.iter().map(|&(site, layer)| Letter { site, layer, barrier }).collect::<Vec<_>>();
+        let mut instants = vec![at(Barrier::Lower)];
+        if random.chance(0.6) {
+            instants.insert(0, at(Barrier::Upper));
+        }
+        let word = Word::new(instants).unwrap();
+        let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
+        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        for orbit in &found.orbits {
+            let Some(verdict) = by_blocks_as_by_matrix(orbit, &mut finder) else { continue };
+            *(if places.len() == 1 { &mut alone } else { &mut pairs }) += 1;
+            layered += usize::from(chain.layers() > 1);
+            walls += usize::from(chain.has_walls());
+            unstable += usize::from(verdict.mechanism.is_some());
+            stable += usize::from(verdict.stable);
+        }
+    }
+    let counts = [alone, pairs, layered, walls, unstable, stable];
+    assert!(alone > 300 && pairs > 500 && counts.iter().all(|&count| count > 200), "{counts:?}");
 }

@@ -1,6 +1,8 @@
-//! Both blocks of an orbit of two sites that a reflection exchanges, see [`super::foreign`].
+//! Both blocks of an orbit of two sites that a reflection exchanges, see [`super::foreign`]; and the only one of an orbit of one
+//! site on a lattice that is no ring, where b_k² = φ_k(i)² is the site's own.
 
 use vibrochain_breather::{Impact, Orbit, Prepared};
+use vibrochain_lattice::Chain;
 
 use super::error::SecularError;
 use super::foreign::Foreign;
@@ -10,11 +12,11 @@ use super::verdict::Secular;
 /// How far, relatively, impulses of the two sites may be from each other: rounding next to a resonance is below that.
 const ALIKE: f64 = 1e-10;
 
-/// Two sites that a reflection exchanges.
+/// Two sites that a reflection exchanges, or one, twice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pair {
     pub(crate) sites: [usize; 2],
-    /// 1 if both are on the same barrier, −1 if they are on opposite ones.
+    /// 1 if both are on the same barrier, −1 if they are on opposite ones; 0 of one site.
     pub(crate) sign: f64,
     /// P₁/P₀ of two instants.
     pub(crate) ratio: Option<f64>,
@@ -23,11 +25,15 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// The two sites of an orbit that the reflection that exchanges them leaves as it is, or turns into its opposite.
+    /// The two sites of an orbit that the reflection that exchanges them leaves as it is, or turns into its opposite. Where there is
+    /// one, and the lattice is a ring, there is no need of this.
     pub(crate) fn of(orbit: &Orbit) -> Option<Self> {
         let mut instants = orbit.instants();
-        let first = instants.next().filter(|_| orbit.is_reversible() && orbit.model().chain().is_ring())?;
+        let first = instants.next().filter(|_| orbit.is_reversible() && orbit.centre().is_none())?;
         let (sites, sign, impulse) = alike(first)?;
+        if !orbit.model().chain().exchanges(sites[0], sites[1]) {
+            return None;
+        }
         let centred = orbit.model().asymmetry() == 0.0;
         if sign < 0.0 && !centred {
             return None;
@@ -41,11 +47,20 @@ impl Pair {
         let known = others == sites && same == sign && ratio.is_finite() && ratio != 0.0;
         known.then_some(Self { sites, sign, ratio: Some(ratio), is_symmetric })
     }
+
+    /// One site, whose block is the only one.
+    pub(crate) fn is_alone(&self) -> bool {
+        self.sites[0] == self.sites[1]
+    }
 }
 
 /// The two sites of an instant, whether they hit the same barrier, and the impulse of the first, if that of the second is as large.
 fn alike(impacts: &[Impact]) -> Option<([usize; 2], f64, f64)> {
-    let [one, other] = impacts else { return None };
+    let (one, other) = match impacts {
+        [one] => return Some(([one.site; 2], 0.0, one.impulse)),
+        [one, other] => (one, other),
+        _ => return None,
+    };
     let sign = one.barrier.sign() * other.barrier.sign();
     let alike = (one.impulse - sign * other.impulse).abs() <= ALIKE * one.impulse.abs();
     alike.then_some(([one.site, other.site], sign, one.impulse))
@@ -55,8 +70,9 @@ fn alike(impacts: &[Impact]) -> Option<([usize; 2], f64, f64)> {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Partners {
     modes: Modes,
-    /// ±C of all modes.
+    /// ±φ_k(i)φ_k(j) of all modes, and φ_k(i)², which is φ_k(j)²; without their weights b²: ±C and 1 on a ring.
     signed: Vec<f64>,
+    squares: Vec<f64>,
     /// Of the block in which the orbit swings.
     pub(crate) own: Secular,
     pub(crate) other: Secular,
@@ -70,21 +86,28 @@ impl Partners {
         self.modes.set(response);
         self.signed.clear();
         self.signed.extend(response.shapes().evens(partner, site).take(self.modes.count()).map(|c| pair.sign * c));
-        let (modes, signed) = (&self.modes, &self.signed);
+        self.squares.clear();
+        self.squares.extend(response.shapes().evens(site, site).take(self.modes.count()));
+        let (modes, signed, squares) = (&self.modes, &self.signed, &self.squares);
         let ratio = pair.ratio.map(|ratio| (ratio, ratio_error));
         let Self { own: Secular { residues: own, .. }, other: Secular { residues: other, .. }, .. } = self;
-        own.set_modes(|own| own.weigh(modes, |k| 1.0 + signed[k]));
+        own.set_modes(|own| own.weigh(modes, |k| squares[k] + signed[k]));
         own.work_out(ratio, None)?;
-        other.set_modes(|other| other.weigh(modes, |k| 1.0 - signed[k]));
+        if pair.is_alone() {
+            return Ok(());
+        }
+        other.set_modes(|other| other.weigh(modes, |k| squares[k] - signed[k]));
         let foreign = Foreign::new(modes, signed, own.modes(), response.period());
         other.work_out(ratio, Some(&foreign))
     }
 
-    /// Frequencies of the modes of doublets that have a node at both sites: no impact reaches them.
-    pub(crate) fn spared(&self, doublets: usize) -> impl Iterator<Item = f64> + '_ {
-        let parts = self.signed.iter().flat_map(|signed| [1.0 + signed, 1.0 - signed]);
-        let modes = self.modes.list().iter().flat_map(|mode| [mode.frequency; 2]);
-        let spared = modes.zip(parts).skip(2).take(2 * doublets).filter(|(_, part)| Modes::is_spared(*part));
-        spared.map(|(frequency, _)| frequency)
+    /// Frequencies of the modes that have a node at all sites that are hit: no impact reaches them.
+    pub(crate) fn spared<'a>(&'a self, chain: &'a Chain, pair: &'a Pair) -> impl Iterator<Item = f64> + 'a {
+        let parts = self.squares.iter().zip(&self.signed);
+        self.modes.list().iter().zip(parts).enumerate().flat_map(|(k, (mode, (square, signed)))| {
+            let blocks = if pair.is_alone() { &[0.0][..] } else { &[1.0, -1.0] };
+            let reached = blocks.iter().filter(|sign| !Modes::is_spared(square + **sign * signed)).count();
+            std::iter::repeat_n(mode.frequency, chain.multiplicity(k).saturating_sub(reached))
+        })
     }
 }
