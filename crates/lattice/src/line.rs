@@ -131,6 +131,11 @@ impl LineShapes {
         self.line.circle()
     }
 
+    /// The wavenumber on the ring of images of mode 0.
+    pub(crate) fn lowest(&self) -> usize {
+        self.line.lowest()
+    }
+
     /// cos of mode `k` at distance `n` on the ring of images.
     pub(crate) fn cosine(&self, k: usize, n: usize) -> f64 {
         self.cosines.shape(k + self.line.lowest(), n)

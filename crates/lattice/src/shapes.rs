@@ -46,9 +46,9 @@ impl Shapes {
         self.along.line().masses * self.across.as_ref().map_or(1, |across| across.line().masses)
     }
 
-    /// All masses of a ring at once ([`Shapes::add_all`]) cost less than half of them one by one.
+    /// All masses of long rows at once ([`Shapes::add_all`]) cost less than half of them one by one.
     pub fn is_large(&self) -> bool {
-        self.is_ring() && self.sites() >= LARGE_RING
+        self.along.line().masses >= LARGE_RING
     }
 
     fn is_ring(&self) -> bool {
@@ -96,24 +96,35 @@ impl Shapes {
         self.along.line().modes() * self.across.as_ref().map_or(1, |across| across.line().modes())
     }
 
-    /// Adds to every mass what the modes make of it, Σ_k amplitude_k · even(k, n, about) at each site n; in O(M log M) for a
-    /// large ring. Two real sums fit in one complex one.
+    /// Adds to every mass what the modes make of it, Σ_k amplitude_k · even(k, n, about) at each site n; in O(M log M) for long
+    /// rows. Two real sums fit in one complex one.
     pub fn add_all(
         &mut self,
         about: usize,
         amplitudes: impl Iterator<Item = Complex<f64>> + Clone,
         out: &mut [Complex<f64>],
     ) {
-        let sites = self.sites();
         if !self.is_large() {
-            for (n, out) in out.iter_mut().enumerate().take(sites) {
+            for (n, out) in out.iter_mut().enumerate().take(self.sites()) {
                 *out += amplitudes.clone().zip(self.evens(n, about)).map(|(x, shape)| x * shape).sum::<Complex<f64>>();
             }
             return;
         }
-        let transform = self.transform.get_or_insert_with(|| RingTransform::new(sites));
-        for (n, value) in transform.sites(amplitudes).iter().enumerate() {
-            out[(n + about) % sites] += value;
+        let Self { along, across, transform } = self;
+        let (length, modes) = (along.line().masses, along.line().modes());
+        let transform = transform.get_or_insert_with(|| RingTransform::new(along.circle()));
+        let home = about / length;
+        for l in 0..across.as_ref().map_or(1, |across| across.line().modes()) {
+            // The modes of a row on its ring of images, which has some before the first of them.
+            let row = amplitudes.clone().skip(l * modes).take(modes);
+            let waves = transform.sites(std::iter::repeat_n(Complex::default(), along.lowest()).chain(row));
+            for (layer, out) in out.chunks_mut(length).enumerate() {
+                let shape = across.as_ref().map_or(1.0, |across| across.even(l, layer, home));
+                for (n, out) in out.iter_mut().enumerate() {
+                    let images = along.images(n, about % length).into_iter().flatten();
+                    *out += images.map(|(distance, share)| waves[distance] * (share * shape)).sum::<Complex<f64>>();
+                }
+            }
         }
     }
 }
@@ -128,15 +139,18 @@ mod tests {
 
     #[test]
     fn all_masses_move_as_one_by_one_on_small_and_large_rings() {
-        for sites in [1, 2, 7, 600, 601] {
-            let mut shapes = Shapes::new(&ring(sites));
+        let rings = [1, 2, 7, 600, 601].map(ring);
+        let rows = [Ends::Free, Ends::Fixed].map(|ends| ring(513).with_ends(ends));
+        let layers = rows.map(|row| row.with_layers(3, 0.1, Ends::Closed).unwrap());
+        for chain in rings.into_iter().chain(rows).chain(layers) {
+            let (mut shapes, sites, modes) = (Shapes::new(&chain), chain.sites(), chain.even_modes());
             let amplitude = |k: usize| Complex::new((3.7 * k as f64).sin(), (k as f64).cos());
             let about = sites / 3;
             let mut all = vec![Complex::new(1.0, 0.0); sites];
-            shapes.add_all(about, (0..=sites / 2).map(amplitude), &mut all);
+            shapes.add_all(about, (0..modes).map(amplitude), &mut all);
             for (n, value) in all.iter().enumerate() {
-                let plain: Complex<f64> = (0..=sites / 2).map(|k| amplitude(k) * shapes.even(k, n, about)).sum();
-                assert!((value - 1.0 - plain).norm() < 1e-14 * sites as f64, "{sites} {n}");
+                let plain: Complex<f64> = (0..modes).map(|k| amplitude(k) * shapes.even(k, n, about)).sum();
+                assert!((value - 1.0 - plain).norm() < 1e-14 * sites as f64, "{chain} {n}");
             }
         }
     }
