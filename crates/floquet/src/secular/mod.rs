@@ -71,7 +71,7 @@ pub use forced_verdict::ForcedSecular;
 pub(crate) use forced_verdict::Leading;
 pub(crate) use growth::{Nu, excess};
 pub(crate) use impact_matrix::ImpactMatrix;
-pub(crate) use inertia::Inertia;
+pub(crate) use inertia::{Count, Inertia};
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
 pub(crate) use modes::{Mode, Modes};
