@@ -12,7 +12,7 @@
 //! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Orbit};
+use vibrochain_breather::{Finder, Orbit, Word};
 
 use crate::dense::{Dense, WORTH_A_MATRIX, uncoupled};
 use crate::error::FloquetError;
@@ -221,11 +221,22 @@ impl Analyser {
     }
 }
 
+/// Terms that a count may sum up in one pass over the gaps: some seconds, of which there may be some.
+const MOST_TERMS: f64 = 2e10;
+
 /// A word of several sites without force on a ring so large that its multipliers are counted, and none is worked out that does not
 /// decide.
 fn is_counted(orbit: &Orbit) -> bool {
     let chain = orbit.model().chain();
-    orbit.is_reversible() && orbit.impact_site().is_none() && !chain.is_uncoupled() && chain.sites() > WORTH_A_MATRIX
+    let terms = || {
+        let sites = Word::of(orbit).sites().len() as f64;
+        (chain.even_modes() as f64).powi(2) * 6.0 * (0.5 * sites * (sites - 1.0) + 1.0)
+    };
+    orbit.is_reversible()
+        && orbit.impact_site().is_none()
+        && !chain.is_uncoupled()
+        && chain.sites() > WORTH_A_MATRIX
+        && terms() <= MOST_TERMS
 }
 
 /// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].

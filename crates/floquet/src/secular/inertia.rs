@@ -240,7 +240,9 @@ impl Inertia {
         let values = matrix.symmetric_eigenvalues();
         let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let size = (2 * n) as f64;
-        let doubt = size * (total(noise) + 4.0 * f64::EPSILON * largest) + kappa_error;
+        // Far beyond ±1 they are larger than 1.
+        let factor = sine.max(cosine).max(sine * cosine).max(1.0);
+        let doubt = size * (factor * total(noise) + 4.0 * f64::EPSILON * largest) + kappa_error;
         let certain = values.iter().all(|value| value.abs() > doubt);
         certain.then(|| values.iter().filter(|value| **value > 0.0).count() as i64)
     }
