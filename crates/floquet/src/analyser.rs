@@ -3,7 +3,7 @@
 //! | orbit | path |
 //! |---|---|
 //! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
-//! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference |
+//! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference, or of half a period |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
 //! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
 //! | the same, other sites, on a ring of more than 1000 masses | inertia of the secular matrix: a count |

@@ -24,9 +24,9 @@ impl Analyser {
         let _ = saltations(orbit)?;
         let ratio_error = if pair.is_symmetric { 0.0 } else { ratio_error(question, finder)? };
         self.partners.replace(finder.prepared(orbit)?, pair, ratio_error)?;
-        let own = self.partners.own.verdict()?;
-        let other = self.partners.other.verdict()?;
-        let verdict = told(&own, question.tolerance).or_worse(told(&other, question.tolerance));
+        let verdicts = self.partners.verdicts()?;
+        let verdicts = verdicts.iter().map(|verdict| told(verdict, question.tolerance));
+        let verdict = verdicts.reduce(Verdict::or_worse).unwrap_or(Verdict::on_circle(None));
         // A small growth goes like the root of ν − 1, of whatever ν is.
         if !verdict.marginal && verdict.growth().min(1.0) * verdict.resolution > OF_A_MATRIX {
             check(verdict.growth(), verdict.resolution, question)?;
@@ -34,10 +34,7 @@ impl Analyser {
         if !question.thorough {
             return Ok((verdict, Vec::new()));
         }
-        let mut multipliers = Vec::new();
-        for block in [&mut self.partners.own, &mut self.partners.other] {
-            multipliers.extend(block.all_nu()?.flat_map(|(nu, _)| nu.multipliers()));
-        }
+        let mut multipliers = self.partners.multipliers()?;
         let phases = self.partners.spared(orbit.model().chain().odd_modes()).map(|f| f * orbit.period());
         multipliers.extend(phases.flat_map(|phase| [phase, -phase]).map(|phase| Complex::from_polar(1.0, phase)));
         // Where none leads, one that is there.

@@ -1,83 +1,181 @@
-//! Both blocks of an orbit of two sites that a reflection exchanges, see [`super::foreign`].
+//! Orbits of two sites that a reflection exchanges: both blocks, see [`super::foreign`], or half a period, see [`super::in_turns`].
 
+use nalgebra::Complex;
+use smallvec::{SmallVec, smallvec};
 use vibrochain_breather::{Impact, Orbit, Prepared};
 
+use super::double_sided::Saltations;
 use super::error::SecularError;
 use super::foreign::Foreign;
-use super::modes::Modes;
-use super::verdict::Secular;
+use super::in_turns;
+use super::modes::{Mode, Modes};
+use super::verdict::{Secular, SecularVerdict};
 
 /// How far, relatively, impulses of the two sites may be from each other: rounding next to a resonance is below that.
 const ALIKE: f64 = 1e-10;
+
+/// Rings on which residues of pairs in turns are worked out mode by mode.
+const MOST_MODES: usize = 500;
 
 /// Two sites that a reflection exchanges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pair {
     pub(crate) sites: [usize; 2],
-    /// 1 if both are on the same barrier, −1 if they are on opposite ones.
-    pub(crate) sign: f64,
-    /// P₁/P₀ of two instants.
+    pub(crate) exchange: Exchange,
+    /// P₁/P₀ of two instants, or of the two sites.
     pub(crate) ratio: Option<f64>,
     /// Centred barriers, and impacts on both: the ratio is −1, the orbit its own mirror image after half a period.
     pub(crate) is_symmetric: bool,
 }
 
+/// How the reflection leaves the orbit as it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Exchange {
+    /// At once, both on the same barrier (1), or up to the sign (−1).
+    AtOnce(f64),
+    /// Half a period later.
+    InTurns,
+}
+
 impl Pair {
-    /// The two sites of an orbit that the reflection that exchanges them leaves as it is, or turns into its opposite.
+    /// The two sites of an orbit that the reflection that exchanges them leaves as it is, turns into its opposite, or delays.
     pub(crate) fn of(orbit: &Orbit) -> Option<Self> {
         let mut instants = orbit.instants();
         let first = instants.next().filter(|_| orbit.is_reversible())?;
-        let (sites, sign, impulse) = alike(first)?;
+        let second = instants.next();
+        Self::at_once(orbit, first, second).or_else(|| Self::in_turns(orbit, first, second?))
+    }
+
+    fn at_once(orbit: &Orbit, first: &[Impact], second: Option<&[Impact]>) -> Option<Self> {
+        let sites = |impacts: &[Impact]| match impacts {
+            [one, other] => Some(([one.site, other.site], one.barrier.sign() * other.barrier.sign())),
+            _ => None,
+        };
+        let (places, sign) = sites(first)?;
         let centred = orbit.model().asymmetry() == 0.0;
-        if sign < 0.0 && !centred {
+        let alike = |impacts: &[Impact]| is_alike(impacts[0].impulse, sign * impacts[1].impulse);
+        if sign < 0.0 && !centred || !alike(first) {
             return None;
         }
-        let Some(second) = instants.next() else {
-            return Some(Self { sites, sign, ratio: None, is_symmetric: false });
+        let exchange = Exchange::AtOnce(sign);
+        let Some(second) = second else {
+            return Some(Self { sites: places, exchange, ratio: None, is_symmetric: false });
         };
-        let (others, same, ratio) = alike(second).map(|(sites, sign, second)| (sites, sign, second / impulse))?;
+        if sites(second)? != (places, sign) || !alike(second) {
+            return None;
+        }
+        Self { sites: places, exchange, ratio: None, is_symmetric: false }
+            .with(second[0].impulse / first[0].impulse, centred)
+    }
+
+    fn in_turns(orbit: &Orbit, first: &[Impact], second: &[Impact]) -> Option<Self> {
+        let follows =
+            |one: &Impact, other: &Impact| one.barrier == other.barrier && is_alike(one.impulse, other.impulse);
+        let pair = |sites| Self { sites, exchange: Exchange::InTurns, ratio: None, is_symmetric: false };
+        match (first, second) {
+            ([one], [other]) if one.site != other.site && follows(one, other) => Some(pair([one.site, other.site])),
+            ([one, two], [later, latest])
+                if (one.site, two.site) == (later.site, latest.site)
+                    && follows(one, latest)
+                    && follows(two, later)
+                    && orbit.model().chain().even_modes() <= MOST_MODES =>
+            {
+                pair([one.site, two.site]).with(two.impulse / one.impulse, false)
+            }
+            _ => None,
+        }
+    }
+
+    fn with(self, ratio: f64, centred: bool) -> Option<Self> {
         let is_symmetric = centred && (ratio + 1.0).abs() <= ALIKE;
         let ratio = if is_symmetric { -1.0 } else { ratio };
-        let known = others == sites && same == sign && ratio.is_finite() && ratio != 0.0;
-        known.then_some(Self { sites, sign, ratio: Some(ratio), is_symmetric })
+        (ratio.is_finite() && ratio != 0.0).then_some(Self { ratio: Some(ratio), is_symmetric, ..self })
     }
 }
 
-/// The two sites of an instant, whether they hit the same barrier, and the impulse of the first, if that of the second is as large.
-fn alike(impacts: &[Impact]) -> Option<([usize; 2], f64, f64)> {
-    let [one, other] = impacts else { return None };
-    let sign = one.barrier.sign() * other.barrier.sign();
-    let alike = (one.impulse - sign * other.impulse).abs() <= ALIKE * one.impulse.abs();
-    alike.then_some(([one.site, other.site], sign, one.impulse))
+fn is_alike(one: f64, other: f64) -> bool {
+    (one - other).abs() <= ALIKE * one.abs()
 }
 
-/// The secular functions of both blocks; also the work space.
+/// The secular functions of both blocks, or of half a period; also the work space.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Partners {
     modes: Modes,
     /// ±C of all modes.
     signed: Vec<f64>,
-    /// Of the block in which the orbit swings.
-    pub(crate) own: Secular,
-    pub(crate) other: Secular,
+    parities: [Modes; 2],
+    in_turns: bool,
+    /// Of the block in which the orbit swings, or of half a period.
+    own: Secular,
+    other: Secular,
 }
 
 impl Partners {
     /// Takes over the orbit of a pair, the ratio of whose impulses is known up to the relative error `ratio_error`.
     pub(crate) fn replace(&mut self, prepared: Prepared<'_>, pair: Pair, ratio_error: f64) -> Result<(), SecularError> {
-        let response = prepared.response();
+        let (response, period) = (prepared.response(), prepared.response().period());
         let [site, partner] = pair.sites;
+        let sign = if let Exchange::AtOnce(sign) = pair.exchange { sign } else { 1.0 };
+        self.in_turns = pair.exchange == Exchange::InTurns;
         self.modes.set(response);
         self.signed.clear();
-        self.signed.extend(response.shapes().evens(partner, site).take(self.modes.count()).map(|c| pair.sign * c));
+        self.signed.extend(response.shapes().evens(partner, site).take(self.modes.count()).map(|c| sign * c));
         let (modes, signed) = (&self.modes, &self.signed);
-        let ratio = pair.ratio.map(|ratio| (ratio, ratio_error));
         let Self { own: Secular { residues: own, .. }, other: Secular { residues: other, .. }, .. } = self;
-        own.set_modes(|own| own.weigh(modes, |k| 1.0 + signed[k]));
-        own.work_out(ratio, None)?;
-        other.set_modes(|other| other.weigh(modes, |k| 1.0 - signed[k]));
-        let foreign = Foreign::new(modes, signed, own.modes(), response.period());
-        other.work_out(ratio, Some(&foreign))
+        let ratio = pair.ratio.map(|ratio| (ratio, ratio_error));
+        match (pair.exchange, ratio) {
+            (Exchange::AtOnce(_), _) => {
+                own.set_modes(|own| own.weigh(modes, |k| 1.0 + signed[k]));
+                own.work_out(ratio, None)?;
+                other.set_modes(|other| other.weigh(modes, |k| 1.0 - signed[k]));
+                let foreign = Foreign::new(modes, signed, own.modes(), period);
+                other.work_out(ratio, Some(&foreign))
+            }
+            (Exchange::InTurns, None) => {
+                own.set_modes(|own| in_turns::modes(modes, signed, period, own));
+                own.work_out(None, None)
+            }
+            (Exchange::InTurns, Some((ratio, error))) => {
+                let terms = modes.list().iter().zip(signed);
+                let terms = terms.map(|(mode, shape)| (mode, mode.cos + shape, 1.0 + shape * mode.cos));
+                let saltations = Saltations::of(terms, ratio, error);
+                for (modes_of, eta) in self.parities.iter_mut().zip([1.0, -1.0]) {
+                    let part = |k: usize| Some(1.0 + eta * signed[k]).filter(|part| !Modes::is_spared(*part));
+                    let weighed = |(k, mode): (usize, &Mode)| {
+                        (k, Mode { weight: part(k).unwrap_or_default() * mode.weight, ..*mode })
+                    };
+                    modes_of.collect(modes.list().iter().enumerate().map(weighed));
+                }
+                let [even, odd] = &self.parities;
+                own.work_out_in_turns([even, odd], &saltations, period)
+            }
+        }
+    }
+
+    /// The verdicts on all blocks.
+    pub(crate) fn verdicts(&mut self) -> Result<SmallVec<[SecularVerdict; 2]>, SecularError> {
+        if !self.in_turns {
+            return Ok(smallvec![self.own.verdict()?, self.other.verdict()?]);
+        }
+        let half = self.own.verdict()?;
+        let leading = half.leading.map(|multiplier| multiplier * multiplier);
+        let (growth, growth_error) =
+            (half.growth * (2.0 + half.growth), half.growth_error * (2.0 + 2.0 * half.growth + half.growth_error));
+        Ok(smallvec![SecularVerdict { leading, growth, growth_error, ..half }])
+    }
+
+    /// All multipliers of the modes that the impacts feel, without the trivial pair.
+    pub(crate) fn multipliers(&mut self) -> Result<Vec<Complex<f64>>, SecularError> {
+        let of = |block: &mut Secular| -> Result<Vec<_>, SecularError> {
+            Ok(block.all_nu()?.flat_map(|(nu, _)| nu.multipliers()).collect())
+        };
+        if self.in_turns {
+            return Ok(of(&mut self.own)?
+                .into_iter()
+                .map(|multiplier: Complex<f64>| multiplier * multiplier)
+                .collect());
+        }
+        Ok([of(&mut self.own)?, of(&mut self.other)?].concat())
     }
 
     /// Frequencies of the modes of doublets that have a node at both sites: no impact reaches them.
