@@ -217,7 +217,8 @@ impl Solution {
         match &self.stability {
             Ok(stability) => {
                 let verdict = stability.verdict;
-                let listed = stability.multipliers.len() <= MOST_LISTED;
+                let counted = stability.multipliers.is_empty();
+                let listed = stability.multipliers.len() <= MOST_LISTED && !counted;
                 let pairs = || stability.multipliers.iter().map(|m| [m.re, m.im]).collect::<Vec<_>>();
                 let multipliers = listed.then(pairs);
                 value["stability"] = json!({
@@ -231,8 +232,11 @@ impl Solution {
                     "multipliers": multipliers,
                 });
                 if multipliers.is_none() {
-                    let note =
-                        format!("{} of them: --multipliers FILE writes them as CSV", stability.multipliers.len());
+                    let note = if counted {
+                        "those on the circle are counted only, on a ring as large as this".to_owned()
+                    } else {
+                        format!("{} of them: --multipliers FILE writes them as CSV", stability.multipliers.len())
+                    };
                     value["stability"]["multipliers_note"] = note.into();
                 }
                 if let Some(doubt) = verdict.method.doubt() {

@@ -98,6 +98,24 @@ fn words_that_cannot_be_are_refused_by_name() {
     let _ = desk.run(&format!("orbit --word 0+3+ --family single-sided {MODEL}")).with(2, &["cannot be used with"]);
 }
 
+/// Where no matrix fits multipliers are counted; where that would take too long, too, the ring is too large.
+#[test]
+fn words_on_large_rings_have_a_verdict_or_say_why_not() {
+    let desk = Desk::new();
+    let model = "--gamma1 0.2 --gamma2 0.05 --omega 1.5 --asymmetry 0.2";
+    let small = orbit(&desk, &format!("--sites 101 {model} --word 0+2+3+,0-2-3-"));
+    let large = orbit(&desk, &format!("--sites 8001 {model} --word 0+2+3+,0-2-3-"));
+    let [small, large] = [small, large].map(|answer| answer["solutions"][0]["stability"].clone());
+    assert_eq!((&large["stable"], &large["mechanism"]), (&small["stable"], &small["mechanism"]));
+    let radius = |stability: &Value| stability["spectral_radius"].as_f64().unwrap();
+    assert!((radius(&large) - radius(&small)).abs() < 1e-9 && radius(&large) > 1.1, "{large}");
+    assert!(large["multipliers"].is_null() && large["method"] == "secular", "{large}");
+    assert!(large["multipliers_note"].as_str().unwrap().contains("counted"));
+    assert_eq!(small["multipliers"].as_array().unwrap().len(), 202);
+    let line = format!("orbit --sites 100001 {model} --word 0+2+3+,0-2-3-");
+    desk.run(&line).with(1, &["a dense analysis of dimension 100001 exceeds the limit of 6000"]);
+}
+
 #[test]
 fn an_orbit_of_a_file_is_found_again_elsewhere() {
     let desk = Desk::new();

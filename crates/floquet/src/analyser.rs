@@ -3,7 +3,7 @@
 //! | orbit | path |
 //! |---|---|
 //! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
-//! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference |
+//! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference, or of half a period |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
 //! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
 //! | the same, other sites, on a ring of more than 1000 masses | inertia of the secular matrix: a count |
@@ -12,7 +12,7 @@
 //! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Orbit};
+use vibrochain_breather::{Finder, Orbit, Word};
 
 use crate::dense::{Dense, WORTH_A_MATRIX, uncoupled};
 use crate::error::FloquetError;
@@ -221,12 +221,23 @@ impl Analyser {
     }
 }
 
+/// Terms that a count may sum up in one pass over the gaps: some seconds, of which there may be some.
+const MOST_TERMS: f64 = 2e10;
+
 /// A word of several sites without force on a ring so large that its multipliers are counted, and none is worked out that does not
 /// decide.
 fn is_counted(orbit: &Orbit) -> bool {
     let chain = orbit.model().chain();
-    let several = orbit.is_reversible() && orbit.impact_site().is_none() && chain.is_ring();
-    several && !chain.is_uncoupled() && chain.sites() > WORTH_A_MATRIX
+    let terms = || {
+        let sites = Word::of(orbit).places().len() as f64;
+        (chain.even_modes() as f64).powi(2) * 6.0 * (0.5 * sites * (sites - 1.0) + 1.0)
+    };
+    orbit.is_reversible()
+        && orbit.impact_site().is_none()
+        && chain.is_ring()
+        && !chain.is_uncoupled()
+        && chain.sites() > WORTH_A_MATRIX
+        && terms() <= MOST_TERMS
 }
 
 /// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].

@@ -6,7 +6,7 @@ use vibrochain_breather::Finder;
 use crate::analyser::{Analyser, Failure};
 use crate::by_secular::{check, ratio_error, told};
 use crate::saltation::saltations;
-use crate::secular::{Pair, Partners};
+use crate::secular::Pair;
 use crate::verdict::{Question, Verdict};
 
 /// Errors of ν that no matrix beats: rounding of its own is some times larger than that of its entries.
@@ -24,10 +24,9 @@ impl Analyser {
         let _ = saltations(orbit)?;
         let ratio_error = if pair.is_symmetric { 0.0 } else { ratio_error(question, finder)? };
         self.partners.replace(finder.prepared(orbit)?, pair, ratio_error)?;
-        let mut verdict = told(&self.partners.own.verdict()?, question.tolerance);
-        if !pair.is_alone() {
-            verdict = verdict.or_worse(told(&self.partners.other.verdict()?, question.tolerance));
-        }
+        let verdicts = self.partners.verdicts()?;
+        let verdicts = verdicts.iter().map(|verdict| told(verdict, question.tolerance));
+        let verdict = verdicts.reduce(Verdict::or_worse).unwrap_or(Verdict::on_circle(None));
         // A small growth goes like the root of ν − 1, of whatever ν is.
         if !verdict.marginal && verdict.growth().min(1.0) * verdict.resolution > OF_A_MATRIX {
             check(verdict.growth(), verdict.resolution, question)?;
@@ -35,12 +34,8 @@ impl Analyser {
         if !question.thorough {
             return Ok((verdict, Vec::new()));
         }
-        let mut multipliers = Vec::new();
-        let Partners { own, other, .. } = &mut self.partners;
-        for block in if pair.is_alone() { vec![own] } else { vec![own, other] } {
-            multipliers.extend(block.all_nu()?.flat_map(|(nu, _)| nu.multipliers()));
-        }
-        let phases = self.partners.spared(orbit.model().chain(), &pair).map(|f| f * orbit.period());
+        let mut multipliers = self.partners.multipliers()?;
+        let phases = self.partners.spared(orbit.model().chain()).map(|f| f * orbit.period());
         multipliers.extend(phases.flat_map(|phase| [phase, -phase]).map(|phase| Complex::from_polar(1.0, phase)));
         // Where none leads, one that is there.
         let leading = multipliers.first().filter(|_| verdict.growth() == 0.0).copied();

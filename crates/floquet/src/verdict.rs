@@ -135,7 +135,7 @@ pub enum Method {
     /// From the secular function: zeros of a scalar function, counted or found.
     #[default]
     Secular,
-    /// From a matrix: for impacts at several sites, for masses without coupling (2 × 2: one mass alone is left), where it
+    /// From a matrix: for most impacts at several sites, for masses without coupling (2 × 2: one mass alone is left), where it
     /// was asked for ([`crate::Analyser::dense`]); with the doubt where the secular function had no answer.
     Dense(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::doubt"))] Option<SecularError>),
 }

@@ -95,8 +95,8 @@ fn far_breathers_hardly_feel_each_other() {
     assert!(last > 1e-4 && last < 1e-2, "{last}");
 }
 
-/// The verdict by secular functions, if there is one, held against the dense block.
-fn by_blocks_as_by_matrix(orbit: &Orbit, finder: &mut Finder) -> Option<Verdict> {
+/// The verdict by secular functions, if there is one, held against the dense block; `doubts` where there is none.
+fn by_blocks_as_by_matrix(orbit: &Orbit, finder: &mut Finder, doubts: &mut usize) -> Option<Verdict> {
     let (model, sites) = (orbit.model(), orbit.model().chain().sites());
     let answer = Analyser::default().stability(orbit, finder, Tolerance::Rounding);
     let reference = Analyser::dense().stability(orbit, finder, Tolerance::Rounding);
@@ -105,13 +105,15 @@ fn by_blocks_as_by_matrix(orbit: &Orbit, finder: &mut Finder) -> Option<Verdict>
         (answer, reference) => (answer.unwrap(), reference.unwrap()),
     };
     if answer.verdict.method != Method::Secular {
+        *doubts += usize::from(answer.verdict.method.doubt().is_some());
         return None;
     }
     let told = format!("{} {model} {:?} {:?}", Word::of(orbit), answer.verdict, reference.verdict);
     assert_eq!(answer.multipliers.len(), 2 * sites, "{told}");
     let (verdict, dense) = (answer.verdict, reference.verdict);
     let radius = verdict.spectral_radius;
-    assert!((radius - dense.spectral_radius).abs() <= 1e-6 * radius, "{told}");
+    let room = if verdict.marginal { verdict.resolution } else { 0.0 };
+    assert!((radius - dense.spectral_radius).abs() <= 1e-6 * radius + room, "{told}");
     if !verdict.marginal && !dense.marginal {
         assert_eq!((verdict.stable, verdict.mechanism), (dense.stable, dense.mechanism), "{told}");
     }
@@ -132,16 +134,18 @@ fn by_blocks_as_by_matrix(orbit: &Orbit, finder: &mut Finder) -> Option<Verdict>
 fn blocks_of_pairs_are_the_dense_block() {
     let mut random = Random(77);
     let (mut checked, mut unstable, mut stable, mut spared, mut opposite, mut one_instant) = (0, 0, 0, 0, 0, 0);
-    for _ in 0..1500 {
+    let (mut doubts, mut in_turns) = (0, 0);
+    for _ in 0..2000 {
         let sites = 2 + random.below(15);
         let gamma1 = random.log(0.01, 0.6);
-        let chain = Chain::new(sites, gamma1, random.log(1e-3, 0.4)).unwrap();
-        let out = random.chance(0.3);
-        let asymmetry = if out { 0.0 } else { random.between(0.0, 0.8) };
+        let chain = Chain::new(sites, gamma1, random.log(1e-5, 0.4)).unwrap();
+        let out = random.chance(0.5);
+        let asymmetry = if out && random.chance(0.4) { 0.0 } else { random.between(0.0, 0.8) };
         let model = Model::conservative(chain, random.between(0.5, 3.0), asymmetry).unwrap();
         let distance = 1 + random.below(sites - 1);
         let words = if out {
-            [format!("0+{distance}-,0-{distance}+"), format!("0-{distance}+")]
+            let single = if random.chance(0.5) { format!("0-{distance}+") } else { format!("0-,{distance}-") };
+            [format!("0+{distance}-,0-{distance}+"), single]
         } else {
             [format!("0+{distance}+,0-{distance}-"), format!("0-{distance}-")]
         };
@@ -151,17 +155,19 @@ fn blocks_of_pairs_are_the_dense_block() {
             continue;
         }
         for orbit in &found.orbits {
-            let Some(verdict) = by_blocks_as_by_matrix(orbit, &mut finder) else { continue };
+            let Some(verdict) = by_blocks_as_by_matrix(orbit, &mut finder, &mut doubts) else { continue };
             unstable += usize::from(verdict.mechanism.is_some());
             stable += usize::from(verdict.stable);
             spared += usize::from(sites % 2 == 0 && 2 * distance == sites);
-            opposite += usize::from(out);
+            opposite += usize::from(out && asymmetry == 0.0);
+            in_turns += usize::from(out && asymmetry > 0.0);
             one_instant += usize::from(word.instants().len() == 1);
             checked += 1;
         }
     }
-    println!("{checked} {unstable} {stable} {spared} {opposite} {one_instant}");
+    println!("{checked} {unstable} {stable} {spared} {opposite} {one_instant} {in_turns} {doubts}");
     assert!(checked > 800 && unstable > 300 && stable > 100 && spared > 30 && opposite > 200 && one_instant > 200);
+    assert!(in_turns > 200 && 10 * doubts < checked);
 }
 
 /// One site, and two that a reflection exchanges, of lattices that are no rings: as above.
@@ -171,6 +177,7 @@ fn blocks_of_lattices_are_the_dense_block() {
     let (gamma1, gamma2) = (Values::Log(0.01, 0.6), Values::Log(1e-3, 0.4));
     let ranges = Ranges { sites: [1, 9], gamma1, gamma2, ..Ranges::CONSERVATIVE };
     let (mut alone, mut pairs, mut layered, mut walls, mut unstable, mut stable) = (0, 0, 0, 0, 0, 0);
+    let (mut in_turns, mut doubts) = (0, 0);
     for _ in 0..3000 {
         let chain = random.lattice(&ranges);
         let model = Model::conservative(chain, random.between(0.5, 3.0), random.between(0.0, 0.8)).unwrap();
@@ -184,8 +191,22 @@ fn blocks_of_lattices_are_the_dense_block() {
         places.dedup();
         let at = |barrier| places.iter().map(|&(site, layer)| Letter { site, layer, barrier }).collect::<Vec<_>>();
         let mut instants = vec![at(Barrier::Lower)];
+        let out = places.len() == 2 && random.chance(0.3);
+        if out {
+            // One after the other.
+            let other = instants[0].pop().unwrap();
+            instants.push(vec![other]);
+        }
         if random.chance(0.6) {
-            instants.insert(0, at(Barrier::Upper));
+            let up = |letter: &Letter| Letter { barrier: Barrier::Upper, ..*letter };
+            let upper: Vec<Vec<Letter>> = instants.iter().map(|letters| letters.iter().map(up).collect()).collect();
+            match (instants.as_mut_slice(), upper.as_slice()) {
+                ([first, second], [up_first, up_second]) => {
+                    first.extend(up_second);
+                    second.extend(up_first);
+                }
+                _ => instants.splice(0..0, upper).for_each(drop),
+            }
         }
         let word = Word::new(instants).unwrap();
         let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
@@ -193,7 +214,8 @@ fn blocks_of_lattices_are_the_dense_block() {
             continue;
         }
         for orbit in &found.orbits {
-            let Some(verdict) = by_blocks_as_by_matrix(orbit, &mut finder) else { continue };
+            let Some(verdict) = by_blocks_as_by_matrix(orbit, &mut finder, &mut doubts) else { continue };
+            in_turns += usize::from(out);
             *(if places.len() == 1 { &mut alone } else { &mut pairs }) += 1;
             layered += usize::from(chain.layers() > 1);
             walls += usize::from(chain.has_walls());
@@ -201,6 +223,7 @@ fn blocks_of_lattices_are_the_dense_block() {
             stable += usize::from(verdict.stable);
         }
     }
-    let counts = [alone, pairs, layered, walls, unstable, stable];
+    let counts = [alone, pairs, layered, walls, unstable, stable, in_turns];
+    assert!(10 * doubts < alone + pairs, "{doubts} {counts:?}");
     assert!(alone > 300 && pairs > 500 && counts.iter().all(|&count| count > 200), "{counts:?}");
 }

@@ -42,24 +42,34 @@ pub(crate) struct Saltations {
 impl Saltations {
     /// From the ratio X = P₁/P₀ and its relative error.
     pub(crate) fn new(modes: &Modes, ratio: f64, ratio_error: f64) -> Self {
+        Self::of(modes.list().iter().map(|mode| (mode, mode.cos, 1.0)), ratio, ratio_error)
+    }
+
+    /// From the parts of each mode in p and q, times x/b²: κ'₀ is p + Xq, κ'₁ is p + q/X.
+    pub(super) fn of<'a>(terms: impl Iterator<Item = (&'a Mode, f64, f64)>, ratio: f64, ratio_error: f64) -> Self {
         let off = ratio_error / f64::EPSILON;
         let chi = 0.5 * (ratio + 1.0 / ratio);
         let (mut half_kappa, mut kappa0, mut kappa1) = (0.0, 0.0, 0.0);
         let (mut half_kappa_error, mut kappa0_error, mut kappa1_error) = (0.0, 0.0, 0.0);
         let (size_of_ratio, size_of_inverse) = (ratio.abs(), (1.0 / ratio).abs());
-        for &Mode { weight, cos: c, inverse, relative, .. } in modes.list() {
+        for (&Mode { weight, inverse, relative, .. }, p, q) in terms {
             let stiffness = weight * inverse;
-            half_kappa += stiffness * (c + chi);
-            kappa0 += stiffness * (c + ratio);
-            kappa1 += stiffness * (c + 1.0 / ratio);
+            half_kappa += stiffness * (p + chi * q);
+            kappa0 += stiffness * (p + ratio * q);
+            kappa1 += stiffness * (p + 1.0 / ratio * q);
             let (size, own) = (stiffness.abs(), relative + 4.0);
-            half_kappa_error += size * (own * c.abs() + (own + off) * chi.abs());
-            kappa0_error += size * (own * c.abs() + (own + off) * size_of_ratio);
-            kappa1_error += size * (own * c.abs() + (own + off) * size_of_inverse);
+            half_kappa_error += size * (own * p.abs() + (own + off) * chi.abs());
+            kappa0_error += size * (own * p.abs() + (own + off) * size_of_ratio);
+            kappa1_error += size * (own * p.abs() + (own + off) * size_of_inverse);
         }
         let lambda = kappa0 * kappa1;
         let lambda_error = kappa0.abs() * kappa1_error + kappa1.abs() * kappa0_error;
         Self { half_kappa, half_kappa_error, lambda, lambda_error }
+    }
+
+    /// K.
+    pub(super) fn half_kappa(&self) -> f64 {
+        self.half_kappa
     }
 }
 
@@ -178,9 +188,15 @@ pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own<f64x4>, 
     (Own { value: own, error: own_error }, Mirror { sigma, g, h, size, doubted })
 }
 
-/// The residue from the sums, and its error.
+/// The residue from the sums, and its error; `partner` is the weight that the mode has among those about −c_k, its own.
 #[inline(always)]
-pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &Own<T>, mirror: &Mirror<T>) -> (T, T) {
+pub(crate) fn residue<T: Number>(
+    mode: &Mode<T>,
+    partner: T,
+    saltations: &Saltations,
+    own: &Own<T>,
+    mirror: &Mirror<T>,
+) -> (T, T) {
     let Mode { weight: wk, cos: ck, sin: sk, sin_over: xk, sin_times: yk, relative: rk, .. } = *mode;
     let Saltations { half_kappa, half_kappa_error, lambda, lambda_error } = *saltations;
     let Mirror { sigma, g, h, size, doubted } = *mirror;
@@ -188,8 +204,8 @@ pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &
     let square = sk * sk;
     let (own, own_error) = (wk * own.value, wk * own.error);
     let curl = g * h - square * sigma * sigma;
-    let cross = ck * curl + wk * 0.5 * (xk * h + yk * g - square * sigma * 2.0);
-    let tail = ck * g + wk * xk * 0.5;
+    let cross = ck * curl + partner * 0.5 * (xk * h + yk * g - square * sigma * 2.0);
+    let tail = ck * g + partner * xk * 0.5;
     let gamma = wk * xk;
     let (upper, lower) = (cross + tail * half_kappa, cross * half_kappa + tail * lambda);
     let scale = number(-2.0) / square;
@@ -198,8 +214,8 @@ pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &
     // square terms x_l y_l − s_l² vanish whatever the phases.
     let doubt = doubted / size.at_least(number(f64::MIN_POSITIVE));
     let sums = square * size * size * 4.0 + doubt * (curl.modulus() + square * size);
-    let cross_error = ck.modulus() * sums + wk * square * size * (number(4.0) + doubt);
-    let tail_error = (ck * xk).modulus() * size * (number(4.0) + doubt) + gamma.modulus() * rk;
+    let cross_error = ck.modulus() * sums + partner * square * size * (number(4.0) + doubt);
+    let tail_error = (ck * xk).modulus() * size * (number(4.0) + doubt) + (partner * xk).modulus() * rk;
     let upper_error = cross_error + tail_error * half_kappa.abs() + tail.modulus() * half_kappa_error;
     let lower_error = cross_error * half_kappa.abs()
         + cross.modulus() * half_kappa_error
@@ -225,7 +241,7 @@ pub(crate) fn residues(modes: &Modes, saltations: &Saltations, masked: &mut Vec<
             masked[i][j] = mode.weight;
         }
         let group = group.four();
-        let (residue, error) = residue(&group, saltations, &Own::totals(&own), &Mirror::totals(&mirror));
+        let (residue, error) = residue(&group, group.weight, saltations, &Own::totals(&own), &Mirror::totals(&mirror));
         Pole::push_group(poles, 4 * i, list.len(), &group, residue, error);
     }
 }

@@ -129,6 +129,11 @@ impl ForcedSecular {
         self.asked.get(place) == Some(&Settling::Open)
     }
 
+    /// Settled by the impacts' equations, and apart from all others.
+    pub(crate) fn is_settled(&self, place: usize) -> bool {
+        self.asked.get(place) == Some(&Settling::Settled)
+    }
+
     /// Settles one multiplier by the impacts' equations, where they know better; `included` tells that the errors hold those of
     /// the orbit's data already.
     pub(crate) fn settle(&mut self, place: usize, prepared: Prepared<'_>, included: bool) {

@@ -22,6 +22,7 @@
 //! only where every eigenvalue is farther from 0 than errors of the entries reach (Weyl): the count is a certificate.
 
 use nalgebra::{Complex, DMatrix};
+use smallvec::SmallVec;
 use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 use vibrochain_breather::{Condition, Prepared};
 use wide::f64x4;
@@ -29,7 +30,6 @@ use wide::f64x4;
 use super::error::SecularError;
 use super::growth::{Nu, outside};
 use super::modes::{Mode, Modes};
-use super::verdict::{Reason, SecularVerdict, Standing};
 use crate::saltation::Saltation;
 
 /// Where a mode is that pads a group of four.
@@ -240,7 +240,9 @@ impl Inertia {
         let values = matrix.symmetric_eigenvalues();
         let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let size = (2 * n) as f64;
-        let doubt = size * (total(noise) + 4.0 * f64::EPSILON * largest) + kappa_error;
+        // Far beyond ±1 they are larger than 1.
+        let factor = sine.max(cosine).max(sine * cosine).max(1.0);
+        let doubt = size * (factor * total(noise) + 4.0 * f64::EPSILON * largest) + kappa_error;
         let certain = values.iter().all(|value| value.abs() > doubt);
         certain.then(|| values.iter().filter(|value| **value > 0.0).count() as i64)
     }
@@ -299,45 +301,61 @@ impl Inertia {
         Some((zeros, Some([low, high])))
     }
 
-    /// The verdict on the orbit taken over.
+    /// How many zeros are on the circle or real.
     ///
     /// # Errors
-    /// [`SecularError::Tangency`] where a multiplier is on the border to within rounding; [`SecularError::Incomplete`] if not all zeros
-    /// are on the circle or real: complex ones are not sought.
-    pub(crate) fn verdict(&mut self) -> Result<SecularVerdict, SecularError> {
+    /// [`SecularError::Tangency`] where nothing can be told from rounding next to ±1.
+    pub(crate) fn count(&mut self) -> Result<Count, SecularError> {
         let nearest = self.poles.iter().map(|(d, _)| 1.0 - d.abs()).fold(1.0, f64::min);
-        let mut best = Err(SecularError::Tangency);
+        let wanted = self.zeros - 1;
+        let mut best: Option<Count> = None;
         for reach in ENDS {
             let reach = reach.min(0.25 * nearest);
             let (Some(up), Some(down)) = (self.beyond(1.0, reach), self.beyond(-1.0, reach)) else { continue };
-            let wanted = self.zeros - 1;
             for finer in [1, FINER] {
                 let Some(inside) = self.inside(reach, finer) else { break };
                 let found = inside + up.0 + down.0;
-                if found == wanted {
-                    return Ok(told(up.1, down.1));
+                let missing = usize::try_from(wanted - found).map_err(|_| SecularError::Tangency)?;
+                if best.as_ref().is_none_or(|best| missing < best.missing) {
+                    let ends = [(1.0, up.1), (-1.0, down.1)];
+                    let real = ends.into_iter().filter_map(|(end, bracket)| bracket.map(|bracket| (end, bracket)));
+                    best = Some(Count { wanted: wanted as usize, missing, real: real.map(Real::new).collect() });
                 }
-                best = Err(SecularError::Incomplete { found: found.max(0) as usize, wanted: wanted as usize });
+                if missing == 0 {
+                    break;
+                }
+            }
+            if best.as_ref().is_some_and(|best| best.missing == 0) {
+                break;
             }
         }
-        best
+        best.ok_or(SecularError::Tangency)
     }
 }
 
-/// All zeros are on the circle but those in these brackets.
-fn told(up: Option<[f64; 2]>, down: Option<[f64; 2]>) -> SecularVerdict {
-    let brackets = [(1.0, up), (-1.0, down)];
-    let outermost = brackets.into_iter().filter_map(|(end, bracket)| Some((end, bracket?)));
-    let leading = outermost.max_by(|a, b| a.1[1].total_cmp(&b.1[1]));
-    let clearance = f64::INFINITY;
-    let Some((end, [low, high])) = leading else {
-        let (outcome, reason) = (Standing::Stable, Reason::AllRootsCounted);
-        return SecularVerdict { outcome, reason, leading: None, growth: 0.0, growth_error: 0.0, clearance };
-    };
-    let [low_growth, high_growth] = [low, high].map(outside);
-    let growth = 0.5 * (low_growth + high_growth);
-    let growth_error = (high_growth - low_growth).max(8.0 * f64::EPSILON * growth);
-    let [leading, _]: [Complex<f64>; 2] = Nu::beyond(end, 0.5 * (low + high)).multipliers();
-    let (outcome, reason) = (Standing::Unstable, Reason::RealRoot);
-    SecularVerdict { outcome, reason, leading: Some(leading), growth, growth_error, clearance }
+/// What is known of the zeros but the trivial one.
+#[derive(Debug, Clone)]
+pub(crate) struct Count {
+    pub(crate) wanted: usize,
+    /// Those that are neither on the circle nor real.
+    pub(crate) missing: usize,
+    /// The outermost one beyond either end.
+    pub(crate) real: SmallVec<[Real; 2]>,
+}
+
+/// A multiplier outside the circle, known by its bracket.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Real {
+    pub(crate) multiplier: Complex<f64>,
+    pub(crate) growth: f64,
+    pub(crate) error: f64,
+}
+
+impl Real {
+    fn new((end, [low, high]): (f64, [f64; 2])) -> Self {
+        let [low_growth, high_growth] = [low, high].map(outside);
+        let [multiplier, _] = Nu::beyond(end, 0.5 * (low + high)).multipliers();
+        let growth = 0.5 * (low_growth + high_growth);
+        Self { multiplier, growth, error: (high_growth - low_growth).max(8.0 * f64::EPSILON * growth) }
+    }
 }

@@ -6,7 +6,7 @@
 //! | `single_sided`, `double_sided` | derivation and residues of F for reversible orbits |
 //! | `residues` | [`Residues`]: poles, residues, certificates |
 //! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
-//! | `foreign`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference |
+//! | `foreign`, `in_turns`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference, or of half a period |
 //! | `inertia` | reversible words of any sites on large rings: a certified count |
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
@@ -41,6 +41,7 @@ mod foreign;
 mod gap;
 mod growth;
 mod impact_matrix;
+mod in_turns;
 mod inertia;
 mod labels;
 mod large;
@@ -71,7 +72,7 @@ pub use forced_verdict::ForcedSecular;
 pub(crate) use forced_verdict::Leading;
 pub(crate) use growth::{Nu, excess};
 pub(crate) use impact_matrix::ImpactMatrix;
-pub(crate) use inertia::Inertia;
+pub(crate) use inertia::{Count, Inertia};
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
 pub(crate) use modes::{Mode, Modes};

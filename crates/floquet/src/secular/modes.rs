@@ -79,14 +79,18 @@ impl Modes {
 
     /// Takes over the modes of another set, each with `part(k)` of its weight; those that are spared are left out.
     pub(crate) fn weigh(&mut self, all: &Self, part: impl Fn(usize) -> f64) {
+        let parts = all.list.iter().enumerate().map(|(k, mode)| (k, part(k), mode));
+        let felt = parts.filter(|(_, part, _)| !Self::is_spared(*part));
+        self.collect(felt.map(|(k, part, mode)| (k, Mode { weight: part * mode.weight, ..*mode })));
+    }
+
+    /// Takes over modes, each with its number in the set that it comes from.
+    pub(crate) fn collect(&mut self, modes: impl Iterator<Item = (usize, Mode)>) {
         self.list.clear();
         self.numbers.clear();
-        for (k, mode) in all.list.iter().enumerate() {
-            let part = part(k);
-            if !Self::is_spared(part) {
-                self.list.push(Mode { weight: part * mode.weight, ..*mode });
-                self.numbers.push(k as u32);
-            }
+        for (k, mode) in modes {
+            self.list.push(mode);
+            self.numbers.push(k as u32);
         }
         self.group();
     }

@@ -10,7 +10,7 @@ use super::growth::Nu;
 use super::leaf::{ChargedPole, Leaf, divide};
 use super::modes::Modes;
 use super::pole::{NO_MODE, Pole};
-use super::{double_sided, large, single_sided};
+use super::{double_sided, in_turns, large, single_sided};
 use vibrochain_breather::lanes::{Lane, fill};
 
 /// Number of modes from which Cauchy sums are faster than pairs.
@@ -129,6 +129,25 @@ impl Residues {
                 foreign.map(|foreign| foreign.double_sided(&self.modes, ratio, ratio_error))
             }
         };
+        self.finish(pole_at_one)
+    }
+
+    /// Of an orbit of two sites that hit in turns, twice in half a period, see [`super::in_turns`]: even and odd modes.
+    pub(super) fn work_out_in_turns(
+        &mut self,
+        [even, odd]: [&Modes; 2],
+        saltations: &double_sided::Saltations,
+        period: f64,
+    ) -> Result<(), SecularError> {
+        self.set_modes(|modes| modes.clone_from(even));
+        self.expected_trace =
+            in_turns::double_sided([even, odd], saltations, period, &mut self.masked, &mut self.table);
+        self.finish(None)
+    }
+
+    /// From the residues on.
+    fn finish(&mut self, pole_at_one: Option<Pole>) -> Result<(), SecularError> {
+        let large = self.table.len() > LARGE;
         self.has_pole_at_one = pole_at_one.is_some();
         match (pole_at_one, self.table.as_mut_slice()) {
             // A rigid mode has its own pole there.
