@@ -1,21 +1,21 @@
 //! The conditions at the impacts and Newton's method for them.
 //!
 //! ```text
-//! v_n(t) = Σ_j P_j K_{n−n_j}(t−t_j) + c + G(t+ψ),   G(t) = Σ_h Ã_h cos(hωt + θ_h),   Ã_h = A_h/(γ₁−h²ω²)
+//! v_n(t) = Σ_j P_j K_{n n_j}(t−t_j) + c + G(t+ψ),   G(t) = Σ_h Ã_h cos(hωt + θ_h),   Ã_h = A_h/(γ₁−h²ω²)
 //! position   v(t_i) − (a ± 1)                                   = 0
 //! Newton     Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ) + q P_i/2       = 0,   q = (1−e)/(1+e)
-//! γ₁ = 0     Σ_j P_j                                            = 0
+//! adrift     Σ_j P_j                                            = 0
 //! ```
 //!
-//! Unknown are the impulses, all times but the first, ψ under a force, and for γ₁ = 0 the offset c of the ring (otherwise
-//! c = 0). Without force there is one unknown less, and one equation: Σ P_i × (Newton's equation i) vanishes by itself
+//! Unknown are the impulses, all times but the first, ψ under a force, and for a lattice that nothing holds its offset c
+//! (otherwise c = 0). Without force there is one unknown less, and one equation: Σ P_i × (Newton's equation i) vanishes by itself
 //! when q = 0, because K′ is odd; the one of the strongest impact is left out. Orbits that are their own mirror image in
 //! time have their impacts at 0 and T/2 and are left with a linear system.
 
 use vibrochain_lattice::{Barrier, Harmonic, Model};
 
 use crate::error::TruthError;
-use crate::kernel::{Jet, Kernel};
+use crate::kernel::{Jet, Kernel, Waves};
 use crate::linear::solve;
 use crate::real::Real;
 
@@ -49,7 +49,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) rigid: bool,
 }
 
-/// The uniform motion that the force drives: (hω, Ã_h, θ_h) of each harmonic.
+/// The uniform motion that the force drives, (hω, Ã_h, θ_h) of each harmonic: of lattices without walls, the others have no
+/// force.
 #[derive(Debug, Clone)]
 pub(crate) struct Steady(Vec<(Real, Real, f64)>);
 
@@ -86,22 +87,16 @@ impl Problem<'_> {
     /// K and its derivatives at t_j − t_i for i ≤ j.
     pub(crate) fn jets(&self, state: &State) -> Vec<Vec<Jet>> {
         let n = self.hits.len();
-        let mut at_impulse: Vec<(usize, Jet)> = Vec::new();
+        // Most of the work; impacts of the same instants share them.
+        let mut known: Vec<(Real, Waves)> = Vec::new();
         let mut jet = |i: usize, j: usize| {
-            let distance = self.model.chain().distance(self.hits[i].0, self.hits[j].0);
             let t = &state.times[j] - &state.times[i];
-            if !t.is_zero() {
-                return self.kernel.jet(distance, &t);
-            }
-            // Every impact has one of these.
-            match at_impulse.iter().find(|known| known.0 == distance) {
-                Some(known) => known.1.clone(),
-                None => {
-                    let jet = self.kernel.jet(distance, &t);
-                    at_impulse.push((distance, jet.clone()));
-                    jet
-                }
-            }
+            let place = known.iter().position(|known| known.0 == t).unwrap_or_else(|| {
+                let waves = self.kernel.waves(&t);
+                known.push((t, waves));
+                known.len() - 1
+            });
+            self.kernel.jet_of(self.hits[j].0, self.hits[i].0, &known[place].1)
         };
         (0..n).map(|i| (i..n).map(|j| jet(i, j)).collect()).collect()
     }

@@ -103,7 +103,7 @@ impl TrueOrbit {
             hits,
             times_free: !orbit.is_reversible(),
             newton,
-            rigid: chain.gamma1() == 0.0,
+            rigid: chain.is_adrift(),
         };
         let start = State {
             impulses: orbit.impacts().iter().map(|impact| Real::new(impact.impulse, work)).collect(),
@@ -198,11 +198,10 @@ impl TrueOrbit {
     }
 
     /// Σ_j P_j × K or a derivative of it.
-    fn superposed(&self, site: usize, t: &Real, response: impl Fn(&Kernel, usize, &Real) -> Real) -> Real {
-        let chain = self.model.chain();
+    fn superposed(&self, site: usize, t: &Real, response: impl Fn(&Kernel, usize, usize, &Real) -> Real) -> Real {
+        let to = site % self.model.chain().sites();
         self.impacts.iter().fold(Real::zero(self.kernel.work_bits()), |sum, impact| {
-            let distance = chain.distance(site % chain.sites(), impact.site);
-            sum + &impact.impulse * response(&self.kernel, distance, &(t - &impact.time))
+            sum + &impact.impulse * response(&self.kernel, to, impact.site, &(t - &impact.time))
         })
     }
 

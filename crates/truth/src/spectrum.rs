@@ -1,4 +1,4 @@
-//! Floquet multipliers in many digits, from the secular determinant of an orbit with all impacts at one site.
+//! Floquet multipliers in many digits, from the secular determinant of an orbit with all impacts at one site of any lattice.
 //!
 //! With ν = ½(z+1/z) and c_k = cos Ω_kT, roots are sought of det(z−M) = D(z) Π 2z(ν−c_k), which has no poles. Modes with their pole next to the root keep their two
 //! coordinates in the determinant instead of being summed, so that nothing cancels there. Where M is symplectic (e = 1),
@@ -22,7 +22,7 @@ const OFF_AXIS: f64 = 1e-4;
 const NEAR_POLE: f64 = 1e-6;
 const MAX_EXPLICIT: usize = 6;
 
-/// All even modes of one frequency (more than one only if they agree in all digits).
+/// All modes that are told apart at the site, of one frequency (more than one only if they agree in all digits).
 #[derive(Debug, Clone)]
 pub(crate) struct Pole {
     mode: usize,
@@ -75,7 +75,8 @@ impl TrueSpectrum {
         let restitution = Real::new(orbit.model().restitution(), orbit.kernel().work_bits());
         let saltation = |impact: &TrueImpact| (&restitution + 1.0) * &impact.acceleration / &impact.velocity_before;
         let data = impacts.iter().map(|impact| (impact.time.clone(), saltation(impact))).collect();
-        Self::assemble(orbit.kernel(), restitution, data, orbit.bits())
+        let site = impacts.first().map_or(0, |impact| impact.site);
+        Self::assemble((orbit.kernel(), site), restitution, data, orbit.bits())
     }
 
     /// The secular determinant for the times, accelerations and velocities of an `f64` orbit, taken as exact: what is to be
@@ -84,9 +85,7 @@ impl TrueSpectrum {
     /// # Errors
     /// As [`TrueSpectrum::new`]; [`TruthError::Resonance`].
     pub fn as_given(orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
-        if orbit.centre().is_none() {
-            return Err(TruthError::SeveralSites);
-        }
+        let site = orbit.impact_site().ok_or(TruthError::SeveralSites)?;
         let model = orbit.model();
         let kernel = Kernel::new(model.chain(), model.omega(), orbit.force_periods(), 2 * bits + 64)?;
         let work = kernel.work_bits();
@@ -96,12 +95,12 @@ impl TrueSpectrum {
             (Real::new(impact.time, work), kappa)
         });
         let data = data.collect();
-        Self::assemble(&kernel, restitution, data, bits)
+        Self::assemble((&kernel, site), restitution, data, bits)
     }
 
-    /// From the times of the impacts and the entries (velocity, displacement) of their saltations.
+    /// From the site that is hit, the times of the impacts and the entries (velocity, displacement) of their saltations.
     fn assemble(
-        kernel: &Kernel,
+        (kernel, site): (&Kernel, usize),
         restitution: Real,
         impacts: Vec<(Real, Real)>,
         bits: usize,
@@ -115,16 +114,15 @@ impl TrueSpectrum {
         let work = kernel.work_bits();
         let period = kernel.period();
         let mut poles: Vec<Pole> = Vec::new();
-        for (mode, (frequency, weight)) in kernel.frequencies().zip(kernel.weights()).enumerate() {
-            // The frequencies rise with k.
-            match poles.last_mut().filter(|pole| pole.frequency == *frequency) {
+        for (mode, (frequency, weight)) in kernel.frequencies().zip(kernel.weights(site)).enumerate() {
+            match poles.iter_mut().find(|pole| pole.frequency == *frequency) {
                 Some(pole) => {
-                    pole.weight += weight;
+                    pole.weight += &weight;
                     pole.multiplicity += 1;
                 }
                 None => {
                     let cos = (frequency * period).sin_cos().1;
-                    let (frequency, weight) = (frequency.clone(), weight.clone());
+                    let frequency = frequency.clone();
                     poles.push(Pole { mode, multiplicity: 1, weight, frequency, cos });
                 }
             }
@@ -388,7 +386,7 @@ mod tests {
     fn dense(orbit: &TrueOrbit, z: &Complex) -> Complex {
         let kernel = orbit.kernel();
         let (m, work) = (kernel.modes(), kernel.work_bits());
-        let b: Vec<Real> = kernel.weights().map(Real::sqrt).collect();
+        let b: Vec<Real> = kernel.weights(0).map(|weight| weight.sqrt()).collect();
         let mut columns: Vec<Vec<Real>> =
             (0..2 * m).map(|i| (0..2 * m).map(|j| Real::new(f64::from(u8::from(i == j)), work)).collect()).collect();
         let e = Real::new(orbit.model().restitution(), work);
