@@ -1,13 +1,13 @@
 //! All impact words of a few neighbouring sites, up to symmetry.
 
-use vibrochain_lattice::{Barrier, Model};
+use vibrochain_lattice::{Barrier, Ends, Layout, Model};
 
 use crate::orbit::Family;
 use crate::word::{Letter, Word, WordError};
 
 impl Word {
-    /// All words of `sites_used` sites, the farthest `reach` apart at most, each of which hits as one of `families` does, at two
-    /// instants in all: in their canonical forms, in order. A double-sided site may be on its upper barrier at either instant, a
+    /// All words of `sites_used` masses, in whatever layer, the farthest `reach` sites apart at most, each of which hits as one of
+    /// `families` does, at two instants in all: in their canonical forms, in order. A double-sided site may be on its upper barrier at either instant, a
     /// single-sided one hits at either.
     ///
     /// # Errors
@@ -28,14 +28,21 @@ impl Word {
         reach: usize,
         families: &[Family],
     ) -> Result<Vec<Self>, WordError> {
-        let mut words = Vec::new();
-        for sites in choices(sites_used, reach.min(model.chain().sites().saturating_sub(1))) {
-            let ways = ways(families);
-            for chosen in combinations(vec![ways.len(); sites.len()]) {
+        let (mut words, layout) = (Vec::new(), model.chain().layout());
+        let (ways, reach) = (ways(families), reach.min(layout.length.saturating_sub(1)));
+        // In a closed row a word may begin anywhere: at site 0.
+        let starts = if layout.ends == Ends::Closed { 0..1 } else { 0..layout.length };
+        let chosen = choices(sites_used, reach, layout.layers);
+        let sets = starts.flat_map(|start| chosen.iter().map(move |places| (start, places)));
+        for (start, places) in
+            sets.filter(|(start, places)| places.last().is_some_and(|(site, _)| start + site < layout.length))
+        {
+            for chosen in combinations(vec![ways.len(); places.len()]) {
                 let mut instants = [Vec::new(), Vec::new()];
-                for (&site, &way) in sites.iter().zip(&chosen) {
+                for (&(site, layer), &way) in places.iter().zip(&chosen) {
+                    let site = start + site;
                     for (instant, barrier) in instants.iter_mut().zip(ways.get(way).copied().unwrap_or_default()) {
-                        instant.extend(barrier.map(|barrier| Letter::new(site, barrier)));
+                        instant.extend(barrier.map(|barrier| Letter { site, layer, barrier }));
                     }
                 }
                 let instants: Vec<_> = instants.into_iter().filter(|letters| !letters.is_empty()).collect();
@@ -50,12 +57,15 @@ impl Word {
     }
 
     /// How many words [`Word::enumerate`] looks at before symmetry makes them fewer.
-    pub fn combinations(sites_used: usize, reach: usize, families: &[Family]) -> f64 {
-        if sites_used == 0 || sites_used - 1 > reach {
-            return 0.0;
-        }
-        let sets: f64 = (1..sites_used).map(|i| (reach - (i - 1)) as f64 / i as f64).product();
-        sets * (ways(families).len() as f64).powi(i32::try_from(sites_used).unwrap_or(i32::MAX))
+    pub fn combinations(layout: &Layout, sites_used: usize, reach: usize, families: &[Family]) -> f64 {
+        let of = |places: usize, count: usize| {
+            if count > places { 0.0 } else { (0..count).map(|i| (places - i) as f64 / (i + 1) as f64).product::<f64>() }
+        };
+        // So many at the first site, the others beyond it.
+        let (first, others) = (layout.layers, reach.saturating_mul(layout.layers));
+        let sets: f64 = (1..=sites_used.min(first)).map(|at| of(first, at) * of(others, sites_used - at)).sum();
+        let starts = if layout.ends == Ends::Closed { 1.0 } else { layout.length as f64 };
+        starts * sets * (ways(families).len() as f64).powi(i32::try_from(sites_used).unwrap_or(i32::MAX))
     }
 }
 
@@ -86,20 +96,22 @@ fn ways(families: &[Family]) -> Vec<[Option<Barrier>; 2]> {
     families.iter().flat_map(of).collect()
 }
 
-/// Site 0 and `count` − 1 others up to `reach`, rising.
-fn choices(count: usize, reach: usize) -> Vec<Vec<usize>> {
-    if count == 0 || count > reach + 1 {
+/// All sets of `count` masses, as site and layer, at sites 0 to `reach`, at least one of them at site 0; rising.
+fn choices(count: usize, reach: usize, layers: usize) -> Vec<Vec<(usize, usize)>> {
+    let places = (reach + 1) * layers;
+    if count == 0 || count > places {
         return Vec::new();
     }
     let mut all = Vec::new();
-    let mut sites: Vec<usize> = (0..count).collect();
-    loop {
-        all.push(sites.clone());
-        // The last site that can move on, and all behind it as close as they can be.
-        let Some(i) = (1..count).rev().find(|&i| sites[i] < reach + 1 + i - count) else { return all };
-        sites[i] += 1;
-        (i + 1..count).for_each(|j| sites[j] = sites[j - 1] + 1);
+    let mut chosen: Vec<usize> = (0..count).collect();
+    while chosen[0] < layers {
+        all.push(chosen.iter().map(|place| (place / layers, place % layers)).collect());
+        // The last one that can move on, and all behind it as close as they can be.
+        let Some(i) = (0..count).rev().find(|&i| chosen[i] < places + i - count) else { break };
+        chosen[i] += 1;
+        (i + 1..count).for_each(|j| chosen[j] = chosen[j - 1] + 1);
     }
+    all
 }
 
 #[cfg(test)]
@@ -110,48 +122,57 @@ mod tests {
 
     use super::*;
 
-    /// Against all words of a small ring, made by hand of every barrier at every site and instant.
+    /// Against all words of a small lattice, made by hand of every barrier at every site and instant.
     #[test]
     fn every_word_is_listed_once() {
-        let model = Model::conservative(Chain::new(7, 0.2, 0.05).unwrap(), 1.5, 0.2).unwrap();
         let both = [Family::DoubleSided, Family::SingleSided];
-        let listed = Word::enumerate(&model, 3, 6, &both).unwrap();
-        let mut all = BTreeSet::new();
-        for code in 0..5_usize.pow(7) {
-            let way = |site: u32| code / 5_usize.pow(site) % 5;
-            if (0..7).filter(|&site| way(site) > 0).count() != 3 {
-                continue;
-            }
-            let mut instants = vec![Vec::new(), Vec::new()];
-            for site in 0..7 {
-                let at = |instant: &mut Vec<Letter>, barrier| instant.push(Letter::new(site as usize, barrier));
-                match way(site) {
-                    1 => at(&mut instants[0], Barrier::Lower),
-                    2 => at(&mut instants[1], Barrier::Lower),
-                    3 => {
-                        at(&mut instants[0], Barrier::Upper);
-                        at(&mut instants[1], Barrier::Lower);
-                    }
-                    4 => {
-                        at(&mut instants[0], Barrier::Lower);
-                        at(&mut instants[1], Barrier::Upper);
-                    }
-                    _ => {}
+        let ring = Chain::new(7, 0.2, 0.05).unwrap();
+        let square = Chain::new(3, 0.2, 0.05).unwrap().with_layers(2, 0.1, Ends::Free).unwrap();
+        for (chain, least) in
+            [(ring, 50), (ring.with_ends(Ends::Free), 300), (square, 50), (square.with_ends(Ends::Fixed), 100)]
+        {
+            let (model, sites) = (Model::conservative(chain, 1.5, 0.2).unwrap(), chain.sites());
+            let listed = Word::enumerate(&model, 3, chain.length() - 1, &both).unwrap();
+            let mut all = BTreeSet::new();
+            for code in 0..5_usize.pow(sites as u32) {
+                let way = |n: usize| code / 5_usize.pow(n as u32) % 5;
+                if (0..sites).filter(|&n| way(n) > 0).count() != 3 {
+                    continue;
                 }
+                let mut instants = vec![Vec::new(), Vec::new()];
+                for n in 0..sites {
+                    let (site, layer) = chain.layout().place(n);
+                    let at = |instant: &mut Vec<Letter>, barrier| instant.push(Letter { site, layer, barrier });
+                    match way(n) {
+                        1 => at(&mut instants[0], Barrier::Lower),
+                        2 => at(&mut instants[1], Barrier::Lower),
+                        3 => {
+                            at(&mut instants[0], Barrier::Upper);
+                            at(&mut instants[1], Barrier::Lower);
+                        }
+                        4 => {
+                            at(&mut instants[0], Barrier::Lower);
+                            at(&mut instants[1], Barrier::Upper);
+                        }
+                        _ => {}
+                    }
+                }
+                instants.retain(|letters| !letters.is_empty());
+                all.insert(Word::new(instants).unwrap().canonical(&model));
             }
-            instants.retain(|letters| !letters.is_empty());
-            all.insert(Word::new(instants).unwrap().canonical(&model));
+            assert!(all.len() > least, "{chain}: {}", all.len());
+            assert_eq!(listed, all.into_iter().collect::<Vec<_>>(), "{chain}");
         }
-        assert!(all.len() > 50);
-        assert_eq!(listed, all.into_iter().collect::<Vec<_>>());
-        assert_eq!(Word::combinations(3, 6, &both), 15.0 * 64.0);
-        assert_eq!(choices(3, 6).len(), 15);
+        let layout = Layout::ring(7);
+        assert_eq!(Word::combinations(&layout, 3, 6, &both), 15.0 * 64.0);
+        assert_eq!(choices(3, 6, 1).len(), 15);
+        assert_eq!(Word::combinations(&square.layout(), 3, 2, &both), choices(3, 2, 2).len() as f64 * 64.0);
         let listed: Vec<_> = combinations(vec![2, 1, 2]).collect();
         assert_eq!(listed, [[0, 0, 0], [1, 0, 0], [0, 0, 1], [1, 0, 1]]);
         assert_eq!((combinations(vec![3, 0]).count(), combinations(Vec::new()).count()), (0, 1));
-        assert!(choices(4, 2).is_empty() && choices(1, 3) == [[0]]);
+        assert!(choices(4, 2, 1).is_empty() && choices(1, 3, 1) == [[(0, 0)]]);
         // What has no room, or no end.
-        assert_eq!(Word::combinations(4, 2, &both) + Word::combinations(0, 2, &both), 0.0);
-        assert!(Word::combinations(3, usize::MAX, &both) > 1e30);
+        assert_eq!(Word::combinations(&layout, 4, 2, &both) + Word::combinations(&layout, 0, 2, &both), 0.0);
+        assert!(Word::combinations(&layout, 3, usize::MAX, &both) > 1e30);
     }
 }

@@ -14,8 +14,8 @@ use crate::orbit::Orbit;
 /// Modes added up before they go into the sum over a large ring.
 const BLOCK: usize = 256;
 
-/// Rings of up to this many modes keep a table of all their shapes.
-const TABLE: usize = 128;
+/// The most numbers of a table of shapes: those of 128 modes at as many places.
+const TABLE: usize = 128 * 128;
 
 /// What a motion was worked out from.
 #[derive(Debug, Clone)]
@@ -104,8 +104,11 @@ struct Around {
 #[derive(Debug, Clone)]
 pub struct Motion {
     shapes: Shapes,
-    /// Of the masses that symmetry leaves, [mode][site], if one site only of a small ring is hit.
+    /// Shapes of a small lattice, [source][mode][place] in whole groups of places: of the masses that symmetry leaves from the one
+    /// site of a ring that is hit, or of all.
     table: Vec<Lane>,
+    /// The sources of the table, and its places; of a ring with one source any.
+    table_of: (SmallVec<[usize; 4]>, usize),
     sums: Vec<Lane>,
     origin: Option<Origin>,
     frequencies: Vec<f64>,
@@ -131,6 +134,7 @@ impl Motion {
         Self {
             shapes: Shapes::new(chain),
             table: Vec::new(),
+            table_of: (SmallVec::new(), 0),
             sums: Vec::new(),
             origin: None,
             frequencies: Vec::new(),
@@ -171,17 +175,7 @@ impl Motion {
             self.shapes = response.shapes().clone();
             self.table.clear();
         }
-        let modes = response.modes();
-        if orbit.centre().is_none() {
-            self.table.clear();
-        } else if self.table.is_empty() && modes <= TABLE {
-            let groups = groups(modes);
-            self.table.resize(modes * groups, [0.0; LANES]);
-            for (k, row) in self.table.chunks_exact_mut(groups).enumerate() {
-                let places = row.as_flattened_mut().iter_mut().enumerate().take(modes);
-                places.for_each(|(n, shape)| *shape = self.shapes.even(k, n, 0));
-            }
-        }
+        self.set_table(orbit, response.modes());
         self.frequencies.clear();
         self.frequencies.extend_from_slice(response.frequencies());
         self.period = response.period();
@@ -218,6 +212,27 @@ impl Motion {
         }
         self.now.clear();
         self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
+    }
+
+    fn set_table(&mut self, orbit: &Orbit, modes: usize) {
+        let centred = orbit.centre().is_some();
+        let sources = orbit.sources().iter().map(|source| if centred { 0 } else { source.site });
+        let places = if centred { modes } else { self.shapes.sites() };
+        if !self.table.is_empty() && self.table_of.1 == places && self.table_of.0.iter().copied().eq(sources.clone()) {
+            return;
+        }
+        self.table.clear();
+        self.table_of = (sources.collect(), places);
+        let (rows, groups) = (self.table_of.0.len() * modes, groups(places));
+        if rows.saturating_mul(groups * LANES) > TABLE {
+            return;
+        }
+        self.table.resize(rows * groups, [0.0; LANES]);
+        for (row, shapes) in self.table.chunks_exact_mut(groups).enumerate() {
+            let (k, source) = (row % modes, self.table_of.0[row / modes]);
+            let places = shapes.as_flattened_mut().iter_mut().enumerate().take(places);
+            places.for_each(|(n, shape)| *shape = self.shapes.even(k, n, source));
+        }
     }
 
     /// Number of masses.
@@ -264,22 +279,24 @@ impl Motion {
         self.now_force = self.steady.uniform().map(|motion| Kinematics::of(motion, self.now_time)).unwrap_or_default();
     }
 
-    /// Displacements and velocities of several masses at the time last sought, as [`Motion::site`] has them; quick for the
-    /// half ring that begins with the one site that is hit.
+    /// Displacements and velocities of several masses at the time last sought, as [`Motion::site`] has them; quick for the places
+    /// of the table: the half ring that begins with the one site that is hit, or all masses in their order.
     pub(crate) fn masses(&mut self, sites: &[usize], displacements: &mut [f64], velocities: &mut [f64]) {
-        let modes = self.frequencies.len();
-        if self.table.is_empty() || self.sites.first() != sites.first() || sites.len() != modes {
+        let first = if self.is_centred() { self.sites.first() } else { Some(&0) };
+        if self.table.is_empty() || first != sites.first() || sites.len() != self.table_of.1 {
             for ((site, displacement), velocity) in sites.iter().zip(displacements).zip(velocities) {
                 let now = self.site(*site);
                 (*displacement, *velocity) = (now.displacement, now.velocity);
             }
             return;
         }
-        self.sums.resize(groups(modes), [0.0; LANES]);
-        let forces = [self.now_force.displacement, self.now_force.velocity];
-        for (i, (out, force)) in [displacements, velocities].into_iter().zip(forces).enumerate() {
+        self.sums.resize(groups(sites.len()), [0.0; LANES]);
+        for (i, out) in [displacements, velocities].into_iter().enumerate() {
             combine(&self.table, self.now.iter().map(|now| now[i]), &mut self.sums);
-            out.iter_mut().zip(self.sums.as_flattened()).for_each(|(out, sum)| *out = sum + force);
+            for ((out, sum), site) in out.iter_mut().zip(self.sums.as_flattened()).zip(sites) {
+                let force = self.driven(*site);
+                *out = sum + if i == 0 { force.displacement } else { force.velocity };
+            }
         }
     }
 
@@ -290,6 +307,12 @@ impl Motion {
             // All modes are 1 there.
             for now in &self.now {
                 (0..3).for_each(|i| sum[i] += now[i]);
+            }
+            return self.forced(site, sum);
+        }
+        if !self.table.is_empty() && self.table_of.1 == self.shapes.sites() && !self.is_centred() {
+            for (now, row) in self.now.iter().zip(self.table.chunks_exact(groups(self.table_of.1))) {
+                (0..3).for_each(|i| sum[i] += row.as_flattened()[site] * now[i]);
             }
             return self.forced(site, sum);
         }
@@ -305,6 +328,11 @@ impl Motion {
             }
         }
         self.forced(site, sum)
+    }
+
+    /// One site of a ring takes all impacts.
+    fn is_centred(&self) -> bool {
+        self.sites.len() == 1 && self.chain.is_ring()
     }
 
     /// Whether all modes of a small ring are 1 at `site`: it takes all impacts.
@@ -443,7 +471,7 @@ impl Motion {
     /// cos(2πkn/M) of half a ring, [mode][mass from the one that is hit on] in whole groups; empty unless impacts are at one
     /// site of a small ring.
     pub(crate) fn shapes(&self) -> &[Lane] {
-        &self.table
+        if self.is_centred() { &self.table } else { &[] }
     }
 
     /// Displacement and velocity of the modes, weights included, just after the first impact, for the first impacted site.

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use vibrochain_breather::{BreatherError, Family, Finder, Found, Obstruction, Wanted, Word};
 use vibrochain_floquet::{Analyser, Tolerance, Verdict};
-use vibrochain_lattice::{Model, Parameter};
+use vibrochain_lattice::{Layout, Model, Parameter};
 
 use crate::args::{SiteFamily, WordsArgs};
 use crate::console::Console;
@@ -67,7 +67,7 @@ impl Row {
 /// [`CliError`]; that no word has an orbit is an answer.
 pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let model = model(&args.model)?;
-    let families = families(args, model.chain().sites())?;
+    let families = families(args, &model.chain().layout())?;
     let tolerance = match args.threshold {
         None => Tolerance::Rounding,
         Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
@@ -96,8 +96,8 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     Ok(())
 }
 
-/// The families asked for, if there is room for their words on a ring of `sites` masses, and they are not too many.
-fn families(args: &WordsArgs, sites: usize) -> Result<Vec<Family>, CliError> {
+/// The families asked for, if there is room for their words on the lattice, and they are not too many.
+fn families(args: &WordsArgs, layout: &Layout) -> Result<Vec<Family>, CliError> {
     let families: Vec<_> = (args.families.iter())
         .map(|name| match name {
             SiteFamily::DoubleSided => Family::DoubleSided,
@@ -105,21 +105,19 @@ fn families(args: &WordsArgs, sites: usize) -> Result<Vec<Family>, CliError> {
         })
         .collect();
     let request = |message: String| Err(CliError::Request(message));
-    if args.reach >= sites {
-        return request(format!(
-            "--reach {} is out of range: sites of this ring are at most {} apart",
-            args.reach,
-            sites - 1
-        ));
+    let last = layout.length.saturating_sub(1);
+    if args.reach > last {
+        let reach = args.reach;
+        return request(format!("--reach {reach} is out of range: sites of this chain are at most {last} apart"));
     }
-    if args.sites_used == 0 || args.sites_used > args.reach + 1 {
-        let most = args.reach + 1;
+    let most = (args.reach + 1) * layout.layers;
+    if args.sites_used == 0 || args.sites_used > most {
         return request(format!(
             "--sites-used {} is out of range: --reach {} has room for 1 to {most}",
             args.sites_used, args.reach
         ));
     }
-    if Word::combinations(args.sites_used, args.reach, &families) > MOST {
+    if Word::combinations(layout, args.sites_used, args.reach, &families) > MOST {
         return request(format!("these are more than {MOST} words: give fewer sites, a smaller reach or one family"));
     }
     Ok(families)
@@ -168,13 +166,22 @@ fn fates(model: &Model, words: &[Word], uninterrupted: impl Fn() -> Result<(), C
     Ok(format!("{}\n{} words up to symmetry\n", fates.join("\n"), words.len()))
 }
 
-/// How far a word is physical from γ₂ = 0 on, and what ends that; windows narrower than a step may be missed.
+/// How far a word is physical from masses without coupling on, all couplings in proportion, and what ends that; windows narrower
+/// than a step may be missed.
 fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliError> {
-    let target = model.chain().gamma2();
+    let [gamma2, gamma3] = [Parameter::Gamma2, Parameter::Gamma3].map(|coupling| model.get(coupling));
+    // In the usual case γ₂ itself, otherwise a part of all couplings.
+    let (target, part) = if gamma3 == 0.0 { (gamma2, 1.0) } else { (1.0, gamma2) };
+    let said = |value: f64, digits: Option<usize>| {
+        let number = |x: f64| digits.map_or_else(|| x.to_string(), |digits| format!("{x:.digits$}"));
+        let of_layers = if gamma3 == 0.0 { String::new() } else { format!(", gamma3 = {}", number(value * gamma3)) };
+        format!("gamma2 = {}{of_layers}", number(value * part))
+    };
     let mut found = Found::default();
     // What is in the way of the word's first orbit, if anything.
-    let mut obstacle = |gamma2: f64| -> Result<Option<String>, CliError> {
-        let model = model.with(Parameter::Gamma2, gamma2)?;
+    let mut obstacle = |value: f64| -> Result<Option<String>, CliError> {
+        let model = model.with(Parameter::Gamma2, value * part)?;
+        let model = if gamma3 == 0.0 { model } else { model.with(Parameter::Gamma3, value * gamma3)? };
         match finder.find_word(&model, word, Wanted::All, &mut found) {
             Err(BreatherError::Resonance(resonance)) => return Ok(Some(resonance.to_string())),
             other => other?,
@@ -189,15 +196,15 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
     };
     let mut last = 0.0;
     for step in 0..=STEPS {
-        let gamma2 = target * f64::from(step) / f64::from(STEPS);
-        let Some(mut why) = obstacle(gamma2)? else {
-            last = gamma2;
+        let value = target * f64::from(step) / f64::from(STEPS);
+        let Some(mut why) = obstacle(value)? else {
+            last = value;
             continue;
         };
         if step == 0 {
-            return Ok(format!("not physical at gamma2 = 0: {why}"));
+            return Ok(format!("not physical at {}: {why}", said(0.0, None)));
         }
-        let (mut low, mut high) = (last, gamma2);
+        let (mut low, mut high) = (last, value);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             match obstacle(middle)? {
@@ -205,9 +212,9 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
                 Some(reason) => (high, why) = (middle, reason),
             }
         }
-        return Ok(format!("physical up to gamma2 = {high:.12}: {why}"));
+        return Ok(format!("physical up to {}: {why}", said(high, Some(12))));
     }
-    Ok(format!("physical up to gamma2 = {target}"))
+    Ok(format!("physical up to {}", said(target, None)))
 }
 
 fn text(words: &[Word], rows: &[Row], all: bool) -> String {

@@ -343,8 +343,12 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         // Each word by a dense matrix.
         Ok(Command::Words(args)) => match model(&args.model) {
             Ok(model) => {
-                let words =
-                    Word::combinations(args.sites_used, args.reach, &[Family::DoubleSided, Family::SingleSided]);
+                let words = Word::combinations(
+                    &model.chain().layout(),
+                    args.sites_used,
+                    args.reach,
+                    &[Family::DoubleSided, Family::SingleSided],
+                );
                 of(words * (model.chain().sites() as f64).powi(3) * windows(&model, true), Plan::Stopped)
             }
             Err(_) => Plan::Whole,

@@ -6,6 +6,7 @@
 //! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
 //! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
+//! | the same, other sites, on a ring of more than 1000 masses | inertia of the secular matrix: a count |
 //! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
@@ -13,11 +14,11 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
-use crate::dense::{Dense, uncoupled};
+use crate::dense::{Dense, WORTH_A_MATRIX, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
-use crate::secular::{ForcedSecular, Pair, Partners, Secular, SecularError};
+use crate::secular::{ForcedSecular, Inertia, Pair, Partners, Secular, SecularError};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -29,7 +30,8 @@ pub struct Stability {
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub verdict: Verdict,
     /// The multipliers of the whole ring, by falling modulus, then by argument; the trivial pair of a conservative
-    /// orbit and the modes that feel no impact included.
+    /// orbit and the modes that feel no impact included. None of a word of several sites on a ring of more than 1000 masses, which are
+    /// counted only, unless two sites mirror each other.
     #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complexes"))]
     pub multipliers: Vec<Complex<f64>>,
 }
@@ -53,6 +55,7 @@ pub struct Analyser {
     pub(crate) dense: Dense,
     pub(crate) secular: Secular,
     pub(crate) partners: Partners,
+    pub(crate) inertia: Inertia,
     pub(crate) forced: ForcedSecular,
 }
 
@@ -107,6 +110,9 @@ impl Analyser {
         tolerance: Tolerance,
     ) -> Result<Stability, FloquetError> {
         let (verdict, mut multipliers) = self.decide(Question { orbit, tolerance, thorough: true }, finder)?;
+        if verdict.method == Method::Secular && Pair::of(orbit).is_none() && is_counted(orbit) {
+            return Ok(Stability { verdict, multipliers });
+        }
         if orbit.model().is_conservative() {
             multipliers.extend([Complex::new(1.0, 0.0); 2]);
         }
@@ -160,10 +166,12 @@ impl Analyser {
         let alone = uncoupled(orbit);
         let secular = !self.dense_only && orbit.centre().is_some() && !alone;
         let pair = Pair::of(orbit).filter(|_| !self.dense_only && !orbit.model().chain().is_uncoupled());
+        let counted = !self.dense_only && pair.is_none() && is_counted(orbit);
         let mut doubt = None;
-        if secular || pair.is_some() {
+        if secular || pair.is_some() || counted {
             let answer = match pair {
                 Some(pair) => self.by_partners(pair, question, finder),
+                None if counted => self.by_inertia(question, finder),
                 None => self.by_secular_function(question, finder),
             };
             match answer {
@@ -174,7 +182,7 @@ impl Analyser {
         }
         if let Some(doubt) = doubt {
             let chain = orbit.model().chain();
-            let modes = if pair.is_some() { chain.sites() } else { chain.even_modes() };
+            let modes = if orbit.centre().is_none() { chain.sites() } else { chain.even_modes() };
             let dimension = if orbit.is_reversible() { modes } else { 2 * modes };
             if dimension > MAX_DIMENSION {
                 return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
@@ -211,6 +219,14 @@ impl Analyser {
         let verdict = self.not_reversible(question, finder)?;
         Ok((verdict, if thorough { self.forced.symmetric_multipliers() } else { Vec::new() }))
     }
+}
+
+/// A word of several sites without force on a ring so large that its multipliers are counted, and none is worked out that does not
+/// decide.
+fn is_counted(orbit: &Orbit) -> bool {
+    let chain = orbit.model().chain();
+    let several = orbit.is_reversible() && orbit.impact_site().is_none() && chain.is_ring();
+    several && !chain.is_uncoupled() && chain.sites() > WORTH_A_MATRIX
 }
 
 /// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].

@@ -4,10 +4,13 @@ use nalgebra::Complex;
 use vibrochain_breather::Finder;
 
 use crate::analyser::{Analyser, Failure};
-use crate::by_secular::{ratio_error, told};
+use crate::by_secular::{check, ratio_error, told};
 use crate::saltation::saltations;
 use crate::secular::Pair;
 use crate::verdict::{Question, Verdict};
+
+/// Errors of ν that no matrix beats: rounding of its own is some times larger than that of its entries.
+const OF_A_MATRIX: f64 = 1e-13;
 
 impl Analyser {
     /// Verdict and, if `thorough`, the non-trivial multipliers of the whole ring.
@@ -19,11 +22,15 @@ impl Analyser {
     ) -> Result<(Verdict, Vec<Complex<f64>>), Failure> {
         let orbit = question.orbit;
         let _ = saltations(orbit)?;
-        let ratio_error = ratio_error(question, finder)?;
+        let ratio_error = if pair.is_symmetric { 0.0 } else { ratio_error(question, finder)? };
         self.partners.replace(finder.prepared(orbit)?, pair, ratio_error)?;
-        let own = told(&self.partners.own.verdict()?, question)?;
-        let other = told(&self.partners.other.verdict()?, question)?;
-        let verdict = own.or_worse(other);
+        let own = self.partners.own.verdict()?;
+        let other = self.partners.other.verdict()?;
+        let verdict = told(&own, question.tolerance).or_worse(told(&other, question.tolerance));
+        // A small growth goes like the root of ν − 1, of whatever ν is.
+        if !verdict.marginal && verdict.growth().min(1.0) * verdict.resolution > OF_A_MATRIX {
+            check(verdict.growth(), verdict.resolution, question)?;
+        }
         if !question.thorough {
             return Ok((verdict, Vec::new()));
         }

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use vibrochain_breather::{Finder, Prepared};
 
 use crate::analyser::{Analyser, Failure};
-use crate::dense::Dense;
+use crate::dense::{Dense, WORTH_A_MATRIX};
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 use crate::secular::{
@@ -19,9 +19,6 @@ const WORST: f64 = 1e-10;
 
 /// As [`WORST`], for a sweep, whose cells are not worth as much.
 const WORST_OF_SWEEP: f64 = 1e-9;
-
-/// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
-const WORTH_A_MATRIX: usize = 1000;
 
 /// Passes of one mode that multipliers of elastic impacts may cost which are to be told apart: seconds.
 const BUDGET: usize = 250_000_000;
@@ -44,7 +41,11 @@ impl Analyser {
         if open && let Ok(verdict) = self.told_apart(question, finder) {
             return Ok(verdict);
         }
-        told(&found?, question)
+        let found = found?;
+        if found.outcome == Standing::Unstable {
+            check(found.growth, found.growth_error, question)?;
+        }
+        Ok(told(&found, question.tolerance))
     }
 
     /// A verdict that hangs on the errors of residues next to coincident poles: the multipliers are settled by the impacts' equations,
@@ -126,20 +127,16 @@ pub(crate) fn ratio_error(question: Question<'_>, finder: &mut Finder) -> Result
 }
 
 /// What the secular function says, held against the tolerance.
-pub(crate) fn told(found: &SecularVerdict, question: Question<'_>) -> Result<Verdict, Failure> {
-    let tolerance = question.tolerance;
-    Ok(match (found.outcome, found.leading) {
-        (Standing::Unstable, Some(leading)) => {
-            check(found.growth, found.growth_error, question)?;
-            Verdict::of_growth(leading, found.growth, found.growth_error, tolerance)
-        }
+pub(crate) fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
+    match (found.outcome, found.leading) {
+        (Standing::Unstable, Some(leading)) => Verdict::of_growth(leading, found.growth, found.growth_error, tolerance),
         (Standing::Marginal, Some(leading)) => Verdict::unsettled(leading, found.growth, found.growth_error, tolerance),
         _ => Verdict::on_circle(None),
-    })
+    }
 }
 
 /// An error that a dense solver would beat is a doubt.
-fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
+pub(crate) fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
     if question.orbit.model().chain().even_modes() > WORTH_A_MATRIX {
         return Ok(());
     }

@@ -143,6 +143,9 @@ impl Dense {
     }
 }
 
+/// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
+pub(crate) const WORTH_A_MATRIX: usize = 1000;
+
 /// The masses that are not hit swing alone.
 pub(crate) fn uncoupled(orbit: &Orbit) -> bool {
     orbit.centre().is_some() && orbit.model().chain().is_uncoupled()

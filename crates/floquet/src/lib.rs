@@ -40,6 +40,7 @@
 
 mod analyser;
 mod bracket;
+mod by_inertia;
 mod by_partners;
 mod by_secular;
 mod certainty;

@@ -33,6 +33,7 @@ pub(crate) struct ReversibleWord {
     pub(crate) block: Square,
     reflector: Reflector,
     left: Vec<f64>,
+    flights: Vec<[f64; 3]>,
     /// Of the last orbit's chain: that of the next one in most sweeps.
     spectrum: Option<Spectrum>,
 }
@@ -65,26 +66,31 @@ impl ReversibleWord {
         };
         let (half, whole) = (Propagator::new(&spectrum, 0.5 * period), Propagator::new(&spectrum, period));
         self.spectrum = Some(spectrum);
-        let flight = |n: usize, m: usize| {
-            let [[c, s], [minus_s, _]] = half.block(n, m);
-            (c, s, -minus_s)
-        };
+        // Of each impact in the middle κ, and the flight there from every mass, which is that back from it.
+        self.flights.clear();
+        for hit in &middle {
+            self.flights.extend((0..sites).map(|n| {
+                let [[c, s], [minus_s, _]] = half.block(n, hit.site);
+                [c, s, -minus_s]
+            }));
+        }
+        let impacts = || middle.iter().map(|hit| hit.kappa).zip(self.flights.chunks_exact(sites));
         let a = |n: usize, m: usize| {
-            middle.iter().fold(whole.block(n, m)[0][0], |a, hit| {
-                let ((c_n, s_n, _), (c_m, _, t_m)) = (flight(n, hit.site), flight(hit.site, m));
-                a + (s_n * (2.0 * t_m + hit.kappa * c_m) - 2.0 * c_n * c_m)
+            impacts().fold(whole.block(n, m)[0][0], |a, (kappa, flight)| {
+                let ([c_n, s_n, _], [c_m, _, t_m]) = (flight[n], flight[m]);
+                a + (s_n * (2.0 * t_m + kappa * c_m) - 2.0 * c_n * c_m)
             })
         };
         let b = |n: usize, m: usize| {
-            middle.iter().fold(whole.block(n, m)[0][1], |b, hit| {
-                let ((c_n, s_n, _), (c_m, s_m, _)) = (flight(n, hit.site), flight(hit.site, m));
-                b + (hit.kappa * s_n * s_m - 2.0 * (c_n * s_m + s_n * c_m))
+            impacts().fold(whole.block(n, m)[0][1], |b, (kappa, flight)| {
+                let ([c_n, s_n, _], [c_m, s_m, _]) = (flight[n], flight[m]);
+                b + (kappa * s_n * s_m - 2.0 * (c_n * s_m + s_n * c_m))
             })
         };
         let c = |n: usize, m: usize| {
-            middle.iter().fold(whole.block(n, m)[1][0], |c, hit| {
-                let ((c_n, _, t_n), (c_m, _, t_m)) = (flight(n, hit.site), flight(hit.site, m));
-                c + (hit.kappa * c_n * c_m + 2.0 * (t_n * c_m + c_n * t_m))
+            impacts().fold(whole.block(n, m)[1][0], |c, (kappa, flight)| {
+                let ([c_n, _, t_n], [c_m, _, t_m]) = (flight[n], flight[m]);
+                c + (kappa * c_n * c_m + 2.0 * (t_n * c_m + c_n * t_m))
             })
         };
         self.block.reset(sites);

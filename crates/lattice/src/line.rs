@@ -171,16 +171,4 @@ impl LineShapes {
             _ => own,
         }
     }
-
-    /// [`LineShapes::even`] of all modes, without a multiplication a step.
-    pub(crate) fn evens(&self, site: usize, about: usize) -> impl Iterator<Item = f64> + '_ {
-        let lowest = self.line.lowest();
-        let own = self.cosines.shapes(site.abs_diff(about)).skip(lowest);
-        let mut images = self.image(site, about).map(|image| self.cosines.shapes(image).skip(lowest));
-        let sign = self.sign();
-        own.take(self.line.modes()).map(move |own| match images.as_mut() {
-            None => own,
-            Some(images) => 0.5 * (own + sign * images.next().unwrap_or_default()),
-        })
-    }
 }

@@ -5,12 +5,19 @@
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RingCosines {
     table: Vec<f64>,
+    /// 1 − cos(2πj/M) of a small ring.
+    defects: Vec<f64>,
 }
+
+/// Up to so many masses defects are kept: sweeps are of small rings, and large ones have better use of memory.
+const KEPT: usize = 4096;
 
 impl RingCosines {
     /// The table for a ring of `sites` masses.
     pub(crate) fn new(sites: usize) -> Self {
-        Self { table: (0..sites).map(|j| cos_turn(j, sites)).collect() }
+        let kept = if sites <= KEPT { sites } else { 0 };
+        let defects = (0..kept).map(|j| defect(j, sites)).collect();
+        Self { table: (0..sites).map(|j| cos_turn(j, sites)).collect(), defects }
     }
 
     /// Number M of masses.
@@ -23,24 +30,22 @@ impl RingCosines {
         self.table[self.turns(k, n)]
     }
 
-    /// kn modulo M, which no ring is too large for.
+    /// kn modulo M: of [`crate::MAX_SITES`] masses the product fits.
     fn turns(&self, k: usize, n: usize) -> usize {
-        let sites = self.table.len();
-        ((k % sites) as u128 * (n % sites) as u128 % sites as u128) as usize
+        (k as u64 * n as u64 % self.table.len() as u64) as usize
     }
 
     /// 1 − cos(2πkn/M) to its own last digits.
     pub(crate) fn defect(&self, k: usize, n: usize) -> f64 {
         let j = self.turns(k, n);
-        let half = (std::f64::consts::PI * j.min(self.sites() - j) as f64 / self.sites() as f64).sin();
-        2.0 * half * half
+        self.defects.get(j).copied().unwrap_or_else(|| defect(j, self.sites()))
     }
 
     /// cos(2πkn/M) − cos(2πkm/M) to its own last digits.
     pub(crate) fn defect_between(&self, k: usize, n: usize, m: usize) -> f64 {
         // = 2 sin(πk(m+n)/M) sin(πk(m−n)/M)
         let half = |turns: usize| {
-            let (turns, sites) = ((k as u128 * turns as u128 % (2 * self.sites() as u128)) as usize, self.sites());
+            let (turns, sites) = ((k as u64 * turns as u64 % (2 * self.sites() as u64)) as usize, self.sites());
             cos_turn((4 * turns + 6 * sites) % (8 * sites), 8 * sites)
         };
         let sign = if m < n { -1.0 } else { 1.0 };
@@ -68,6 +73,12 @@ impl RingCosines {
             value
         })
     }
+}
+
+/// 1 − cos(2πj/m) for j < m.
+fn defect(j: usize, m: usize) -> f64 {
+    let half = (std::f64::consts::PI * j.min(m - j) as f64 / m as f64).sin();
+    2.0 * half * half
 }
 
 /// cos(2πj/m) for j < m; beyond the first octant the complement is smaller, hence exact to more digits.

@@ -83,11 +83,17 @@ impl Shapes {
 
     /// [`Shapes::even`] of all modes, without a multiplication a step on a ring.
     pub fn evens(&self, site: usize, about: usize) -> impl Iterator<Item = f64> + '_ {
-        let length = self.along.line().masses;
-        let layers = self.across.as_ref().map(|across| across.evens(site / length, about / length));
-        let single = layers.is_none().then_some(1.0);
-        let factors = single.into_iter().chain(layers.into_iter().flatten());
-        factors.flat_map(move |factor| self.along.evens(site % length, about % length).map(move |shape| factor * shape))
+        let (ring, mut k) = (self.is_ring(), 0);
+        let mut waves = self.along.cosines.shapes(site.abs_diff(about));
+        (0..self.modes()).map(move |_| {
+            let shape = if ring { waves.next().unwrap_or_default() } else { self.even(k, site, about) };
+            k += 1;
+            shape
+        })
+    }
+
+    fn modes(&self) -> usize {
+        self.along.line().modes() * self.across.as_ref().map_or(1, |across| across.line().modes())
     }
 
     /// Adds to every mass what the modes make of it, Σ_k amplitude_k · even(k, n, about) at each site n; in O(M log M) for a

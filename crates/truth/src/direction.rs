@@ -77,6 +77,18 @@ impl Direction {
         Real::new(count, bits) / of as f64
     }
 
+    /// The shape between walls, without weight: sin x = cos (x − a quarter of a turn).
+    fn sine(&self, mode: usize, n: usize) -> &Real {
+        &self.cosines[(2 * (mode + 1) * (n + 1) + 3 * (self.masses + 1)) % self.steps()]
+    }
+
+    /// What a mode between walls takes of a push that is 1 at all masses, at each of them: φ(n) Σ_m φ(m).
+    pub(crate) fn pushed(&self, mode: usize, bits: usize) -> Vec<Real> {
+        let sum = (0..self.masses).fold(Real::zero(bits), |sum, n| sum + self.sine(mode, n));
+        let share = sum * self.weight(mode, bits);
+        (0..self.masses).map(|n| self.sine(mode, n) * &share).collect()
+    }
+
     /// The shape at one mass times that at another, without weights; of a pair of a ring the sum of both products.
     pub(crate) fn product(&self, mode: usize, to: usize, from: usize) -> Real {
         let steps = self.steps();
@@ -85,11 +97,7 @@ impl Direction {
         match self.ends {
             Ends::Closed => cos(mode * to.abs_diff(from)).clone(),
             Ends::Free => cos(mode * (2 * to + 1)) * cos(mode * (2 * from + 1)),
-            Ends::Fixed => {
-                // sin x = cos (x − a quarter of a turn)
-                let sin = |n: usize| cos(2 * (mode + 1) * (n + 1) + 3 * (self.masses + 1));
-                sin(to) * sin(from)
-            }
+            Ends::Fixed => self.sine(mode, to) * self.sine(mode, from),
         }
     }
 }

@@ -169,7 +169,12 @@ impl Kernel {
 
     /// b_k² = φ_k(site)² of each frequency; on a ring those of all sites.
     pub fn weights(&self, site: usize) -> impl Iterator<Item = Real> + '_ {
-        self.modes.iter().enumerate().map(move |(k, mode)| &mode.weight * self.shape(k, site, site))
+        self.shares(site, site)
+    }
+
+    /// φ_k(n) φ_k(m) of each frequency.
+    pub(crate) fn shares(&self, to: usize, from: usize) -> impl Iterator<Item = Real> + '_ {
+        self.modes.iter().enumerate().map(move |(k, mode)| &mode.weight * self.shape(k, to, from))
     }
 
     /// K_nm(t) for any t, of mass n = `to` to impulses at mass m = `from`. For a lattice that nothing holds the rigid mode's
@@ -248,7 +253,7 @@ impl Kernel {
     }
 
     /// The shape of frequency `k` at one mass times that at another, but for the weight; on a ring cos(2πk(n−m)/M).
-    pub(crate) fn shape(&self, k: usize, to: usize, from: usize) -> Real {
+    fn shape(&self, k: usize, to: usize, from: usize) -> Real {
         let (length, modes) = (self.along.masses(), self.along.modes());
         let along = self.along.product(k % modes, to % length, from % length);
         // (One layer has the shape 1.)

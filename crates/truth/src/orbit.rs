@@ -184,17 +184,17 @@ impl TrueOrbit {
     /// Displacement of a mass at any time.
     pub fn displacement(&self, site: usize, t: &Real) -> Real {
         let response = self.superposed(site, t, Kernel::value);
-        response + &self.offset + self.wave(t).0
+        response + &self.offset + self.wave(site, t).0
     }
 
     /// Velocity of a mass at any time; the mean of both sides for the mass that is hit, at its impact.
     pub fn velocity(&self, site: usize, t: &Real) -> Real {
-        self.superposed(site, t, Kernel::slope) + self.wave(t).1
+        self.superposed(site, t, Kernel::slope) + self.wave(site, t).1
     }
 
     /// Acceleration of a mass at any time.
     pub fn acceleration(&self, site: usize, t: &Real) -> Real {
-        self.superposed(site, t, Kernel::curvature) + self.wave(t).2
+        self.superposed(site, t, Kernel::curvature) + self.wave(site, t).2
     }
 
     /// Σ_j P_j × K or a derivative of it.
@@ -206,8 +206,8 @@ impl TrueOrbit {
     }
 
     /// G(t+ψ) and its derivatives.
-    fn wave(&self, t: &Real) -> (Real, Real, Real) {
-        self.force.at(self.psi.as_ref(), t)
+    fn wave(&self, site: usize, t: &Real) -> (Real, Real, Real) {
+        self.force.at(site, self.psi.as_ref(), t)
     }
 
     /// The errors of an `f64` orbit that this one was refined from, or of any other with the same impacts.

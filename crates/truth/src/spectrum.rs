@@ -22,7 +22,7 @@ const OFF_AXIS: f64 = 1e-4;
 const NEAR_POLE: f64 = 1e-6;
 const MAX_EXPLICIT: usize = 6;
 
-/// All modes that are told apart at the site, of one frequency (more than one only if they agree in all digits).
+/// All even modes of one frequency (more than one only if they agree in all digits).
 #[derive(Debug, Clone)]
 pub(crate) struct Pole {
     mode: usize,
@@ -62,6 +62,14 @@ pub struct TrueSpectrum {
     pub(crate) flights: Vec<Vec<Vec<Flight>>>,
 }
 
+/// Coefficient of restitution, and times of impacts with the entries (velocity, displacement) of their saltations.
+fn saltations<'a>(orbit: &TrueOrbit, impacts: impl IntoIterator<Item = &'a TrueImpact>) -> (Real, Vec<(Real, Real)>) {
+    let restitution = Real::new(orbit.model().restitution(), orbit.kernel().work_bits());
+    let saltation = |impact: &TrueImpact| (&restitution + 1.0) * &impact.acceleration / &impact.velocity_before;
+    let data = impacts.into_iter().map(|impact| (impact.time.clone(), saltation(impact))).collect();
+    (restitution, data)
+}
+
 impl TrueSpectrum {
     /// The secular determinant of `orbit`.
     ///
@@ -72,11 +80,27 @@ impl TrueSpectrum {
         if impacts.windows(2).any(|pair| pair[0].site != pair[1].site) {
             return Err(TruthError::SeveralSites);
         }
-        let restitution = Real::new(orbit.model().restitution(), orbit.kernel().work_bits());
-        let saltation = |impact: &TrueImpact| (&restitution + 1.0) * &impact.acceleration / &impact.velocity_before;
-        let data = impacts.iter().map(|impact| (impact.time.clone(), saltation(impact))).collect();
         let site = impacts.first().map_or(0, |impact| impact.site);
-        Self::assemble((orbit.kernel(), site), restitution, data, orbit.bits())
+        Self::assemble(orbit.kernel(), orbit.kernel().weights(site), saltations(orbit, impacts), orbit.bits())
+    }
+
+    /// The secular determinant of one block of an orbit with two sites that hit alike, or opposite to each other, at the same instants:
+    /// that of the sum of the two (`sign` 1) or of their difference (−1), which is that of one site with other weights.
+    ///
+    /// # Errors
+    /// As [`TrueSpectrum::new`]; [`TruthError::SeveralSites`] for other orbits.
+    pub fn of_partners(orbit: &TrueOrbit, sign: f64) -> Result<Self, TruthError> {
+        let [first, second, ..] = orbit.impacts() else { return Err(TruthError::SeveralSites) };
+        let of_site = |site| orbit.impacts().iter().filter(move |impact| impact.site == site);
+        let same = of_site(first.site).map(|impact| &impact.time).eq(of_site(second.site).map(|impact| &impact.time));
+        if !same || orbit.impacts().len() != 2 * of_site(first.site).count() {
+            return Err(TruthError::SeveralSites);
+        }
+        let kernel = orbit.kernel();
+        // (A reflection that exchanges the two sites leaves the squares of shapes as they are.)
+        let pairs = kernel.weights(first.site).zip(kernel.shares(first.site, second.site));
+        let weights = pairs.map(|(own, both)| own + both * sign);
+        Self::assemble(kernel, weights, saltations(orbit, of_site(first.site)), orbit.bits())
     }
 
     /// The secular determinant for the times, accelerations and velocities of an `f64` orbit, taken as exact: what is to be
@@ -95,14 +119,14 @@ impl TrueSpectrum {
             (Real::new(impact.time, work), kappa)
         });
         let data = data.collect();
-        Self::assemble((&kernel, site), restitution, data, bits)
+        Self::assemble(&kernel, kernel.weights(site), (restitution, data), bits)
     }
 
-    /// From the site that is hit, the times of the impacts and the entries (velocity, displacement) of their saltations.
+    /// From the weights of all modes, of which those that are 0 are left out, and the saltations.
     fn assemble(
-        (kernel, site): (&Kernel, usize),
-        restitution: Real,
-        impacts: Vec<(Real, Real)>,
+        kernel: &Kernel,
+        weights: impl Iterator<Item = Real>,
+        (restitution, impacts): (Real, Vec<(Real, Real)>),
         bits: usize,
     ) -> Result<Self, TruthError> {
         if impacts.windows(2).any(|pair| pair[0].0 >= pair[1].0) {
@@ -114,7 +138,10 @@ impl TrueSpectrum {
         let work = kernel.work_bits();
         let period = kernel.period();
         let mut poles: Vec<Pole> = Vec::new();
-        for (mode, (frequency, weight)) in kernel.frequencies().zip(kernel.weights(site)).enumerate() {
+        for (mode, (frequency, weight)) in kernel.frequencies().zip(weights).enumerate() {
+            if weight.log2_abs() < -(bits as f64) {
+                continue;
+            }
             match poles.iter_mut().find(|pole| pole.frequency == *frequency) {
                 Some(pole) => {
                     pole.weight += &weight;

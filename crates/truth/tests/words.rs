@@ -5,10 +5,10 @@ use vibrochain_breather::{
     Branch, BreatherError, Completeness, End, Ended, Family, Finder, Found, Hit, Impact, NoBreather, Orbit, Wanted,
     Word, breathers,
 };
-use vibrochain_floquet::{Tolerance, full_monodromy, stability};
+use vibrochain_floquet::{Method, Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
 use vibrochain_testkit::{Random, ReturnMap, dense, words};
-use vibrochain_truth::{DEFAULT_BITS, TrueOrbit};
+use vibrochain_truth::{DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 
 /// The errors that an orbit's condition claims, against many digits. Returns the largest true error of an impulse.
 fn assert_claims_hold(orbit: &Orbit, finder: &mut Finder) -> f64 {
@@ -255,4 +255,56 @@ fn a_guess_that_leads_nowhere_is_an_error() {
         Err(BreatherError::NotConverged { violation }) => assert!(violation > 1e-6, "{violation}"),
         other => panic!("{other:?}"),
     }
+}
+
+/// Verdicts on pairs in phase and out of phase, from strong coupling to next to none, where the pair of their phases is all but on the
+/// circle: what is certain is right, and growth is known as well as it says.
+#[test]
+fn certain_verdicts_on_pairs_are_right_however_weak_the_coupling() {
+    let mut random = Random(5);
+    let (mut unstable, mut stable, mut open, mut tiny) = (0, 0, 0, 0);
+    for _ in 0..150 {
+        let sites = 3 + random.below(5);
+        let chain = Chain::new(sites, random.between(0.1, 1.0), random.log(1e-7, 0.3)).unwrap();
+        let out = random.chance(0.4);
+        let asymmetry = if out { 0.0 } else { random.between(0.0, 0.6) };
+        let model = Model::conservative(chain, random.between(1.0, 2.5), asymmetry).unwrap();
+        let distance = 1 + random.below(sites / 2);
+        let signs = if out { ['-', '+'] } else { ['+', '-'] };
+        let word: Word = format!("0+{distance}{},0-{distance}{}", signs[0], signs[1]).parse().unwrap();
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        for orbit in &found.orbits {
+            let Ok(answer) = stability(orbit, Tolerance::Rounding) else { continue };
+            let Ok(truth) = TrueOrbit::refine(orbit, DEFAULT_BITS) else { continue };
+            let verdict = answer.verdict;
+            if verdict.method != Method::Secular || verdict.marginal {
+                open += 1;
+                continue;
+            }
+            let told = format!("{word} {model} {verdict:?}");
+            let blocks = [1.0, -1.0].map(|sign| TrueSpectrum::of_partners(&truth, sign).unwrap());
+            let refined = |start: vibrochain_floquet::Complex<f64>| {
+                let roots = blocks.iter().filter_map(|block| block.refine((start.re, start.im)).ok());
+                roots.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(root, _)| (root.abs() - 1.0).to_f64())
+            };
+            let start = verdict.leading;
+            if verdict.stable {
+                let upper = answer.multipliers.iter().filter(|multiplier| multiplier.im >= 0.0);
+                for growth in upper.filter_map(|&multiplier| refined(multiplier)) {
+                    assert!(growth.abs() < 1e-20, "{growth:e} {told}");
+                }
+                stable += 1;
+            } else if let Some(growth) = refined(start) {
+                let off = (growth - verdict.growth()).abs();
+                assert!(growth > 0.0 && off <= verdict.resolution + 1e-15 * growth, "{growth:e} {off:e} {told}");
+                tiny += usize::from(growth < 1e-4);
+                unstable += 1;
+            }
+        }
+    }
+    println!("{unstable} {stable} {open} {tiny}");
+    assert!(unstable > 40 && stable > 40 && tiny > 4 && 3 * open < unstable + stable);
 }

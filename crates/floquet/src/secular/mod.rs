@@ -7,6 +7,7 @@
 //! | `residues` | [`Residues`]: poles, residues, certificates |
 //! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
 //! | `foreign`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference |
+//! | `inertia` | reversible words of any sites on large rings: a certified count |
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
@@ -40,6 +41,7 @@ mod foreign;
 mod gap;
 mod growth;
 mod impact_matrix;
+mod inertia;
 mod labels;
 mod large;
 mod leaf;
@@ -69,6 +71,7 @@ pub use forced_verdict::ForcedSecular;
 pub(crate) use forced_verdict::Leading;
 pub(crate) use growth::{Nu, excess};
 pub(crate) use impact_matrix::ImpactMatrix;
+pub(crate) use inertia::Inertia;
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
 pub(crate) use modes::{Mode, Modes};

@@ -43,6 +43,8 @@ const SPARED: f64 = 16.0 * f64::EPSILON;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
     list: Vec<Mode>,
+    /// Their numbers in the set they were weighed from, if these are others than their places.
+    numbers: Vec<u32>,
     groups: Vec<Mode<Lane>>,
 }
 
@@ -53,6 +55,7 @@ impl Modes {
         let modes = response.frequencies().iter().zip(response.weights());
         let phases = response.cos_half().iter().zip(response.sin_half());
         self.list.clear();
+        self.numbers.clear();
         self.list.extend(modes.zip(phases).map(|((&frequency, &weight), (&cos, &sin))| {
             // ΩT
             let y = 2.0 * frequency * half;
@@ -77,10 +80,20 @@ impl Modes {
     /// Takes over the modes of another set, each with `part(k)` of its weight; those that are spared are left out.
     pub(crate) fn weigh(&mut self, all: &Self, part: impl Fn(usize) -> f64) {
         self.list.clear();
-        let parts = all.list.iter().enumerate().map(|(k, mode)| (part(k), mode));
-        let felt = parts.filter(|(part, _)| !Self::is_spared(*part));
-        self.list.extend(felt.map(|(part, mode)| Mode { weight: part * mode.weight, ..*mode }));
+        self.numbers.clear();
+        for (k, mode) in all.list.iter().enumerate() {
+            let part = part(k);
+            if !Self::is_spared(part) {
+                self.list.push(Mode { weight: part * mode.weight, ..*mode });
+                self.numbers.push(k as u32);
+            }
+        }
         self.group();
+    }
+
+    /// The number of a mode in the set that these were weighed from.
+    pub(crate) fn number(&self, k: usize) -> usize {
+        self.numbers.get(k).map_or(k, |&number| number as usize)
     }
 
     /// A mode with this part of its weight has a node where the impacts are.

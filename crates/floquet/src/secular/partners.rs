@@ -1,6 +1,6 @@
 //! Both blocks of an orbit of two sites that a reflection exchanges, see [`super::foreign`].
 
-use vibrochain_breather::{Orbit, Prepared};
+use vibrochain_breather::{Impact, Orbit, Prepared};
 
 use super::error::SecularError;
 use super::foreign::Foreign;
@@ -18,36 +18,37 @@ pub(crate) struct Pair {
     pub(crate) sign: f64,
     /// P₁/P₀ of two instants.
     pub(crate) ratio: Option<f64>,
+    /// Centred barriers, and impacts on both: the ratio is −1, the orbit its own mirror image after half a period.
+    pub(crate) is_symmetric: bool,
 }
 
 impl Pair {
     /// The two sites of an orbit that the reflection that exchanges them leaves as it is, or turns into its opposite.
     pub(crate) fn of(orbit: &Orbit) -> Option<Self> {
-        if !orbit.is_reversible() || !orbit.model().chain().is_ring() {
+        let mut instants = orbit.instants();
+        let first = instants.next().filter(|_| orbit.is_reversible() && orbit.model().chain().is_ring())?;
+        let (sites, sign, impulse) = alike(first)?;
+        let centred = orbit.model().asymmetry() == 0.0;
+        if sign < 0.0 && !centred {
             return None;
         }
-        let mut pair: Option<Self> = None;
-        let mut first = 0.0;
-        for impacts in orbit.instants() {
-            let [one, other] = impacts else { return None };
-            let sign = one.barrier.sign() * other.barrier.sign();
-            let opposite = sign < 0.0;
-            let alike = (one.impulse - sign * other.impulse).abs() <= ALIKE * one.impulse.abs();
-            if !alike || opposite && orbit.model().asymmetry() != 0.0 {
-                return None;
-            }
-            let sites = [one.site, other.site];
-            match &mut pair {
-                None => {
-                    pair = Some(Self { sites, sign, ratio: None });
-                    first = one.impulse;
-                }
-                Some(pair) if pair.sites == sites && pair.sign == sign => pair.ratio = Some(one.impulse / first),
-                Some(_) => return None,
-            }
-        }
-        pair.filter(|pair| pair.ratio.is_none_or(|ratio| ratio.is_finite() && ratio != 0.0))
+        let Some(second) = instants.next() else {
+            return Some(Self { sites, sign, ratio: None, is_symmetric: false });
+        };
+        let (others, same, ratio) = alike(second).map(|(sites, sign, second)| (sites, sign, second / impulse))?;
+        let is_symmetric = centred && (ratio + 1.0).abs() <= ALIKE;
+        let ratio = if is_symmetric { -1.0 } else { ratio };
+        let known = others == sites && same == sign && ratio.is_finite() && ratio != 0.0;
+        known.then_some(Self { sites, sign, ratio: Some(ratio), is_symmetric })
     }
+}
+
+/// The two sites of an instant, whether they hit the same barrier, and the impulse of the first, if that of the second is as large.
+fn alike(impacts: &[Impact]) -> Option<([usize; 2], f64, f64)> {
+    let [one, other] = impacts else { return None };
+    let sign = one.barrier.sign() * other.barrier.sign();
+    let alike = (one.impulse - sign * other.impulse).abs() <= ALIKE * one.impulse.abs();
+    alike.then_some(([one.site, other.site], sign, one.impulse))
 }
 
 /// The secular functions of both blocks; also the work space.

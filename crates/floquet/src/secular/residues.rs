@@ -280,7 +280,8 @@ impl Residues {
 
     /// The mode k to which a pole belongs, by the pole's place.
     pub fn mode(&self, place: usize) -> Option<usize> {
-        self.table.get(place).filter(|pole| pole.mode != NO_MODE).map(|pole| pole.mode as usize)
+        let pole = self.table.get(place).filter(|pole| pole.mode != NO_MODE)?;
+        Some(self.modes.number(pole.mode as usize))
     }
 
     /// ΣR_k − 1, a certificate.

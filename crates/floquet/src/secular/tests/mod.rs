@@ -3,6 +3,7 @@
 
 mod forced;
 mod impact_matrix;
+mod inertia;
 mod large;
 mod reversible;
 
