@@ -27,7 +27,7 @@ use crate::time::two_sum;
 use vibrochain_lattice::Barrier;
 
 /// An accumulation of impacts is completed at its limit when so much time is left of it, in units of
-/// 1/√(γ₁+4γ₂) (or 1/ω where the force is faster).
+/// 1/√(γ₁+4γ₂+4γ₃) (or 1/ω where the force is faster).
 pub const CHATTER_TIME: f64 = 1e-8;
 
 /// What became of one mass; velocities in internal units.

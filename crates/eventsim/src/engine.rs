@@ -1,9 +1,9 @@
-//! Flight of the ring in windows, and restarts.
+//! Flight of the lattice in windows, and restarts.
 //!
 //! A window starts with all masses at one instant, the base, and expands their series over a horizon H. One bound
 //! clears the masses that cannot reach a barrier; the others enter a queue, keyed by the time before which they have
 //! certainly no contact. What happens in between is a restart of the masses that can feel it before the window ends:
-//! all of them on a small ring, a few neighbours on a large one ([`crate::collision`]).
+//! all of them on a small lattice or in several layers, a few neighbours in a long row ([`crate::restart`]).
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -11,11 +11,11 @@ use std::collections::BinaryHeap;
 use crate::bound;
 use crate::event::Work;
 use crate::ring::{Contact, Ring};
-use crate::series::{CORRECTED, Extent, LANES, Rows, Weights};
+use crate::series::{CORRECTED, Extent, LANES, Rows, Weights, links};
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, ORDERS, Units};
 use crate::watch::{Kind, Step, Watch, safe_step};
-use vibrochain_lattice::Barrier;
+use vibrochain_lattice::{Barrier, Ends};
 
 /// A mass is cleared if its bound stays this far from the barriers: the rounding of displacements below 2, many times.
 const CLEARANCE: f64 = 64.0 * f64::EPSILON;
@@ -112,6 +112,7 @@ pub(crate) struct Engine {
     queue: BinaryHeap<Entry>,
     /// Work space of an expansion, of a part of the ring, and of the parts themselves.
     pub(crate) soft: Vec<(usize, u8)>,
+    links: Vec<[u32; 4]>,
     pub(crate) resting_columns: Vec<usize>,
     pub(crate) part_rows: Rows,
     pub(crate) parts: Vec<(usize, usize)>,
@@ -149,6 +150,7 @@ impl Engine {
             watches: Vec::new(),
             queue: BinaryHeap::new(),
             soft: Vec::new(),
+            links: links(&units.chain),
             resting_columns: Vec::new(),
             part_rows: Rows::default(),
             parts: Vec::new(),
@@ -187,7 +189,7 @@ impl Engine {
             let mut cost = k * sites / used;
             // … or its neighbours only.
             let touched = (2 * self.units.reach(horizon, 1.0) + 3) as f64;
-            if touched < 0.5 * sites {
+            if self.units.is_row && touched < 0.5 * sites {
                 cost = cost.min(k * (sites / horizon + RESTART_COST * rate * touched));
             }
             if cost < best.0 {
@@ -226,7 +228,10 @@ impl Engine {
         let watches = &mut self.watches;
         let inverse = &self.units.inverse_factorial;
         let pressed = |i: usize, k: usize, value: f64| watches[i].press(k, value * inverse[k]);
-        let extent = Extent { columns: sites, closed: true, resting: &resting, soft: &self.soft };
+        // Ghost columns are the walls of several layers.
+        let ends = if self.units.is_row { self.units.chain.ends() } else { Ends::Fixed };
+        let beyond = [Some(ends); 2];
+        let extent = Extent { columns: sites, beyond, links: &self.links, resting: &resting, soft: &self.soft };
         self.rows.expand(extent, &self.units, &self.force, order, pressed);
         for &n in &resting {
             self.queue_rest(n);
@@ -239,7 +244,7 @@ impl Engine {
             self.ring.departures(&mut self.departures);
         }
         self.lost.clear();
-        self.lost.extend(self.departures.iter().map(|&n| (n, self.rows.lost(n, &self.units))));
+        self.lost.extend(self.departures.iter().map(|&n| (n, self.rows.lost(n, &self.links, &self.units))));
         self.fractions = bound::fractions(horizon);
         let tail = bound::tail(&self.rows, sites, &self.units, horizon);
         for base in (0..sites).step_by(LANES) {

@@ -7,13 +7,13 @@ use vibrochain_lattice::{Barrier, Short};
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum StateError {
     /// An array does not hold one number a mass.
-    #[error("{name} has {found} entries, the ring has {sites} masses: give one number a mass")]
+    #[error("{name} has {found} entries, the lattice has {sites} masses: give one number a mass")]
     Length {
         /// `displacement` or `velocity`.
         name: &'static str,
         /// Entries given.
         found: usize,
-        /// Masses of the ring.
+        /// Masses of the lattice.
         sites: usize,
     },
     /// A number is infinite or not a number.

@@ -42,7 +42,7 @@ impl fmt::Display for EventKind {
 pub struct Event {
     /// When.
     pub time: Time,
-    /// The mass.
+    /// The mass; of several layers numbered layer by layer.
     pub site: usize,
     /// Its barrier.
     pub barrier: Barrier,
@@ -71,7 +71,7 @@ pub struct Limits {
     pub flights: u64,
 }
 
-/// Flights shorter than this, in units of 1/√(γ₁+4γ₂) (or 1/ω where the force is faster), count as bounces of one
+/// Flights shorter than this, in units of 1/√(γ₁+4γ₂+4γ₃) (or 1/ω where the force is faster), count as bounces of one
 /// cascade. A resolved cascade ends when 1e-8 of that unit is left of it, see [`crate::CHATTER_TIME`].
 pub const BOUNCE_TIME: f64 = 1e-6;
 
@@ -126,9 +126,9 @@ pub enum Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Work {
-    /// Windows of flight of the whole ring that were expanded.
+    /// Windows of flight of the whole lattice that were expanded.
     pub windows: u64,
-    /// Restarts of a part of the ring around an event, in the middle of a window.
+    /// Restarts of a part of a row around an event, in the middle of a window.
     pub restarts: u64,
     /// Masses whose motion was bounded over a window.
     pub bounds: u64,

@@ -1,15 +1,17 @@
 //! Event-driven simulation of vibro-impact chains: exact flight between certified events.
 //!
-//! A ring of M unit masses, each between two rigid barriers at a − 1 and a + 1, moves freely until one of them meets a
-//! barrier:
+//! The unit masses of a lattice, each between two rigid barriers at a − 1 and a + 1, move freely until one of them meets a
+//! barrier. On a ring
 //!
 //! ```text
-//! ü_n = −γ₁u_n − γ₂(2u_n − u_{n+1} − u_{n−1}) + F(t+ψ) ,      |u_n − a| ≤ 1 ,      v⁺ = −e v⁻ .
+//! ü_n = −γ₁u_n − γ₂(2u_n − u_{n+1} − u_{n−1}) + F(t+ψ) ,      |u_n − a| ≤ 1 ,      v⁺ = −e v⁻ ,
 //! ```
+//!
+//! and the same in rows with free or fixed ends and in several layers, as a [`Chain`](vibrochain_lattice::Chain) has them.
 //!
 //! Three things are promised:
 //! - **No time-step error.** Between events the motion is the Taylor series of the exact flow, with a remainder below
-//!   rounding, at every size of ring and with masses at rest on their barriers.
+//!   rounding, at every size of lattice and with masses at rest on their barriers.
 //! - **No missed event.** The next contact of *any* mass is found with bounds on derivatives, not by samples: a contact
 //!   cannot hide between two points, be it a peak 1e-6 beyond a barrier or two masses 1e-12 apart in time. The argument
 //!   is below.
@@ -37,7 +39,7 @@
 //! # Conventions
 //!
 //! Everything is dimensionless, as in `vibrochain_lattice`: mass and half the gap are 1, times are in the units of 1/ω, 1/√γ.
-//! Sites are numbered 0 … M−1. Velocities are signed, positive towards the upper barrier. The start is t = 0; the force is
+//! Masses are numbered as a [`Chain`](vibrochain_lattice::Chain) numbers them, 0 … M−1 in one row. Velocities are signed, positive towards the upper barrier. The start is t = 0; the force is
 //! A cos ω(t+ψ), or Σ A_j cos(jω(t+ψ) + θ_j). A [`Time`] is a number of whole periods T = 2π/ω and a rest. A state at the time of an event is that
 //! after it.
 //!

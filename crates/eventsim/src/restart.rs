@@ -1,17 +1,19 @@
-//! Restarts at an event: of the whole ring, or of the masses that can feel it.
+//! Restarts at an event: of the whole lattice, or of the masses that can feel it.
 //!
 //! What happens to a mass reaches its m-th neighbour with γ₂^m τ^{2m+1}/(2m+1)!: within the rest of a window only the
 //! nearest R neighbours on either side can notice ([`Units::reach`](crate::units::Units::reach)), and only they get new
-//! series, from the same stencil; at the ends of the part the neighbours' series are known, and stay. An event then
-//! costs what R costs, whatever the size of the ring.
+//! series, from the same stencil; at the ends of the part the neighbours' series are known, and stay (at the end of the
+//! row there are none). An event then costs what R costs, whatever the length of the row. Several layers are always
+//! restarted whole.
 //!
-//! Parts that touch are restarted as one, so that simultaneous events keep the mirror symmetry of the ring to the bit.
+//! Parts that touch are restarted as one, so that simultaneous events keep the mirror symmetry of a ring to the bit.
 
 use crate::bound;
 use crate::collision::Change;
 use crate::engine::Engine;
 use crate::series::{Extent, LANES};
 use crate::units::MAX_ORDER;
+use vibrochain_lattice::Ends;
 
 /// Least number of neighbours restarted on either side: the derivatives that decide a contact look two masses far.
 const LEAST_REACH: usize = 3;
@@ -21,7 +23,7 @@ const LEAST_REACH: usize = 3;
 /// neighbouring instants they average out. The impact law corrects for the distance left to the barrier.
 const DITHER: f64 = 8.0 * f64::EPSILON;
 
-/// A part of the ring: first site and number of masses.
+/// A part of the row: first site and number of masses.
 type Part = (usize, usize);
 
 impl Engine {
@@ -52,34 +54,39 @@ impl Engine {
         (s, !apart)
     }
 
-    /// The parts of the ring within `reach` of the contacts that are due, merged where less than a mass is between
-    /// them. False if they make up so much of the ring that all of it had better be restarted.
+    /// The parts of the row within `reach` of the contacts that are due, merged where less than a mass is between
+    /// them. False if they make up so much of the lattice that all of it had better be restarted.
     fn split(&self, reach: usize, parts: &mut Vec<Part>) -> bool {
         parts.clear();
         let (sites, due) = (self.ring.sites(), &self.due);
-        if (2 * reach + 1).saturating_mul(due.len()).saturating_mul(2) > sites {
+        if !self.units.is_row || (2 * reach + 1).saturating_mul(due.len()).saturating_mul(2) > sites {
             return false;
         }
+        let closed = self.units.chain.ends() == Ends::Closed;
         // Distance from a contact to the next around the ring; a part begins after a wide one.
         let count = due.len();
         let gap = |i: usize| {
             let (from, to) = (due[i].site, due[(i + 1) % count].site);
             if to > from { to - from } else { to + sites - from }
         };
-        let wide = |i: usize| gap(i) > 2 * reach + 2;
+        let wide = |i: usize| gap(i) > 2 * reach + 2 || (!closed && i + 1 == count);
         let Some(cut) = (0..count).find(|&i| wide(i)) else { return false };
-        let mut length = 0;
         let mut start = None;
+        let mut length = 1;
         for i in (0..count).map(|i| (cut + 1 + i) % count) {
-            let first = *start.get_or_insert((due[i].site + sites - reach) % sites);
-            length += 1;
-            if wide(i) {
-                parts.push((first, length + 2 * reach));
-                start = None;
-                length = 0;
-            } else {
-                length += gap(i) - 1;
+            let first = *start.get_or_insert(due[i].site);
+            if !wide(i) {
+                length += gap(i);
+                continue;
             }
+            parts.push(if closed {
+                ((first + sites - reach) % sites, length + 2 * reach)
+            } else {
+                let begin = first.saturating_sub(reach);
+                (begin, (first + length + reach).min(sites) - begin)
+            });
+            start = None;
+            length = 1;
         }
         true
     }
@@ -93,7 +100,12 @@ impl Engine {
         self.work.restarts += 1;
         let mut rows = std::mem::take(&mut self.part_rows);
         rows.reset(length);
+        // On a ring both sides go on.
+        let ends = self.units.chain.ends();
+        let at_end = |last: bool| (ends != Ends::Closed && last).then_some(ends);
+        let beyond = [at_end(start == 0), at_end(start + length == sites)];
         for (column, n) in [(0, site(sites - 1)), (length + 1, site(length))] {
+            // (At the end of a row this ghost is filled by the expansion.)
             let mut edge = [0.0; MAX_ORDER + 1];
             let lapse = s - self.origin[n];
             if self.weights.high[1] != lapse {
@@ -124,7 +136,7 @@ impl Engine {
         let watches = &mut self.watches[first_watch..];
         let inverse = &self.units.inverse_factorial;
         let pressed = |i: usize, k: usize, value: f64| watches[i].press(k, value * inverse[k]);
-        let extent = Extent { columns: length, closed: false, resting: &resting, soft: &soft };
+        let extent = Extent { columns: length, beyond, links: &[], resting: &resting, soft: &soft };
         rows.expand(extent, &self.units, &self.force, order, pressed);
         for &i in &resting {
             self.queue_rest(site(i));

@@ -1,4 +1,4 @@
-//! The masses between two expansions: where they are, how fast, and which of them touch a barrier.
+//! The masses of a lattice between two expansions: where they are, how fast, and which of them touch a barrier.
 
 use crate::units::{MAX_ORDER, Units};
 use vibrochain_lattice::Barrier;
@@ -139,13 +139,14 @@ impl Ring {
             0 => self.position(n),
             1 => self.v[n],
             _ => {
-                let sites = self.sites();
-                let of = |m: usize| {
-                    if k > 3 && self.is_resting(m) { 0.0 } else { self.derivative(units, force, m, k - 2) }
+                let own = self.derivative(units, force, n, k - 2);
+                let of = |m: usize| match m {
+                    // Beside a free end: no spring.
+                    _ if m == n => own,
+                    _ if k > 3 && self.is_resting(m) => 0.0,
+                    _ => self.derivative(units, force, m, k - 2),
                 };
-                let (left, right) = (if n == 0 { sites - 1 } else { n - 1 }, if n + 1 == sites { 0 } else { n + 1 });
-                let own = if k > 3 { self.derivative(units, force, n, k - 2) } else { of(n) };
-                units.gamma2 * ((of(left) + of(right)) - 2.0 * own) - units.gamma1 * own + force[k - 2]
+                units.pull(own, units.sides(n, of)) + force[k - 2]
             }
         }
     }
@@ -164,5 +165,34 @@ impl Ring {
             let outward = barrier.sign() * self.derivative(units, force, n, usize::from(k));
             (outward != 0.0).then_some((k, outward > 0.0))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibrochain_lattice::{Chain, Ends, Model};
+
+    /// Beside a free end stands the mass itself, be it at rest or not: no spring.
+    #[test]
+    fn derivatives_at_rest_beside_an_end_are_those_by_hand() {
+        let (g1, g2, g3) = (0.2, 0.1, 0.05);
+        for (ends, wall) in [(Ends::Free, 0.0), (Ends::Fixed, 1.0)] {
+            let chain = Chain::new(2, g1, g2).unwrap().with_ends(ends).with_layers(2, g3, Ends::Free).unwrap();
+            let units = Units::new(&Model::conservative(chain, 0.3, 0.4).unwrap());
+            let mut ring = Ring::new(4);
+            ring.x = vec![1.4, 0.3, -0.2, 0.1];
+            ring.rest(0, Barrier::Upper);
+            let force = [0.0; MAX_ORDER + 1];
+            // Springs to the one beside, to the one above or below, and to a wall.
+            let pull = |own: f64, beside: f64, across: f64| {
+                -g1 * own - g2 * (own - beside) - g2 * wall * own - g3 * (own - across)
+            };
+            let second = [pull(1.4, 0.3, -0.2), pull(0.3, 1.4, 0.1), pull(-0.2, 0.1, 1.4)];
+            let fourth = pull(second[0], second[1], second[2]);
+            let square = units.scale * units.scale;
+            assert!((ring.derivative(&units, &force, 0, 2) * square - second[0]).abs() < 1e-15);
+            assert!((ring.derivative(&units, &force, 0, 4) * square * square - fourth).abs() < 1e-15);
+        }
     }
 }

@@ -6,7 +6,7 @@
 //! d_{k+2}[n] = γ₂ ((d_k[n−1] + d_k[n+1]) − 2 d_k[n]) − γ₁ d_k[n] + F_k ,          u_n(s) = Σ_k d_k[n] s^k/k! ,
 //! ```
 //!
-//! for every mass that flies; a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
+//! and γ₃ times the like of the neighbouring layers, for every mass that flies; a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
 //! barrier. Nothing here knows the modes, so that masses at rest change nothing, and no time step is made: a window
 //! is as long as the order allows with a remainder below rounding ([`Units::horizons`]).
 //!
@@ -14,11 +14,13 @@
 //!   add up over a million windows. The divisions are in the weights s^k/k!, the first of them in two words.
 //! - The neighbours enter as one sum, so a mirror-symmetric ring stays symmetric to the bit. (d₋ + d₊) − 2d keeps
 //!   soft rings exact: γ₁ is never added to a larger γ₂.
-//! - Rows hold one order of all masses, with a ghost column on either side: the ring's other end, or, for a part of
-//!   the ring, its neighbours' known series. Rings of one and two masses are right without a special case.
+//! - Rows hold one order of all masses, with a ghost column on either side: the ring's other end, the last mass itself
+//!   (a free end), 0 (a wall), or, for a part, its neighbours' known series. Rings of one and two masses are right without
+//!   a special case. Of several layers the neighbours are looked up in a list, in which ghost column 0 is the wall.
 
 use crate::time::two_sum;
 use crate::units::{MAX_ORDER, Units};
+use vibrochain_lattice::{Chain, Ends};
 
 /// Masses handled at once; rows are padded so that the last group may run over the end.
 pub(crate) const LANES: usize = 8;
@@ -91,10 +93,22 @@ impl Weights {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent<'a> {
     pub(crate) columns: usize,
-    /// A whole ring, whose ends meet; otherwise the ghost columns already hold the neighbours' series.
-    pub(crate) closed: bool,
+    /// What stands beyond the first and the last column; `None`: the ghost column already holds the neighbour's series.
+    pub(crate) beyond: [Option<Ends>; 2],
+    /// The columns of all masses' neighbours, ghosts counted, where they are not simply the columns beside: see [`links`].
+    pub(crate) links: &'a [[u32; 4]],
     pub(crate) resting: &'a [usize],
     pub(crate) soft: &'a [(usize, u8)],
+}
+
+/// Columns of the neighbours of all masses of several layers, ghosts counted; empty for one row.
+pub(crate) fn links(chain: &Chain) -> Vec<[u32; 4]> {
+    if chain.layers() == 1 {
+        return Vec::new();
+    }
+    // At most 10⁷ masses.
+    let column = |side: Option<usize>| side.map_or(0, |m| m as u32 + 1);
+    (0..chain.sites()).map(|n| chain.neighbours(n).map(column)).collect()
 }
 
 /// Rows of derivatives, d_0 … d_K.
@@ -134,15 +148,37 @@ impl Rows {
         self.data[k * self.stride + n + 1] = value;
     }
 
-    /// Joins the ends of row `k`, whose ring has `sites` masses.
-    pub(crate) fn close(&mut self, k: usize, sites: usize) {
+    /// The column that a ghost beside the mass `own` repeats: itself, if it is known, as that of a wall is from now on.
+    fn echo(&mut self, ends: Option<Ends>, ghost: usize, own: usize, far: usize) -> usize {
+        match ends {
+            None => ghost,
+            Some(Ends::Closed) => far,
+            Some(Ends::Free) => own,
+            Some(Ends::Fixed) => {
+                self.data.iter_mut().skip(ghost).step_by(self.stride).for_each(|ghost| *ghost = 0.0);
+                ghost
+            }
+        }
+    }
+
+    /// Fills the ghosts of row `k`, which has `columns` masses.
+    fn close(&mut self, k: usize, columns: usize, [first, last]: [usize; 2]) {
         let row = &mut self.data[k * self.stride..(k + 1) * self.stride];
-        row[0] = row[sites];
-        row[sites + 1] = row[1];
+        row[0] = row[first];
+        row[columns + 1] = row[last];
+    }
+
+    /// d_{k+2} of all masses of several layers from d_k.
+    fn advance_layers(&mut self, k: usize, links: &[[u32; 4]], units: &Units, force: f64) {
+        let (known, new) = self.data.split_at_mut((k + 2) * self.stride);
+        let from = &known[k * self.stride..];
+        for ((to, own), sides) in new[1..].iter_mut().zip(&from[1..]).zip(links) {
+            *to = units.pull(*own, sides.map(|column| from[column as usize])) + force;
+        }
     }
 
     /// d_{k+2} of the first `columns` columns from d_k and its ghosts.
-    pub(crate) fn advance(&mut self, k: usize, columns: usize, units: &Units, force: f64) {
+    fn advance(&mut self, k: usize, columns: usize, units: &Units, force: f64) {
         let (known, new) = self.data.split_at_mut((k + 2) * self.stride);
         let from = &known[k * self.stride..];
         let (left, own, right) = (&from[..columns], &from[1..=columns], &from[2..columns + 2]);
@@ -174,14 +210,20 @@ impl Rows {
         order: usize,
         mut pressed: impl FnMut(usize, usize, f64),
     ) {
-        let Extent { columns, closed, resting, soft } = extent;
+        let Extent { columns, beyond, links, resting, soft } = extent;
         self.order = order;
-        if closed {
-            self.close(0, columns);
-            self.close(1, columns);
+        let echoes = [self.echo(beyond[0], 0, 1, columns), self.echo(beyond[1], columns + 1, columns, 1)];
+        let all_known = echoes == [0, columns + 1];
+        if !all_known {
+            self.close(0, columns, echoes);
+            self.close(1, columns, echoes);
         }
         for k in 0..=order - 2 {
-            self.advance(k, columns, units, force[k]);
+            if links.is_empty() {
+                self.advance(k, columns, units, force[k]);
+            } else {
+                self.advance_layers(k, links, units, force[k]);
+            }
             for (i, &n) in resting.iter().enumerate() {
                 pressed(i, k, self.get(k + 2, n));
                 self.set(k + 2, n, 0.0);
@@ -191,8 +233,8 @@ impl Rows {
                     self.set(k + 2, n, 0.0);
                 }
             }
-            if closed {
-                self.close(k + 2, columns);
+            if !all_known {
+                self.close(k + 2, columns, echoes);
             }
         }
     }
@@ -201,18 +243,27 @@ impl Rows {
     ///
     /// A mass that leaves a barrier is at the same place at every impact, to the bit, and its rounding errors with it.
     /// Alone among all they do not average out: they would change the energy by up to ε/2 an impact.
-    pub(crate) fn lost(&self, n: usize, units: &Units) -> [f64; CORRECTED] {
-        let (g1, g2) = (units.gamma1, units.gamma2);
+    pub(crate) fn lost(&self, n: usize, links: &[[u32; 4]], units: &Units) -> [f64; CORRECTED] {
+        let (g1, g2, g3) = (units.gamma1, units.gamma2, units.gamma3);
+        let [left, right, below, above] = units.chain.neighbours(n);
+        // The mass beside a free end is the same one, and errs with it: no spring.
+        let springs = |a: Option<usize>, b: Option<usize>| f64::from(u8::from(a != Some(n)) + u8::from(b != Some(n)));
+        let held = g1 + springs(left, right) * g2 + springs(below, above) * g3;
+        let [left, right, below, above] =
+            links.get(n).map_or([n, n + 2, n + 1, n + 1], |columns| columns.map(|column| column as usize));
         let mut lost = [0.0; CORRECTED];
         for k in 2..CORRECTED {
-            let at = (k - 2) * self.stride + n + 1;
-            let (left, own, right) = (self.data[at - 1], self.data[at], self.data[at + 1]);
-            let (sum, a) = two_sum(left, right);
-            let (stretch, b) = two_sum(sum, -2.0 * own);
-            let (coupling, hold) = (g2 * stretch, g1 * own);
-            let (_, c) = two_sum(coupling, -hold);
-            let products = g2.mul_add(stretch, -coupling) - g1.mul_add(own, -hold);
-            lost[k] = products + g2 * (a + b) + c - (g1 + 2.0 * g2) * lost[k - 2];
+            let row = &self.data[(k - 2) * self.stride..];
+            let own = row[n + 1];
+            let (coupling, of_product, of_stretch) = springs_with_errors(g2, row[left], row[right], own);
+            let hold = g1 * own;
+            let (along, of_along) = two_sum(coupling, -hold);
+            let products = of_product - g1.mul_add(own, -hold);
+            lost[k] = products + of_stretch + of_along - held * lost[k - 2];
+            if !units.is_row {
+                let (across, of_product, of_stretch) = springs_with_errors(g3, row[below], row[above], own);
+                lost[k] += of_product + of_stretch + two_sum(along, across).1;
+            }
         }
         lost
     }
@@ -300,6 +351,14 @@ impl Rows {
             }
         }
     }
+}
+
+/// γ ((a + b) − 2 own), and what rounding took from the product and, before it, from the sum.
+fn springs_with_errors(gamma: f64, a: f64, b: f64, own: f64) -> (f64, f64, f64) {
+    let (sum, of_sum) = two_sum(a, b);
+    let (stretch, of_stretch) = two_sum(sum, -2.0 * own);
+    let force = gamma * stretch;
+    (force, gamma.mul_add(stretch, -force), gamma * (of_sum + of_stretch))
 }
 
 #[cfg(test)]

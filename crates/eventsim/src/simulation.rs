@@ -49,7 +49,8 @@ pub struct State {
     pub time: Time,
 }
 
-/// An event-driven simulation of a vibro-impact chain: exact flight between certified events.
+/// An event-driven simulation of a vibro-impact chain: exact flight between certified events. The lattice may be a ring, a row
+/// with free or fixed ends, or several layers of rows; masses are numbered as [`vibrochain_lattice::Chain`] numbers them.
 ///
 /// ```
 /// use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
@@ -95,8 +96,9 @@ impl Simulation {
     pub fn new(model: &Model, psi: f64, displacement: &[f64], velocity: &[f64]) -> Result<Self, StateError> {
         let units = Units::new(model);
         for (name, values) in [("displacement", displacement), ("velocity", velocity)] {
-            if values.len() != units.sites {
-                return Err(StateError::Length { name, found: values.len(), sites: units.sites });
+            let sites = model.chain().sites();
+            if values.len() != sites {
+                return Err(StateError::Length { name, found: values.len(), sites });
             }
             if let Some(site) = values.iter().position(|x| !x.is_finite()) {
                 return Err(StateError::NotFinite { name, site, value: values[site] });
@@ -113,7 +115,7 @@ impl Simulation {
             let limit = FASTEST * units.scale * units.scale;
             return Err(StateError::TooFast { name: "amplitude", value: model.amplitude(), limit });
         }
-        let mut ring = Ring::new(units.sites);
+        let mut ring = Ring::new(displacement.len());
         for (site, (&u, &v)) in displacement.iter().zip(velocity).enumerate() {
             place(&mut ring, &units, site, u)?;
             ring.v[site] = v / units.scale;
@@ -222,16 +224,23 @@ impl Simulation {
         }
     }
 
-    /// Energy of the chain now: kinetic, on-site and coupling, Σ ½u̇² + ½γ₁u² + ½γ₂(u_{n+1}−u_n)². Constant without
-    /// force and with e = 1.
+    /// Energy of the lattice now: kinetic, on-site and coupling, Σ ½u̇² + ½γ₁u² + ½γ₂(u_{n+1}−u_n)², and the like with γ₃
+    /// between layers. A free end has no spring, a wall has one, at u = 0. Constant without force and with e = 1.
     pub fn energy(&self) -> f64 {
         let State { displacement: u, velocity: v, .. } = self.state();
         let chain = self.model.chain();
-        let next = u.iter().cycle().skip(1);
-        let terms =
-            u.iter().zip(&v).zip(next).map(|((u, v), next)| {
-                0.5 * (v * v + chain.gamma1() * u * u + chain.gamma2() * (next - u) * (next - u))
-            });
+        let terms = u.iter().zip(&v).enumerate().map(|(n, (own, v))| {
+            let spring = |gamma: f64, side: Option<usize>| {
+                let stretch = side.map_or(0.0, |m| u[m]) - own;
+                gamma * stretch * stretch
+            };
+            // Each spring once: from the mass before it, or from the one that has a wall before it.
+            let wall = |gamma: f64, side: Option<usize>| if side.is_none() { spring(gamma, None) } else { 0.0 };
+            let [left, right, below, above] = chain.neighbours(n);
+            let (along, across) = (chain.gamma2(), chain.gamma3());
+            let row = v * v + chain.gamma1() * own * own + spring(along, right) + wall(along, left);
+            0.5 * (row + spring(across, above) + wall(across, below))
+        });
         terms.sum()
     }
 

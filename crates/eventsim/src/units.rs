@@ -3,12 +3,12 @@
 //! Time is scaled by a power of two (exactly, therefore) such that the fastest rate
 //!
 //! ```text
-//! r = max(√(γ₁+4γ₂), jω)          (ω/4 without a force, to keep windows near a period; j the highest harmonic of it)
+//! r = max(√(γ₁+4γ₂+4γ₃), jω)      (ω/4 without a force, to keep windows near a period; j the highest harmonic of it)
 //! ```
 //!
 //! lies in [1, 2). Every coefficient of every series then is of the size of the motion, for any γ and ω.
 
-use vibrochain_lattice::{Barrier, Force, Model};
+use vibrochain_lattice::{Barrier, Chain, Ends, Force, Model};
 
 /// Highest order of a Taylor series.
 pub(crate) const MAX_ORDER: usize = 24;
@@ -35,9 +35,13 @@ pub(crate) fn inverse_factorials() -> [f64; MAX_ORDER + 1] {
 pub(crate) struct Units {
     /// Internal time is time × `scale`, a power of two; velocities are divided by it.
     pub(crate) scale: f64,
-    pub(crate) sites: usize,
+    /// Who is whose neighbour; its stiffnesses are in units of their own.
+    pub(crate) chain: Chain,
+    /// One row of masses: neighbours stand side by side.
+    pub(crate) is_row: bool,
     pub(crate) gamma1: f64,
     pub(crate) gamma2: f64,
+    pub(crate) gamma3: f64,
     pub(crate) omega: f64,
     /// Σ|A_j|, a bound of the force.
     pub(crate) amplitude: f64,
@@ -53,9 +57,11 @@ pub(crate) struct Units {
 impl Units {
     pub(crate) fn new(model: &Model) -> Self {
         let chain = model.chain();
-        // On a ring of one mass the coupling cancels.
-        let coupling = if chain.sites() == 1 { 0.0 } else { chain.gamma2() };
-        let stiffness = (chain.gamma1() + 4.0 * coupling).sqrt();
+        // In a row of one mass without walls the coupling cancels.
+        let alone = chain.length() == 1 && chain.ends() != Ends::Fixed;
+        let coupling = if alone { 0.0 } else { chain.gamma2() };
+        // Whatever the ends: each mass has at most two springs along its row and two across.
+        let stiffness = (chain.gamma1() + 4.0 * coupling + 4.0 * chain.gamma3()).sqrt();
         let forced = model.amplitude() > 0.0;
         let rate = stiffness.max(if forced { model.force_wave().top_rate() } else { 0.25 * model.omega() });
         // The power of two below: the exponent alone.
@@ -63,9 +69,11 @@ impl Units {
         let square = scale * scale;
         Self {
             scale,
-            sites: chain.sites(),
+            chain: *chain,
+            is_row: chain.layers() == 1,
             gamma1: chain.gamma1() / square,
             gamma2: coupling / square,
+            gamma3: chain.gamma3() / square,
             omega: model.omega() / scale,
             amplitude: model.amplitude() / square,
             force: *model.force(),
@@ -75,6 +83,19 @@ impl Units {
             rate: rate / scale,
             inverse_factorial: inverse_factorials(),
         }
+    }
+
+    /// What is known `of` the neighbours of mass `n`; a wall does not move.
+    pub(crate) fn sides(&self, n: usize, of: impl Fn(usize) -> f64) -> [f64; 4] {
+        let [left, right, below, above] = self.chain.neighbours(n);
+        let of = |side: Option<usize>| side.map_or(0.0, &of);
+        if self.is_row { [of(left), of(right), 0.0, 0.0] } else { [of(left), of(right), of(below), of(above)] }
+    }
+
+    /// What the springs do to a mass at `own` with its neighbours at `sides`, in the order of [`Chain::neighbours`].
+    pub(crate) fn pull(&self, own: f64, [left, right, below, above]: [f64; 4]) -> f64 {
+        let row = self.gamma2 * ((left + right) - 2.0 * own) - self.gamma1 * own;
+        if self.is_row { row } else { row + self.gamma3 * ((below + above) - 2.0 * own) }
     }
 
     pub(crate) fn barrier(&self, barrier: Barrier) -> f64 {
@@ -101,7 +122,7 @@ impl Units {
         })
     }
 
-    /// How many neighbours on either side can feel, within `time`, what happens to a mass now.
+    /// How many neighbours on either side in a row can feel, within `time`, what happens to a mass now.
     ///
     /// A jump of velocity Δv displaces the m-th neighbour by at most about Δv γ₂^m τ^{2m+1}/(2m+1)!, and with `size`
     /// for Δv this is compared with rounding.

@@ -8,25 +8,6 @@ use vibrochain_floquet::{
 use vibrochain_lattice::{Barrier, Chain, Model};
 use vibrochain_testkit::{Random, Ranges, Values, dense};
 
-/// A word of one or two instants at up to four sites.
-fn word(random: &mut Random, chain: &Chain) -> Option<Word> {
-    let mut instants = vec![Vec::new(), Vec::new()];
-    for _ in 0..1 + random.below(4) {
-        let (site, layer) = chain.layout().place(random.below(chain.sites()));
-        let barriers =
-            if random.chance(0.5) { [Barrier::Upper, Barrier::Lower] } else { [Barrier::Lower, Barrier::Upper] };
-        let double = random.chance(0.6);
-        let first = random.below(2);
-        for (i, barrier) in barriers.into_iter().enumerate() {
-            if double || i == first {
-                instants[i].push(Letter { site, layer, barrier });
-            }
-        }
-    }
-    instants.retain(|letters| !letters.is_empty());
-    Word::new(instants).ok().filter(|word| word.places().len() > 1 || !chain.is_ring())
-}
-
 /// Σ μᵏ is the trace of Mᵏ.
 #[test]
 fn power_sums_are_traces_of_the_whole_matrix() {
@@ -38,7 +19,8 @@ fn power_sums_are_traces_of_the_whole_matrix() {
         let chain = if round < 400 { random.chain(&ranges) } else { random.lattice(&ranges) };
         let sites = chain.sites();
         let model = Model::conservative(chain, random.between(0.6, 2.5), random.between(0.0, 0.8)).unwrap();
-        let Some(word) = word(&mut random, &chain) else { continue };
+        let word = random.word(&chain).filter(|word| word.places().len() > 1 || !chain.is_ring());
+        let Some(word) = word else { continue };
         let (mut finder, mut found) = (Finder::new(sites), Found::default());
         if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
             continue;

@@ -282,7 +282,12 @@ impl Chain {
 
     /// The masses to the left and right, below and above, to which a mass is coupled: itself beside a free end and in rows of
     /// one; `None` for a wall.
+    #[inline]
     pub fn neighbours(&self, site: usize) -> [Option<usize>; 4] {
+        if self.across.masses == 1 {
+            let [left, right] = self.along.neighbours(site);
+            return [left, right, Some(site), Some(site)];
+        }
         let length = self.along.masses;
         let (n, layer) = (site % length, site / length);
         let [left, right] = self.along.neighbours(n).map(|n| n.map(|n| n + layer * length));

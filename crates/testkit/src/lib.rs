@@ -17,5 +17,5 @@ pub use models::{Meeting, Ranges, Values};
 pub use net::Net;
 pub use random::Random;
 pub use reference::{Case, reference};
-pub use ring::{ReturnMap, Ring, dense};
+pub use ring::{ReturnMap, Ring, dense, stiffness};
 pub use words::{WordCase, words};

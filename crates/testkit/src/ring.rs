@@ -4,9 +4,37 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use vibrochain_breather::{Impact, Motion, Orbit};
 use vibrochain_floquet::Square;
-use vibrochain_lattice::{Harmonic, Model};
+use vibrochain_lattice::{Chain, Ends, Harmonic, Model};
 
-/// Free flight of a ring under its force.
+/// The stiffness matrix of a lattice, spring by spring.
+#[must_use]
+pub fn stiffness(chain: &Chain) -> DMatrix<f64> {
+    let (length, layers) = (chain.length(), chain.layers());
+    let mut matrix = DMatrix::from_diagonal_element(length * layers, length * layers, chain.gamma1());
+    let mut spring = |gamma: f64, one: usize, other: Option<usize>| {
+        matrix[(one, one)] += gamma;
+        if let Some(other) = other {
+            matrix[(other, other)] += gamma;
+            matrix[(one, other)] -= gamma;
+            matrix[(other, one)] -= gamma;
+        }
+    };
+    // A row of masses, each so far from the one before it.
+    let mut row = |gamma: f64, ends: Ends, first: usize, step: usize, count: usize| {
+        let last = first + step * (count - 1);
+        (1..count).for_each(|n| spring(gamma, first + step * (n - 1), Some(first + step * n)));
+        match ends {
+            Ends::Closed => spring(gamma, last, Some(first)),
+            Ends::Free => {}
+            Ends::Fixed => [first, last].into_iter().for_each(|n| spring(gamma, n, None)),
+        }
+    };
+    (0..layers).for_each(|layer| row(chain.gamma2(), chain.ends(), layer * length, 1, length));
+    (0..length).for_each(|n| row(chain.gamma3(), chain.layer_ends(), n, length, layers));
+    matrix
+}
+
+/// Free flight of a lattice under its force.
 #[derive(Debug)]
 pub struct Ring {
     frequencies: DVector<f64>,
@@ -16,17 +44,12 @@ pub struct Ring {
 }
 
 impl Ring {
-    /// The ring of a model.
+    /// The lattice of a model. A force moves all masses alike, hence no walls under one.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let (m, g1, g2) = (model.chain().sites(), model.chain().gamma1(), model.chain().gamma2());
-        let mut stiffness = DMatrix::from_diagonal_element(m, m, g1);
-        for n in 0..m {
-            stiffness[(n, n)] += 2.0 * g2;
-            stiffness[(n, (n + 1) % m)] -= g2;
-            stiffness[(n, (n + m - 1) % m)] -= g2;
-        }
-        let eigen = SymmetricEigen::new(stiffness);
+        let g1 = model.chain().gamma1();
+        assert!(!model.chain().has_walls() || model.amplitude() == 0.0);
+        let eigen = SymmetricEigen::new(stiffness(model.chain()));
         let response = |harmonic: &Harmonic| {
             let rate = f64::from(harmonic.number) * model.omega();
             (rate, harmonic.amplitude / (g1 - rate * rate), harmonic.phase)
@@ -165,7 +188,7 @@ impl<'a> ReturnMap<'a> {
 
     /// Central differences of the return map at two steps, extrapolated. The steps are small against the slowest impact:
     /// near grazing the map bends on the scale of its velocity squared. Where impacts of several masses coincide it has
-    /// kinks at the point itself, which cost an error of order h.
+    /// kinks at the point itself: the error is of order h, not h², and another extrapolation removes it.
     #[must_use]
     pub fn jacobian(&self) -> DMatrix<f64> {
         self.jacobian_of(|state| self.apply(state))
@@ -176,7 +199,8 @@ impl<'a> ReturnMap<'a> {
     pub fn jacobian_of(&self, map: impl Fn(&DVector<f64>) -> DVector<f64>) -> DMatrix<f64> {
         let point = self.fixed_point();
         let kinked = self.orbit.impacts().windows(2).any(|pair| pair[0].time == pair[1].time);
-        let h = if kinked { 2e-8 } else { 1e-4 * self.slowest_impact().powi(2) };
+        let h = if kinked { 1e-5 } else { 1e-4 } * self.slowest_impact().powi(2);
+        let order = if kinked { 2.0 } else { 4.0 };
         let mut jacobian = DMatrix::zeros(point.len(), point.len());
         for j in 0..point.len() {
             let slope = |h: f64| {
@@ -185,7 +209,7 @@ impl<'a> ReturnMap<'a> {
                 minus[j] -= h;
                 (map(&plus) - map(&minus)) / (2.0 * h)
             };
-            jacobian.set_column(j, &((4.0 * slope(0.5 * h) - slope(h)) / 3.0));
+            jacobian.set_column(j, &((order * slope(0.5 * h) - slope(h)) / (order - 1.0)));
         }
         jacobian
     }

@@ -1,8 +1,10 @@
-//! The table of checked impact words (tests/data/words.json).
+//! The table of checked impact words (tests/data/words.json), and random words.
 
 use serde_json::Value;
-use vibrochain_breather::Hit;
+use vibrochain_breather::{Hit, Letter, Word};
 use vibrochain_lattice::{Barrier, Chain, Ends, Model};
+
+use crate::random::Random;
 
 /// One word of the table.
 #[derive(Debug, Clone)]
@@ -66,4 +68,25 @@ pub fn words() -> Vec<WordCase> {
     let cases: Vec<_> = lists.into_iter().flatten().map(case).collect();
     assert!(cases.len() >= 54, "{}", cases.len());
     cases
+}
+
+impl Random {
+    /// A word of one or two instants at up to four sites.
+    pub fn word(&mut self, chain: &Chain) -> Option<Word> {
+        let mut instants = vec![Vec::new(), Vec::new()];
+        for _ in 0..1 + self.below(4) {
+            let (site, layer) = chain.layout().place(self.below(chain.sites()));
+            let barriers =
+                if self.chance(0.5) { [Barrier::Upper, Barrier::Lower] } else { [Barrier::Lower, Barrier::Upper] };
+            let double = self.chance(0.6);
+            let first = self.below(2);
+            for (i, barrier) in barriers.into_iter().enumerate() {
+                if double || i == first {
+                    instants[i].push(Letter { site, layer, barrier });
+                }
+            }
+        }
+        instants.retain(|letters| !letters.is_empty());
+        Word::new(instants).ok()
+    }
 }

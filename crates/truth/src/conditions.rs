@@ -1,21 +1,23 @@
 //! The conditions at the impacts and Newton's method for them.
 //!
 //! ```text
-//! v_n(t) = Σ_j P_j K_{n−n_j}(t−t_j) + c + G(t+ψ),   G(t) = Σ_h Ã_h cos(hωt + θ_h),   Ã_h = A_h/(γ₁−h²ω²)
+//! v_n(t) = Σ_j P_j K_{n n_j}(t−t_j) + c + G_n(t+ψ),   G_n(t) = Σ_h Ã_h cos(hωt + θ_h)
+//!                                                    Ã_h = A_h/(γ₁−h²ω²), or Σ_k φ_k(n) A_h (Σ_m φ_k(m))/(Ω_k²−h²ω²)
 //! position   v(t_i) − (a ± 1)                                   = 0
 //! Newton     Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ) + q P_i/2       = 0,   q = (1−e)/(1+e)
-//! γ₁ = 0     Σ_j P_j                                            = 0
+//! adrift     Σ_j P_j                                            = 0
 //! ```
 //!
-//! Unknown are the impulses, all times but the first, ψ under a force, and for γ₁ = 0 the offset c of the ring (otherwise
-//! c = 0). Without force there is one unknown less, and one equation: Σ P_i × (Newton's equation i) vanishes by itself
+//! Unknown are the impulses, all times but the first, ψ under a force, and for a lattice that nothing holds its offset c
+//! (otherwise c = 0). Without force there is one unknown less, and one equation: Σ P_i × (Newton's equation i) vanishes by itself
 //! when q = 0, because K′ is odd; the one of the strongest impact is left out. Orbits that are their own mirror image in
 //! time have their impacts at 0 and T/2 and are left with a linear system.
 
-use vibrochain_lattice::{Barrier, Harmonic, Model};
+use vibrochain_lattice::{Barrier, Ends, Harmonic, Model};
 
+use crate::direction::Direction;
 use crate::error::TruthError;
-use crate::kernel::{Jet, Kernel};
+use crate::kernel::{Jet, Kernel, Waves};
 use crate::linear::solve;
 use crate::real::Real;
 
@@ -49,30 +51,47 @@ pub(crate) struct Problem<'a> {
     pub(crate) rigid: bool,
 }
 
-/// The uniform motion that the force drives: (hω, Ã_h, θ_h) of each harmonic.
+/// The motion that the force drives: hω, θ_h and Ã_h of each harmonic, the last of all masses alike or, between walls, of each
+/// mass of a row.
 #[derive(Debug, Clone)]
-pub(crate) struct Steady(Vec<(Real, Real, f64)>);
+pub(crate) struct Steady(Vec<(Real, f64, Vec<Real>)>);
 
 impl Steady {
-    /// The answer of a uniform mode to the model's force, in `bits` digits.
+    /// The answer to the model's force, in `bits` digits.
     pub(crate) fn new(model: &Model, bits: usize) -> Result<Self, TruthError> {
+        let chain = model.chain();
+        let [row, _] = Direction::both(chain);
         let harmonics = model.force().harmonics().iter().filter(|harmonic| harmonic.amplitude != 0.0);
         let answer = |harmonic: &Harmonic| {
             let rate = Real::new(model.omega(), bits) * f64::from(harmonic.number);
-            let stiffness = -(&rate * &rate) + model.chain().gamma1();
-            if stiffness.is_zero() {
-                return Err(TruthError::Resonance { mode: 0, omega: model.omega() });
-            }
-            Ok((rate, Real::new(harmonic.amplitude, bits) / stiffness, harmonic.phase))
+            let amplitude = Real::new(harmonic.amplitude, bits);
+            let response = |mode: usize, stiffness: Real| {
+                let difference = stiffness + chain.gamma1() - &rate * &rate;
+                let resonance = || TruthError::Resonance { mode, omega: model.omega() };
+                (!difference.is_zero()).then(|| &amplitude / difference).ok_or_else(resonance)
+            };
+            let amplitudes = if chain.ends() == Ends::Fixed {
+                let row = row.clone().tabulated(bits);
+                let mut sums = vec![Real::zero(bits); row.masses()];
+                for mode in 0..row.modes() {
+                    let response = response(mode, row.stiffness(mode, bits) * chain.gamma2())?;
+                    sums.iter_mut().zip(row.pushed(mode, bits)).for_each(|(sum, part)| *sum += part * &response);
+                }
+                sums
+            } else {
+                vec![response(0, Real::zero(bits))?]
+            };
+            Ok((rate, harmonic.phase, amplitudes))
         };
         harmonics.map(answer).collect::<Result<_, _>>().map(Self)
     }
 
-    /// G, Ġ and G̈ at t+ψ; nothing without a phase, hence without force.
-    pub(crate) fn at(&self, psi: Option<&Real>, t: &Real) -> (Real, Real, Real) {
+    /// G, Ġ and G̈ of a mass at t+ψ; nothing without a phase, hence without force.
+    pub(crate) fn at(&self, site: usize, psi: Option<&Real>, t: &Real) -> (Real, Real, Real) {
         let mut sum = (Real::zero(64), Real::zero(64), Real::zero(64));
         let Some(psi) = psi else { return sum };
-        for (rate, amplitude, phase) in &self.0 {
+        for (rate, phase, amplitudes) in &self.0 {
+            let amplitude = &amplitudes[site % amplitudes.len()];
             let (sin, cos) = ((t + psi) * rate + *phase).sin_cos();
             let (x, y) = (amplitude * cos, amplitude * sin * rate);
             let z = &x * rate * rate;
@@ -86,22 +105,16 @@ impl Problem<'_> {
     /// K and its derivatives at t_j − t_i for i ≤ j.
     pub(crate) fn jets(&self, state: &State) -> Vec<Vec<Jet>> {
         let n = self.hits.len();
-        let mut at_impulse: Vec<(usize, Jet)> = Vec::new();
+        // Most of the work; impacts of the same instants share them.
+        let mut known: Vec<(Real, Waves)> = Vec::new();
         let mut jet = |i: usize, j: usize| {
-            let distance = self.model.chain().distance(self.hits[i].0, self.hits[j].0);
             let t = &state.times[j] - &state.times[i];
-            if !t.is_zero() {
-                return self.kernel.jet(distance, &t);
-            }
-            // Every impact has one of these.
-            match at_impulse.iter().find(|known| known.0 == distance) {
-                Some(known) => known.1.clone(),
-                None => {
-                    let jet = self.kernel.jet(distance, &t);
-                    at_impulse.push((distance, jet.clone()));
-                    jet
-                }
-            }
+            let place = known.iter().position(|known| known.0 == t).unwrap_or_else(|| {
+                let waves = self.kernel.waves(&t);
+                known.push((t, waves));
+                known.len() - 1
+            });
+            self.kernel.jet_of(self.hits[j].0, self.hits[i].0, &known[place].1)
         };
         (0..n).map(|i| (i..n).map(|j| jet(i, j)).collect()).collect()
     }
@@ -114,7 +127,7 @@ impl Problem<'_> {
 
     /// Displacement, mean velocity and acceleration of the mass that is hit at impact i.
     pub(crate) fn motion(&self, state: &State, jets: &[Vec<Jet>], i: usize) -> [Real; 3] {
-        let (mut u, mut v, mut a) = self.force.at(state.psi.as_ref(), &state.times[i]);
+        let (mut u, mut v, mut a) = self.force.at(self.hits[i].0, state.psi.as_ref(), &state.times[i]);
         u += &state.offset;
         for (j, impulse) in state.impulses.iter().enumerate() {
             let (value, slope, curvature) = Self::pair(jets, i, j);
@@ -141,7 +154,9 @@ impl Problem<'_> {
     fn jacobian(&self, state: &State, jets: &[Vec<Jet>]) -> Vec<Vec<Real>> {
         let n = self.hits.len();
         let zero = Real::zero(self.kernel.work_bits());
-        let waves: Vec<_> = state.times.iter().map(|t| self.force.at(state.psi.as_ref(), t)).collect();
+        let waves: Vec<_> = (state.times.iter().zip(&self.hits))
+            .map(|(t, (site, _))| self.force.at(*site, state.psi.as_ref(), t))
+            .collect();
         let row = |i: usize, newton: bool| {
             let mut row = Vec::with_capacity(2 * n + 1);
             for j in 0..n {

@@ -1,14 +1,18 @@
-//! The periodic impulse response K_n(t) by the plain sum over modes:
+//! The periodic impulse response K_nm(t) of mass n to impulses at mass m, by the plain sum over modes:
 //!
 //! ```text
-//! K_n(t) = Σ_k b_k² cos(2πkn/M) · cos(Ω_k(t−T/2)) / (2Ω_k sin(Ω_kT/2)),      0 ≤ t ≤ T,   T = 2π·periods/ω
+//! K_nm(t) = Σ_k φ_k(n) φ_k(m) · cos(Ω_k(t−T/2)) / (2Ω_k sin(Ω_kT/2)),      0 ≤ t ≤ T,   T = 2π·periods/ω
 //! ```
+//!
+//! Modes are products of one along the rows and one across the layers (`direction`); on a ring Σ φ_k(n)φ_k(m) over a pair of
+//! one frequency is b_k² cos(2πk(n−m)/M).
 //!
 //! Nothing here is clever. What cancels (soft modes, near resonances, large arguments) is met by more digits: the
 //! precision is raised beyond the one asked for by what the worst mode loses.
 
 use vibrochain_lattice::Chain;
 
+use crate::direction::Direction;
 use crate::error::TruthError;
 use crate::real::Real;
 
@@ -18,37 +22,37 @@ const GUARD_BITS: f64 = 32.0;
 /// The impulse response at one time and its derivatives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jet {
-    /// K_n, for γ₁ = 0 without the rigid mode's static part.
+    /// K_nm, for a lattice that nothing holds without the rigid mode's static part.
     pub value: Real,
-    /// dK_n/dt, at the impulse the mean of both sides.
+    /// dK_nm/dt, at the impulse the mean of both sides.
     pub slope: Real,
-    /// d²K_n/dt², without the impulse itself.
+    /// d²K_nm/dt², without the impulse itself.
     pub curvature: Real,
-    /// d³K_n/dt³, at the impulse the mean of both sides.
+    /// d³K_nm/dt³, at the impulse the mean of both sides.
     pub third: Real,
 }
 
-/// One mode even about site 0.
+/// One frequency: a mode, or a pair of a ring.
 #[derive(Debug, Clone)]
 struct Mode {
     /// Ω, zero for a rigid mode.
     frequency: Real,
-    /// b²
+    /// What makes products of shapes those of normalised ones: on a ring b².
     weight: Real,
-    /// b²/(2 sin(ΩT/2)); not used for a rigid mode.
+    /// weight/(2 sin(ΩT/2)); not used for a rigid mode.
     amplitude: Real,
-    /// b²/(Ω²T); zero for a rigid mode.
+    /// weight/(Ω²T); zero for a rigid mode.
     fixed: Real,
 }
 
 /// cos and sin of Ω_k(t−T/2) for all modes at one time.
-struct Waves {
+pub(crate) struct Waves {
     offset: Real,
     at_impulse: bool,
     cos_sin: Vec<(Real, Real)>,
 }
 
-/// The exact periodic impulse response of a ring, all digits good.
+/// The exact periodic impulse response between any two masses of a lattice, all digits good.
 ///
 /// ```
 /// use vibrochain_lattice::Chain;
@@ -65,12 +69,12 @@ pub struct Kernel {
     work: usize,
     period: Real,
     modes: Vec<Mode>,
-    /// cos(2πj/M), j = 0 … M−1
-    cosines: Vec<Real>,
+    along: Direction,
+    across: Direction,
 }
 
 impl Kernel {
-    /// The response of `chain` to an impulse at site 0 every `force_periods` periods of `omega`, to `bits` binary digits
+    /// The response of `chain` to an impulse every `force_periods` periods of `omega`, to `bits` binary digits
     /// at least.
     ///
     /// # Errors
@@ -88,12 +92,12 @@ impl Kernel {
         let lost = Self::lost_bits(chain, omega, force_periods, trial)?;
         let work = bits + (GUARD_BITS + lost).ceil() as usize;
         let period = period(omega, force_periods, work);
-        let cosines = ring_cosines(chain.sites(), work);
-        let modes = (0..chain.even_modes())
+        let [along, across] = Direction::both(chain).map(|direction| direction.tabulated(work));
+        let modes = (0..along.modes() * across.modes())
             .map(|k| {
                 let frequency = frequency(chain, k, work);
-                let count = if k == 0 || 2 * k == chain.sites() { 1.0 } else { 2.0 };
-                let weight = Real::new(count, work) / chain.sites() as f64;
+                let (k, l) = (k % along.modes(), k / along.modes());
+                let weight = along.weight(k, work) * across.weight(l, work);
                 let (sin, _) = (&frequency * &period / 2.0).sin_cos();
                 let rigid = frequency.is_zero();
                 let amplitude = if rigid { Real::zero(work) } else { &weight / (sin * 2.0) };
@@ -101,14 +105,15 @@ impl Kernel {
                 Mode { frequency, weight, amplitude, fixed }
             })
             .collect();
-        Ok(Self { chain: *chain, omega, bits, work, period, modes, cosines })
+        Ok(Self { chain: *chain, omega, bits, work, period, modes, along, across })
     }
 
     /// Digits lost by the worst mode: 2 log₂(1/y) between its static and dynamic parts, log₂(y/|sin y|) in the sine.
     fn lost_bits(chain: &Chain, omega: f64, force_periods: u32, trial: usize) -> Result<f64, TruthError> {
         let half = |bits| period(omega, force_periods, bits) / 2.0;
         let mut worst = 0.0_f64;
-        for k in 0..chain.even_modes() {
+        let [along, across] = Direction::both(chain);
+        for k in 0..along.modes() * across.modes() {
             let mut y = frequency(chain, k, trial) * half(trial);
             if y.is_zero() {
                 continue;
@@ -127,7 +132,7 @@ impl Kernel {
         Ok(worst)
     }
 
-    /// The ring.
+    /// The lattice.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }
@@ -152,102 +157,114 @@ impl Kernel {
         &self.period
     }
 
-    /// Number of modes even about a site.
+    /// Number of frequencies: on a ring that of the modes even about a site.
     pub fn modes(&self) -> usize {
         self.modes.len()
     }
 
-    /// Ω_k of the even modes, k = 0 … ⌊M/2⌋.
+    /// Ω_k, of the modes along the rows for each of those across; on a ring k = 0 … ⌊M/2⌋.
     pub fn frequencies(&self) -> impl Iterator<Item = &Real> {
         self.modes.iter().map(|mode| &mode.frequency)
     }
 
-    /// b_k² of the even modes.
-    pub fn weights(&self) -> impl Iterator<Item = &Real> {
-        self.modes.iter().map(|mode| &mode.weight)
+    /// b_k² = φ_k(site)² of each frequency; on a ring those of all sites.
+    pub fn weights(&self, site: usize) -> impl Iterator<Item = Real> + '_ {
+        self.shares(site, site)
     }
 
-    /// K_n(t) for any t, `site` = n counted from the one that is hit. For γ₁ = 0 the rigid mode's static part is infinite
-    /// and left out: K_n is then known up to a constant common to all sites.
-    pub fn value(&self, site: usize, t: &Real) -> Real {
-        self.dynamic(site, t) + self.static_part(site)
+    /// φ_k(n) φ_k(m) of each frequency.
+    pub(crate) fn shares(&self, to: usize, from: usize) -> impl Iterator<Item = Real> + '_ {
+        self.modes.iter().enumerate().map(move |(k, mode)| &mode.weight * self.shape(k, to, from))
     }
 
-    /// K_n(t) less its mean over a period.
-    pub fn dynamic(&self, site: usize, t: &Real) -> Real {
-        self.sum(site, 0, &self.waves(t))
+    /// K_nm(t) for any t, of mass n = `to` to impulses at mass m = `from`. For a lattice that nothing holds the rigid mode's
+    /// static part is infinite and left out: K is then known up to a constant common to all sites.
+    pub fn value(&self, to: usize, from: usize, t: &Real) -> Real {
+        self.dynamic(to, from, t) + self.static_part(to, from)
     }
 
-    /// The mean of K_n over a period: the displacement that a constant force of one impulse a period holds up. For
-    /// γ₁ = 0 without the rigid mode, which nothing holds.
-    pub fn static_part(&self, site: usize) -> Real {
+    /// K_nm(t) less its mean over a period.
+    pub fn dynamic(&self, to: usize, from: usize, t: &Real) -> Real {
+        self.sum([to, from], 0, &self.waves(t))
+    }
+
+    /// The mean of K_nm over a period: the displacement that a constant force of one impulse a period holds up. For
+    /// a lattice that nothing holds without the rigid mode.
+    pub fn static_part(&self, to: usize, from: usize) -> Real {
         let mut sum = Real::zero(self.work);
         for (k, mode) in self.modes.iter().enumerate() {
-            sum += &mode.fixed * self.shape(k, site);
+            sum += &mode.fixed * self.shape(k, to, from);
         }
         sum
     }
 
-    /// The uniform mode's share in [`Kernel::static_part`], 1/(γ₁MT); `None` for γ₁ = 0.
+    /// The uniform mode's share in [`Kernel::static_part`], 1/(γ₁MT); `None` for γ₁ = 0, and where walls leave no such mode.
     pub fn uniform_static(&self) -> Option<Real> {
-        self.modes.first().map(|mode| mode.fixed.clone()).filter(|fixed| !fixed.is_zero())
+        let uniform = self.modes.first().filter(|mode| !self.chain.has_walls() && !mode.frequency.is_zero());
+        uniform.map(|mode| mode.fixed.clone())
     }
 
-    /// dK_n/dt; at the impulse the mean of both sides, which is 0.
-    pub fn slope(&self, site: usize, t: &Real) -> Real {
-        self.sum(site, 1, &self.waves(t))
+    /// dK_nm/dt; at the impulse the mean of both sides, which is 0.
+    pub fn slope(&self, to: usize, from: usize, t: &Real) -> Real {
+        self.sum([to, from], 1, &self.waves(t))
     }
 
-    /// d²K_n/dt², without the impulse itself.
-    pub fn curvature(&self, site: usize, t: &Real) -> Real {
-        self.sum(site, 2, &self.waves(t))
+    /// d²K_nm/dt², without the impulse itself.
+    pub fn curvature(&self, to: usize, from: usize, t: &Real) -> Real {
+        self.sum([to, from], 2, &self.waves(t))
     }
 
-    /// d³K_n/dt³; at the impulse the mean of both sides, which is 0.
-    pub fn third(&self, site: usize, t: &Real) -> Real {
-        self.sum(site, 3, &self.waves(t))
+    /// d³K_nm/dt³; at the impulse the mean of both sides, which is 0.
+    pub fn third(&self, to: usize, from: usize, t: &Real) -> Real {
+        self.sum([to, from], 3, &self.waves(t))
     }
 
     /// All of them at once, for the price of one.
-    pub fn jet(&self, site: usize, t: &Real) -> Jet {
+    pub fn jet(&self, to: usize, from: usize, t: &Real) -> Jet {
+        self.jet_of(to, from, &self.waves(t))
+    }
+
+    /// The same at a time whose waves are known.
+    pub(crate) fn jet_of(&self, to: usize, from: usize, waves: &Waves) -> Jet {
+        let [value, slope, curvature, third] = [0, 1, 2, 3].map(|order| self.sum([to, from], order, waves));
+        Jet { value: value + self.static_part(to, from), slope, curvature, third }
+    }
+
+    /// K_n0(t) of all masses n; of a ring, which is symmetric about site 0, of n = 0 … ⌊M/2⌋.
+    pub fn profile(&self, t: &Real) -> Vec<Real> {
         let waves = self.waves(t);
-        Jet {
-            value: self.sum(site, 0, &waves) + self.static_part(site),
-            slope: self.sum(site, 1, &waves),
-            curvature: self.sum(site, 2, &waves),
-            third: self.sum(site, 3, &waves),
+        let count = if self.chain.is_ring() { self.modes.len() } else { self.chain.sites() };
+        (0..count).map(|n| self.sum([n, 0], 0, &waves) + self.static_part(n, 0)).collect()
+    }
+
+    /// χ₁(φ) = −2K₀₀(φ).
+    pub fn chi1(&self, phi: &Real) -> Real {
+        self.value(0, 0, phi) * -2.0
+    }
+
+    /// χ₂ = −2K₀₀(0).
+    pub fn chi2(&self) -> Real {
+        self.value(0, 0, &Real::zero(self.work)) * -2.0
+    }
+
+    /// χ₃(φ) = 2K₀₀′(φ).
+    pub fn chi3(&self, phi: &Real) -> Real {
+        self.slope(0, 0, phi) * 2.0
+    }
+
+    /// The shape of frequency `k` at one mass times that at another, but for the weight; on a ring cos(2πk(n−m)/M).
+    fn shape(&self, k: usize, to: usize, from: usize) -> Real {
+        let (length, modes) = (self.along.masses(), self.along.modes());
+        let along = self.along.product(k % modes, to % length, from % length);
+        // (One layer has the shape 1.)
+        if self.chain.layers() == 1 {
+            along
+        } else {
+            along * self.across.product(k / modes, to / length, from / length)
         }
     }
 
-    /// K_n(t) at the sites n = 0 … ⌊M/2⌋; the ring is symmetric about site 0.
-    pub fn profile(&self, t: &Real) -> Vec<Real> {
-        let waves = self.waves(t);
-        (0..self.modes.len()).map(|n| self.sum(n, 0, &waves) + self.static_part(n)).collect()
-    }
-
-    /// χ₁(φ) = −2K₀(φ).
-    pub fn chi1(&self, phi: &Real) -> Real {
-        self.value(0, phi) * -2.0
-    }
-
-    /// χ₂ = −2K₀(0).
-    pub fn chi2(&self) -> Real {
-        self.value(0, &Real::zero(self.work)) * -2.0
-    }
-
-    /// χ₃(φ) = 2K₀′(φ).
-    pub fn chi3(&self, phi: &Real) -> Real {
-        self.slope(0, phi) * 2.0
-    }
-
-    /// cos(2πkn/M)
-    pub(crate) fn shape(&self, k: usize, site: usize) -> &Real {
-        let sites = self.cosines.len();
-        // M ≤ 10⁷: the product fits.
-        &self.cosines[(k % sites) * (site % sites) % sites]
-    }
-
-    fn waves(&self, t: &Real) -> Waves {
+    pub(crate) fn waves(&self, t: &Real) -> Waves {
         // Folded into the period: t − T⌊t/T⌋.
         let folded = if t.is_negative() || *t >= self.period {
             t - &self.period * (t / &self.period).floor()
@@ -262,8 +279,8 @@ impl Kernel {
         Waves { at_impulse: folded.is_zero(), cos_sin: cos_sin.collect(), offset }
     }
 
-    /// Σ_k cos(2πkn/M) × the derivative of order 0 … 3 of a mode's dynamic part.
-    fn sum(&self, site: usize, order: usize, waves: &Waves) -> Real {
+    /// Σ_k shape × the derivative of order 0 … 3 of a mode's dynamic part.
+    fn sum(&self, [to, from]: [usize; 2], order: usize, waves: &Waves) -> Real {
         let mut sum = Real::zero(self.work);
         if order % 2 == 1 && waves.at_impulse {
             return sum;
@@ -279,7 +296,7 @@ impl Kernel {
                     _ => &mode.amplitude * sin * &mode.frequency * &mode.frequency,
                 }
             };
-            sum += term * self.shape(k, site);
+            sum += term * self.shape(k, to, from);
         }
         sum
     }
@@ -300,14 +317,10 @@ fn period(omega: f64, force_periods: u32, bits: usize) -> Real {
     Real::pi(bits) * (2.0 * f64::from(force_periods)) / omega
 }
 
-/// Ω_k = √(γ₁ + 4γ₂ sin²(πk/M))
-fn frequency(chain: &Chain, k: usize, bits: usize) -> Real {
-    let (sin, _) = (Real::pi(bits) * k as f64 / chain.sites() as f64).sin_cos();
-    (&sin * &sin * 4.0 * chain.gamma2() + chain.gamma1()).sqrt()
-}
-
-fn ring_cosines(sites: usize, bits: usize) -> Vec<Real> {
-    let half: Vec<Real> =
-        (0..=sites / 2).map(|j| (Real::pi(bits) * (2 * j) as f64 / sites as f64).sin_cos().1).collect();
-    (0..sites).map(|j| half[j.min(sites - j)].clone()).collect()
+/// Ω = √(γ₁ + λ_k(γ₂) + λ_l(γ₃))
+fn frequency(chain: &Chain, mode: usize, bits: usize) -> Real {
+    let [along, across] = Direction::both(chain);
+    let (k, l) = (mode % along.modes(), mode / along.modes());
+    let springs = along.stiffness(k, bits) * chain.gamma2() + across.stiffness(l, bits) * chain.gamma3();
+    (springs + chain.gamma1()).sqrt()
 }

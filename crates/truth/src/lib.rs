@@ -7,7 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `real`, `operators`, `complex` | [`Real`], [`Complex`]: numbers that carry their precision |
-//! | `kernel` | [`Kernel`]: the periodic impulse response, plain modal sum |
+//! | `direction`, `kernel` | [`Kernel`]: the periodic impulse response between any two masses, plain modal sum |
 //! | `orbit`, `conditions` | [`TrueOrbit`]: the conditions at the impacts by Newton's method |
 //! | `spectrum`, `secular` | [`TrueSpectrum`]: multipliers from the secular determinant |
 //!
@@ -15,6 +15,7 @@
 
 mod complex;
 mod conditions;
+mod direction;
 mod error;
 mod flight;
 mod kernel;

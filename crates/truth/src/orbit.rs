@@ -103,7 +103,7 @@ impl TrueOrbit {
             hits,
             times_free: !orbit.is_reversible(),
             newton,
-            rigid: chain.gamma1() == 0.0,
+            rigid: chain.is_adrift(),
         };
         let start = State {
             impulses: orbit.impacts().iter().map(|impact| Real::new(impact.impulse, work)).collect(),
@@ -184,31 +184,30 @@ impl TrueOrbit {
     /// Displacement of a mass at any time.
     pub fn displacement(&self, site: usize, t: &Real) -> Real {
         let response = self.superposed(site, t, Kernel::value);
-        response + &self.offset + self.wave(t).0
+        response + &self.offset + self.wave(site, t).0
     }
 
     /// Velocity of a mass at any time; the mean of both sides for the mass that is hit, at its impact.
     pub fn velocity(&self, site: usize, t: &Real) -> Real {
-        self.superposed(site, t, Kernel::slope) + self.wave(t).1
+        self.superposed(site, t, Kernel::slope) + self.wave(site, t).1
     }
 
     /// Acceleration of a mass at any time.
     pub fn acceleration(&self, site: usize, t: &Real) -> Real {
-        self.superposed(site, t, Kernel::curvature) + self.wave(t).2
+        self.superposed(site, t, Kernel::curvature) + self.wave(site, t).2
     }
 
     /// Σ_j P_j × K or a derivative of it.
-    fn superposed(&self, site: usize, t: &Real, response: impl Fn(&Kernel, usize, &Real) -> Real) -> Real {
-        let chain = self.model.chain();
+    fn superposed(&self, site: usize, t: &Real, response: impl Fn(&Kernel, usize, usize, &Real) -> Real) -> Real {
+        let to = site % self.model.chain().sites();
         self.impacts.iter().fold(Real::zero(self.kernel.work_bits()), |sum, impact| {
-            let distance = chain.distance(site % chain.sites(), impact.site);
-            sum + &impact.impulse * response(&self.kernel, distance, &(t - &impact.time))
+            sum + &impact.impulse * response(&self.kernel, to, impact.site, &(t - &impact.time))
         })
     }
 
     /// G(t+ψ) and its derivatives.
-    fn wave(&self, t: &Real) -> (Real, Real, Real) {
-        self.force.at(self.psi.as_ref(), t)
+    fn wave(&self, site: usize, t: &Real) -> (Real, Real, Real) {
+        self.force.at(site, self.psi.as_ref(), t)
     }
 
     /// The errors of an `f64` orbit that this one was refined from, or of any other with the same impacts.

@@ -1,4 +1,4 @@
-//! Floquet multipliers in many digits, from the secular determinant of an orbit with all impacts at one site.
+//! Floquet multipliers in many digits, from the secular determinant of an orbit with all impacts at one site of any lattice.
 //!
 //! With ν = ½(z+1/z) and c_k = cos Ω_kT, roots are sought of det(z−M) = D(z) Π 2z(ν−c_k), which has no poles. Modes with their pole next to the root keep their two
 //! coordinates in the determinant instead of being summed, so that nothing cancels there. Where M is symplectic (e = 1),
@@ -80,7 +80,8 @@ impl TrueSpectrum {
         if impacts.windows(2).any(|pair| pair[0].site != pair[1].site) {
             return Err(TruthError::SeveralSites);
         }
-        Self::assemble(orbit.kernel(), orbit.kernel().weights().cloned(), saltations(orbit, impacts), orbit.bits())
+        let site = impacts.first().map_or(0, |impact| impact.site);
+        Self::assemble(orbit.kernel(), orbit.kernel().weights(site), saltations(orbit, impacts), orbit.bits())
     }
 
     /// The secular determinant of one block of an orbit with two sites that hit alike, or opposite to each other, at the same instants:
@@ -96,9 +97,9 @@ impl TrueSpectrum {
             return Err(TruthError::SeveralSites);
         }
         let kernel = orbit.kernel();
-        let distance = first.site.abs_diff(second.site);
-        let part = |k| kernel.shape(k, distance) * sign + 1.0;
-        let weights = kernel.weights().enumerate().map(|(k, weight)| weight * &part(k));
+        // (A reflection that exchanges the two sites leaves the squares of shapes as they are.)
+        let pairs = kernel.weights(first.site).zip(kernel.shares(first.site, second.site));
+        let weights = pairs.map(|(own, both)| own + both * sign);
         Self::assemble(kernel, weights, saltations(orbit, of_site(first.site)), orbit.bits())
     }
 
@@ -108,9 +109,7 @@ impl TrueSpectrum {
     /// # Errors
     /// As [`TrueSpectrum::new`]; [`TruthError::Resonance`].
     pub fn as_given(orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
-        if orbit.centre().is_none() {
-            return Err(TruthError::SeveralSites);
-        }
+        let site = orbit.impact_site().ok_or(TruthError::SeveralSites)?;
         let model = orbit.model();
         let kernel = Kernel::new(model.chain(), model.omega(), orbit.force_periods(), 2 * bits + 64)?;
         let work = kernel.work_bits();
@@ -120,7 +119,7 @@ impl TrueSpectrum {
             (Real::new(impact.time, work), kappa)
         });
         let data = data.collect();
-        Self::assemble(&kernel, kernel.weights().cloned(), (restitution, data), bits)
+        Self::assemble(&kernel, kernel.weights(site), (restitution, data), bits)
     }
 
     /// From the weights of all modes, of which those that are 0 are left out, and the saltations.
@@ -143,8 +142,7 @@ impl TrueSpectrum {
             if weight.log2_abs() < -(bits as f64) {
                 continue;
             }
-            // The frequencies rise with k.
-            match poles.last_mut().filter(|pole| pole.frequency == *frequency) {
+            match poles.iter_mut().find(|pole| pole.frequency == *frequency) {
                 Some(pole) => {
                     pole.weight += &weight;
                     pole.multiplicity += 1;
@@ -415,7 +413,7 @@ mod tests {
     fn dense(orbit: &TrueOrbit, z: &Complex) -> Complex {
         let kernel = orbit.kernel();
         let (m, work) = (kernel.modes(), kernel.work_bits());
-        let b: Vec<Real> = kernel.weights().map(Real::sqrt).collect();
+        let b: Vec<Real> = kernel.weights(0).map(|weight| weight.sqrt()).collect();
         let mut columns: Vec<Vec<Real>> =
             (0..2 * m).map(|i| (0..2 * m).map(|j| Real::new(f64::from(u8::from(i == j)), work)).collect()).collect();
         let e = Real::new(orbit.model().restitution(), work);

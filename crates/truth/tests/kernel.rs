@@ -1,7 +1,7 @@
 //! The impulse response against another library's digits, closed forms by hand, and the problem it solves.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_lattice::Chain;
+use vibrochain_lattice::{Chain, Ends};
 use vibrochain_truth::{DEFAULT_BITS, Kernel, Real, TruthError};
 
 fn kernel(sites: usize, gamma1: f64, gamma2: f64, omega: f64) -> Kernel {
@@ -70,8 +70,8 @@ fn all_digits_agree_with_another_library() {
     for ((sites, gamma1, gamma2, omega, site, fraction), expected) in CASES {
         let kernel = kernel(sites, gamma1, gamma2, omega);
         let t = kernel.period() * fraction;
-        let jet = kernel.jet(site, &t);
-        let largest = kernel.jet(0, &t);
+        let jet = kernel.jet(site, 0, &t);
+        let largest = kernel.jet(0, 0, &t);
         let pairs = [
             (&jet.value, &largest.value),
             (&jet.slope, &largest.slope),
@@ -81,9 +81,9 @@ fn all_digits_agree_with_another_library() {
         for ((found, scale), text) in pairs.into_iter().zip(expected) {
             assert_close(found, &Real::parse(text, 320).unwrap(), scale, 56.0);
         }
-        assert_eq!(jet.slope, kernel.slope(site, &t));
-        assert_eq!(jet.curvature, kernel.curvature(site, &t));
-        assert_eq!(jet.third, kernel.third(site, &t));
+        assert_eq!(jet.slope, kernel.slope(site, 0, &t));
+        assert_eq!(jet.curvature, kernel.curvature(site, 0, &t));
+        assert_eq!(jet.third, kernel.third(site, 0, &t));
     }
 }
 
@@ -94,54 +94,85 @@ fn one_mass_by_hand() {
     let root = Real::new(3.0, 256).sqrt();
     assert_close(&kernel.chi2(), &(Real::new(-1.0, 256) / &root), &root, 58.0);
     let third = kernel.period() / 2.0;
-    assert_close(&kernel.value(0, &third), &(Real::one(256) / &root), &root, 58.0);
+    assert_close(&kernel.value(0, 0, &third), &(Real::one(256) / &root), &root, 58.0);
     // Half-way to the middle x = −π/6: K′ = −sin x/(2 sin π/3) = 1/(2√3).
     let quarter = kernel.period() / 4.0;
     assert_close(&(kernel.chi3(&quarter) * &root), &Real::one(256), &root, 58.0);
     // A free mass: K̂ = T/24 − (t−T/2)²/(2T), K′ = ½ − t/T.
     let free = Kernel::new(&Chain::new(1, 0.0, 1.0).unwrap(), 1.0, 2, 128).unwrap();
     let period = Real::pi(192) * 4.0;
-    assert_close(&free.value(0, &Real::zero(192)), &(-&period / 12.0), &period, 37.0);
-    assert_close(&free.slope(0, &(&period / 4.0)), &Real::new(0.25, 128), &period, 37.0);
-    assert!(free.uniform_static().is_none() && free.static_part(0).is_zero());
+    assert_close(&free.value(0, 0, &Real::zero(192)), &(-&period / 12.0), &period, 37.0);
+    assert_close(&free.slope(0, 0, &(&period / 4.0)), &Real::new(0.25, 128), &period, 37.0);
+    assert!(free.uniform_static().is_none() && free.static_part(0, 0).is_zero());
 }
 
-/// Equation of motion, periodicity and a unit jump of velocity: nothing but K_n has them all.
+/// What the springs do to mass n of a lattice with the displacements `u`: neighbours by the plain rule, all in many digits.
+fn springs(chain: &Chain, u: &[Real], n: usize) -> Real {
+    let (length, layers) = (chain.length(), chain.layers());
+    let (site, layer, own) = (n % length, n / length, &u[n]);
+    let stretch = |ends: Ends, place: usize, count: usize, at: &dyn Fn(usize) -> usize| {
+        let side = |inside: bool, next: usize, far: usize| match (inside, ends) {
+            (true, _) => own - &u[at(next)],
+            (false, Ends::Closed) => own - &u[at(far)],
+            (false, Ends::Free) => Real::zero(64),
+            (false, Ends::Fixed) => own.clone(),
+        };
+        side(place > 0, place.wrapping_sub(1), count - 1) + side(place + 1 < count, place + 1, 0)
+    };
+    let along = stretch(chain.ends(), site, length, &|site| site + layer * length);
+    let across = stretch(chain.layer_ends(), layer, layers, &|layer| site + layer * length);
+    -(own * chain.gamma1()) - along * chain.gamma2() - across * chain.gamma3()
+}
+
+/// Equation of motion, periodicity and a unit jump of velocity: nothing but K_nm has them all.
 #[test]
 fn it_solves_the_problem_it_is_the_solution_of() {
+    let row = |sites, gamma1, gamma2, ends| Chain::new(sites, gamma1, gamma2).unwrap().with_ends(ends);
+    let layered = |chain: Chain, layers, gamma3, ends| chain.with_layers(layers, gamma3, ends).unwrap();
     let cases = [
-        (2, 0.2, 0.1, 0.83, 1),
-        (3, 1e-40, 0.7, 1.3, 1),
-        (8, 0.2, 0.1, 0.31, 2),
-        (9, 0.0, 0.1, 0.9, 1),
-        (21, 3.0, 2.0, 0.05, 1),
+        (row(2, 0.2, 0.1, Ends::Closed), 0.83, 1),
+        (row(3, 1e-40, 0.7, Ends::Closed), 1.3, 1),
+        (row(8, 0.2, 0.1, Ends::Closed), 0.31, 2),
+        (row(9, 0.0, 0.1, Ends::Closed), 0.9, 1),
+        (row(21, 3.0, 2.0, Ends::Closed), 0.05, 1),
+        (row(1, 0.2, 0.1, Ends::Free), 0.83, 1),
+        (row(6, 0.2, 0.1, Ends::Free), 0.83, 2),
+        (row(5, 0.0, 0.1, Ends::Free), 0.83, 1),
+        (row(1, 0.0, 0.1, Ends::Fixed), 0.83, 1),
+        (row(6, 0.0, 0.1, Ends::Fixed), 0.83, 1),
+        (layered(row(1, 0.2, 0.1, Ends::Closed), 2, 0.03, Ends::Free), 1.5, 1),
+        (layered(row(4, 0.2, 0.1, Ends::Closed), 3, 0.03, Ends::Closed), 1.5, 1),
+        (layered(row(3, 0.0, 0.1, Ends::Free), 3, 0.1, Ends::Free), 1.5, 2),
+        (layered(row(4, 0.2, 0.1, Ends::Fixed), 2, 0.3, Ends::Closed), 0.7, 1),
+        (layered(row(2, 0.0, 0.1, Ends::Free), 3, 0.3, Ends::Fixed), 0.7, 1),
     ];
-    for (sites, gamma1, gamma2, omega, periods) in cases {
-        let chain = Chain::new(sites, gamma1, gamma2).unwrap();
+    for (chain, omega, periods) in cases {
         let kernel = Kernel::new(&chain, omega, periods, DEFAULT_BITS).unwrap();
-        let t = kernel.period() * 0.3125;
-        let scale = kernel.dynamic(0, &t).abs() + 1.0;
-        for n in 0..sites {
-            let v = |site: usize| kernel.dynamic(site % sites, &t);
-            let laplacian = v(n) * 2.0 - v(n + 1) - v(n + sites - 1);
-            let mut force = -(v(n) * gamma1) - laplacian * gamma2;
-            // The dynamic part answers the impulse less its mean: the rest of the mean force is that of the static part.
-            let fixed = |site: usize| kernel.static_part(site % sites);
-            let stretch = fixed(n) * 2.0 - fixed(n + 1) - fixed(n + sites - 1);
-            force = force - fixed(n) * gamma1 - stretch * gamma2;
-            if gamma1 == 0.0 {
-                // A rigid mode is pulled back evenly by the mean of the impulses.
-                force -= Real::one(256) / kernel.period() / sites as f64;
+        let (t, sites) = (kernel.period() * 0.3125, chain.sites());
+        for from in [0, sites / 2, sites - 1] {
+            let all = |of: &dyn Fn(usize) -> Real| (0..sites).map(of).collect::<Vec<Real>>();
+            let (moving, fixed) = (all(&|n| kernel.dynamic(n, from, &t)), all(&|n| kernel.static_part(n, from)));
+            let scale = moving[from].abs() + 1.0;
+            for n in 0..sites {
+                // The dynamic part answers the impulse less its mean: the rest of the mean force is that of the static part.
+                let mut force = springs(&chain, &moving, n) + springs(&chain, &fixed, n);
+                if chain.is_adrift() {
+                    // A rigid mode is pulled back evenly by the mean of the impulses.
+                    force -= Real::one(256) / kernel.period() / sites as f64;
+                }
+                assert_close(&kernel.curvature(n, from, &t), &force, &scale, 54.0);
+                let after = kernel.slope(n, from, &(Real::new(1e-70, 512)));
+                let before = kernel.slope(n, from, &(-Real::new(1e-70, 512)));
+                let jump = Real::new(if n == from { 1.0 } else { 0.0 }, 256);
+                assert_close(&(after - before), &jump, &scale, 55.0);
+                let later = &t + kernel.period();
+                assert_close(&kernel.value(n, from, &later), &kernel.value(n, from, &t), &scale, 55.0);
             }
-            assert_close(&kernel.curvature(n, &t), &force, &scale, 54.0);
-            let after = kernel.slope(n, &(Real::new(1e-70, 512)));
-            let before = kernel.slope(n, &(-Real::new(1e-70, 512)));
-            let jump = Real::new(if n == 0 { 1.0 } else { 0.0 }, 256);
-            assert_close(&(after - before), &jump, &scale, 55.0);
-            assert_close(&kernel.value(n, &(&t + kernel.period())), &kernel.value(n, &t), &scale, 55.0);
         }
-        assert!(kernel.slope(0, &Real::zero(64)).is_zero() && kernel.third(0, &Real::zero(64)).is_zero());
-        assert_eq!(kernel.profile(&t)[sites / 2], kernel.value(sites / 2, &t));
+        assert!(kernel.slope(0, 0, &Real::zero(64)).is_zero() && kernel.third(0, 0, &Real::zero(64)).is_zero());
+        let profile = kernel.profile(&t);
+        let last = profile.len() - 1;
+        assert_eq!(profile[last], kernel.value(last, 0, &t));
     }
 }
 
@@ -150,7 +181,7 @@ fn derivatives_are_derivatives() {
     let kernel = Kernel::new(&Chain::new(7, 0.2, 0.1).unwrap(), 0.4, 1, 512).unwrap();
     let t = kernel.period() * 0.21;
     let h = Real::one(512).times_power_of_two(-130);
-    let (plus, minus, here) = (kernel.jet(2, &(&t + &h)), kernel.jet(2, &(&t - &h)), kernel.jet(2, &t));
+    let (plus, minus, here) = (kernel.jet(2, 0, &(&t + &h)), kernel.jet(2, 0, &(&t - &h)), kernel.jet(2, 0, &t));
     let pairs = [
         ((&plus.value, &minus.value), &here.slope),
         ((&plus.slope, &minus.slope), &here.curvature),
@@ -201,9 +232,9 @@ fn extremes_keep_their_digits() {
         );
         let t = many.period() * 0.375;
         for n in 0..2 {
-            let (a, b) = (few.dynamic(0, &t), many.dynamic(0, &t));
+            let (a, b) = (few.dynamic(0, 0, &t), many.dynamic(0, 0, &t));
             assert_close(&a, &b, &b, 55.0);
-            assert_close(&few.slope(n, &t), &many.slope(n, &t), &Real::one(64), 55.0);
+            assert_close(&few.slope(n, 0, &t), &many.slope(n, 0, &t), &Real::one(64), 55.0);
         }
     }
 }

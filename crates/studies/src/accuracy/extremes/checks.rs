@@ -101,7 +101,7 @@ pub fn check_kernels(case: &str, chain: &Chain, omega: f64, bits: usize) -> Resu
         let t = fraction * period;
         let exact_time = if fraction == 0.5 { truth.period() / 2.0 } else { Real::new(t, bits) };
         let bound = response.sensitivity(t);
-        let jet = truth.jet(0, &exact_time);
+        let jet = truth.jet(0, 0, &exact_time);
         let found = if fraction == 0.0 {
             let ends = response.jet_from_half(-0.5 * period);
             // At the impulse itself the odd derivatives are the mean of both sides, 0.
@@ -109,7 +109,7 @@ pub fn check_kernels(case: &str, chain: &Chain, omega: f64, bits: usize) -> Resu
         } else {
             response.jet_from_half(t - 0.5 * period)
         };
-        compare(found.value, &truth.dynamic(0, &exact_time), bound.value);
+        compare(found.value, &truth.dynamic(0, 0, &exact_time), bound.value);
         compare(found.curvature, &jet.curvature, bound.curvature);
         if fraction != 0.0 && fraction != 0.5 {
             compare(found.slope, &jet.slope, bound.slope);
@@ -117,7 +117,7 @@ pub fn check_kernels(case: &str, chain: &Chain, omega: f64, bits: usize) -> Resu
         }
         for site in [0, chain.sites() / 2] {
             let bound = response.value_sensitivity(site, t);
-            compare(response.value(site, t), &truth.value(site, &exact_time), bound);
+            compare(response.value(site, t), &truth.value(site, 0, &exact_time), bound);
         }
     }
     Ok(row.measured(promised, delivered).told(format!("condition {:.0e}", promised / KERNEL_UNITS / f64::EPSILON)))
@@ -307,7 +307,7 @@ pub fn check_profile(case: &str, chain: &Chain, omega: f64, sites: &[usize]) -> 
     let truth = Kernel::new(chain, omega, 1, 1200)?;
     let (mut worst, mut smallest) = (0.0_f64, 0.0);
     for &site in sites {
-        let exact = truth.value(site, &Real::new(t, truth.work_bits()));
+        let exact = truth.value(site, 0, &Real::new(t, truth.work_bits()));
         let (found, _) = far_field(&spectrum, omega, site, t, 100_000);
         worst = worst.max(((Real::new(found, 64) - &exact) / &exact).abs().to_f64());
         smallest = exact.log10_abs();

@@ -1,0 +1,158 @@
+//! Random words on random lattices against many digits: no error is above its claim, no verdict that claims to be certain is wrong.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::collections::HashMap;
+
+use vibrochain_breather::{Admissibility, Finder, Found, Obstruction, Orbit, Wanted};
+use vibrochain_floquet::{FloquetError, Tolerance, Verdict, stability};
+use vibrochain_lattice::Model;
+use vibrochain_testkit::{Random, Ranges, Values};
+use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum, TruthError};
+
+/// What was compared.
+#[derive(Debug, Default)]
+struct Counts {
+    draws: usize,
+    orbits: usize,
+    physical: usize,
+    crossing: usize,
+    wrong_sign: usize,
+    /// Verdicts of orbits that one site hits.
+    growths: usize,
+    unstable: usize,
+    /// Orbits that many digits refuse, too.
+    lost: usize,
+    kinds: HashMap<(vibrochain_lattice::Ends, bool), usize>,
+}
+
+impl Counts {
+    fn compare(&mut self, orbit: &Orbit, finder: &mut Finder) {
+        let condition = finder.condition(orbit).unwrap();
+        let truth = match TrueOrbit::refine(orbit, DEFAULT_BITS) {
+            Ok(truth) => truth,
+            Err(error @ (TruthError::NotConverged { .. } | TruthError::Singular { .. })) => {
+                let claimed = condition.impulse_error(orbit);
+                assert!(claimed > 1e-3, "{error} {claimed:e} {orbit:?}");
+                self.lost += 1;
+                return;
+            }
+            Err(error) => panic!("{error} {orbit:?}"),
+        };
+        assert!(truth.residual().log10_abs() < -50.0);
+        let mut relative = 0.0_f64;
+        for ((impact, true_impact), claimed) in orbit.impacts().iter().zip(truth.impacts()).zip(&condition.impacts) {
+            let errors = [
+                (&true_impact.impulse - impact.impulse, claimed.impulse),
+                (&true_impact.time - impact.time, claimed.time),
+                (&true_impact.acceleration - impact.acceleration, claimed.acceleration),
+            ];
+            for (error, claimed) in errors {
+                let error = error.to_f64().abs();
+                // Without equality a time at 0 would have to be better than exact.
+                assert!(error <= claimed.max(f64::EPSILON), "{error:e} {claimed:e} {orbit:?}");
+            }
+            relative = relative.max(claimed.impulse);
+        }
+        let admissibility = finder.admissibility(orbit).unwrap();
+        self.admissibility(&admissibility, &truth, relative);
+        if orbit.impact_site().is_some() {
+            match stability(orbit, Tolerance::Rounding) {
+                Ok(answer) => self.growth(&answer.verdict, &truth),
+                Err(FloquetError::Grazing { .. }) => {}
+                Err(error) => panic!("{error} {orbit:?}"),
+            }
+        }
+        self.orbits += 1;
+    }
+
+    /// The place that is told is where it is said to be; at another time a mass is not outside of a physical orbit. Displacements
+    /// err by what impulses do, some times.
+    fn admissibility(&mut self, found: &Admissibility, truth: &TrueOrbit, error: f64) {
+        let model = truth.model();
+        let room = |site: usize, t: &Real| 1.0 - (truth.displacement(site, t).to_f64() - model.asymmetry()).abs();
+        let error = 100.0 * error.max(f64::EPSILON);
+        match found.obstruction {
+            Some(Obstruction::WrongSign { impact, velocity_before, .. }) => {
+                let impact = &truth.impacts()[impact];
+                let off = (impact.velocity_before.to_f64() - velocity_before).abs();
+                assert!(off <= error, "{off:e} {error:e} {found:?} {model:?}");
+                if velocity_before.abs() > error {
+                    assert!(impact.velocity_before.to_f64() * impact.barrier.sign() < 0.0, "{found:?} {model:?}");
+                }
+                self.wrong_sign += 1;
+            }
+            Some(Obstruction::Crossing { site, time, excess, .. }) => {
+                let off = (room(site, &Real::new(time, 128)) + excess).abs();
+                assert!(off <= error, "{off:e} {error:e} {found:?} {model:?}");
+                self.crossing += 1;
+            }
+            None => {
+                if let (Some(margin), Some(closest)) = (found.margin, found.closest) {
+                    let off = (room(closest.site, &Real::new(closest.time, 128)) - margin).abs();
+                    assert!(off <= error, "{off:e} {error:e} {found:?} {model:?}");
+                }
+                let elsewhere = truth.period() * (0.123 + 0.01 * (self.draws % 70) as f64);
+                let site = self.draws % model.chain().sites();
+                assert!(room(site, &elsewhere) > -error, "{site} {found:?} {model:?}");
+                assert!(truth.impacts().iter().all(|impact| impact.impulse.to_f64() * impact.barrier.sign() < 0.0));
+                self.physical += 1;
+            }
+        }
+    }
+
+    fn growth(&mut self, verdict: &Verdict, truth: &TrueOrbit) {
+        let Ok(spectrum) = TrueSpectrum::new(truth) else { return };
+        let Ok((root, _)) = spectrum.refine((verdict.leading.re, verdict.leading.im)) else { return };
+        let growth = root.abs() - 1.0;
+        let off = (&growth - Real::new(verdict.growth(), DEFAULT_BITS)).abs().to_f64();
+        // One on the circle is there by structure.
+        assert!(off <= verdict.resolution.max(1e-13), "{off:e} {verdict:?} {:?}", truth.model());
+        if !verdict.marginal {
+            assert_eq!(verdict.stable, growth.to_f64() < 1e-13, "{verdict:?} {growth} {:?}", truth.model());
+        }
+        self.growths += 1;
+        self.unstable += usize::from(!verdict.stable);
+    }
+}
+
+fn words_hold(draws: usize) {
+    let mut random = Random(1705);
+    let (gamma1, gamma2) = (Values::Log(0.02, 1.0), Values::Log(1e-3, 0.5));
+    let ranges = Ranges { sites: [1, 9], gamma1, gamma2, ..Ranges::CONSERVATIVE };
+    let mut counts = Counts::default();
+    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    while counts.draws < draws {
+        let chain = if random.chance(0.2) { random.chain(&ranges) } else { random.lattice(&ranges) };
+        let (omega, asymmetry) = (random.between(0.4, 3.0), random.between(0.0, 0.8));
+        let model = Model::conservative(chain, omega, asymmetry).unwrap();
+        let Some(word) = random.word(&chain) else { continue };
+        counts.draws += 1;
+        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        *counts.kinds.entry((chain.ends(), chain.layers() > 1)).or_default() += found.orbits.len();
+        for orbit in found.orbits.iter().take(2) {
+            counts.compare(orbit, &mut finder);
+        }
+    }
+    println!("{counts:?}");
+    assert!(10 * counts.orbits > 9 * draws && counts.kinds.len() == 6, "{counts:?}");
+    assert!(counts.kinds.values().all(|&count| 20 * count > draws), "{counts:?}");
+    assert!(100 * counts.lost <= draws, "{counts:?}");
+    assert!(
+        [counts.physical, counts.crossing, counts.wrong_sign, counts.growths].iter().all(|&n| 20 * n > draws),
+        "{counts:?}"
+    );
+    assert!(200 * counts.unstable > draws, "{counts:?}");
+}
+
+#[test]
+fn claims_for_random_words_on_random_lattices_hold() {
+    words_hold(200);
+}
+
+#[test]
+#[ignore = "slow: cargo test --workspace --test lattices -- --ignored slow"]
+fn slow_claims_for_ten_thousand_random_words_on_random_lattices_hold() {
+    words_hold(10_000);
+}
