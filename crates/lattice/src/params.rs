@@ -3,7 +3,6 @@
 use crate::error::{MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, check};
 use crate::force::{Force, Wave};
 use crate::line::{Ends, Line};
-use crate::steady::Steady;
 
 /// The most masses a ring may have; beyond it the work arrays would not fit a usual machine.
 pub const MAX_SITES: usize = 10_000_000;
@@ -50,8 +49,6 @@ impl Barrier {
 /// where beside a free end stands the mass itself once more, and a wall (fixed end) does not move. Sites are numbered along the
 /// rows, layer by layer: site n of layer l is n + l·[`Chain::length`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(into = "crate::plain::PlainChain"))]
 pub struct Chain {
     along: Line,
     across: Line,
@@ -474,14 +471,6 @@ impl Model {
             }
             Ok(stiffness)
         })
-    }
-
-    /// The motion that the force drives without impacts, of every mass: [`Model::steady_response`], or less between walls.
-    ///
-    /// # Errors
-    /// [`Resonance`] when a harmonic meets a mode that the force reaches.
-    pub fn steady(&self) -> Result<Steady, Resonance> {
-        Steady::new(self)
     }
 
     /// Ã = A/(γ₁ − ω²), the amplitude of [`Model::steady_response`] to a plain cosine; of any other force

@@ -11,7 +11,7 @@ use crate::params::{Chain, Model};
 /// A lattice; what a ring does not have is not written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct PlainChain {
+struct PlainChain {
     sites: usize,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ends: Option<Ends>,
@@ -48,6 +48,12 @@ impl PlainChain {
             gamma3,
             self.layer_ends.unwrap_or(Ends::Free),
         )
+    }
+}
+
+impl Serialize for Chain {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        PlainChain::from(*self).serialize(serializer)
     }
 }
 

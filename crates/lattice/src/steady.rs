@@ -37,13 +37,17 @@ pub struct Steady {
     walls: Option<Chain>,
 }
 
-impl Steady {
-    pub(crate) fn new(model: &Model) -> Result<Self, Resonance> {
-        let chain = *model.chain();
+impl Model {
+    /// The motion that the force drives without impacts, of every mass: [`Model::steady_response`], or less between walls.
+    ///
+    /// # Errors
+    /// [`Resonance`] when a harmonic meets a mode that the force reaches.
+    pub fn steady(&self) -> Result<Steady, Resonance> {
+        let chain = *self.chain();
         if chain.ends() != Ends::Fixed {
-            return Ok(Self { wave: model.steady_response()?, walls: None });
+            return Ok(Steady { wave: self.steady_response()?, walls: None });
         }
-        let wave = model.force_wave();
+        let wave = self.force_wave();
         if wave.terms().iter().any(|term| term.amplitude != 0.0) {
             // The force is even about the middle, and alike in all layers.
             let row = Chain::alone_with(&chain);
@@ -52,15 +56,17 @@ impl Steady {
                 for (mode, &frequency) in spectrum.frequencies().iter().enumerate().step_by(2) {
                     let distance = frequency - term.rate;
                     if distance.abs() <= RESONANCE_TOLERANCE * term.rate {
-                        let harmonic = (term.rate / model.omega()).round() as u64;
-                        return Err(Resonance { harmonic, mode, frequency, omega: model.omega(), distance });
+                        let harmonic = (term.rate / self.omega()).round() as u64;
+                        return Err(Resonance { harmonic, mode, frequency, omega: self.omega(), distance });
                     }
                 }
             }
         }
-        Ok(Self { wave, walls: Some(chain) })
+        Ok(Steady { wave, walls: Some(chain) })
     }
+}
 
+impl Steady {
     /// The motion of one mass.
     pub fn at(&self, site: usize) -> Wave {
         match &self.walls {
