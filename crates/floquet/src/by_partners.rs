@@ -9,8 +9,8 @@ use crate::saltation::saltations;
 use crate::secular::Pair;
 use crate::verdict::{Question, Verdict};
 
-/// Errors of ν that no matrix beats: rounding of its own is some times larger than that of its entries.
-const OF_A_MATRIX: f64 = 1e-13;
+/// Errors of ν that a matrix does not beat by so much that it would be worth its time: of its own some 1e-14 times its norm.
+const OF_A_MATRIX: f64 = 1e-12;
 
 impl Analyser {
     /// Verdict and, if `thorough`, the non-trivial multipliers of the whole ring.
