@@ -38,7 +38,7 @@ impl Matrix {
         Self { size, entries: smallvec![0.0; size * size] }
     }
 
-    pub(crate) fn from_fn(size: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
+    pub(crate) fn from_fn(size: usize, mut entry: impl FnMut(usize, usize) -> f64) -> Self {
         Self { size, entries: (0..size * size).map(|at| entry(at / size, at % size)).collect() }
     }
 

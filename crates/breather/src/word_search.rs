@@ -115,8 +115,20 @@ fn reversible(model: &Model, response: &ImpulseResponse, word: &Word) -> Result<
     if g == 0.0 && [Barrier::Lower, Barrier::Upper].iter().any(|&b| hits.iter().all(|(hit, _)| hit.barrier == b)) {
         return Err(NoBreather::NetImpulse);
     }
+    // Each pair of sites once: K̂ is symmetric, and a site is hit at both instants as a rule.
+    let mut sites: Vec<usize> = hits.iter().map(|(hit, _)| hit.site).collect();
+    sites.sort_unstable();
+    sites.dedup();
+    let places: Vec<usize> = hits.iter().map(|(hit, _)| sites.partition_point(|&site| site < hit.site)).collect();
+    let mut kernels = vec![[None; 2]; sites.len() * sites.len()];
+    let mut kernel = |i: usize, j: usize| {
+        let (low, high) = (places[i].min(places[j]), places[i].max(places[j]));
+        let half = hits[i].1 != hits[j].1;
+        let known = &mut kernels[low * sites.len() + high][usize::from(half)];
+        *known.get_or_insert_with(|| response.dynamic_between(sites[high], sites[low], half))
+    };
     let matrix = Matrix::from_fn(n + 1, |i, j| match (i < n, j < n) {
-        (true, true) => response.dynamic_between(hits[i].0.site, hits[j].0.site, hits[i].1 != hits[j].1),
+        (true, true) => kernel(i, j),
         (true, false) | (false, true) => 1.0,
         (false, false) => -g,
     });
