@@ -146,6 +146,38 @@ fn words_hold(draws: usize) {
     assert!(200 * counts.unstable > draws, "{counts:?}");
 }
 
+/// A mass that is hit once turns at the very instant of the others' impacts, by rounding in neither of two flights.
+#[test]
+fn no_mass_of_a_physical_word_is_outside_at_any_time() {
+    let mut random = Random(5);
+    let ranges = Ranges { sites: [2, 6], gamma2: Values::Log(1e-3, 0.1), ..Ranges::CONSERVATIVE };
+    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut physical, mut crossing) = (0, 0);
+    for _ in 0..3000 {
+        let chain = random.lattice(&ranges);
+        let model = Model::conservative(chain, random.between(0.4, 3.0), random.between(0.0, 0.8)).unwrap();
+        let Some(word) = random.word(&chain) else { continue };
+        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        for orbit in &found.orbits {
+            let admissibility = finder.admissibility(orbit).unwrap();
+            crossing += usize::from(matches!(admissibility.obstruction, Some(Obstruction::Crossing { .. })));
+            if !admissibility.is_physical() {
+                continue;
+            }
+            let motion = finder.motion(orbit).unwrap();
+            for i in 0..40 {
+                let displacements = motion.displacements(orbit.period() * f64::from(i) / 40.0);
+                let farthest = displacements.iter().map(|u| (u - model.asymmetry()).abs()).fold(0.0, f64::max);
+                assert!(farthest < 1.0 + 1e-9, "{word} {farthest} {admissibility:?} {model:?}");
+            }
+            physical += 1;
+        }
+    }
+    assert!(physical > 500 && crossing > 100, "{physical} {crossing}");
+}
+
 #[test]
 fn claims_for_random_words_on_random_lattices_hold() {
     words_hold(200);
