@@ -101,6 +101,14 @@ impl Counts {
     }
 
     fn growth(&mut self, verdict: &Verdict, truth: &TrueOrbit) {
+        // Modes that the site is no part of, and those odd about it, are no roots: e^{±iΩT} by structure.
+        let turn = |frequency: &Real| (frequency * truth.period()).sin_cos();
+        let spared = |(sin, cos): (Real, Real)| {
+            (cos.to_f64() - verdict.leading.re).hypot(sin.to_f64().abs() - verdict.leading.im.abs()) < 1e-9
+        };
+        if (verdict.spectral_radius - 1.0).abs() < 1e-9 && truth.kernel().frequencies().map(turn).any(spared) {
+            return;
+        }
         let Ok(spectrum) = TrueSpectrum::new(truth) else { return };
         let Ok((root, _)) = spectrum.refine((verdict.leading.re, verdict.leading.im)) else { return };
         let growth = root.abs() - 1.0;
@@ -144,6 +152,32 @@ fn words_hold(draws: usize) {
         "{counts:?}"
     );
     assert!(200 * counts.unstable > draws, "{counts:?}");
+}
+
+/// Forced words of one site or two on random lattices, between walls, too: their errors and what is told of their masses.
+#[test]
+fn claims_for_forced_words_on_random_lattices_hold() {
+    let mut random = Random(1407);
+    let ranges = Ranges { sites: [2, 6], gamma2: Values::Log(1e-3, 0.02), ..Ranges::FORCED };
+    let mut counts = Counts::default();
+    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let mut walls = 0;
+    for round in 0..150 {
+        let (chain, model) = (random.lattice(&ranges), random.model(&ranges));
+        let (omega, asymmetry, restitution) = (model.omega(), model.asymmetry(), random.between(0.3, 0.99));
+        let model = Model::forced(chain, omega, asymmetry, model.amplitude(), restitution).unwrap();
+        let word = if round % 3 == 0 { "0-1-" } else { "1-" }.parse().unwrap();
+        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        counts.draws += 1;
+        for orbit in found.orbits.iter().take(2) {
+            counts.compare(orbit, &mut finder);
+            walls += usize::from(chain.has_walls());
+        }
+    }
+    println!("{walls} {counts:?}");
+    assert!(counts.orbits > 30 && walls >= 8 && counts.lost == 0, "{walls} {counts:?}");
 }
 
 /// A mass that is hit once turns at the very instant of the others' impacts, by rounding in neither of two flights.
