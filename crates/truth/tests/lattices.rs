@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use vibrochain_breather::{Admissibility, Finder, Found, Obstruction, Orbit, Wanted};
 use vibrochain_floquet::{FloquetError, Tolerance, Verdict, stability};
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::{Random, Ranges, Values};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum, TruthError};
 
@@ -178,6 +178,21 @@ fn claims_for_forced_words_on_random_lattices_hold() {
     }
     println!("{walls} {counts:?}");
     assert!(counts.orbits > 30 && walls >= 8 && counts.lost == 0, "{walls} {counts:?}");
+}
+
+/// Two neighbours out of phase next to a resonance: the equations lose three digits, and an inverse left its condition times their
+/// rounding, 9e-14, more than was claimed of accelerations.
+#[test]
+fn an_ill_conditioned_word_has_residuals_at_rounding() {
+    let chain = Chain::new(3, 0.61559793303792, 0.27693028393606267).unwrap();
+    let model = Model::conservative(chain, 1.2206389676556668, 0.5276443896373036).unwrap();
+    let (mut finder, mut found, mut counts) = (Finder::new(1), Found::default(), Counts::default());
+    finder.find_word(&model, &"0+1-,0-1+".parse().unwrap(), Wanted::All, &mut found).unwrap();
+    let [orbit] = found.orbits.as_slice() else { panic!("{found:?}") };
+    // Terms are of the size 30 there.
+    assert!(orbit.residual() < 1.5e-14, "{:e}", orbit.residual());
+    counts.compare(orbit, &mut finder);
+    assert_eq!((counts.orbits, counts.lost), (1, 0));
 }
 
 /// A mass that is hit once turns at the very instant of the others' impacts, by rounding in neither of two flights.
