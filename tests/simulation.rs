@@ -336,10 +336,9 @@ fn simulations_of_random_lattices_obey_the_equations_of_motion() {
     let ranges = Ranges { sites: [1, 7], amplitude: Values::Log(0.2, 4.0), restitution, ..Ranges::FORCED };
     let (mut impacts, mut sticks, mut kinds) = (0, 0, HashMap::new());
     for _ in 0..150 {
-        let chain = random.lattice(&ranges);
-        let model = random.model(&ranges);
-        let amplitude = if chain.has_walls() { 0.0 } else { model.amplitude() };
-        let model = Model::forced(chain, model.omega(), model.asymmetry(), amplitude, model.restitution()).unwrap();
+        let (chain, model) = (random.lattice(&ranges), random.model(&ranges));
+        let (omega, asymmetry, restitution) = (model.omega(), model.asymmetry(), model.restitution());
+        let model = Model::forced(chain, omega, asymmetry, model.amplitude(), restitution).unwrap();
         let [hit, rested, _] = replayed(&model, random.unit(), 2.0, 1.5, &mut random);
         (impacts, sticks) = (impacts + hit, sticks + rested);
         *kinds.entry((chain.ends(), chain.layers() > 1, chain.layer_ends())).or_insert(0) += 1;
@@ -366,7 +365,9 @@ fn simulations_of_stiff_and_of_long_lattices_obey_the_equations_of_motion() {
         (row(60, 0.02, Ends::Closed), true),
     ] {
         for restitution in [1.0, 0.5] {
-            let amplitude = if restitution < 1.0 && !chain.has_walls() { 0.4 } else { 0.0 };
+            // Beside walls of layers a force is not worked out.
+            let forced = restitution < 1.0 && chain.layer_ends() != Ends::Fixed;
+            let amplitude = if forced { 0.4 } else { 0.0 };
             let model = Model::forced(chain, 1.5, 0.4, amplitude, restitution).unwrap();
             let speed = 3.0 * stiffness(&chain).amax().sqrt().max(1.0);
             let [impacts, _, restarts] = replayed(&model, 0.3, speed, 1.0, &mut random);

@@ -67,6 +67,13 @@ const RESOLUTION: f64 = 8.0 * f64::EPSILON;
 /// A window's length in radians of the fastest motion; with it the polynomials' order is enough.
 const WINDOW: f64 = 1.0;
 
+/// A mass slower than this, in the window's units, where an interval begins with another's impact, turns right there, for what a
+/// displacement can tell: 1e-18 of it is missing. By rounding the turning point may be in neither interval.
+const STILL: f64 = 1e-9;
+
+/// Impacts closer than this part of the period are at one instant.
+const SIMULTANEOUS: f64 = 1e-9;
+
 /// Windows that are looked at before a motion is declared too stiff to be followed.
 const MAX_WINDOWS: f64 = 5e6;
 
@@ -114,6 +121,10 @@ impl Watch {
         let model = orbit.model();
         let a = model.asymmetry();
         let is_hit = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site);
+        let hit_at = |site: usize, t: f64| {
+            let then = |time: f64| (time - t).abs() <= SIMULTANEOUS * orbit.period();
+            orbit.impacts().iter().any(|impact| impact.site == site && then(impact.time))
+        };
         let rate = motion.top_frequency() / WINDOW;
         if horizon * rate > MAX_WINDOWS {
             return Err(BreatherError::TooStiff { windows: horizon * rate, limit: MAX_WINDOWS });
@@ -139,7 +150,8 @@ impl Watch {
                 }
                 self.window.expand(&self.watched, model, &force, motion.force_time(interval, elapsed));
                 for (i, &site) in self.watched.sites().iter().enumerate() {
-                    if !is_hit(site) {
+                    let still = || self.window.polynomial(i).coefficients[1].abs() < STILL;
+                    if !is_hit(site) || w == 0 && !hit_at(site, start) && still() {
                         closest.note(a, site, start + elapsed, self.window.displacement(i));
                     }
                 }

@@ -39,39 +39,45 @@ pub fn stiffness(chain: &Chain) -> DMatrix<f64> {
 pub struct Ring {
     frequencies: DVector<f64>,
     shapes: DMatrix<f64>,
-    /// (rate, amplitude of the response, phase) of each harmonic of the force.
-    response: Vec<(f64, f64, f64)>,
+    /// (rate, amplitudes of the response, phase) of each harmonic of the force.
+    response: Vec<(f64, DVector<f64>, f64)>,
 }
 
 impl Ring {
-    /// The lattice of a model. A force moves all masses alike, hence no walls under one.
+    /// The lattice of a model.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let g1 = model.chain().gamma1();
-        assert!(!model.chain().has_walls() || model.amplitude() == 0.0);
-        let eigen = SymmetricEigen::new(stiffness(model.chain()));
+        let (chain, sites) = (model.chain(), model.chain().sites());
+        let eigen = SymmetricEigen::new(stiffness(chain));
         let response = |harmonic: &Harmonic| {
             let rate = f64::from(harmonic.number) * model.omega();
-            (rate, harmonic.amplitude / (g1 - rate * rate), harmonic.phase)
+            let push = DVector::from_element(sites, harmonic.amplitude);
+            let amplitudes = if chain.has_walls() {
+                let mut modes = eigen.eigenvectors.tr_mul(&push);
+                modes.iter_mut().zip(&eigen.eigenvalues).for_each(|(mode, square)| *mode /= square - rate * rate);
+                &eigen.eigenvectors * modes
+            } else {
+                // All masses move alike: no other mode is touched, be it as near as it may.
+                push / (chain.gamma1() - rate * rate)
+            };
+            (rate, amplitudes, harmonic.phase)
         };
-        Self {
-            frequencies: eigen.eigenvalues.map(|x| x.max(0.0).sqrt()),
-            shapes: eigen.eigenvectors,
-            response: model.force().harmonics().iter().map(response).collect(),
-        }
+        let response = model.force().harmonics().iter().map(response).collect();
+        Self { frequencies: eigen.eigenvalues.map(|x| x.max(0.0).sqrt()), shapes: eigen.eigenvectors, response }
     }
 
     /// State (u, v) after `time`; `phase` is the time t + ψ of the force at its start.
     #[must_use]
     pub fn fly(&self, u: &DVector<f64>, v: &DVector<f64>, phase: f64, time: f64) -> (DVector<f64>, DVector<f64>) {
         let force = |t: f64| {
-            self.response.iter().fold((0.0, 0.0), |sum, (rate, amplitude, phase)| {
+            let rest = DVector::zeros(u.len());
+            self.response.iter().fold((rest.clone(), rest), |sum, (rate, amplitudes, phase)| {
                 let (sin, cos) = (rate * t + phase).sin_cos();
-                (sum.0 + amplitude * cos, sum.1 - amplitude * rate * sin)
+                (sum.0 + amplitudes * cos, sum.1 - amplitudes * (rate * sin))
             })
         };
         let (g0, h0) = force(phase);
-        let (q, p) = (self.shapes.transpose() * u.add_scalar(-g0), self.shapes.transpose() * v.add_scalar(-h0));
+        let (q, p) = (self.shapes.tr_mul(&(u - g0)), self.shapes.tr_mul(&(v - h0)));
         let (mut q1, mut p1) = (q.clone(), p.clone());
         for k in 0..q.len() {
             let f = self.frequencies[k];
@@ -81,7 +87,7 @@ impl Ring {
             p1[k] = p[k] * cos - q[k] * f * sin;
         }
         let (g1, h1) = force(phase + time);
-        ((&self.shapes * q1).add_scalar(g1), (&self.shapes * p1).add_scalar(h1))
+        (&self.shapes * q1 + g1, &self.shapes * p1 + h1)
     }
 
     /// The matrix of free flight without force.

@@ -1,8 +1,9 @@
 //! The impulse response against another library's digits, closed forms by hand, and the problem it solves.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_lattice::{Chain, Ends};
-use vibrochain_truth::{DEFAULT_BITS, Kernel, Real, TruthError};
+use vibrochain_breather::{Finder, Found, Wanted};
+use vibrochain_lattice::{Chain, Ends, Force, Harmonic, Model};
+use vibrochain_truth::{DEFAULT_BITS, Kernel, Real, TrueOrbit, TruthError};
 
 fn kernel(sites: usize, gamma1: f64, gamma2: f64, omega: f64) -> Kernel {
     Kernel::new(&Chain::new(sites, gamma1, gamma2).unwrap(), omega, 1, DEFAULT_BITS).unwrap()
@@ -237,4 +238,40 @@ fn extremes_keep_their_digits() {
             assert_close(&few.slope(n, 0, &t), &many.slope(n, 0, &t), &Real::one(64), 55.0);
         }
     }
+}
+
+/// Under a force the masses next to walls move less: all of the motion together obeys the equations of motion.
+#[test]
+fn forced_motions_of_all_lattices_obey_the_equations_of_motion() {
+    let row = |sites, ends| Chain::new(sites, 0.2, 0.01).unwrap().with_ends(ends);
+    let (mut checked, mut walls) = (0, 0);
+    for (chain, word) in [
+        (row(5, Ends::Fixed), "1-"),
+        (row(4, Ends::Free), "0-"),
+        (row(3, Ends::Fixed).with_layers(2, 0.02, Ends::Free).unwrap(), "0:1-"),
+        (row(3, Ends::Closed).with_layers(2, 0.02, Ends::Free).unwrap(), "2-"),
+    ] {
+        let terms = [(1, 0.3), (3, -0.03)].map(|(number, amplitude)| Harmonic { number, amplitude, phase: 0.1 });
+        let model = Model::with_force(chain, 1.07, 0.7, &Force::new(&terms).unwrap(), 0.6).unwrap();
+        let (mut finder, mut found) = (Finder::new(1), Found::default());
+        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+        for orbit in &found.orbits {
+            let orbit = TrueOrbit::refine(orbit, DEFAULT_BITS).unwrap();
+            let t = orbit.period() * 0.37;
+            let displacements: Vec<Real> = (0..chain.sites()).map(|n| orbit.displacement(n, &t)).collect();
+            let mut push = Real::zero(256);
+            for harmonic in model.force().harmonics() {
+                let rate = Real::new(model.omega(), 256) * f64::from(harmonic.number);
+                let (_, cos) = (rate * (&t + orbit.psi().unwrap()) + harmonic.phase).sin_cos();
+                push += cos * harmonic.amplitude;
+            }
+            for n in 0..chain.sites() {
+                let force = springs(&chain, &displacements, n) + &push;
+                assert_close(&orbit.acceleration(n, &t), &force, &Real::one(64), 54.0);
+            }
+            checked += 1;
+            walls += usize::from(chain.has_walls());
+        }
+    }
+    assert!(checked >= 4 && walls >= 2, "{checked} {walls}");
 }
