@@ -3,7 +3,8 @@
 
 use vibrochain_breather::{Finder, Found, Letter, Orbit, Wanted, Word};
 use vibrochain_floquet::{
-    Analyser, Complex, FloquetError, Mechanism, Method, Tolerance, Verdict, full_monodromy, stability,
+    Analyser, Complex, FloquetError, Mechanism, Method, Tolerance, Verdict, full_monodromy, leading_modes, phases,
+    stability,
 };
 use vibrochain_lattice::{Barrier, Chain, Model};
 use vibrochain_testkit::{Random, Ranges, Values, dense};
@@ -82,13 +83,14 @@ fn far_breathers_hardly_feel_each_other() {
 #[test]
 fn the_phases_that_drift_apart_are_those_of_pendulums() {
     let mut checked = 0;
-    for (gamma2, exact) in [(1e-3, 1e-3), (0.05, 0.05)] {
-        for (word, pattern) in [
-            ("0+2+,0-2-", &[(0, 1.0), (2, -1.0)][..]),
+    for (gamma2, exact) in [(1e-3, 1e-2), (0.05, 0.05)] {
+        let patterns: [(&str, &[(usize, f64)]); 4] = [
+            ("0+2+,0-2-", &[(0, 1.0), (2, -1.0)]),
             ("0+1-,0-1+", &[(0, 1.0), (1, -1.0)]),
             ("0+2+4+,0-2-4-", &[(0, -0.5), (2, 1.0), (4, -0.5)]),
             ("0+1-2+,0-1+2-", &[(0, -0.5), (1, 1.0), (2, -0.5)]),
-        ] {
+        ];
+        for (word, pattern) in patterns {
             let model = Model::conservative(Chain::new(13, 0.2, gamma2).unwrap(), 1.5, 0.2).unwrap();
             let (mut finder, mut found) = (Finder::new(13), Found::default());
             finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
