@@ -22,7 +22,7 @@ use crate::error::CliError;
 use vibrochain_maps::files::Output;
 use vibrochain_plot::field::FieldWriter;
 use vibrochain_plot::{
-    Curves, Format, Mark, Pane, Scale, Series, Spacetime, Stroke, curves_picture, spacetime_picture,
+    Curves, Format, Mark, Pane, Profile, Scale, Series, Spacetime, Stroke, curves_picture, spacetime_picture,
 };
 
 /// Samples of one flight between impacts.
@@ -106,11 +106,7 @@ const MOST_LINES: usize = 8;
 
 /// Displacements below each other: a line for every instant of impacts and layer, named by `name` and the layer, with the number of
 /// the instant.
-pub(crate) fn profiles(
-    orbit: &Orbit,
-    motion: &mut Motion,
-    name: impl Fn(&[Impact]) -> String,
-) -> Vec<(String, usize, Vec<(f64, f64)>)> {
+pub(crate) fn profiles(orbit: &Orbit, motion: &mut Motion, name: impl Fn(&[Impact]) -> String) -> Vec<Profile> {
     let (rows, mut lines) = (rows(orbit), Vec::new());
     let instants = if rows.len() == 1 { usize::MAX } else { (MOST_LINES / rows.len()).max(1) };
     for (i, impacts) in orbit.instants().take(instants).enumerate() {
@@ -119,7 +115,7 @@ pub(crate) fn profiles(
         for (layer, row) in rows.iter().enumerate() {
             let of_layer = if rows.len() == 1 { String::new() } else { format!(", layer {layer}") };
             let points = row.iter().map(|&(n, site)| (n, v[site])).collect();
-            lines.push((format!("{}{of_layer}", name(impacts)), i, points));
+            lines.push(Profile { name: format!("{}{of_layer}", name(impacts)), instant: i, points });
         }
     }
     lines
@@ -153,7 +149,7 @@ fn profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
         _ => format!("impacts at t/T = {:.4}", impacts.first().map_or(0.0, |impact| impact.time / orbit.period())),
     };
     let lines = profiles(orbit, &mut Motion::of(orbit)?, name);
-    let series = lines.into_iter().enumerate().map(|(colour, (name, instant, points))| {
+    let series = lines.into_iter().enumerate().map(|(colour, Profile { name, instant, points })| {
         let (stroke, mark) =
             if instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
         Series { name, colour, stroke, mark, points }

@@ -70,10 +70,8 @@ impl Analyser {
             }
             match leading.get_mut(place).filter(|_| place < count.real.len()) {
                 // Within its bracket it is the same, and better known.
-                Some(real) if (growth - real.1).abs() <= real.2 + error => {
-                    if error < real.2 {
-                        *real = (Complex::new(value.re, 0.0), growth, error);
-                    }
+                Some(real) if error < real.2 && (growth - real.1).abs() <= real.2 + error => {
+                    *real = (Complex::new(value.re, 0.0), growth, error);
                 }
                 Some(_) => {}
                 None if value.im > error => {

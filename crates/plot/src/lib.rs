@@ -35,7 +35,7 @@ mod words;
 pub use canvas::{Format, PlotError, open};
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 pub use map::{MapLine, MapPicture, is_shown, map_picture, map_with_lines};
-pub use orbit::{OrbitPanels, orbit_picture};
+pub use orbit::{OrbitPanels, Profile, orbit_picture};
 pub use palette::{Palette, Tile};
 pub use run::{RunPicture, run_picture};
 pub use spacetime::{Spacetime, spacetime_picture};

@@ -7,6 +7,17 @@ use crate::canvas::{Drawing, Format, PlotError, render};
 use crate::curves::{Mark, Pane, Scale, Series, Stroke, draw_row};
 use crate::words::Heading;
 
+/// Displacements of a row of masses at one instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Its name in the legend.
+    pub name: String,
+    /// Number of the instant; those after the first are dashed.
+    pub instant: usize,
+    /// Site and displacement.
+    pub points: Vec<(f64, f64)>,
+}
+
 /// One orbit's data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrbitPanels {
@@ -14,8 +25,8 @@ pub struct OrbitPanels {
     pub caption: String,
     /// What stands below the profiles.
     pub x: &'static str,
-    /// Displacements by site at each instant of impacts: (name, number of the instant, (site, v)).
-    pub profiles: Vec<(String, usize, Vec<(f64, f64)>)>,
+    /// Displacements by site at each instant of impacts.
+    pub profiles: Vec<Profile>,
     /// The impacting masses over one period, each with its site: (t/T, v).
     pub traces: Vec<(usize, Vec<(f64, f64)>)>,
     /// Positions of the two barriers.
@@ -72,10 +83,11 @@ fn pane(orbit: &OrbitPanels, x: &str, y: &str, series: Vec<Series>) -> Pane {
 }
 
 fn profile(orbit: &OrbitPanels) -> Pane {
-    let series = orbit.profiles.iter().enumerate().map(|(colour, (name, instant, points))| {
+    let series = orbit.profiles.iter().enumerate().map(|(colour, profile)| {
+        let Profile { name, instant, points } = profile.clone();
         let (stroke, mark) =
-            if *instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
-        Series { name: name.clone(), colour, stroke, mark, points: points.clone() }
+            if instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
+        Series { name, colour, stroke, mark, points }
     });
     pane(orbit, orbit.x, "displacement vₙ", series.collect())
 }
@@ -111,7 +123,8 @@ mod tests {
     fn legends_hide_nothing_and_long_captions_lose_nothing() {
         let caption = "double-sided breather 1: N = 20, γ₁ = 0.2790465016543734, γ₂ = 0.13606569615937517, \
                        ω = 0.3456359754617771, a = 0.4, force 1:0.1:0,3:-0.03:0.5,5:0.01:0, e = 0.9; stable";
-        let profile = |time: f64| (format!("at t = {time:.4}"), 0, vec![(-1.0, 0.1), (0.0, 1.4), (1.0, 0.1)]);
+        let points = vec![(-1.0, 0.1), (0.0, 1.4), (1.0, 0.1)];
+        let profile = |time: f64| Profile { name: format!("at t = {time:.4}"), instant: 0, points: points.clone() };
         let orbit = OrbitPanels {
             caption: caption.to_owned(),
             x: "site",
