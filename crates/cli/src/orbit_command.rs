@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
-use vibrochain_floquet::{Analyser, Complex, Tolerance};
+use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, Verdict, leading_modes, phases};
 use vibrochain_lattice::{Ends, Layout, MAX_SITES, Model};
 
 use crate::args::{EndsName, LayerEndsName, ModelArgs, OrbitArgs};
@@ -80,7 +80,8 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         let stability = analyser.stability(&orbit, &mut finder, tolerance);
         let leading = stability.as_ref().ok().map(|stability| stability.verdict).filter(|v| v.mechanism.is_some());
         let modes = OrbitModes::of(&orbit, &mut finder, leading.map(|verdict| verdict.leading));
-        solutions.push(Solution { orbit, admissibility, condition, stability, modes });
+        let phases = drifting(&orbit, &mut finder, leading)?;
+        solutions.push(Solution { orbit, admissibility, condition, stability, modes, phases });
     }
     let text = if args.json {
         let value = json(&model, &solutions, &found);
@@ -97,6 +98,23 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),
         None => Ok(()),
     }
+}
+
+/// The most masses whose eigenvectors are worked out beside the verdict: a tenth of a second.
+const MOST_MASSES: usize = 100;
+
+/// Which breathers of a word run ahead, and which fall behind, as it loses stability through +1 without force.
+fn drifting(
+    orbit: &Orbit,
+    finder: &mut Finder,
+    leading: Option<Verdict>,
+) -> Result<Option<Vec<(usize, f64)>>, CliError> {
+    let asked = leading.is_some_and(|verdict| verdict.mechanism == Some(Mechanism::PlusOne))
+        && orbit.impact_site().is_none()
+        && orbit.model().is_conservative()
+        && orbit.model().chain().sites() <= MOST_MASSES;
+    let mode = if asked { leading_modes(orbit, 1)?.pop() } else { None };
+    Ok(mode.map(|mode| phases(orbit, &mode, finder)).transpose()?)
 }
 
 /// The point as JSON; a plain cosine by its amplitude, any other force by its harmonics.
@@ -245,6 +263,12 @@ impl Solution {
             }
             Err(error) => value["stability_error"] = error.to_string().into(),
         }
+        if let Some(phases) = &self.phases {
+            let of = |&(site, ahead): &(usize, f64)| {
+                with_layer(orbit.model(), site, json!({ "site": site, "ahead": ahead }))
+            };
+            value["phases"] = phases.iter().map(of).collect();
+        }
         value["modes"] = self.modes.as_ref().map(OrbitModes::json).into();
         value["own_mode"] = self.modes.as_ref().and_then(OrbitModes::own_json).into();
         value["collision"] = self.modes.as_ref().and_then(OrbitModes::collision_json).into();
@@ -354,6 +378,10 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
             }
             Err(error) => writeln!(out, "  stability unknown: {error}"),
         };
+        if let Some(phases) = &solution.phases {
+            let ahead: Vec<String> = phases.iter().map(|(site, ahead)| format!("site {site} by {ahead:.3}")).collect();
+            let _ = writeln!(out, "  the breathers drift apart: ahead are {}", ahead.join(", "));
+        }
         if let Some(doubt) = solution.stability.as_ref().ok().and_then(|stability| stability.verdict.method.doubt()) {
             let _ = writeln!(out, "  by a dense matrix: {doubt}");
         }

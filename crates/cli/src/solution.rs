@@ -12,4 +12,6 @@ pub(crate) struct Solution {
     pub(crate) condition: Condition,
     pub(crate) stability: Result<Stability, FloquetError>,
     pub(crate) modes: Option<OrbitModes>,
+    /// Of a word of several sites that is unstable through +1: by how much each of its breathers runs ahead.
+    pub(crate) phases: Option<Vec<(usize, f64)>>,
 }

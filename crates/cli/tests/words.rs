@@ -66,6 +66,19 @@ fn checked_words_are_printed_with_their_numbers() {
 }
 
 #[test]
+fn the_breathers_that_drift_apart_are_named() {
+    let desk = Desk::new();
+    let told = desk.run(&format!("orbit --word 0+2+4+,0-2-4- {MODEL}")).with(0, &[]).out;
+    assert!(
+        told.contains("the breathers drift apart: ahead are site 0 by -0.499, site 2 by 1.000, site 4 by -0.499"),
+        "{told}"
+    );
+    let ahead = &orbit(&desk, &format!("--word 0+2+4+,0-2-4- {MODEL}"))["solutions"][0]["phases"];
+    assert_eq!((&ahead[1]["site"], &ahead[1]["ahead"], &ahead[1]["layer"]), (&2.into(), &1.0.into(), &Value::Null));
+    assert!(orbit(&desk, &format!("--word 0+3+,0-3- {MODEL}"))["solutions"][0]["phases"].is_null());
+}
+
+#[test]
 fn words_are_shown_as_their_canonical_selves_and_families_by_any_name() {
     let desk = Desk::new();
     let mirrored = desk.run(&format!("orbit --word 5-8-,5+8+ {MODEL}")).with(0, &["5-8-,5+8+ is the word 0+3+,0-3-"]);

@@ -52,6 +52,7 @@ mod judge;
 mod locate;
 mod monodromy;
 mod multipliers;
+mod phases;
 #[cfg(feature = "serde")]
 mod plain;
 mod reversible;
@@ -73,6 +74,7 @@ pub use locate::{
 pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use multipliers::{odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;
+pub use phases::phases;
 pub use saltation::{Saltation, saltations};
 pub use secular::{
     ForcedSecular, ModalShape, OutsideCount, OutsideCounter, Reason, Residues, Secular, SecularError,

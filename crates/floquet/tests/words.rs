@@ -3,7 +3,8 @@
 
 use vibrochain_breather::{Finder, Found, Letter, Orbit, Wanted, Word};
 use vibrochain_floquet::{
-    Analyser, Complex, FloquetError, Mechanism, Method, Tolerance, Verdict, full_monodromy, stability,
+    Analyser, Complex, FloquetError, Mechanism, Method, Tolerance, Verdict, full_monodromy, leading_modes, phases,
+    stability,
 };
 use vibrochain_lattice::{Barrier, Chain, Model};
 use vibrochain_testkit::{Random, Ranges, Values, dense};
@@ -75,6 +76,35 @@ fn far_breathers_hardly_feel_each_other() {
         last = growth;
     }
     assert!(last > 1e-4 && last < 1e-2, "{last}");
+}
+
+/// Phases of weakly coupled breathers are pendulums in a row: of three in phase at an even distance the outer ones run from the middle
+/// one twice as hard, by half as much.
+#[test]
+fn the_phases_that_drift_apart_are_those_of_pendulums() {
+    let mut checked = 0;
+    for (gamma2, exact) in [(1e-3, 1e-2), (0.05, 0.05)] {
+        let patterns: [(&str, &[(usize, f64)]); 4] = [
+            ("0+2+,0-2-", &[(0, 1.0), (2, -1.0)]),
+            ("0+1-,0-1+", &[(0, 1.0), (1, -1.0)]),
+            ("0+2+4+,0-2-4-", &[(0, -0.5), (2, 1.0), (4, -0.5)]),
+            ("0+1-2+,0-1+2-", &[(0, -0.5), (1, 1.0), (2, -0.5)]),
+        ];
+        for (word, pattern) in patterns {
+            let model = Model::conservative(Chain::new(13, 0.2, gamma2).unwrap(), 1.5, 0.2).unwrap();
+            let (mut finder, mut found) = (Finder::new(13), Found::default());
+            finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+            let orbit = &found.orbits[0];
+            let shifts = phases(orbit, &leading_modes(orbit, 1).unwrap()[0], &mut finder).unwrap();
+            let sign = shifts[0].1.signum() * pattern[0].1.signum();
+            assert_eq!(shifts.len(), pattern.len());
+            for ((site, ahead), (expected, share)) in shifts.iter().zip(pattern) {
+                assert!(site == expected && (sign * ahead - share).abs() < exact, "{word} {gamma2}: {shifts:?}");
+            }
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 8);
 }
 
 /// The verdict by secular functions, if there is one, held against the dense block; `doubts` where there is none.
