@@ -233,7 +233,7 @@ fn claims_for_random_words_on_random_lattices_hold() {
 }
 
 #[test]
-#[ignore = "slow: cargo test --workspace --test lattices -- --ignored slow"]
+#[ignore = "five minutes: cargo test --workspace --test lattices -- --ignored slow"]
 fn slow_claims_for_ten_thousand_random_words_on_random_lattices_hold() {
     words_hold(10_000);
 }
