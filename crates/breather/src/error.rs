@@ -58,6 +58,8 @@ pub enum Unsearched {
     FreeTimes,
     /// One mass hits twice on one barrier, or more than twice.
     ManyImpacts,
+    /// A mass that γ₁ = 0 leaves without any spring once it is not coupled: there is nothing to follow.
+    Unheld,
     /// One mass hits the upper barrier alone, under a force of several harmonics.
     UpperHarmonics,
 }
@@ -71,6 +73,9 @@ impl fmt::Display for Unsearched {
             }
             Self::ManyImpacts => {
                 "a mass that hits twice on one barrier, or more than twice, has no closed form; give an orbit nearby"
+            }
+            Self::Unheld => {
+                "with gamma1 = 0 masses without coupling have no springs to begin from; give an orbit nearby"
             }
             Self::UpperHarmonics => {
                 "impacts on the upper barrier alone are searched for under a plain cosine; give an orbit nearby"
@@ -123,7 +128,7 @@ impl fmt::Display for NoBreather {
             Self::NetImpulse => {
                 write!(
                     f,
-                    "gamma1 = 0 leaves the ring free to drift and impacts on one side push it away: no periodic orbit"
+                    "gamma1 = 0 leaves the masses free to drift and impacts on one side push them away: no periodic orbit"
                 )
             }
             Self::ForceTooWeak { threshold } => {
@@ -134,7 +139,7 @@ impl fmt::Display for NoBreather {
             Self::NoStart => {
                 write!(
                     f,
-                    "without coupling no orbits of the masses alone hit in the order of the word, each from inside"
+                    "the masses alone, without coupling, have no orbits that hit in the order of the word, each from inside"
                 )
             }
             Self::BranchesEnded => write!(f, "all branches from masses without coupling end before this point"),

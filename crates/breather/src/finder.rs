@@ -149,10 +149,6 @@ impl Finder {
         wanted: Wanted,
         found: &mut Found,
     ) -> Result<(), BreatherError> {
-        // Where sites are not alike the name is the word at site 0.
-        if let (false, Some(word)) = (model.chain().is_ring(), Word::of_family(family)) {
-            return self.find_word(model, &word, wanted, found);
-        }
         found.orbits.clear();
         found.ended.clear();
         found.completeness = Completeness::default();
@@ -168,6 +164,10 @@ impl Finder {
         if let Some(reason) = out_of_question {
             found.completeness = Completeness::None { reason, by: Some(Proof::ClosedForm) };
             return Ok(());
+        }
+        // Where sites are not alike the name is the word at site 0.
+        if let (false, Some(word)) = (model.chain().is_ring(), Word::of_family(family)) {
+            return self.find_word(model, &word, wanted, found);
         }
         let steady = model.steady_response()?;
         // A plain cosine lets the phase be eliminated.

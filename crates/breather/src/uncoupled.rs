@@ -82,6 +82,11 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
     // A point where no motion is defined has no answer, whatever leads there.
     let _ = model.steady()?;
     finder.prepare(model, model.omega())?;
+    if model.chain().gamma1() == 0.0 {
+        let reason = NoBreather::NotSearched(Unsearched::Unheld);
+        found.completeness = Completeness::None { reason, by: None };
+        return Ok(());
+    }
     let sites: Vec<usize> = word.places().into_iter().map(|(_, site)| site).collect();
     let mut solutions = Vec::new();
     for &site in &sites {

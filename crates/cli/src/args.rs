@@ -192,7 +192,7 @@ pub enum FamilyName {
 /// The model's parameters as flags.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
-    /// Number of masses on the ring (the paper's N + 1), or of one layer.
+    /// Number of masses of the ring (the paper's N + 1), or of one layer.
     #[arg(long, value_name = "M", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub sites: i64,
     /// On-site stiffness γ₁.
@@ -227,7 +227,7 @@ pub struct ModelArgs {
     #[arg(long, value_name = "γ₃", requires = "layers", value_parser = real, allow_negative_numbers = true)]
     pub gamma3: Option<f64>,
     /// Whether the last layer is the first one's neighbour, too.
-    #[arg(long, value_enum, default_value = "free")]
+    #[arg(long, value_enum, default_value = "free", requires = "layers")]
     pub layer_ends: LayerEndsName,
 }
 
@@ -372,6 +372,8 @@ pub enum FreeName {
     Amplitude,
     /// e
     Restitution,
+    /// γ₃
+    Gamma3,
 }
 
 impl From<FreeName> for Parameter {
@@ -383,6 +385,7 @@ impl From<FreeName> for Parameter {
             FreeName::Asymmetry => Self::Asymmetry,
             FreeName::Amplitude => Self::Amplitude,
             FreeName::Restitution => Self::Restitution,
+            FreeName::Gamma3 => Self::Gamma3,
         }
     }
 }

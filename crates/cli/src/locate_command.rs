@@ -224,10 +224,10 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
     let name = search.free.name();
     let _ = writeln!(
         out,
-        "{} of {} breathers, {} masses, {}; from solution {} of {} at {name} = {}",
+        "{} of {} breathers, {}, {}; from solution {} of {} at {name} = {}",
         search.event.name(),
         which::name(&start.orbit),
-        model.chain().sites(),
+        model.chain().layout(),
         point.join(", "),
         start.number,
         start.count,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use vibrochain_breather::Orbit;
 use vibrochain_eventsim::{Event, Simulation, Time};
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Layout, Model};
 
 use crate::args::SimulateArgs;
 use crate::error::CliError;
@@ -17,29 +17,38 @@ pub fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
     periods as f64 * orbit.model().period() + time.offset() + start
 }
 
-/// `time,site,barrier,velocity_before,velocity_after,kind`, one row a mass.
+/// `time,site,barrier,velocity_before,velocity_after,kind`, one row a mass; `layer` after `site` where there are several.
 pub(crate) struct ImpactTable {
     file: CsvFile,
+    layout: Layout,
     start: f64,
     /// The first row that could not be written; the simulation cannot stop for it at once.
     pub(crate) failure: Option<CliError>,
 }
 
 impl ImpactTable {
-    pub(crate) fn open(path: &Path, start: f64) -> Result<Self, CliError> {
-        let header = ["time", "site", "barrier", "velocity_before", "velocity_after", "kind"];
-        Ok(Self { file: CsvFile::create("--impacts", path, header)?, start, failure: None })
+    pub(crate) fn open(path: &Path, start: f64, model: &Model) -> Result<Self, CliError> {
+        let layout = model.chain().layout();
+        let mut header = vec!["time", "site", "barrier", "velocity_before", "velocity_after", "kind"];
+        if layout.layers > 1 {
+            header.insert(2, "layer");
+        }
+        Ok(Self { file: CsvFile::create("--impacts", path, header)?, layout, start, failure: None })
     }
 
     pub(crate) fn write(&mut self, event: &Event) {
-        let row = [
+        let (site, layer) = self.layout.place(event.site);
+        let mut row = vec![
             (self.start + event.time.to_f64()).to_string(),
-            event.site.to_string(),
+            site.to_string(),
             event.barrier.name().to_owned(),
             event.velocity_before.to_string(),
             event.velocity_after.to_string(),
             event.kind.name().to_owned(),
         ];
+        if self.layout.layers > 1 {
+            row.insert(2, layer.to_string());
+        }
         if let Err(error) = self.file.row(row) {
             self.failure.get_or_insert(error.into());
         }
@@ -191,7 +200,7 @@ mod with_plot {
 mod without_plot {
     use vibrochain_breather::Orbit;
     use vibrochain_eventsim::Simulation;
-    use vibrochain_lattice::Model;
+    use vibrochain_lattice::{Layout, Model};
 
     use super::{CliError, SimulateArgs, Start};
 

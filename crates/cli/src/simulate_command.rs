@@ -71,7 +71,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         )));
     }
 
-    let mut impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time)).transpose()?;
+    let mut impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
     let mut trajectory =
         args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
     let mut plot = Plot::open(args, &model, orbit.as_ref(), &start)?;

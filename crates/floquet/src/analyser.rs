@@ -121,7 +121,8 @@ impl Analyser {
             let chain = orbit.model().chain();
             let phase = chain.gamma1().sqrt() * orbit.period();
             let spared = [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * phase));
-            (1..chain.even_modes()).for_each(|_| multipliers.extend(spared));
+            let others = if chain.is_ring() { chain.even_modes() } else { chain.sites() };
+            (1..others).for_each(|_| multipliers.extend(spared));
         }
         sort_multipliers(&mut multipliers);
         Ok(Stability { verdict, multipliers })

@@ -85,7 +85,7 @@ impl Dense {
             self.values = values;
             return Ok(norm);
         }
-        if orbit.centre().is_some() {
+        if orbit.centre().is_some() || alone {
             check_dimension(2 * chain.even_modes())?;
             let response = finder.prepared(orbit)?.response();
             let (frequencies, weights) = (response.frequencies(), response.weights());
@@ -148,5 +148,5 @@ pub(crate) const WORTH_A_MATRIX: usize = 1000;
 
 /// The masses that are not hit swing alone.
 pub(crate) fn uncoupled(orbit: &Orbit) -> bool {
-    orbit.centre().is_some() && orbit.model().chain().is_uncoupled()
+    orbit.impact_site().is_some() && orbit.model().chain().is_uncoupled()
 }

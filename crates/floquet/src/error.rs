@@ -32,7 +32,7 @@ pub enum FloquetError {
     },
     /// The secular function has no answer that it could vouch for, and dense matrices would not fit.
     #[error(
-        "the multipliers of this ring are in doubt ({doubt}), and a dense analysis of dimension {dimension} exceeds the limit of {limit}"
+        "the multipliers of this lattice are in doubt ({doubt}), and a dense analysis of dimension {dimension} exceeds the limit of {limit}"
     )]
     InDoubt {
         /// The doubt.
@@ -43,7 +43,7 @@ pub enum FloquetError {
         limit: usize,
     },
     /// The dense matrices would not fit.
-    #[error("a dense analysis of dimension {dimension} exceeds the limit of {limit}; use a smaller ring")]
+    #[error("a dense analysis of dimension {dimension} exceeds the limit of {limit}; use fewer masses")]
     TooLarge {
         /// Size of the matrix.
         dimension: usize,

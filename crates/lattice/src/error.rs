@@ -66,8 +66,8 @@ impl Resonance {
             );
         }
         format!(
-            "resonance: harmonic {harmonic} of omega = {} meets mode {mode} (frequency {}), {distance:e} away; move omega, \
-             gamma1 or gamma2 off it",
+            "resonance: harmonic {harmonic} of omega = {} meets mode {mode} (frequency {}), {distance:e} away; move omega \
+             or a stiffness off it",
             Short(*omega),
             Short(*frequency)
         )

@@ -143,9 +143,19 @@ impl Chain {
         let fits = layers >= 1 && layers.checked_mul(self.along.masses).is_some_and(|sites| sites <= MAX_SITES);
         check(fits, "layers", layers as f64, "at least 1, and at most 10000000 masses in all")?;
         check((0.0..=MAX_MAGNITUDE).contains(&gamma3), "gamma3", gamma3, STIFFNESS)?;
-        let held = layers == 1 || self.gamma1 > 0.0 || gamma3 > 0.0;
-        check(held, "gamma3", gamma3, "positive where gamma1 is 0: no spring holds the layers together")?;
-        check(layers > 1 || gamma3 == 0.0, "gamma3", gamma3, "0 with one layer, which has no neighbour: give layers")?;
+        let held = layers == 1 || self.gamma1 > 0.0 || gamma3 > 0.0 || self.along.ends == Ends::Fixed;
+        check(
+            held,
+            "gamma3",
+            gamma3,
+            "positive where gamma1 is 0 and rows have no walls: nothing holds the layers together",
+        )?;
+        check(
+            layers > 1 || gamma3 == 0.0,
+            "gamma3",
+            gamma3,
+            "0 with one layer, which has no neighbour; or more layers",
+        )?;
         // One row has no neighbours whatever its ends.
         self.across = if layers == 1 { ONE_LAYER } else { Line { masses: layers, ends } };
         self.gamma3 = gamma3 + 0.0;

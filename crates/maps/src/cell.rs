@@ -163,7 +163,11 @@ impl Status {
     fn of_list(completeness: Completeness) -> Self {
         match completeness {
             Completeness::Asked { .. } => Self::Incomplete,
-            Completeness::None { reason: NoBreather::NotSearched(_), .. } => Self::Incomplete,
+            // Where nothing is found that could be followed, others may live all the same.
+            Completeness::None {
+                reason: NoBreather::NotSearched(_) | NoBreather::NoStart | NoBreather::BranchesEnded,
+                by: None,
+            } => Self::Incomplete,
             completeness if completeness.open() != (0, 0) => Self::Unresolved,
             _ => Self::Ok,
         }

@@ -17,7 +17,7 @@ pub enum TruthError {
     },
     /// A harmonic of the motion meets a mode: no periodic response exists.
     #[error(
-        "resonance: a harmonic of the orbit's frequency {omega} meets mode {mode}, or the force the uniform mode; move omega, gamma1 or gamma2 off it"
+        "resonance: a harmonic of the orbit's frequency {omega} meets mode {mode}, or the force the uniform mode; move omega or a stiffness off it"
     )]
     Resonance {
         /// The mode k.

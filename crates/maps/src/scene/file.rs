@@ -325,7 +325,12 @@ impl Source<'_> {
                 "period-doubled" => Family::PeriodDoubled,
                 other => {
                     let word = self.word(other, name.span(), model)?;
-                    match word.family() {
+                    // On a ring all sites are alike; elsewhere a family is the word at site 0.
+                    let of_family = |family: &Family| {
+                        model.chain().is_ring()
+                            || Word::of_family(*family).is_some_and(|own| own.canonical(model) == word)
+                    };
+                    match word.family().filter(of_family) {
                         Some(family) => family,
                         None if words.contains(&word) => {
                             return Err(self.error(name.span(), format!("the word {word} is given twice: remove one")));
