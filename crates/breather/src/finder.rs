@@ -74,7 +74,7 @@ impl Wanted {
 pub struct Finder {
     spectrum: Option<Spectrum>,
     pub(crate) response: ImpulseResponse,
-    current: Option<f64>,
+    current: Option<(f64, usize)>,
     pub(crate) motion: Motion,
     zeros: Zeros,
     rises: Rises,
@@ -103,6 +103,11 @@ impl Finder {
 
     /// Spectrum and impulse response of the model's chain for impulses of frequency `omega`.
     pub(crate) fn prepare(&mut self, model: &Model, omega: f64) -> Result<(), BreatherError> {
+        self.prepare_at(model, omega, 0)
+    }
+
+    /// The same, from the view of another site.
+    fn prepare_at(&mut self, model: &Model, omega: f64, home: usize) -> Result<(), BreatherError> {
         let chain = *model.chain();
         match &mut self.spectrum {
             Some(spectrum) if *spectrum.chain() == chain => {}
@@ -113,11 +118,11 @@ impl Finder {
             None => self.spectrum = Some(Spectrum::new(chain)),
         }
         if let Some(spectrum) = &self.spectrum
-            && self.current != Some(omega)
+            && self.current != Some((omega, home))
         {
             (self.current, self.radiation) = (None, None);
-            self.response.reset(spectrum, omega)?;
-            self.current = Some(omega);
+            self.response.reset_at(spectrum, omega, home)?;
+            self.current = Some((omega, home));
         }
         Ok(())
     }
@@ -149,6 +154,18 @@ impl Finder {
         wanted: Wanted,
         found: &mut Found,
     ) -> Result<(), BreatherError> {
+        self.search_at(model, family, 0, wanted, found)
+    }
+
+    /// The same with the impacts at another site, where sites are not alike.
+    pub(crate) fn search_at(
+        &mut self,
+        model: &Model,
+        family: Family,
+        home: usize,
+        wanted: Wanted,
+        found: &mut Found,
+    ) -> Result<(), BreatherError> {
         found.orbits.clear();
         found.ended.clear();
         found.completeness = Completeness::default();
@@ -165,20 +182,22 @@ impl Finder {
             found.completeness = Completeness::None { reason, by: Some(Proof::ClosedForm) };
             return Ok(());
         }
-        // Where sites are not alike the name is the word at site 0.
-        if let (false, Some(word)) = (model.chain().is_ring(), Word::of_family(family)) {
+        // The closed forms without force know that sites are alike; elsewhere words have one of their own.
+        if let (true, false, Some(word)) = (conservative, model.chain().is_ring(), Word::of_family(family)) {
             return self.find_word(model, &word, wanted, found);
         }
-        let steady = model.steady_response()?;
+        let steady = model.steady()?.at(home);
         // A plain cosine lets the phase be eliminated.
         let cosine = model.force().cosine_amplitude().map(|_| steady.reach());
-        self.prepare(model, if family == Family::PeriodDoubled { 0.5 * model.omega() } else { model.omega() })?;
+        self.prepare_at(model, model.omega() * if family == Family::PeriodDoubled { 0.5 } else { 1.0 }, home)?;
         let (response, motion) = (&self.response, &mut self.motion);
         let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
         let judged = wanted.candidates() && conservative;
         let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
         let (mut failure, mut singular, mut refused) = (None, false, 0);
-        let mut add = |draft: Draft| {
+        let mut add = |mut draft: Draft| {
+            draft.impacts.iter_mut().for_each(|hit| hit.site = home);
+            draft.sources.iter_mut().for_each(|source| source.site = home);
             let radiates = || radiation.is_some_and(|radiation| !radiation.allows(&draft));
             let crosses = || judged && conservative::crosses(model, response, &draft);
             if wanted.candidates() && (!draft.is_right_signed() || radiates() || crosses()) {

@@ -18,6 +18,7 @@ use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 use crate::conservative::two_impact_draft;
 use crate::error::NoBreather;
 use crate::forced_harmonics;
+use crate::forced_single::amplitude_for;
 use crate::one_mass::OneMass;
 use crate::orbit::{Draft, Family};
 use crate::planar_roots::PlanarZeros;
@@ -75,7 +76,7 @@ pub(crate) fn double_sided(
             .count();
         if count + zeros.simple.len() + zeros.exhausted == 0 {
             let distance = q / q.hypot(omega * d);
-            let threshold = (model.chain().gamma1() - omega * omega).abs() * distance;
+            let threshold = amplitude_for(model, force, distance);
             return Err(NoBreather::ForceTooWeak { threshold });
         }
     }

@@ -34,7 +34,7 @@ pub(crate) fn single_sided(
     let norm = chi.hypot(loss);
     // (χ² + l²)U² − 2 gap χ U + gap² − Ã² = 0. The discriminant over (χ²+l²) is Ã² − (gap·l/norm)².
     let foot = gap * loss / norm;
-    let threshold = (model.chain().gamma1() - omega * omega).abs() * foot;
+    let threshold = amplitude_for(model, force, foot);
     let discriminant = (force.abs() - foot) * (force.abs() + foot);
     if !(norm > 0.0 && norm.is_finite()) {
         return Err(NoBreather::Singular);
@@ -64,4 +64,15 @@ pub(crate) fn single_sided(
         }
     }
     Ok(drafts)
+}
+
+/// The amplitude of the force that moves the mass by `swing` without impacts, where the model's own moves it by `force`.
+pub(crate) fn amplitude_for(model: &Model, force: f64, swing: f64) -> f64 {
+    let omega = model.omega();
+    let stiffness = if model.chain().has_walls() {
+        model.amplitude() / force.abs()
+    } else {
+        (model.chain().gamma1() - omega * omega).abs()
+    };
+    stiffness * swing
 }

@@ -52,9 +52,10 @@ impl Finder {
         word.check(&layout)?;
         let word = &word.in_one_row(&layout);
         if let Some(family) = word.family()
-            && model.chain().is_ring()
+            && (model.chain().is_ring() || !model.is_conservative() || family == Family::PeriodDoubled)
         {
-            return self.search(model, family, wanted, found);
+            let home = if model.chain().is_ring() { 0 } else { word.places()[0].1 };
+            return self.search_at(model, family, home, wanted, found);
         }
         *found = Found { orbits: std::mem::take(&mut found.orbits), ..Found::default() };
         found.orbits.clear();

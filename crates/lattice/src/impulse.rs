@@ -53,6 +53,9 @@ pub struct KernelJet {
 #[derive(Debug, Clone)]
 pub struct ImpulseResponse {
     chain: Chain,
+    /// The site that answers where none is named, and of its modes φ_k² over the weight; 1 on a ring, and not listed.
+    home: usize,
+    squares: Vec<f64>,
     omega: f64,
     period: f64,
     shapes: Shapes,
@@ -90,6 +93,8 @@ impl ImpulseResponse {
     pub fn vacant(chain: &Chain) -> Self {
         Self {
             chain: *chain,
+            home: 0,
+            squares: Vec::new(),
             omega: 1.0,
             period: std::f64::consts::TAU,
             shapes: Shapes::new(chain),
@@ -114,11 +119,23 @@ impl ImpulseResponse {
     /// # Errors
     /// As [`ImpulseResponse::new`]; the response must then be reset before it is used.
     pub fn reset(&mut self, spectrum: &Spectrum, omega: f64) -> Result<(), Resonance> {
+        self.reset_at(spectrum, omega, 0)
+    }
+
+    /// The same, with another site in place of site 0: what no site is named for is the answer of `home` to its own impulses.
+    ///
+    /// # Errors
+    /// As [`ImpulseResponse::reset`].
+    pub fn reset_at(&mut self, spectrum: &Spectrum, omega: f64, home: usize) -> Result<(), Resonance> {
         let chain = spectrum.chain();
         if chain.lines() != self.chain.lines() {
             *self = Self::vacant(chain);
         }
-        self.chain = *chain;
+        (self.chain, self.home) = (*chain, home);
+        self.squares.clear();
+        if !chain.is_ring() {
+            self.squares.extend(self.shapes.evens(home, home));
+        }
         self.omega = omega;
         self.period = std::f64::consts::TAU / omega;
         self.frequencies.clear();
@@ -184,14 +201,14 @@ impl ImpulseResponse {
         }
         let (at_impulse, at_half) = (&self.at_impulse[..modes], &self.at_half[..modes]);
         // On a ring all modes are 1 at the site that they are even about.
-        let (ring, shapes) = (chain.is_ring(), &self.shapes);
-        let weight = |k: usize| if ring { weights[k] } else { weights[k] * shapes.even(k, 0, 0) };
+        let own: Vec<f64> = weights.iter().zip(&self.squares).map(|(weight, square)| weight * square).collect();
+        let own = if own.is_empty() { weights } else { &own[..modes] };
         [self.dynamic_at_impulse, self.dynamic_at_half] =
-            long_sum(modes, |k| [weight(k) * at_impulse[k], weight(k) * at_half[k]]);
+            long_sum(modes, |k| [own[k] * at_impulse[k], own[k] * at_half[k]]);
         self.static_stiffness = if chain.is_adrift() {
             0.0
         } else {
-            let [sum] = long_sum(modes, |k| [weight(k) / (frequencies[k] * frequencies[k])]);
+            let [sum] = long_sum(modes, |k| [own[k] / (frequencies[k] * frequencies[k])]);
             self.period / sum
         };
         Ok(())
@@ -249,13 +266,15 @@ impl ImpulseResponse {
     }
 
     /// 1/(γ₁MT): the uniform displacement that one unit of net impulse a period holds up; between walls, where no mode is
-    /// uniform, the displacement of site 0 under impulses at site 0. `None` where nothing holds the lattice as a whole and a
+    /// uniform, 1/(Ω₀²MT). `None` where nothing holds the lattice as a whole and a
     /// periodic motion needs a net impulse of zero ([`Chain::is_adrift`]).
     pub fn uniform_static(&self) -> Option<f64> {
         if self.chain.is_adrift() {
             None
         } else if self.chain.has_walls() {
-            Some(1.0 / self.static_stiffness)
+            // Any measure of what a net impulse holds up will do, if it is the same for all sites.
+            let lowest = self.frequencies.first().copied().unwrap_or(1.0);
+            Some(1.0 / (lowest * lowest * self.sites() as f64 * self.period))
         } else {
             Some(1.0 / (self.chain.gamma1() * self.sites() as f64 * self.period))
         }
@@ -267,13 +286,12 @@ impl ImpulseResponse {
         if frequency > 0.0 { 1.0 / (frequency * frequency * self.period) } else { 0.0 }
     }
 
-    /// 1/S₀ with S₀ = Σ b_k²/(Ω_k²T), the static stiffness at site 0 times T; 0 where nothing holds the lattice.
+    /// 1/S₀ with S₀ = Σ b_k²/(Ω_k²T), the static stiffness at home times T; 0 where nothing holds the lattice.
     pub fn static_stiffness(&self) -> f64 {
         self.static_stiffness
     }
 
-    /// Share of [`ImpulseResponse::uniform_static`] in the static response at site 0: (1/γ₁MT)/S₀, 1 where nothing holds the
-    /// lattice and between walls.
+    /// Share of [`ImpulseResponse::uniform_static`] in the static response at home: (1/γ₁MT)/S₀, 1 where nothing holds the lattice.
     #[inline]
     pub fn uniform_share(&self) -> f64 {
         self.uniform_static().map_or(1.0, |uniform| uniform * self.static_stiffness())
@@ -348,22 +366,26 @@ impl ImpulseResponse {
             let curvature = if y < 1.0 { 1.0 / (self.period * sinc(y)) } else { 0.5 * frequency / sine };
             let square = frequency * frequency;
             for (bound, term) in bounds.iter_mut().zip([soft, curvature, soft * square, curvature * square]) {
-                *bound += self.weights[k] * term;
+                *bound += self.squares.get(k).map_or(self.weights[k], |square| self.weights[k] * square) * term;
             }
         }
         bounds
     }
 
-    /// On a ring: dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
+    /// Dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
-        let [value, slope, curvature, third] =
-            long_sum(self.modes(), |k| self.mode_jet(k, offset, self.scales[k], self.half_phase[k] < 1.0));
+        let jet = |k: usize, scale: f64| self.mode_jet(k, offset, scale, self.half_phase[k] < 1.0);
+        let [value, slope, curvature, third] = if self.squares.is_empty() {
+            long_sum(self.modes(), |k| jet(k, self.scales[k]))
+        } else {
+            long_sum(self.modes(), |k| jet(k, self.scales[k] * self.squares[k]))
+        };
         KernelJet { value, slope, curvature, third }
     }
 
     /// As [`ImpulseResponse::jet_from_half`], of site `to` where site `from` receives the impulses. What the mean force holds
-    /// up less at `to` than at site 0 under impulses there, on a ring Σ b_k² [1 − cos(2πk(to−from)/M)]/(Ω_k²T), is taken from the
+    /// up less at `to` than at home under impulses there, on a ring Σ b_k² [1 − cos(2πk(to−from)/M)]/(Ω_k²T), is taken from the
     /// value: then for any sites, and adrift, displacement = (net impulse)·S₀ + Σ impulse·value.
     pub fn jet_between(&self, to: usize, from: usize, offset: f64) -> KernelJet {
         if self.is_home(to, from) {
@@ -390,14 +412,14 @@ impl ImpulseResponse {
         sum
     }
 
-    /// What a site hears of its own impulses on a ring, where it is what every site hears.
+    /// What home hears of its own impulses; on a ring every site does.
     pub(crate) fn is_home(&self, to: usize, from: usize) -> bool {
-        to == from && self.chain.is_ring()
+        to == from && (to == self.home || self.squares.is_empty())
     }
 
-    /// What mode `k` lacks, between two sites, of its static response between site 0 and itself; weight included.
+    /// What mode `k` lacks, between two sites, of its static response between home and itself; weight included.
     pub(crate) fn static_drop(&self, k: usize, to: usize, from: usize) -> f64 {
-        self.weights[k] * self.mode_static(k) * self.shapes.drop(k, to, from)
+        self.weights[k] * self.mode_static(k) * self.shapes.drop(k, to, from, self.home)
     }
 
     /// The term of mode `k` in the dynamic part and its derivatives, `scale` in place of its own; `soft` for y < 1.

@@ -174,11 +174,11 @@ impl LineShapes {
         }
     }
 
-    /// even(k, 0, 0) − even(k, site, about), to its own last digits.
-    pub(crate) fn drop(&self, k: usize, site: usize, about: usize) -> f64 {
+    /// even(k, home, home) − even(k, site, about), to its own last digits.
+    pub(crate) fn drop(&self, k: usize, site: usize, about: usize, home: usize) -> f64 {
         let k = k + self.line.lowest();
         let own = self.cosines.defect(k, site.abs_diff(about));
-        match (self.image(site, about), self.image(0, 0)) {
+        match (self.image(site, about), self.image(home, home)) {
             (Some(image), Some(home)) => {
                 let further = self.cosines.defect_between(k, home, image);
                 0.5 * (own + self.sign() * further)

@@ -71,14 +71,15 @@ impl Shapes {
         if site < about { -sine } else { sine }
     }
 
-    /// What [`Shapes::even`] of two sites lacks of that of site 0 with itself, to its own last digits.
-    pub fn drop(&self, k: usize, site: usize, about: usize) -> f64 {
-        let Some(across) = &self.across else { return self.along.drop(k, site, about) };
+    /// What [`Shapes::even`] of two sites lacks of that of site `home` with itself, to its own last digits.
+    pub fn drop(&self, k: usize, site: usize, about: usize, home: usize) -> f64 {
+        let Some(across) = &self.across else { return self.along.drop(k, site, about, home) };
         let (length, modes) = (self.along.line().masses, self.along.line().modes());
         let (k, l) = (k % modes, k / modes);
         // xy − x′y′ = x(y − y′) + (x − x′)y′
-        self.along.even(k, 0, 0) * across.drop(l, site / length, about / length)
-            + self.along.drop(k, site % length, about % length) * across.even(l, site / length, about / length)
+        let (below, above, level) = (site / length, about / length, home / length);
+        self.along.even(k, home % length, home % length) * across.drop(l, below, above, level)
+            + self.along.drop(k, site % length, about % length, home % length) * across.even(l, below, above)
     }
 
     /// [`Shapes::even`] of all modes, without a multiplication a step on a ring.
@@ -162,7 +163,7 @@ mod tests {
             let turn = std::f64::consts::TAU * k as f64 * (site as f64 - about as f64) / 9.0;
             assert!((shapes.even(k, site, about) - turn.cos()).abs() < 2e-15);
             assert!((shapes.odd(k, site, about) - turn.sin()).abs() < 2e-15);
-            assert!((shapes.drop(k, site, about) - (1.0 - turn.cos())).abs() < 2e-15);
+            assert!((shapes.drop(k, site, about, 0) - (1.0 - turn.cos())).abs() < 2e-15);
         }
     }
 
@@ -203,8 +204,11 @@ mod tests {
                     };
                     assert_eq!(shape, shapes.even(k, site, about));
                     assert!((shape - plain(site, about)).abs() < 3e-15, "{chain:?} {k} {site} {about}");
-                    let drop = plain(0, 0) - plain(site, about);
-                    assert!((shapes.drop(k, site, about) - drop).abs() < 3e-15, "{chain:?} {k} {site} {about}");
+                    for home in [0, length / 2, length * layers - 1] {
+                        let drop = plain(home, home) - plain(site, about);
+                        let told = shapes.drop(k, site, about, home);
+                        assert!((told - drop).abs() < 3e-15, "{chain:?} {k} {site} {about} {home}");
+                    }
                 }
             }
         }

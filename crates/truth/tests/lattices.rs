@@ -3,10 +3,10 @@
 
 use std::collections::HashMap;
 
-use vibrochain_breather::{Admissibility, Finder, Found, Obstruction, Orbit, Wanted};
+use vibrochain_breather::{Admissibility, Finder, Found, Hit, Obstruction, Orbit, Wanted, Word};
 use vibrochain_floquet::{FloquetError, Tolerance, Verdict, stability};
-use vibrochain_lattice::{Chain, Model};
-use vibrochain_testkit::{Random, Ranges, Values};
+use vibrochain_lattice::{Chain, Ends, Model};
+use vibrochain_testkit::{Random, Ranges, ReturnMap, Values};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum, TruthError};
 
 /// What was compared.
@@ -236,4 +236,92 @@ fn claims_for_random_words_on_random_lattices_hold() {
 #[ignore = "five minutes: cargo test --workspace --test lattices -- --ignored slow"]
 fn slow_claims_for_ten_thousand_random_words_on_random_lattices_hold() {
     words_hold(10_000);
+}
+
+/// One site under a force has the closed forms of the families on any lattice: all orbits, with proof. Layers that are not coupled
+/// are rings; every orbit comes back in a simulated period; and none that guesses lead to is missing from the list.
+#[test]
+fn forced_families_are_complete_at_any_site() {
+    let mut random = Random(91);
+    let ranges = Ranges { sites: [1, 7], ..Ranges::FORCED };
+    let (mut finder, mut found, mut other) = (Finder::new(7), Found::default(), Found::default());
+    let (mut orbits, mut closed, mut rediscovered, mut walls, mut alike) = (0, 0, 0, 0, 0);
+    for _ in 0..400 {
+        let chain = random.lattice(&ranges);
+        let model = random.model(&ranges);
+        let force = *model.force();
+        let model = Model::with_force(chain, model.omega(), model.asymmetry(), &force, model.restitution()).unwrap();
+        let site = random.below(chain.sites());
+        let (n, layer) = chain.layout().place(site);
+        let text = random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &format!("{n}:{layer}"));
+        let word: Word = text.parse().unwrap();
+        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        if chain.is_ring() {
+            // The same ring as one of two that do not feel each other.
+            let two = chain.with_layers(2, 0.0, Ends::Free).unwrap();
+            let two = Model::with_force(two, model.omega(), model.asymmetry(), &force, model.restitution()).unwrap();
+            finder.find_word(&two, &word, Wanted::All, &mut other).unwrap();
+            assert_eq!(other.orbits.len(), found.orbits.len(), "{word} {model}");
+            for (one, other) in found.orbits.iter().zip(&other.orbits) {
+                for (one, other) in one.impacts().iter().zip(other.impacts()) {
+                    assert!((one.impulse - other.impulse).abs() < 1e-9 * one.impulse.abs().max(1.0), "{word} {model}");
+                }
+                alike += 1;
+            }
+            continue;
+        }
+        for orbit in &found.orbits {
+            assert!(orbit.impacts().iter().all(|impact| impact.site == site), "{word} {model}");
+            let size = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(10.0, f64::max);
+            assert!(orbit.residual() < 1e-13 * size, "{word} {model} {:e}", orbit.residual());
+            orbits += 1;
+            walls += usize::from(chain.has_walls());
+            if finder.admissibility(orbit).is_ok_and(|told| told.is_physical()) {
+                let map = ReturnMap::new(orbit);
+                let point = map.fixed_point();
+                assert!((map.apply(&point) - &point).amax() < 1e-8, "{word} {model}");
+                closed += 1;
+            }
+        }
+        if !found.completeness.is_established() {
+            continue;
+        }
+        // From anywhere.
+        let periods = if text.matches('-').count() == 2 { 2 } else { 1 };
+        let period = model.period() * f64::from(periods);
+        for _ in 0..8 {
+            let hits: Vec<Hit> = (word.letters().enumerate())
+                .map(|(i, letter)| {
+                    let time = if i == 0 { 0.0 } else { random.between(0.3, 0.7) * period };
+                    let impulse = -letter.barrier.sign() * random.between(0.2, 3.0) * model.omega();
+                    Hit::new(site, letter.barrier, time, impulse)
+                })
+                .collect();
+            let psi = random.between(0.0, 1.0) * model.period();
+            let Ok(guess) = Orbit::from_impulses(&model, periods, psi, &hits) else { continue };
+            let Ok(orbit) = finder.polish(&guess) else { continue };
+            let condition = finder.condition(&orbit).unwrap();
+            // Two impacts that are one, or orbits too near a fold to be told apart.
+            let twice = periods == 2 && (orbit.impacts()[1].time / period - 0.5).abs() < 1e-3;
+            if condition.fold < 1e-4 || condition.impulse_error(&orbit) > 1e-6 || twice {
+                continue;
+            }
+            let same = |other: &Orbit| {
+                let shift = |a: &Orbit, i: usize| a.impacts()[i].impulse;
+                let of = |first: usize| {
+                    (0..other.impacts().len()).all(|i| {
+                        let j = (i + first) % other.impacts().len();
+                        (shift(other, i) - shift(&orbit, j)).abs() < 1e-5 * model.omega().max(1.0)
+                    })
+                };
+                of(0) || periods == 2 && of(1)
+            };
+            assert!(found.orbits.iter().any(same), "{word} {model}\n{orbit:?}\n{:?}", found.orbits);
+            rediscovered += 1;
+        }
+    }
+    let counts = [orbits, closed, rediscovered, walls, alike];
+    assert!(counts.iter().all(|&count| count >= 20), "{counts:?}");
 }
