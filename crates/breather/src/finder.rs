@@ -183,7 +183,12 @@ impl Finder {
             return Ok(());
         }
         // The closed forms without force know that sites are alike; elsewhere words have one of their own.
-        if let (true, false, Some(word)) = (conservative, model.chain().is_ring(), Word::of_family(family)) {
+        if conservative && !model.chain().is_ring() {
+            let Some(word) = Word::of_family(family) else {
+                let reason = NoBreather::NotSearched(Unsearched::Unnamed);
+                found.completeness = Completeness::None { reason, by: None };
+                return Ok(());
+            };
             return self.find_word(model, &word, wanted, found);
         }
         let steady = model.steady()?.at(home);
