@@ -225,17 +225,17 @@ impl Analyser {
 /// Terms that a count may sum up in one pass over the gaps: some seconds, of which there may be some.
 const MOST_TERMS: f64 = 2e10;
 
-/// A word of several sites without force on a ring so large that its multipliers are counted, and none is worked out that does not
+/// A word of several sites without force on a lattice so large that its multipliers are counted, and none is worked out that does not
 /// decide.
 fn is_counted(orbit: &Orbit) -> bool {
     let chain = orbit.model().chain();
     let terms = || {
         let sites = Word::of(orbit).places().len() as f64;
-        (chain.even_modes() as f64).powi(2) * 6.0 * (0.5 * sites * (sites - 1.0) + 1.0)
+        let pairs = 0.5 * sites * (sites - 1.0) + if chain.is_ring() { 1.0 } else { sites };
+        (chain.even_modes() as f64).powi(2) * 6.0 * pairs
     };
     orbit.is_reversible()
         && orbit.impact_site().is_none()
-        && chain.is_ring()
         && !chain.is_uncoupled()
         && chain.sites() > WORTH_A_MATRIX
         && terms() <= MOST_TERMS

@@ -1,8 +1,9 @@
-//! Verdicts on words of several sites on rings too large for a matrix: all multipliers counted by the inertia of the secular matrix,
+//! Verdicts on words of several sites on lattices too large for a matrix: all multipliers counted by the inertia of the secular matrix,
 //! those outside the circle settled by the impacts' equations.
 //!
 //! What the count leaves open are complex ν. A breather's own multipliers hardly know how long the ring is: a short ring with the same
-//! word tells where to look, the count whether these are all.
+//! word tells where to look, the count whether these are all. (Off rings there is neither that nor the impacts' equations: what is real
+//! is known from its bracket, and complex ones are a doubt.)
 
 use nalgebra::Complex;
 use vibrochain_breather::{Condition, Finder, Found, Letter, Orbit, Wanted, Word};
@@ -38,7 +39,7 @@ impl Analyser {
         self.inertia.set(finder.prepared(orbit)?, &condition);
         let count = self.inertia.count()?;
         let mut starts: Vec<Complex<f64>> = count.real.iter().map(|real| real.multiplier).collect();
-        if count.missing > 0 {
+        if count.missing > 0 && orbit.model().chain().is_ring() {
             starts.extend(self.on_a_short_ring(orbit)?);
         }
         let (leading, growth, error) = match self.outside(&starts, &count, orbit, &condition, finder)? {
@@ -58,6 +59,14 @@ impl Analyser {
         condition: &Condition,
         finder: &mut Finder,
     ) -> Result<Option<(Complex<f64>, f64, f64)>, Failure> {
+        if !orbit.model().chain().is_ring() {
+            if count.missing > 0 {
+                let found = count.wanted - count.missing;
+                return Err(SecularError::Incomplete { found, wanted: count.wanted }.into());
+            }
+            let bracketed = count.real.iter().map(|real| (real.multiplier, real.growth, real.error));
+            return Ok(bracketed.max_by(|a, b| a.1.total_cmp(&b.1)));
+        }
         self.forced.adopt(orbit, condition, starts.iter().map(|start| (*start, 0.0)), None);
         self.forced.settle_apart(finder.prepared(orbit)?);
         let (values, errors) = self.forced.multipliers();

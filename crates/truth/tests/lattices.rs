@@ -233,8 +233,14 @@ fn claims_for_random_words_on_random_lattices_hold() {
 }
 
 #[test]
-#[ignore = "five minutes: cargo test --workspace --test lattices -- --ignored slow"]
-fn slow_claims_for_ten_thousand_random_words_on_random_lattices_hold() {
+#[ignore = "half a minute: cargo test --workspace --test lattices -- --ignored slow"]
+fn slow_claims_for_a_thousand_random_words_on_random_lattices_hold() {
+    words_hold(1000);
+}
+
+#[test]
+#[ignore = "five minutes: cargo test --workspace --test lattices -- --ignored ten_thousand"]
+fn claims_for_ten_thousand_random_words_on_random_lattices_hold() {
     words_hold(10_000);
 }
 

@@ -1,4 +1,4 @@
-//! Reversible words of any sites on rings of any size: how many multipliers are on the circle, and how many real ones beyond it, by the
+//! Reversible words of any sites on lattices of any size: how many multipliers are on the circle, and how many real ones beyond it, by the
 //! inertia of one symmetric matrix; nothing of the ring's size is solved.
 //!
 //! With ν = cos θ, c, s = cos, sin(ΩT/2), x = s/Ω, y = sΩ and d = cos ΩT, K̂ of [`super::impact_matrix`] for impacts at 0 and T/2 is,
@@ -99,10 +99,10 @@ struct Group {
 pub(crate) struct Inertia {
     modes: Modes,
     groups: Vec<Group>,
-    /// Shapes of all modes at each distance between two sites that are hit: [distance][group].
+    /// Shapes of all modes between two sites that are hit, on a ring by their distance: [pair][group].
     shapes: Vec<Lane>,
-    /// Of two impacts: which distance; whether they are at the later instant.
-    distances: Vec<usize>,
+    /// Of two impacts: which pair; whether they are at the later instant.
+    pairs: Vec<usize>,
     late: Vec<bool>,
     /// κ'/ω and its error.
     kappas: Vec<(f64, f64)>,
@@ -128,23 +128,24 @@ impl Inertia {
         }));
         self.late.clear();
         self.late.extend(impacts.iter().map(|impact| impact.time > first));
-        let mut classes: Vec<usize> = Vec::new();
-        self.distances.clear();
+        let (shapes, ring) = (response.shapes(), orbit.model().chain().is_ring());
+        let mut classes: Vec<[usize; 2]> = Vec::new();
+        self.pairs.clear();
         for one in impacts {
             for other in impacts {
-                let distance = one.site.abs_diff(other.site);
-                let class = classes.iter().position(|&known| known == distance).unwrap_or_else(|| {
-                    classes.push(distance);
+                let (low, high) = (one.site.min(other.site), one.site.max(other.site));
+                let pair = if ring { [high - low, 0] } else { [high, low] };
+                let class = classes.iter().position(|&known| known == pair).unwrap_or_else(|| {
+                    classes.push(pair);
                     classes.len() - 1
                 });
-                self.distances.push(class);
+                self.pairs.push(class);
             }
         }
-        let shapes = response.shapes();
         self.shapes.clear();
         let mut lanes = Vec::new();
-        for &distance in &classes {
-            let cosines: Vec<f64> = shapes.evens(distance, 0).take(modes.len()).collect();
+        for &[to, from] in &classes {
+            let cosines: Vec<f64> = shapes.evens(to, from).take(modes.len()).collect();
             fill(&mut lanes, cosines.into_iter(), 0.0);
             self.shapes.extend_from_slice(&lanes);
         }
@@ -177,7 +178,17 @@ impl Inertia {
         }));
         // A mode that is alone with its frequency has one shape, a doublet's second one may have a node at all sites.
         let home = impacts.first().map_or(0, |impact| impact.site);
-        let rank = |k: usize| 1 + i64::from(impacts.iter().any(|impact| shapes.odd(k, impact.site, home) != 0.0));
+        let doublet = |k: usize| 1 + i64::from(impacts.iter().any(|impact| shapes.odd(k, impact.site, home) != 0.0));
+        let mut sites: Vec<usize> = impacts.iter().map(|impact| impact.site).collect();
+        sites.sort_unstable();
+        sites.dedup();
+        let rank = |k: usize| {
+            if ring {
+                return doublet(k);
+            }
+            let projector = DMatrix::from_fn(sites.len(), sites.len(), |i, j| shapes.even(k, sites[i], sites[j]));
+            projector.symmetric_eigenvalues().iter().filter(|value| !Modes::is_spared(**value)).count() as i64
+        };
         self.poles.clear();
         self.poles.extend(modes.iter().enumerate().map(|(k, mode)| {
             let rising = if (mode.cos > 0.0) == (mode.sin > 0.0) { 1 } else { -1 };
@@ -218,7 +229,7 @@ impl Inertia {
         let mut matrix = DMatrix::zeros(2 * n, 2 * n);
         for i in 0..n {
             for j in 0..n {
-                let [one, c, cx, x, cy, y] = sums[self.distances[i * n + j]];
+                let [one, c, cx, x, cy, y] = sums[self.pairs[i * n + j]];
                 let [upper, even, lower] = signs(i, j);
                 let (u, e, l) = if self.late[i] == self.late[j] {
                     (cx, sine * cosine * one, cy)

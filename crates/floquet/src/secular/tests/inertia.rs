@@ -2,7 +2,7 @@
 
 use vibrochain_breather::{Finder, Found, Letter, Wanted, Word};
 use vibrochain_lattice::{Barrier, Chain, Model};
-use vibrochain_testkit::Random;
+use vibrochain_testkit::{Random, Ranges, Values};
 
 use crate::analyser::Failure;
 use crate::secular::SecularError;
@@ -30,14 +30,19 @@ fn word(random: &mut Random, sites: usize) -> Option<Word> {
 #[test]
 fn counts_are_those_of_dense_matrices() {
     let mut random = Random(15);
-    let (mut stable, mut unstable, mut complex, mut open, mut one_instant) = (0, 0, 0, 0, 0);
+    let (mut stable, mut unstable, mut complex, mut open, mut one_instant) = (0, 0, 0, [0; 2], 0);
     let (mut finder, mut found) = (Finder::new(1), Found::default());
     let (mut analyser, mut dense) = (Analyser::default(), Analyser::dense());
-    for _ in 0..1500 {
+    let (gamma1, gamma2) = (Values::Even(0.05, 0.6), Values::Log(1e-3, 0.3));
+    let ranges = Ranges { sites: [2, 12], gamma1, gamma2, ..Ranges::CONSERVATIVE };
+    let mut lattices = [0; 2];
+    for round in 0..3500 {
         let sites = 3 + random.below(30);
-        let chain = Chain::new(sites, random.between(0.05, 0.6), random.log(1e-3, 0.3)).unwrap();
+        let ring = Chain::new(sites, random.between(0.05, 0.6), random.log(1e-3, 0.3)).unwrap();
+        let chain = if round < 1500 { ring } else { random.lattice(&ranges) };
         let model = Model::conservative(chain, random.between(0.6, 2.5), random.between(0.0, 0.8)).unwrap();
-        let Some(word) = word(&mut random, sites) else { continue };
+        let word = if round < 1500 { word(&mut random, sites) } else { random.word(&chain) };
+        let Some(word) = word.filter(|word| word.places().len() > 1) else { continue };
         if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
             continue;
         }
@@ -57,19 +62,23 @@ fn counts_are_those_of_dense_matrices() {
                     assert!(off <= room, "{off:e} {verdict:?} {told}");
                     stable += usize::from(reference.stable);
                     unstable += usize::from(!reference.stable);
+                    lattices[usize::from(!reference.stable)] += usize::from(!chain.is_ring());
                     one_instant += usize::from(word.instants().len() == 1);
                 }
                 Err(Failure::SecularError(SecularError::Incomplete { found, wanted })) => {
                     assert!(found < wanted, "{found} {wanted} {told}");
                     complex += usize::from(!reference.stable);
-                    open += usize::from(reference.stable);
+                    open[usize::from(!chain.is_ring())] += usize::from(reference.stable);
                 }
-                Err(_) => open += 1,
+                Err(_) => open[usize::from(!chain.is_ring())] += 1,
             }
         }
     }
-    println!("{stable} {unstable} {complex} {open} {one_instant}");
-    assert!(stable > 100 && unstable > 100 && one_instant > 5 && 5 * open < stable + unstable);
+    println!("{stable} {unstable} {complex} {open:?} {one_instant} {lattices:?}");
+    assert!(lattices.iter().all(|&count| count > 100), "{lattices:?}");
+    assert!(stable > 100 && unstable > 100 && one_instant > 5 && 5 * open[0] < stable + unstable);
+    // Of two directions modes nearly coincide far more often.
+    assert!(open[1] < lattices[0] + lattices[1], "{open:?}");
 }
 
 #[test]
