@@ -200,7 +200,7 @@ mod with_plot {
 mod without_plot {
     use vibrochain_breather::Orbit;
     use vibrochain_eventsim::Simulation;
-    use vibrochain_lattice::{Layout, Model};
+    use vibrochain_lattice::Model;
 
     use super::{CliError, SimulateArgs, Start};
 
