@@ -191,7 +191,7 @@ impl Finder {
             };
             return self.find_word(model, &word, wanted, found);
         }
-        let steady = model.steady()?.at(home);
+        let steady = if model.chain().has_walls() { model.steady()?.at(home) } else { model.steady_response()? };
         // A plain cosine lets the phase be eliminated.
         let cosine = model.force().cosine_amplitude().map(|_| steady.reach());
         self.prepare_at(model, model.omega() * if family == Family::PeriodDoubled { 0.5 } else { 1.0 }, home)?;

@@ -163,11 +163,18 @@ pub struct WaveTerm {
 }
 
 /// A sum of cosines, Σ c_j cos(r_j t + θ_j): a force, or the uniform motion it drives.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 #[must_use]
 pub struct Wave {
     count: usize,
     terms: [WaveTerm; MAX_HARMONICS],
+}
+
+impl PartialEq for Wave {
+    /// By the terms that there are.
+    fn eq(&self, other: &Self) -> bool {
+        self.terms() == other.terms()
+    }
 }
 
 // What the inner loops of orbits ask is marked to be inlined: there is no pass over all crates at linking.
