@@ -15,7 +15,6 @@
 
 use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
-use crate::conservative::two_impact_draft;
 use crate::error::NoBreather;
 use crate::forced_harmonics;
 use crate::forced_single::amplitude_for;
@@ -55,14 +54,7 @@ pub(crate) fn double_sided(
     let mut emit = |solution: TwoImpactSolution| {
         let phi = half + solution.delta;
         let psi = phase(solution.theta, phi, omega);
-        let draft = two_impact_draft(
-            response,
-            Family::DoubleSided,
-            psi,
-            phi,
-            (solution.p1, solution.p2),
-            solution.static_displacement,
-        );
+        let draft = solution.draft(response, Family::DoubleSided, psi, phi);
         found(draft);
     };
     let mut count = 0;
@@ -165,14 +157,7 @@ pub(crate) fn period_doubled(
         let phi = half + solution.delta;
         let psi = phase(solution.theta, phi, omega);
         count += 1;
-        found(two_impact_draft(
-            response,
-            Family::PeriodDoubled,
-            psi,
-            phi,
-            (solution.p1, solution.p2),
-            solution.static_displacement,
-        ));
+        found(solution.draft(response, Family::PeriodDoubled, psi, phi));
     }
     if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }

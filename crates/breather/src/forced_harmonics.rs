@@ -15,7 +15,7 @@
 
 use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
-use crate::conservative::{single_sided_draft, two_impact_draft};
+use crate::conservative::single_sided_draft;
 use crate::enclosure::Dual;
 use crate::error::NoBreather;
 use crate::harmonic_impacts::HarmonicImpacts;
@@ -125,14 +125,7 @@ pub(crate) fn double_sided(
         let phi = half + solution.delta;
         let psi = (place[1] - 0.5 * phi).rem_euclid(repeat);
         count += 1;
-        found(two_impact_draft(
-            response,
-            Family::DoubleSided,
-            psi,
-            phi,
-            (solution.p1, solution.p2),
-            solution.static_displacement,
-        ));
+        found(solution.draft(response, Family::DoubleSided, psi, phi));
     };
     let edge = half - shortest_flight(response, steady.bound(1));
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
@@ -172,14 +165,7 @@ pub(crate) fn period_doubled(
         let phi = half + solution.delta;
         let psi = (place[1] - 0.5 * phi).rem_euclid(repeat);
         count += 1;
-        found(two_impact_draft(
-            response,
-            Family::PeriodDoubled,
-            psi,
-            phi,
-            (solution.p1, solution.p2),
-            solution.static_displacement,
-        ));
+        found(solution.draft(response, Family::PeriodDoubled, psi, phi));
     }
     outcome(count, plane.unresolved.len() + plane.exhausted)
 }

@@ -239,6 +239,13 @@ impl Orbit {
         }
     }
 
+    /// The sites that are hit, rising.
+    pub fn hit_sites(&self) -> Vec<usize> {
+        let mut sites: Vec<usize> = self.sources.iter().map(|source| source.site).collect();
+        sites.sort_unstable();
+        sites
+    }
+
     /// The site about which the motion of a ring is symmetric, because it takes all impacts: modes odd about it stay at rest, and
     /// half of the masses tell all. `None` where several sites are hit, and on other lattices.
     pub fn centre(&self) -> Option<usize> {

@@ -36,7 +36,9 @@
 
 use vibrochain_lattice::ImpulseResponse;
 
+use crate::conservative::two_impact_draft;
 use crate::enclosure::{Algebra, Dual, Point};
+use crate::orbit::{Draft, Family};
 use crate::roots::{Enclosed, Zeros};
 
 /// Where δ = 0 solves by itself (a = 0, e = 1 or γ₁ = 0, and always for a doubled orbit), E has a double zero there that
@@ -82,6 +84,13 @@ pub(crate) struct TwoImpactSolution {
     pub(crate) theta: f64,
     /// Static displacement of site 0, net impulse × S₀.
     pub(crate) static_displacement: f64,
+}
+
+impl TwoImpactSolution {
+    /// The orbit of this family with it, ψ and φ told.
+    pub(crate) fn draft(&self, response: &ImpulseResponse, family: Family, psi: f64, phi: f64) -> Draft {
+        two_impact_draft(response, family, psi, phi, (self.p1, self.p2), self.static_displacement)
+    }
 }
 
 impl<'a> TwoImpacts<'a> {

@@ -480,10 +480,8 @@ mod with_plot {
         let at = |impacts: &[Impact]| format!("at t = {:.4}", impacts.first().map_or(0.0, |impact| impact.time));
         let profiles = orbit_plots::profiles(orbit, &mut motion, at);
         let part = |k: usize| k as f64 / SAMPLES as f64;
-        let mut hit: Vec<usize> = orbit.impacts().iter().map(|impact| impact.site).collect();
-        hit.sort_unstable();
-        hit.dedup();
-        let traces = hit
+        let traces = orbit
+            .hit_sites()
             .into_iter()
             .map(|site| {
                 let at = |k: usize| (part(k), motion.at(site, part(k) * orbit.period()).displacement);

@@ -12,7 +12,7 @@
 //! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Orbit, Word};
+use vibrochain_breather::{Finder, Orbit};
 
 use crate::dense::{Dense, WORTH_A_MATRIX, uncoupled};
 use crate::error::FloquetError;
@@ -230,7 +230,7 @@ const MOST_TERMS: f64 = 2e10;
 fn is_counted(orbit: &Orbit) -> bool {
     let chain = orbit.model().chain();
     let terms = || {
-        let sites = Word::of(orbit).places().len() as f64;
+        let sites = orbit.hit_sites().len() as f64;
         let pairs = 0.5 * sites * (sites - 1.0) + if chain.is_ring() { 1.0 } else { sites };
         (chain.even_modes() as f64).powi(2) * 6.0 * pairs
     };

@@ -29,9 +29,6 @@ use crate::eigenvectors::FloquetMode;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn phases(orbit: &Orbit, mode: &FloquetMode, finder: &mut Finder) -> Result<Vec<(usize, f64)>, BreatherError> {
-    let mut sites: Vec<usize> = orbit.impacts().iter().map(|impact| impact.site).collect();
-    sites.sort_unstable();
-    sites.dedup();
     let omega = orbit.frequency();
     let motion = finder.motion(orbit)?;
     // The end of the last flight is just before the first impact.
@@ -45,7 +42,7 @@ pub fn phases(orbit: &Orbit, mode: &FloquetMode, finder: &mut Finder) -> Result<
         let (u, v) = (u.map_or(0.0, |z| z.re) * omega, v.map_or(0.0, |z| z.re));
         (u * along + v * across) / (along * along + across * across)
     };
-    let mut shifts: Vec<(usize, f64)> = sites.into_iter().map(|site| (site, shift(site))).collect();
+    let mut shifts: Vec<(usize, f64)> = orbit.hit_sites().into_iter().map(|site| (site, shift(site))).collect();
     let largest = shifts.iter().map(|shift| shift.1).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(1.0);
     shifts.iter_mut().for_each(|shift| shift.1 /= largest);
     Ok(shifts)

@@ -56,6 +56,8 @@ pub struct ImpulseResponse {
     /// The site that answers where none is named, and of its modes φ_k² over the weight; 1 on a ring, and not listed.
     home: usize,
     squares: Vec<f64>,
+    /// The products of the two, b_k² of home; not listed on a ring.
+    own: Vec<f64>,
     omega: f64,
     period: f64,
     shapes: Shapes,
@@ -95,6 +97,7 @@ impl ImpulseResponse {
             chain: *chain,
             home: 0,
             squares: Vec::new(),
+            own: Vec::new(),
             omega: 1.0,
             period: std::f64::consts::TAU,
             shapes: Shapes::new(chain),
@@ -201,8 +204,9 @@ impl ImpulseResponse {
         }
         let (at_impulse, at_half) = (&self.at_impulse[..modes], &self.at_half[..modes]);
         // On a ring all modes are 1 at the site that they are even about.
-        let own: Vec<f64> = weights.iter().zip(&self.squares).map(|(weight, square)| weight * square).collect();
-        let own = if own.is_empty() { weights } else { &own[..modes] };
+        self.own.clear();
+        self.own.extend(weights.iter().zip(&self.squares).map(|(weight, square)| weight * square));
+        let own = if self.own.is_empty() { weights } else { &self.own[..modes] };
         [self.dynamic_at_impulse, self.dynamic_at_half] =
             long_sum(modes, |k| [own[k] * at_impulse[k], own[k] * at_half[k]]);
         self.static_stiffness = if chain.is_adrift() {
@@ -358,6 +362,7 @@ impl ImpulseResponse {
     /// Bounds over the open period on |K₀′|, |K₀″|, |K₀‴| and |K₀⁗|, from the modes' amplitudes.
     pub fn derivative_bounds(&self) -> [f64; 4] {
         let mut bounds = [0.0; 4];
+        let own = if self.own.is_empty() { &self.weights } else { &self.own };
         for k in 0..self.modes() {
             let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
             let sine = if y < 1.0 { y * sinc(y) } else { self.sin_half[k].abs() };
@@ -366,7 +371,7 @@ impl ImpulseResponse {
             let curvature = if y < 1.0 { 1.0 / (self.period * sinc(y)) } else { 0.5 * frequency / sine };
             let square = frequency * frequency;
             for (bound, term) in bounds.iter_mut().zip([soft, curvature, soft * square, curvature * square]) {
-                *bound += self.squares.get(k).map_or(self.weights[k], |square| self.weights[k] * square) * term;
+                *bound += own[k] * term;
             }
         }
         bounds

@@ -1,6 +1,8 @@
 //! Random words on random lattices against many digits: no error is above its claim, no verdict that claims to be certain is wrong.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
+mod support;
+
 use std::collections::HashMap;
 
 use vibrochain_breather::{Admissibility, Finder, Found, Hit, Obstruction, Orbit, Wanted, Word};
@@ -8,6 +10,8 @@ use vibrochain_floquet::{FloquetError, Tolerance, Verdict, stability};
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, Ranges, ReturnMap, Values};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum, TruthError};
+
+use support::assert_claims_hold;
 
 /// What was compared.
 #[derive(Debug, Default)]
@@ -39,20 +43,8 @@ impl Counts {
             Err(error) => panic!("{error} {orbit:?}"),
         };
         assert!(truth.residual().log10_abs() < -50.0);
-        let mut relative = 0.0_f64;
-        for ((impact, true_impact), claimed) in orbit.impacts().iter().zip(truth.impacts()).zip(&condition.impacts) {
-            let errors = [
-                (&true_impact.impulse - impact.impulse, claimed.impulse),
-                (&true_impact.time - impact.time, claimed.time),
-                (&true_impact.acceleration - impact.acceleration, claimed.acceleration),
-            ];
-            for (error, claimed) in errors {
-                let error = error.to_f64().abs();
-                // Without equality a time at 0 would have to be better than exact.
-                assert!(error <= claimed.max(f64::EPSILON), "{error:e} {claimed:e} {orbit:?}");
-            }
-            relative = relative.max(claimed.impulse);
-        }
+        assert_claims_hold(orbit, &condition, &truth);
+        let relative = condition.impacts.iter().map(|claimed| claimed.impulse).fold(0.0, f64::max);
         let admissibility = finder.admissibility(orbit).unwrap();
         self.admissibility(&admissibility, &truth, relative);
         if orbit.impact_site().is_some() {

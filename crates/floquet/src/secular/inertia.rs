@@ -179,9 +179,7 @@ impl Inertia {
         // A mode that is alone with its frequency has one shape, a doublet's second one may have a node at all sites.
         let home = impacts.first().map_or(0, |impact| impact.site);
         let doublet = |k: usize| 1 + i64::from(impacts.iter().any(|impact| shapes.odd(k, impact.site, home) != 0.0));
-        let mut sites: Vec<usize> = impacts.iter().map(|impact| impact.site).collect();
-        sites.sort_unstable();
-        sites.dedup();
+        let sites = orbit.hit_sites();
         let rank = |k: usize| {
             if ring {
                 return doublet(k);

@@ -178,17 +178,15 @@ impl Scene {
         let scene = Self { title: file.title, base, axes, task };
         if let Some(span) = file.compute.collisions.as_ref().map(Spanned::span)
             && scene.task.collisions
-            && !scene.is_conservative()
         {
-            let message = "collisions are told of conservative orbits only: remove the force, or collisions";
-            return Err(source.error(span, message));
-        }
-        if let Some(span) = file.compute.collisions.as_ref().map(Spanned::span)
-            && scene.task.collisions
-            && !scene.base.layout.is_ring()
-        {
-            let message = "collisions are told of rings only: give closed ends and one layer, or remove collisions";
-            return Err(source.error(span, message));
+            if !scene.is_conservative() {
+                let message = "collisions are told of conservative orbits only: remove the force, or collisions";
+                return Err(source.error(span, message));
+            }
+            if !scene.base.layout.is_ring() {
+                let message = "collisions are told of rings only: give closed ends and one layer, or remove collisions";
+                return Err(source.error(span, message));
+            }
         }
         Ok(scene)
     }
