@@ -300,6 +300,17 @@ impl Branch {
         Err(BranchError::NoConvergence)
     }
 
+    /// How far apart two points are, in units of the coordinates.
+    pub fn distance(&self, from: &BranchPoint, to: &BranchPoint) -> f64 {
+        let chord = self.chord(from, to);
+        dot(&chord, &chord).sqrt()
+    }
+
+    /// Number of masses.
+    pub fn sites(&self) -> usize {
+        self.origin.model().chain().sites()
+    }
+
     /// The length at which `to` lies from `from`, along the tangent there.
     pub fn length_between(&self, from: &BranchPoint, to: &BranchPoint) -> f64 {
         dot(&from.tangent, &self.chord(from, to))

@@ -96,6 +96,7 @@ mod worst;
 
 pub use admissibility::{Admissibility, Approach, Obstruction};
 pub use branch::{Branch, BranchError, BranchPoint};
+pub use branching::Departure;
 pub use completeness::{Completeness, Proof};
 pub use condition::{Condition, ImpactError, Together};
 pub use ended::{End, Ended};

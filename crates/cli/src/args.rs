@@ -54,6 +54,8 @@ pub enum Command {
     Words(WordsArgs),
     /// Where a breather bifurcates or grazes as one parameter varies, to twelve digits.
     Locate(LocateArgs),
+    /// A branch of breathers as one parameter varies, through folds, with all events on it and what branches off.
+    Branch(BranchArgs),
     /// Simulate event by event, from a breather or from any state.
     Simulate(SimulateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
@@ -357,7 +359,7 @@ pub enum EventName {
     Fold,
 }
 
-/// Parameters that `mapgen locate` can free.
+/// Parameters that can be varied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FreeName {
     /// γ₁
@@ -390,17 +392,10 @@ impl From<FreeName> for Parameter {
     }
 }
 
-/// Arguments of `mapgen locate`.
+/// Where a branch is taken up, and how far it is followed.
 #[derive(Debug, Args)]
-#[command(
-    group = ArgGroup::new("start").args(["family", "word", "near"]).required(true),
-    after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both \
-                  ways, to the ends of the range or its own; every event on it is an answer, and so is that there is none."
-)]
-pub struct LocateArgs {
-    /// What to look for.
-    #[arg(long, value_enum)]
-    pub event: EventName,
+#[command(group = ArgGroup::new("start").args(["family", "word", "near"]).required(true))]
+pub struct AlongArgs {
     /// The parameter that varies.
     #[arg(long, value_enum)]
     pub free: FreeName,
@@ -419,6 +414,76 @@ pub struct LocateArgs {
     /// The model.
     #[command(flatten)]
     pub model: ModelArgs,
+}
+
+/// Arguments of `mapgen locate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both \
+                  ways, to the ends of the range or its own; every event on it is an answer, and so is that there is none."
+)]
+pub struct LocateArgs {
+    /// What to look for.
+    #[arg(long, value_enum)]
+    pub event: EventName,
+    /// Where, along what, how far.
+    #[command(flatten)]
+    pub along: AlongArgs,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What a bifurcation diagram shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum QuantityName {
+    /// Moduli of all impulses.
+    Impulse,
+    /// Time φ of the second impact, in periods.
+    Phi,
+    /// Phase ψ of the force, in its periods.
+    Psi,
+    /// Smallest distance of any mass to a barrier.
+    Margin,
+    /// Largest modulus of the multipliers.
+    SpectralRadius,
+}
+
+/// Arguments of `mapgen branch`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both \
+                  ways, round its folds, to the ends of the range or its own. Every step is looked at in its middle and halved \
+                  where two events could hide in it."
+)]
+pub struct BranchArgs {
+    /// Where, along what, how far.
+    #[command(flatten)]
+    pub along: AlongArgs,
+    /// Events to look for, a list with commas [default: all].
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub events: Vec<EventName>,
+    /// Go on along what branches off at period doublings, pitchforks and grazing.
+    #[arg(long)]
+    pub switch: bool,
+    /// How often a branch may leave another.
+    #[arg(long, value_name = "K", default_value_t = 1, requires = "switch", value_parser = whole::<u32>, allow_negative_numbers = true)]
+    pub generations: u32,
+    /// Also what is not physical, in text and picture.
+    #[arg(long)]
+    pub all: bool,
+    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
+    /// Points and events as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Picture of the diagram, .png or .svg: solid stable, dashed unstable; with --all, thin not physical.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// What the picture shows, a list with commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "impulse,spectral-radius", requires = "plot")]
+    pub show: Vec<QuantityName>,
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,

@@ -1,12 +1,19 @@
 //! What captions say of models and orbits.
 
 use vibrochain_breather::{Impact, Orbit};
-use vibrochain_lattice::{Model, Spectrum, far_motion};
+use vibrochain_lattice::{Model, Parameter, Spectrum, far_motion};
 use vibrochain_maps::force;
 
 /// "N = 20, γ₁ = 0.2, …": all that is fixed.
 pub fn describe(model: &Model) -> String {
     in_common(&[model])
+}
+
+/// All that is fixed while a parameter varies.
+pub fn describe_without(model: &Model, free: Parameter) -> String {
+    let value = model.get(free);
+    let other = [value * 0.5 + 0.125, value * 0.5 + 0.0625].into_iter().find_map(|other| model.with(free, other).ok());
+    other.map_or_else(|| describe(model), |other| in_common(&[model, &other]))
 }
 
 /// What several points of a figure have in common; what differs is told by its curves.

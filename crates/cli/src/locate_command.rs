@@ -7,14 +7,14 @@ use vibrochain_breather::{Finder, Orbit};
 use vibrochain_floquet::{Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate};
 use vibrochain_lattice::{Model, Parameter, Short};
 
-use crate::args::{EventName, LocateArgs};
+use crate::args::{AlongArgs, EventName, LocateArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::orbit_command::{model, orbit_value, point_value, with_layer};
 use crate::which;
 use vibrochain_maps::numbers::Number;
 
-fn event(name: EventName) -> Event {
+pub(crate) fn event(name: EventName) -> Event {
     match name {
         EventName::Grazing => Event::Grazing,
         EventName::Pitchfork => Event::Pitchfork,
@@ -25,10 +25,10 @@ fn event(name: EventName) -> Event {
 }
 
 /// The orbit to start from, its number among all solutions, and theirs.
-struct Start {
-    orbit: Orbit,
-    number: usize,
-    count: usize,
+pub(crate) struct Start {
+    pub(crate) orbit: Orbit,
+    pub(crate) number: usize,
+    pub(crate) count: usize,
 }
 
 /// Runs the subcommand.
@@ -36,12 +36,10 @@ struct Start {
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let model = model(&args.model)?;
-    let free = Parameter::from(args.free);
-    let start = start(args, &model)?;
-    let mut search = Search::new(&start.orbit, event(args.event), free);
-    search.from = args.from.unwrap_or(search.from);
-    search.to = args.to.unwrap_or(search.to);
+    let start = start(&args.along)?;
+    let mut search = Search::new(&start.orbit, event(args.event), args.along.free.into());
+    search.from = args.along.from.unwrap_or(search.from);
+    search.to = args.along.to.unwrap_or(search.to);
     let answer = locate(&start.orbit, &search)?;
     let text = if args.json {
         format!("{:#}\n", as_json(&start, &search, &answer))
@@ -52,7 +50,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
 }
 
 /// The range that is searched must hold the start; what does not is told by its flag.
-fn around(args: &LocateArgs, model: &Model) -> Result<(), CliError> {
+fn around(args: &AlongArgs, model: &Model) -> Result<(), CliError> {
     let free = Parameter::from(args.free);
     let start = model.get(free);
     let here = format!("{} = {}, where the search starts", free.name(), Short(start));
@@ -68,7 +66,8 @@ fn around(args: &LocateArgs, model: &Model) -> Result<(), CliError> {
 }
 
 /// The solution asked for, physical or not; otherwise the first physical one.
-fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
+pub(crate) fn start(args: &AlongArgs) -> Result<Start, CliError> {
+    let model = &model(&args.model)?;
     for (flag, value) in [("--from", args.from), ("--to", args.to)] {
         let Some(value) = value else { continue };
         // In the range of the parameter, told before any work.
@@ -99,7 +98,7 @@ fn start(args: &LocateArgs, model: &Model) -> Result<Start, CliError> {
     )))
 }
 
-fn verdict_json(verdict: &Verdict) -> Value {
+pub(crate) fn verdict_json(verdict: &Verdict) -> Value {
     json!({
         "stable": verdict.stable,
         "marginal": verdict.marginal,
@@ -120,7 +119,7 @@ fn sign_json(model: &Model, sign: &Evidence) -> Value {
     }
 }
 
-fn located_json(found: &Located) -> Value {
+pub(crate) fn located_json(found: &Located) -> Value {
     let sides: Vec<Value> = found
         .verdicts
         .iter()
@@ -140,6 +139,7 @@ fn located_json(found: &Located) -> Value {
         json!({ "value": branching.value, "side": side(branching.above), "orbits": orbits })
     });
     json!({
+        "event": found.event.name(),
         "value": found.value,
         "error": found.error.is_finite().then_some(found.error),
         "sign": sign_json(found.orbit.model(), &found.evidence),
@@ -159,7 +159,7 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
     let ends: Vec<Value> = answer
         .ends
         .iter()
-        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": message(search, *value, end) }))
+        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": message(search.free, *value, end) }))
         .collect();
     json!({
         "event": search.event.name(),
@@ -177,10 +177,11 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
 }
 
 /// One word for an end.
-fn reason(end: &End) -> &'static str {
+pub(crate) fn reason(end: &End) -> &'static str {
     match end {
         End::Range => "range",
         End::Fold { .. } => "fold",
+        End::Closed => "closed",
         End::Pitchfork => "symmetric",
         End::Resonance(_) => "resonance",
         End::Unbounded => "unbounded",
@@ -191,11 +192,12 @@ fn reason(end: &End) -> &'static str {
 }
 
 /// How the way in one direction ended, as a sentence.
-fn message(search: &Search, value: f64, end: &End) -> String {
-    let here = format!("{} = {}", search.free.name(), Number(value));
+pub(crate) fn message(free: Parameter, value: f64, end: &End) -> String {
+    let here = format!("{} = {}", free.name(), Number(value));
     match end {
         End::Range => format!("searched to {here}"),
         End::Fold { error } => format!("the branch ends in a fold at {here} ± {error:.0e}"),
+        End::Closed => format!("the branch is back at its start, {here}"),
         End::Pitchfork => format!("the branch ends at {here}, where it meets its own mirror image"),
         End::Resonance(resonance) => {
             format!("resonance at {here}: harmonic {} meets mode {}", resonance.harmonic, resonance.mode)
@@ -209,18 +211,23 @@ fn message(search: &Search, value: f64, end: &End) -> String {
     }
 }
 
-/// The answer for people. Writing to a String cannot fail.
-fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
-    let mut out = String::new();
-    let model = start.orbit.model();
+/// All parameters but the free one.
+pub(crate) fn fixed(model: &Model, free: Parameter) -> String {
     let said = |parameter: Parameter| match parameter {
         Parameter::Amplitude if model.force().cosine_amplitude().is_none() => {
             Some(format!("force = {}", model.force()))
         }
-        parameter if parameter == search.free => None,
+        parameter if parameter == free => None,
         parameter => Some(format!("{} = {}", parameter.name(), Number(model.get(parameter)))),
     };
-    let point: Vec<String> = Parameter::of(model.chain().layers()).iter().copied().filter_map(said).collect();
+    let said: Vec<String> = Parameter::of(model.chain().layers()).iter().copied().filter_map(said).collect();
+    said.join(", ")
+}
+
+/// The answer for people. Writing to a String cannot fail.
+fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
+    let mut out = String::new();
+    let model = start.orbit.model();
     let name = search.free.name();
     let _ = writeln!(
         out,
@@ -228,7 +235,7 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
         search.event.name(),
         which::name(&start.orbit),
         model.chain().layout(),
-        point.join(", "),
+        fixed(model, search.free),
         start.number,
         start.count,
         Number(model.get(search.free))
@@ -247,27 +254,32 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
     }
     let _ = writeln!(out);
     for (direction, (value, end)) in ["down", "up"].into_iter().zip(&answer.ends) {
-        let _ = writeln!(out, "{direction}: {}", message(search, *value, end));
+        let _ = writeln!(out, "{direction}: {}", message(search.free, *value, end));
     }
     let _ = writeln!(out, "{} orbits assembled, {} eigenvalue problems", answer.evaluations, answer.spectra);
     out
 }
 
+pub(crate) fn error_text(found: &Located) -> String {
+    if found.error.is_finite() { format!("± {:.0e}", found.error) } else { "(error unknown)".to_owned() }
+}
+
+/// What shows an event.
+pub(crate) fn evidence_text(found: &Located) -> String {
+    match found.evidence {
+        Evidence::Multiplier(mu) if mu.im == 0.0 => format!("multiplier {}", mu.re),
+        Evidence::Multiplier(mu) => format!("multiplier {} ± {}i", mu.re, mu.im.abs()),
+        Evidence::Touch(touch) => {
+            let (site, barrier) = (touch.site, touch.barrier.name());
+            format!("site {site} touches the {barrier} barrier at t = {}", Number(touch.time))
+        }
+        Evidence::Impact(impact) => format!("impact {impact} has no velocity left"),
+    }
+}
+
 fn located_text(out: &mut String, name: &str, found: &Located) {
-    let error = if found.error.is_finite() { format!("± {:.0e}", found.error) } else { "(error unknown)".to_owned() };
-    let _ = writeln!(out, "\n{name} = {} {error}", Number(found.value));
-    let _ = match found.evidence {
-        Evidence::Multiplier(mu) if mu.im == 0.0 => writeln!(out, "  multiplier {}", mu.re),
-        Evidence::Multiplier(mu) => writeln!(out, "  multiplier {} ± {}i", mu.re, mu.im.abs()),
-        Evidence::Touch(touch) => writeln!(
-            out,
-            "  site {} touches the {} barrier at t = {}",
-            touch.site,
-            touch.barrier.name(),
-            Number(touch.time)
-        ),
-        Evidence::Impact(impact) => writeln!(out, "  impact {impact} has no velocity left"),
-    };
+    let _ = writeln!(out, "\n{name} = {} {}", Number(found.value), error_text(found));
+    let _ = writeln!(out, "  {}", evidence_text(found));
     let _ = writeln!(out, "  {}", found.orbit);
     if found.physical == Some(false) && matches!(found.evidence, Evidence::Multiplier(_)) {
         let _ = writeln!(out, "  not physical there");

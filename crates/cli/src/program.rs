@@ -5,7 +5,9 @@ use std::ffi::OsString;
 use crate::args::{Cli, Command, STUDIES, read};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::{locate_command, merge_command, orbit_command, simulate_command, sweep_command, words_command};
+use crate::{
+    branch_command, locate_command, merge_command, orbit_command, simulate_command, sweep_command, words_command,
+};
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
 ///
@@ -30,6 +32,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Orbit(args) => orbit_command::run(args, console),
         Command::Words(args) => words_command::run(args, console),
         Command::Locate(args) => locate_command::run(args, console),
+        Command::Branch(args) => branch_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
         #[cfg(feature = "plot")]
         Command::Stripes(args) => crate::stripes::run(args, console),

@@ -363,8 +363,17 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             Err(_) => Plan::Whole,
         },
         // Hundreds of orbits.
-        Ok(Command::Locate(args)) => match model(&args.model) {
+        Ok(Command::Locate(args)) => match model(&args.along.model) {
             Ok(model) => of(100.0 * model.chain().sites() as f64 * windows(&model, true), Plan::Parameters),
+            Err(_) => Plan::Whole,
+        },
+        // Hundreds of spectra of each branch.
+        Ok(Command::Branch(args)) => match model(&args.along.model) {
+            Ok(_) if args.switch || args.plot.is_some() => Plan::Parameters,
+            Ok(model) => {
+                let spectra = 1000.0 * (model.chain().sites() as f64).powi(3);
+                of(spectra.max(100.0 * model.chain().sites() as f64 * windows(&model, true)), Plan::Parameters)
+            }
             Err(_) => Plan::Whole,
         },
         Ok(Command::Simulate(args)) => {

@@ -69,7 +69,8 @@ pub use eigen::eigenvalues;
 pub use eigenvectors::{FloquetMode, leading_modes};
 pub use error::FloquetError;
 pub use locate::{
-    Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved, locate,
+    Answer, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError,
+    Located, Origin, Search, Station, Unresolved, diagram, locate,
 };
 pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use multipliers::{odd_multipliers, sort_multipliers};

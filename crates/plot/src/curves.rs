@@ -199,7 +199,9 @@ fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
     if low > high {
         return -1.0..1.0;
     }
-    let air = (0.07 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
+    // What is constant but for rounding is drawn as constant.
+    let constant = high - low <= 1e-9 * high.abs().max(low.abs());
+    let air = if constant { 0.05 * high.abs().max(1e-9) } else { 0.07 * (high - low) };
     low - air..high + air
 }
 

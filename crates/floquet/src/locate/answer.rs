@@ -27,6 +27,9 @@ pub enum Event {
 }
 
 impl Event {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Grazing, Self::Pitchfork, Self::PeriodDoubling, Self::NeimarkSacker, Self::Fold];
+
     /// The name in command lines and files.
     pub fn name(self) -> &'static str {
         match self {
@@ -118,6 +121,8 @@ pub struct Branching {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Located {
+    /// Which event.
+    pub event: Event,
     /// Value of the free parameter.
     pub value: f64,
     /// Its estimated error.
@@ -164,6 +169,8 @@ pub enum End {
         /// Estimated error of the value.
         error: f64,
     },
+    /// It is back where it was started: a closed curve.
+    Closed,
     /// The branch of asymmetric orbits ends on the symmetric one.
     #[cfg_attr(feature = "serde", serde(rename = "symmetric"))]
     Pitchfork,

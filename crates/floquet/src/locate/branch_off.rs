@@ -3,10 +3,10 @@
 //! They are reached along their own branch, which leaves the bifurcation across the one that was followed and bends in the
 //! parameter ([`Branch::leaving`]): no other orbit can be taken for them, and the bend tells the side.
 
-use vibrochain_breather::{Branch, BranchPoint, Family, Finder, Orbit};
+use vibrochain_breather::{Branch, BranchPoint, Departure, Family, Orbit};
 
-use super::answer::{BranchedOrbit, Branching, Event, Search};
-use crate::analyser::Analyser;
+use super::answer::{BranchedOrbit, Branching, Event};
+use super::follower::Follower;
 use crate::verdict::Tolerance;
 
 /// The first step along the new branch, the factor by which it shrinks, and how often at most: down to 1e-6, where rounding of
@@ -27,46 +27,55 @@ const TOGETHER: f64 = 1e-9;
 /// Bends at a step and at its half agree to this part where the curve is a parabola.
 const PARABOLA: f64 = 0.2;
 
-/// The orbits that branch off, if their family is known: at `distance` in the parameter where they reach that far, otherwise
-/// as near as they do.
-pub(super) fn branch_off(
-    orbit: &Orbit,
-    search: Search,
-    distance: f64,
-    analyser: &mut Analyser,
-    finder: &mut Finder,
-) -> Option<Branching> {
-    let pair = match (search.event, orbit.family()) {
-        (Event::PeriodDoubling, Family::SingleSided) => false,
-        (Event::Pitchfork, Family::DoubleSided) => true,
-        _ => return None,
-    };
-    // The orbit sets the scale, however short the range is.
-    let unit = orbit.model().get(search.free).abs().max(search.to - search.from);
-    let (mut branch, start) = Branch::leaving(orbit, search.free, unit).ok()?;
-    let (length, bend) = (0..TRIES).find_map(|i| {
-        let length = FIRST * SHRINK.powi(i);
-        Some((length, bend(&mut branch, &start, length)?))
-    })?;
-    // A doubled orbit is listed with its second impact in the second half.
-    let late = |point: &BranchPoint| point.orbit().phi().is_some_and(|phi| phi > 0.5 * point.orbit().period());
-    let ways = [start.clone(), start.reversed()];
-    let mut points = [distance, bend.abs() * length * length].into_iter().find_map(|distance| {
-        let points: Option<Vec<_>> = ways.iter().map(|way| reach(&mut branch, way, bend, distance)).collect();
-        // Both of a pair at one value.
-        let together = |points: &Vec<BranchPoint>| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
-        points.filter(|points| late(&points[0]) != late(&points[1]) && (!pair || together(points)))
-    })?;
-    points.retain(|point| pair || late(point));
-    let value = points[0].value();
-    points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
-    let orbits = points.into_iter().map(|point| {
-        let orbit = point.orbit().clone();
-        let physical = finder.admissibility(&orbit).ok().map(|answer| answer.is_physical());
-        let verdict = analyser.stability(&orbit, finder, Tolerance::Rounding).ok().map(|answer| answer.verdict);
-        BranchedOrbit { orbit, physical, verdict }
-    });
-    Some(Branching { value, above: bend > 0.0, orbits: orbits.collect() })
+impl Follower {
+    /// The orbits that branch off, if it is known how they do: at `distance` in the parameter where they reach that far, otherwise
+    /// as near as they do.
+    pub(super) fn branch_off(&mut self, event: Event, orbit: &Orbit, distance: f64) -> Option<Branching> {
+        let pair = event == Event::Pitchfork;
+        let (mut branch, start) = self.leaving(event, orbit)?;
+        let (length, bend) = (0..TRIES).find_map(|i| {
+            let length = FIRST * SHRINK.powi(i);
+            Some((length, bend(&mut branch, &start, length)?))
+        })?;
+        // Of a family, a doubled orbit is listed with its second impact in the second half. Of a word the two ways give one
+        // orbit, begun at other times.
+        let named = start.orbit().family() != Family::Word;
+        let late = |point: &BranchPoint| point.orbit().phi().is_some_and(|phi| phi > 0.5 * point.orbit().period());
+        let ways = [start.clone(), start.reversed()];
+        let mut points = [distance, bend.abs() * length * length].into_iter().find_map(|distance| {
+            let points: Option<Vec<_>> = ways.iter().map(|way| reach(&mut branch, way, bend, distance)).collect();
+            // Both of a pair at one value.
+            let together =
+                |points: &[BranchPoint]| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
+            let apart = |points: &[BranchPoint]| !named || late(&points[0]) != late(&points[1]);
+            points.filter(|points| apart(points) && (!pair || together(points)))
+        })?;
+        if !pair {
+            points.retain(|point| !named || late(point));
+            points.truncate(1);
+        }
+        let value = points.first()?.value();
+        points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
+        let orbits = points.into_iter().map(|point| {
+            let (orbit, finder) = (point.orbit().clone(), &mut self.finder);
+            let physical = finder.admissibility(&orbit).ok().map(|answer| answer.is_physical());
+            let stability = self.analyser.stability(&orbit, finder, Tolerance::Rounding);
+            BranchedOrbit { orbit, physical, verdict: stability.ok().map(|answer| answer.verdict) }
+        });
+        Some(Branching { value, above: bend > 0.0, orbits: orbits.collect() })
+    }
+
+    /// The branch that leaves an orbit at a bifurcation, and the point where it does; `None` where none is known to.
+    pub(super) fn leaving(&self, event: Event, orbit: &Orbit) -> Option<(Branch, BranchPoint)> {
+        let departure = match (event, orbit.family()) {
+            (Event::PeriodDoubling, _) => Departure::PeriodDoubling,
+            (Event::Pitchfork, Family::DoubleSided) => Departure::Pitchfork,
+            _ => return None,
+        };
+        // The orbit sets the scale, however short the range is.
+        let unit = orbit.model().get(self.free).abs().max(self.range());
+        Branch::leaving(orbit, &departure, self.free, unit).ok()
+    }
 }
 
 /// The point at `distance` in the parameter, on the side that the bend leads to.

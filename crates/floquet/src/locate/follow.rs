@@ -1,12 +1,11 @@
 //! Along the branch, both ways: steps, folds, and what ends the way.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Finder, Found, Orbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Found, Orbit};
 use vibrochain_lattice::Parameter;
 
-use super::answer::{Answer, End, Event, LocateError, Located, Search};
-use super::follower::{Follower, LONGEST, Observation, shift_of};
-use crate::analyser::Analyser;
+use super::answer::{Answer, End, Event, Evidence, LocateError, Located, Search};
+use super::follower::{Follower, LONGEST, Observation, Passed, shift_of};
 use crate::bracket::zero;
 
 /// The shortest step: where even this one fails, the branch is lost.
@@ -33,6 +32,14 @@ const SETTLED: f64 = 1e-6;
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
 
+/// What became of a step in which the branch turned back.
+enum Round {
+    /// It goes on; what is seen at its end.
+    On(Observation),
+    /// The branch ends.
+    Ends(f64, End),
+}
+
 /// Follows the branch of `orbit` both ways, to the ends of the range or of the branch, and collects all events. Two that
 /// cancel within one step (a fiftieth of the range at most) are not seen.
 ///
@@ -53,6 +60,22 @@ const MOST_STEPS: usize = 20_000;
 /// ```
 pub fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateError> {
     let Search { free, from, to, .. } = *search;
+    check(orbit, free, (from, to))?;
+    let start = orbit.model().get(free);
+    let mut follower = Follower::new(Branch::through(orbit, free, to - from)?, (from, to), vec![search.event]);
+    let point = follower.branch.start()?;
+    let (up, down) = if point.heading() < 0.0 { (point.reversed(), point) } else { (point.clone(), point.reversed()) };
+    let ends = [follower.follow(down)?, follower.follow(up)?];
+    let (evaluations, spectra) = (follower.evaluations(), follower.spectra);
+    let mut located: Vec<Located> = follower.passed.into_iter().filter_map(Passed::event).collect();
+    located.sort_by(|a, b| (a.value - start).abs().total_cmp(&(b.value - start).abs()));
+    // A start right on the event is found from both sides.
+    located.dedup_by(|b, a| (a.value - b.value).abs() <= a.error + b.error);
+    Ok(Answer { located, unresolved: follower.unresolved, ends, evaluations, spectra })
+}
+
+/// Whether the branch of `orbit` can be followed over a range.
+pub(super) fn check(orbit: &Orbit, free: Parameter, (from, to): (f64, f64)) -> Result<(), LocateError> {
     let start = orbit.model().get(free);
     if !(from <= start && start <= to && from < to) {
         return Err(LocateError::Range { free, start, from, to });
@@ -63,31 +86,7 @@ pub fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateError> {
     if orbit.model().is_conservative() && matches!(free, Parameter::Amplitude | Parameter::Restitution) {
         return Err(LocateError::NoForce { free });
     }
-    let mut follower = Follower {
-        branch: Branch::through(orbit, free, to - from)?,
-        analyser: Analyser::default(),
-        finder: Finder::new(orbit.model().chain().sites()),
-        search: *search,
-        unresolved: Vec::new(),
-        others: 0,
-        spectra: 0,
-    };
-    let point = follower.branch.start()?;
-    let (up, down) = if point.heading() < 0.0 { (point.reversed(), point) } else { (point.clone(), point.reversed()) };
-    let mut located = Vec::new();
-    let mut ends = Vec::new();
-    for point in [down, up] {
-        let (value, end) = follower.follow(point, &mut located)?;
-        ends.push((value, end));
-    }
-    located.sort_by(|a, b| (a.value - start).abs().total_cmp(&(b.value - start).abs()));
-    // A start right on the event is found from both sides.
-    located.dedup_by(|b, a| (a.value - b.value).abs() <= a.error + b.error);
-    let lost = || (start, End::Lost(BranchError::NoConvergence));
-    let mut ends = ends.into_iter();
-    let ends = [ends.next().unwrap_or_else(lost), ends.next().unwrap_or_else(lost)];
-    let (evaluations, spectra) = (follower.evaluations(), follower.spectra);
-    Ok(Answer { located, unresolved: follower.unresolved, ends, evaluations, spectra })
+    Ok(())
 }
 
 impl Follower {
@@ -96,19 +95,16 @@ impl Follower {
     }
 
     /// Follows one direction to the end of the way.
-    fn follow(&mut self, start: BranchPoint, located: &mut Vec<Located>) -> Result<(f64, End), LocateError> {
-        let upwards = start.heading() > 0.0;
-        let limit = if upwards { self.search.to } else { self.search.from };
-        let beyond = |value: f64| if upwards { value >= limit } else { value <= limit };
-        let mut point = start;
-        if point.value() == limit {
-            return Ok((limit, End::Range));
+    pub(super) fn follow(&mut self, start: BranchPoint) -> Result<(f64, End), LocateError> {
+        let mut point = start.clone();
+        if point.value() == self.limit(&point) {
+            return Ok((point.value(), End::Range));
         }
         let mut seen = self.look(&point)?;
         let mut length = 0.25 * LONGEST;
         let first = strength(point.orbit());
-        for _ in 0..MOST_STEPS {
-            let (next, last) = match self.advance(&point, length, limit, beyond) {
+        for step in 0..MOST_STEPS {
+            let (next, last) = match self.advance(&point, length) {
                 Ok(next) => next,
                 Err(error) => {
                     length *= 0.25;
@@ -126,21 +122,24 @@ impl Follower {
             if let Some((value, resonance)) = self.branch.resonance_within(point.value(), next.value()) {
                 return Ok((value, End::Resonance(resonance)));
             }
-            if next.heading() * point.heading() <= 0.0 {
-                let turned = self.turn(&point, &seen, &next, located);
-                return turned.or_else(|error| self.stopped(&point, first, error));
+            let closed = self.whole && step > 0 && self.passes(&start, &point, &next);
+            let next = if closed { start.clone() } else { next };
+            let (turns, from) = (next.heading() * point.heading() <= 0.0, (&point, &seen));
+            if turns && !self.whole {
+                return self.turn(from, &next).or_else(|error| self.stopped(&point, first, error));
             }
-            let watched = self.look(&next).and_then(|next_seen| {
-                self.all_between((&point, &seen), (&next, &next_seen), located)?;
-                Ok(next_seen)
-            });
+            let watched = if turns { self.round(from, &next) } else { self.watch(from, &next).map(Round::On) };
             let next_seen = match watched {
-                Ok(next_seen) => next_seen,
+                Ok(Round::On(next_seen)) => next_seen,
+                Ok(Round::Ends(value, end)) => return Ok((value, end)),
                 Err(error) => return self.stopped(&point, first, error),
             };
             (point, seen) = (next, next_seen);
+            if closed {
+                return Ok((point.value(), End::Closed));
+            }
             if last {
-                return Ok((limit, End::Range));
+                return Ok((point.value(), End::Range));
             }
             let growth = strength(point.orbit()) / first;
             if growth > UNBOUNDED {
@@ -174,7 +173,7 @@ impl Follower {
     /// Where, right ahead, the motion that the force drives alone touches the barrier of orbits with hardly any impulse left, of the
     /// `first`: there the impulses vanish together, the impacts merge, and the equations have no other orbit next to them.
     fn vanishing_ahead(&self, point: &BranchPoint, first: f64) -> Option<f64> {
-        let (orbit, free) = (point.orbit(), self.search.free);
+        let (orbit, free) = (point.orbit(), self.free);
         let (impact, psi) = (orbit.impacts().first()?, orbit.psi()?);
         if strength(orbit) > FAINT * first.max(orbit.model().omega()) {
             return None;
@@ -190,8 +189,8 @@ impl Follower {
             }
             Some(impact.barrier.sign() * (motion.value(t) - model.barrier(impact.barrier)))
         };
-        let (from, Search { from: least, to: most, .. }) = (point.value(), self.search);
-        let to = (from + (NEAR * (most - least)).copysign(point.heading())).clamp(least, most);
+        let from = point.value();
+        let to = (from + (NEAR * self.range()).copysign(point.heading())).clamp(self.from, self.to);
         let (low, high) = (touch(from)?, touch(to)?);
         ((low > 0.0) != (high > 0.0))
             .then(|| zero((from, low), (to, high), to.abs(), |value| touch(value).ok_or(())).ok())?
@@ -199,67 +198,113 @@ impl Follower {
 
     /// Right before a resonance there is no next point that could tell.
     fn resonance_ahead(&self, point: &BranchPoint) -> Option<(f64, End)> {
-        let near = (NEAR * (self.search.to - self.search.from)).copysign(point.heading());
+        let near = (NEAR * self.range()).copysign(point.heading());
         let (value, resonance) = self.branch.resonance_within(point.value(), point.value() + near)?;
         Some((value, End::Resonance(resonance)))
     }
 
+    /// The end of the range that the branch is heading for.
+    fn limit(&self, point: &BranchPoint) -> f64 {
+        if point.heading() > 0.0 { self.to } else { self.from }
+    }
+
     /// The next point, at most at the limit; whether it is the last.
-    fn advance(
-        &mut self,
-        point: &BranchPoint,
-        length: f64,
-        limit: f64,
-        beyond: impl Fn(f64) -> bool,
-    ) -> Result<(BranchPoint, bool), BranchError> {
+    fn advance(&mut self, point: &BranchPoint, length: f64) -> Result<(BranchPoint, bool), BranchError> {
+        // Round a fold the way leads to the other end of the range.
+        let beyond = |heading: f64, value: f64| if heading > 0.0 { value >= self.to } else { value <= self.from };
         // The range is one unit of the parameter.
-        let reached = point.value() + length * point.heading() * (self.search.to - self.search.from);
-        if beyond(reached) {
-            return Ok((self.branch.at(point, limit)?, true));
+        let reached = point.value() + length * point.heading() * self.range();
+        let next = if beyond(point.heading(), reached) { None } else { Some(self.branch.step(point, length)?) };
+        match next.filter(|next| !beyond(point.heading(), next.value()) && !beyond(next.heading(), next.value())) {
+            Some(next) => Ok((next, false)),
+            None => Ok((self.branch.at(point, self.limit(point))?, true)),
         }
-        let next = self.branch.step(point, length)?;
-        if beyond(next.value()) {
-            return Ok((self.branch.at(point, limit)?, true));
+    }
+
+    /// Whether the branch has come back to where it began: `start` lies on the way from `point` to `next`.
+    fn passes(&mut self, start: &BranchPoint, point: &BranchPoint, next: &BranchPoint) -> bool {
+        let (to_start, to_next) = (self.branch.length_between(point, start), self.branch.length_between(point, next));
+        if !(0.0 < to_start && to_start <= to_next) {
+            return false;
         }
-        Ok((next, false))
+        let there = self.branch.step(point, to_start);
+        there.is_ok_and(|there| {
+            self.branch.distance(&there, start) <= SETTLED && there.heading() * start.heading() >= 0.0
+        })
     }
 
     /// The branch turns back between two points: a fold, or the end of asymmetric orbits on the symmetric one.
     fn turn(
         &mut self,
-        point: &BranchPoint,
-        seen: &Observation,
+        (point, seen): (&BranchPoint, &Observation),
         next: &BranchPoint,
-        located: &mut Vec<Located>,
     ) -> Result<(f64, End), LocateError> {
-        if next.determinant() * point.determinant() > 0.0 {
-            // Asymmetric orbits end on the symmetric one and go on as their own mirror images: there the equations are
-            // singular in two directions, but among symmetric orbits in none.
-            let found = if self.search.event == Event::Pitchfork { self.on_symmetric(point, next)? } else { None };
-            let value = found.as_ref().map_or(next.value(), |found| found.value);
-            located.extend(found);
-            return Ok((value, End::Pitchfork));
+        if let Some(end) = self.mirrored(point, next)? {
+            return Ok(end);
         }
-        let fold = self.fold(point, next)?;
-        let goal = Complex::new(1.0, 0.0);
-        let sign = self.nearest_to(&fold, goal)?;
-        if !self.is_at(sign, goal, &fold)? {
-            return Ok((fold.value(), End::Lost(BranchError::NoConvergence)));
-        }
-        if self.search.event == Event::Fold {
-            let error = fold.parameter_error() + 2.0 * f64::EPSILON * fold.value().abs();
-            let found = self.describe(&fold, error, sign)?;
-            located.push(found);
-        } else if self.search.event != Event::Pitchfork || shift_of(Event::Pitchfork, point.orbit()).is_some() {
+        let Some((fold, evidence)) = self.fold(point, next)? else {
+            return Ok((next.value(), End::Lost(BranchError::NoConvergence)));
+        };
+        if self.watches(Event::Fold) {
+            self.describe_fold(&fold, evidence)?;
+        } else if !self.watches(Event::Pitchfork) || shift_of(Event::Pitchfork, point.orbit()).is_some() {
             // An event may lie before it; not a pitchfork of the equations, whose determinant vanishes at the fold itself.
             let at_fold = self.look(&fold)?;
-            self.all_between((point, seen), (&fold, &at_fold), located)?;
+            self.all_between((point, seen), (&fold, &at_fold))?;
         }
         Ok((fold.value(), End::Fold { error: fold.parameter_error() }))
     }
 
-    /// The fold between two points: where the heading vanishes, and from there by its equations.
-    fn fold(&mut self, point: &BranchPoint, next: &BranchPoint) -> Result<BranchPoint, LocateError> {
+    /// As [`Follower::turn`], and on round the fold to `next`. A pitchfork that is this near to it is not told from it.
+    fn round(&mut self, (point, seen): (&BranchPoint, &Observation), next: &BranchPoint) -> Result<Round, LocateError> {
+        if let Some((value, end)) = self.mirrored(point, next)? {
+            return Ok(Round::Ends(value, end));
+        }
+        let Some((fold, evidence)) = self.fold(point, next)? else {
+            return Ok(Round::Ends(next.value(), End::Lost(BranchError::NoConvergence)));
+        };
+        let watched = self.events.clone();
+        self.events.retain(|event| *event != Event::Pitchfork);
+        let around = |follower: &mut Self| {
+            let at_fold = follower.look(&fold)?;
+            follower.all_between((point, seen), (&fold, &at_fold))?;
+            if watched.contains(&Event::Fold) {
+                follower.describe_fold(&fold, evidence)?;
+            }
+            follower.watch((&fold, &at_fold), next)
+        };
+        let seen = around(self);
+        self.events = watched;
+        seen?;
+        Ok(Round::On(self.look(next)?))
+    }
+
+    /// Where asymmetric orbits end on the symmetric one between two points and go on as their own mirror images: there the equations
+    /// are singular in two directions, but among symmetric orbits in none.
+    fn mirrored(&mut self, point: &BranchPoint, next: &BranchPoint) -> Result<Option<(f64, End)>, LocateError> {
+        if next.determinant() * point.determinant() <= 0.0 {
+            return Ok(None);
+        }
+        let found = if self.watches(Event::Pitchfork) { self.on_symmetric(point, next)? } else { None };
+        let value = found.as_ref().map_or(next.value(), |found| found.value);
+        self.passed.extend(found.map(Passed::Event));
+        Ok(Some((value, End::Pitchfork)))
+    }
+
+    fn describe_fold(&mut self, fold: &BranchPoint, evidence: Evidence) -> Result<(), LocateError> {
+        let error = fold.parameter_error() + 2.0 * f64::EPSILON * fold.value().abs();
+        let found = self.describe(Event::Fold, fold, error, evidence)?;
+        self.passed.push(Passed::Event(found));
+        Ok(())
+    }
+
+    /// The fold between two points, where the heading vanishes, and from there by its equations; its multiplier +1. `None` where
+    /// there is no such multiplier.
+    fn fold(
+        &mut self,
+        point: &BranchPoint,
+        next: &BranchPoint,
+    ) -> Result<Option<(BranchPoint, Evidence)>, LocateError> {
         let length = self.branch.length_between(point, next);
         let branch = &mut self.branch;
         let heading = |s: f64| branch.step(point, s).map(|there| there.heading());
@@ -267,7 +312,10 @@ impl Follower {
         let turned = self.branch.step(point, s)?;
         let settled = self.branch.fold(&turned).ok();
         let same = |fold: &BranchPoint| self.branch.length_between(&turned, fold).abs() <= SETTLED;
-        Ok(settled.filter(same).unwrap_or(turned))
+        let fold = settled.filter(same).unwrap_or(turned);
+        let goal = Complex::new(1.0, 0.0);
+        let evidence = self.nearest_to(&fold, goal)?;
+        Ok(self.is_at(evidence, goal, &fold)?.then_some((fold, evidence)))
     }
 
     /// The pitchfork on the symmetric branch that asymmetric orbits meet between two points.
@@ -280,9 +328,9 @@ impl Follower {
         let symmetric = found.orbits.iter().filter(|one| one.phi().is_some_and(|phi| (phi - half).abs() < 1e-9 * half));
         let unlike = |one: &Orbit| (impulse(one) - impulse(orbit)).abs();
         let Some(nearest) = symmetric.min_by(|a, b| unlike(a).total_cmp(&unlike(b))) else { return Ok(None) };
-        let reach = 2.0 * (next.value() - point.value()).abs() + 1e-6 * (self.search.to - self.search.from);
-        let (from, to) = (next.value() - reach, next.value() + reach);
-        let search = Search { from: from.max(self.search.from), to: to.min(self.search.to), ..self.search };
+        let reach = 2.0 * (next.value() - point.value()).abs() + 1e-6 * self.range();
+        let (from, to) = ((next.value() - reach).max(self.from), (next.value() + reach).min(self.to));
+        let search = Search { event: Event::Pitchfork, free: self.free, from, to };
         let mut answer = locate(nearest, &search)?;
         self.others += answer.evaluations;
         self.spectra += answer.spectra;

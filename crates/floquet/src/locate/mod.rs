@@ -21,13 +21,20 @@
 //! branch. That is found as a pitchfork, too, but nothing is handed over: nothing branches off.
 
 mod answer;
+mod between;
 mod branch_off;
+mod collision;
+mod course;
+mod diagram;
 mod follow;
 mod follower;
 mod polish;
 mod settle;
 mod spectrum_events;
+mod switch;
 mod watch;
 
 pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};
+pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station};
+pub use diagram::diagram;
 pub use follow::locate;

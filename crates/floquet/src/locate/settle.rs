@@ -4,8 +4,7 @@ use nalgebra::Complex;
 use vibrochain_breather::{Branch, BranchPoint};
 use vibrochain_lattice::Parameter;
 
-use super::answer::{Evidence, LocateError, Located, Unresolved};
-use super::branch_off::branch_off;
+use super::answer::{Event, Evidence, LocateError, Located, Unresolved};
 use super::follower::{Follower, LONGEST};
 use super::watch::Test;
 use crate::secular::Nu;
@@ -49,10 +48,10 @@ impl Follower {
     /// The event at `s` along a step: checked, with its error. `None` for a pole or another false alarm.
     pub(super) fn settle(
         &mut self,
+        event: Event,
         point: &BranchPoint,
         length: f64,
-        s: f64,
-        test: Test,
+        (s, test): (f64, Test),
     ) -> Result<Option<Located>, LocateError> {
         let there = self.branch.step(point, s)?;
         let sign = match test {
@@ -84,7 +83,7 @@ impl Follower {
             }
         }
         match self.error(point, length, s, test, &there)? {
-            Known::To(error) => self.describe(&there, error, sign).map(Some),
+            Known::To(error) => self.describe(event, &there, error, sign).map(Some),
             Known::NoZero => Ok(None),
             Known::NotResolved => {
                 let to = self.branch.step(point, length).map_or(there.value(), |end| end.value());
@@ -135,7 +134,7 @@ impl Follower {
     ) -> Result<Known, LocateError> {
         let mut samples = Vec::new();
         for k in -SAMPLES..=SAMPLES {
-            let at = s + f64::from(k) * SAMPLE_STEP;
+            let at = s + f64::from(k) * SAMPLE_STEP.min(1e-3 * length);
             // Past the end of the parameter's range there are none.
             let Ok(sample) = self.branch.step(point, at) else { continue };
             samples.push((at - s, self.value(test, &sample, at)?, sample.value()));
@@ -193,7 +192,7 @@ impl Follower {
             let value = orbit.model().get(parameter);
             let absent =
                 orbit.model().is_conservative() && matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-            if parameter == self.search.free || value == 0.0 || absent {
+            if parameter == self.free || value == 0.0 || absent {
                 continue;
             }
             // Downwards: restitution may be 1.
@@ -211,16 +210,17 @@ impl Follower {
     /// The answer at a point.
     pub(super) fn describe(
         &mut self,
+        event: Event,
         there: &BranchPoint,
         error: f64,
         evidence: Evidence,
     ) -> Result<Located, LocateError> {
         let verdicts = self.verdicts(there);
         let physical = self.finder.admissibility(there.orbit()).ok().map(|answer| answer.is_physical());
-        let search = self.search;
-        let distance = AWAY * there.value().abs().max(1e-2 * (search.to - search.from));
-        let branching = branch_off(there.orbit(), search, distance, &mut self.analyser, &mut self.finder);
+        let distance = AWAY * there.value().abs().max(1e-2 * self.range());
+        let branching = self.branch_off(event, there.orbit(), distance);
         Ok(Located {
+            event,
             value: there.value(),
             error,
             orbit: there.orbit().clone(),

@@ -1,19 +1,18 @@
 //! What is watched at each point of a branch, and the zeros of it between two.
 
 use nalgebra::Complex;
+use smallvec::SmallVec;
 use vibrochain_breather::{BranchError, BranchPoint, BreatherError, Orbit};
 
 use super::answer::{Event, LocateError, Located};
-use super::follower::{Follower, Observation, shift_of};
+use super::follower::{Follower, Observation, Passed, shift_of};
 use super::polish::{Polisher, polish};
-use super::spectrum_events::{
-    Crossing, collided, complex_count, crossing, discriminant, follow, half_sums, regular_determinant, upper_half,
-};
+use super::spectrum_events::{Crossing, crossing, discriminant, follow, half_sums, regular_determinant, upper_half};
 use crate::bracket::zero;
 use crate::error::FloquetError;
 
 /// Halvings of a step within which two eigenvalues must become distinguishable.
-const HALVINGS: usize = 30;
+pub(super) const HALVINGS: usize = 30;
 
 /// Rounding of dense eigenvalues, in units of that of the norm; and how far from the circle they matter.
 const DENSE: f64 = 100.0;
@@ -25,6 +24,22 @@ const FARTHEST: f64 = 1e-2;
 /// Events at most in one step, and how far behind one the next is looked for, as a part of the step.
 const MOST_IN_STEP: usize = 32;
 const BEHIND: f64 = 1e-4;
+
+/// The way from a point, so far along its tangent.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    pub(super) point: &'a BranchPoint,
+    pub(super) length: f64,
+}
+
+/// The zero of such a function.
+struct Zero {
+    at: f64,
+    /// From where on the next one is looked for, if it may be very near.
+    behind: Option<f64>,
+    /// The event, if it is one.
+    located: Option<Located>,
+}
 
 /// A function of the point that changes sign at the event. Lengths are counted from the start of the step.
 #[derive(Debug, Clone, Copy)]
@@ -44,23 +59,25 @@ pub(super) enum Test {
 }
 
 impl Follower {
-    /// What the search needs to know of a point.
+    /// What is to be known of a point.
     pub(super) fn look(&mut self, point: &BranchPoint) -> Result<Observation, LocateError> {
         let orbit = point.orbit();
         let mut seen = Observation { equations: point.determinant(), ..Observation::default() };
-        match (self.search.event, shift_of(self.search.event, orbit)) {
-            (Event::Fold, _) => {}
-            (Event::Grazing, _) => {
-                let impacts = orbit.impacts().iter();
-                seen.velocities = impacts.map(|impact| impact.velocity_before * impact.barrier.sign()).collect();
-                seen.margin = self.finder.admissibility(orbit)?.margin;
-            }
-            (Event::NeimarkSacker, _) => seen.values = self.pairs(orbit)?,
-            (_, Some(shift)) => {
-                self.spectrum(orbit)?;
-                seen.determinant = regular_determinant(orbit, self.analyser.dense.matrix_of(orbit), shift);
-            }
-            (_, None) => {}
+        if self.watches(Event::Grazing) {
+            let impacts = orbit.impacts().iter();
+            seen.velocities = impacts.map(|impact| impact.velocity_before * impact.barrier.sign()).collect();
+            seen.margin = self.finder.admissibility(orbit)?.margin;
+        }
+        let shifts: SmallVec<[(Event, f64); 2]> =
+            self.events.iter().filter_map(|&event| Some((event, shift_of(event, orbit)?))).collect();
+        if self.watches(Event::NeimarkSacker) {
+            seen.values = self.pairs(orbit)?;
+        } else if !shifts.is_empty() {
+            self.spectrum(orbit)?;
+        }
+        for (event, shift) in shifts {
+            let matrix = self.analyser.dense.matrix_of(orbit);
+            seen.determinants.push((event, regular_determinant(orbit, matrix, shift)));
         }
         Ok(seen)
     }
@@ -98,39 +115,50 @@ impl Follower {
         Ok(near.chain(far.into_iter().map(|value| (value, true))).collect())
     }
 
-    /// All events between two neighbouring points.
+    /// All events between two neighbouring points, in the order of the way.
     pub(super) fn all_between(
         &mut self,
         from: (&BranchPoint, &Observation),
         to: (&BranchPoint, &Observation),
-        located: &mut Vec<Located>,
     ) -> Result<(), LocateError> {
-        let (mut point, mut seen) = (from.0.clone(), from.1.clone());
-        for _ in 0..MOST_IN_STEP {
-            let length = self.branch.length_between(&point, to.0);
-            let Some((s, found)) = self.between((&point, &seen), to)? else { break };
-            located.extend(found);
-            // On from just behind it.
-            let behind = s + BEHIND * length;
-            if behind >= length {
-                break;
+        let mut located = Vec::new();
+        for event in self.events.clone() {
+            // Each of its own: events of two kinds may be as near to each other as they like.
+            let (mut point, mut seen, mut passed, mut scale) = (from.0.clone(), from.1.clone(), 0.0, None);
+            for _ in 0..MOST_IN_STEP {
+                let length = self.branch.length_between(&point, to.0);
+                let zero = self.between(event, (&point, &seen), to, scale)?;
+                let Some(Zero { at, behind, located: found }) = zero else { break };
+                located.extend(found.map(|found| (passed + at, found)));
+                // On from just behind it, or from inside the stripe that it opens.
+                scale = behind.map(|inside| 2.0 * (inside - at));
+                let behind = behind.unwrap_or(at + BEHIND * length);
+                if behind >= length {
+                    break;
+                }
+                point = self.branch.step(&point, behind)?;
+                seen = self.look(&point)?;
+                passed += behind;
             }
-            point = self.branch.step(&point, behind)?;
-            seen = self.look(&point)?;
         }
+        located.sort_by(|one, other| one.0.total_cmp(&other.0));
+        self.passed.extend(located.into_iter().map(|(_, found)| Passed::Event(found)));
         Ok(())
     }
 
     /// The first zero between two neighbouring points, and the event there if it is one.
-    pub(super) fn between(
+    fn between(
         &mut self,
+        event: Event,
         (point, seen): (&BranchPoint, &Observation),
         (next, next_seen): (&BranchPoint, &Observation),
-    ) -> Result<Option<(f64, Option<Located>)>, LocateError> {
+        scale: Option<f64>,
+    ) -> Result<Option<Zero>, LocateError> {
         let length = self.branch.length_between(point, next);
+        let step = Step { point, length };
         let changes = |a: f64, b: f64| (a > 0.0) != (b > 0.0);
-        let mut found: Option<(f64, Test)> = None;
-        match self.search.event {
+        let (mut found, mut behind): (Option<(f64, Test)>, _) = (None, None);
+        match event {
             Event::Fold => {}
             Event::Grazing => {
                 let velocities = seen.velocities.iter().zip(&next_seen.velocities).enumerate();
@@ -146,27 +174,34 @@ impl Follower {
                     }
                 }
             }
+            Event::NeimarkSacker if point.orbit().model().loss() == 0.0 => {
+                if let Some((s, test, inside)) = self.collision(step, seen, (next, next_seen))? {
+                    (found, behind) = (Some((s, test)), inside);
+                }
+            }
             Event::NeimarkSacker => found = self.crossing(point, length, seen, next_seen)?,
-            Event::Pitchfork | Event::PeriodDoubling => match shift_of(self.search.event, point.orbit()) {
+            Event::Pitchfork | Event::PeriodDoubling => match shift_of(event, point.orbit()) {
                 None if changes(seen.equations, next_seen.equations) => {
                     let s =
                         self.zero_of(Test::Equations, point, (0.0, seen.equations), (length, next_seen.equations))?;
                     found = Some((s, Test::Equations));
                 }
-                Some(shift) if changes(seen.determinant.1, next_seen.determinant.1) => {
-                    let test = Test::Shifted { shift, log: seen.determinant.0 };
-                    let (low, high) = (seen.determinant.1, next_seen.determinant);
-                    let s =
-                        self.zero_of(test, point, (0.0, low), (length, high.1 * (high.0 - seen.determinant.0).exp()))?;
-                    found = Some((s, test));
+                Some(shift) => {
+                    if let (Some((log, low)), Some(high)) = (seen.determinant(event), next_seen.determinant(event))
+                        && changes(low, high.1)
+                    {
+                        let test = Test::Shifted { shift, log };
+                        let high = (length, high.1 * (high.0 - log).exp());
+                        found = Some((self.zero_of(test, point, (0.0, low), high)?, test));
+                    }
                 }
-                _ => {}
+                None => {}
             },
         }
-        match found {
-            Some((s, test)) => Ok(Some((s, self.settle(point, length, s, test)?))),
-            None => Ok(None),
-        }
+        let Some((at, test)) = found else { return Ok(None) };
+        // Of a stripe thinner than that, its width.
+        let length = behind.map(|inside| 2.0 * (inside - at)).or(scale).map_or(length, |scale| scale.min(length));
+        Ok(Some(Zero { at, behind, located: self.settle(event, point, length, (at, test))? }))
     }
 
     pub(super) fn zero_of(
@@ -231,47 +266,14 @@ impl Follower {
         Ok(nearest.filter(|nearest| pairs.contains(&(*nearest, true))))
     }
 
-    /// The first pair that crosses the circle, or the first two that collide on it, in a step.
-    pub(super) fn crossing(
+    /// The first pair that crosses the circle in a step, where there are losses.
+    fn crossing(
         &mut self,
         point: &BranchPoint,
         length: f64,
         seen: &Observation,
         next_seen: &Observation,
     ) -> Result<Option<(f64, Test)>, LocateError> {
-        let reversible = point.orbit().is_reversible();
-        if point.orbit().model().loss() == 0.0 {
-            let (mut low, mut high) = (0.0, length);
-            let (mut on, mut off) = (half_sums(&seen.values, reversible), half_sums(&next_seen.values, reversible));
-            if complex_count(&on) == complex_count(&off) {
-                return Ok(None);
-            }
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (low + high);
-                let there = self.branch.step(point, middle)?;
-                let sums = half_sums(&self.spectrum(there.orbit())?, reversible);
-                if complex_count(&sums) == complex_count(&on) {
-                    (low, on) = (middle, sums);
-                } else {
-                    (high, off) = (middle, sums);
-                }
-            }
-            let (fewer, more) = if complex_count(&on) < complex_count(&off) { (&on, &off) } else { (&off, &on) };
-            let Some(centre) = collided(fewer, more) else { return Ok(None) };
-            let test = Test::Collision { centre: centre.re };
-            // Far enough out for the two to be told from one.
-            let reach = 1e-4 * length;
-            let (low, high) = ((low - reach).max(0.0), (high + reach).min(length));
-            let mut ends = [(low, 0.0), (high, 0.0)];
-            for (s, value) in &mut ends {
-                let there = self.branch.step(point, *s)?;
-                *value = self.value(test, &there, *s)?;
-            }
-            if (ends[0].1 > 0.0) == (ends[1].1 > 0.0) {
-                return Ok(None);
-            }
-            return Ok(Some((self.zero_of(test, point, ends[0], ends[1])?, test)));
-        }
         let mut parts = vec![(0.0, seen.values.clone(), length, next_seen.values.clone(), 0)];
         while let Some((low, from, high, to, depth)) = parts.pop() {
             match crossing(&from, &to) {

@@ -1,0 +1,285 @@
+//! `mapgen branch`: a branch of breathers as one parameter varies, with all events on it and what branches off.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_breather::{Family, Orbit, Word};
+use vibrochain_floquet::{Course, Diagram, DiagramPoint, Event, FollowedBranch, Located, Station, diagram};
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::tolerance_from;
+
+use crate::args::BranchArgs;
+use crate::console::Console;
+use crate::error::CliError;
+use crate::locate_command::{
+    Start, error_text, event, evidence_text, fixed, located_json, message, reason, start, verdict_json,
+};
+use crate::orbit_command::point_value;
+use crate::which;
+
+const HEADER: [&str; 15] = [
+    "branch",
+    "generation",
+    "kind",
+    "value",
+    "error",
+    "impulse",
+    "impulses",
+    "phi",
+    "psi",
+    "period",
+    "margin",
+    "physical",
+    "stable",
+    "mechanism",
+    "spectral_radius",
+];
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
+    let taken = distinct(&[], &files)?;
+    let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
+    let plot = Plot::open(args)?;
+    let start = start(&args.along)?;
+    let mut course = Course::new(&start.orbit, args.along.free.into());
+    course.from = args.along.from.unwrap_or(course.from);
+    course.to = args.along.to.unwrap_or(course.to);
+    if !args.events.is_empty() {
+        course.events =
+            Event::ALL.into_iter().filter(|one| args.events.iter().any(|name| event(*name) == *one)).collect();
+    }
+    course.generations = if args.switch { args.generations } else { 0 };
+    if let Some(threshold) = args.threshold {
+        course.tolerance = tolerance_from(threshold).map_err(CliError::Request)?;
+    }
+    let diagram = diagram(&start.orbit, &course)?;
+    let text = if args.json {
+        format!("{:#}\n", as_json(&start, &course, &diagram))
+    } else {
+        as_text(&start, &course, &diagram, args.all)
+    };
+    console.answer(&text, taken)?;
+    if let Some(table) = table {
+        write_table(table, &diagram)?;
+    }
+    plot.finish(&start, &course, &diagram)
+}
+
+/// The orbit with which a branch begins.
+fn head(branch: &FollowedBranch) -> Option<&Orbit> {
+    branch.points().next().map(|point| &point.orbit)
+}
+
+/// What the orbits of a branch are called.
+pub(crate) fn name(branch: &FollowedBranch) -> String {
+    let Some(orbit) = head(branch) else { return String::new() };
+    match (orbit.family(), orbit.force_periods()) {
+        // A word that has become that of a family.
+        (Family::Word, 1) => Word::of(orbit)
+            .family()
+            .filter(|family| *family != Family::PeriodDoubled)
+            .map_or_else(|| which::name(orbit), |family| family.name().to_owned()),
+        (Family::Word, periods) => format!("{} in {periods} periods of the force", which::name(orbit)),
+        _ => which::name(orbit),
+    }
+}
+
+/// The largest impulse, as it is signed.
+fn strongest(orbit: &Orbit) -> f64 {
+    let impulses = orbit.impacts().iter().map(|impact| impact.impulse);
+    impulses.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
+}
+
+fn write_table(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let flag = |value: Option<bool>| value.map_or(String::new(), |value| value.to_string());
+    for (i, branch) in diagram.branches.iter().enumerate() {
+        for station in &branch.stations {
+            let (kind, value, error, orbit, point) = match station {
+                Station::Point(point) => ("point", point.value, None, &point.orbit, Some(point)),
+                Station::Event(found) => (found.event.name(), found.value, Some(found.error), &found.orbit, None),
+            };
+            let verdict = point.and_then(|point| point.verdict);
+            let impulses: Vec<String> = orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
+            let physical = match station {
+                Station::Point(point) => point.physical,
+                Station::Event(found) => found.physical,
+            };
+            table.row([
+                (i + 1).to_string(),
+                branch.generation.to_string(),
+                kind.to_owned(),
+                value.to_string(),
+                number(error.filter(|error| error.is_finite())),
+                strongest(orbit).to_string(),
+                impulses.join(" "),
+                number(orbit.phi()),
+                number(orbit.psi()),
+                orbit.period().to_string(),
+                number(point.and_then(|point| point.margin)),
+                flag(physical),
+                flag(verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable)),
+                verdict.and_then(|verdict| verdict.mechanism).map_or(String::new(), |m| m.name().to_owned()),
+                number(verdict.map(|verdict| verdict.spectral_radius)),
+            ])?;
+        }
+    }
+    Ok(table.finish()?)
+}
+
+fn point_json(point: &DiagramPoint) -> Value {
+    json!({
+        "value": point.value,
+        "period": point.orbit.period(),
+        "phi": point.orbit.phi(),
+        "psi": point.orbit.psi(),
+        "impulses": point.orbit.impacts().iter().map(|impact| impact.impulse).collect::<Vec<_>>(),
+        "margin": point.margin,
+        "physical": point.physical,
+        "stability": point.verdict.as_ref().map(verdict_json),
+    })
+}
+
+fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> Value {
+    let origin = branch.origin.map(|origin| {
+        let event = event_at(diagram, origin.branch, origin.station);
+        json!({ "branch": origin.branch + 1, "event": event.map(|found| found.event.name()), "value": event.map(|found| found.value) })
+    });
+    let ends: Vec<Value> = branch
+        .ends
+        .iter()
+        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": message(course.free, *value, end) }))
+        .collect();
+    json!({
+        "generation": branch.generation,
+        "origin": origin,
+        "family": head(branch).map(which::name),
+        "force_periods": head(branch).map(Orbit::force_periods),
+        "points": branch.points().map(point_json).collect::<Vec<_>>(),
+        "events": branch.events().map(located_json).collect::<Vec<_>>(),
+        "unresolved": branch.unresolved.iter().map(|place| [place.from, place.to]).collect::<Vec<_>>(),
+        "ends": ends,
+    })
+}
+
+fn event_at(diagram: &Diagram, branch: usize, station: usize) -> Option<&Located> {
+    match diagram.branches.get(branch)?.stations.get(station)? {
+        Station::Event(located) => Some(located),
+        Station::Point(_) => None,
+    }
+}
+
+fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
+    json!({
+        "free": course.free.name(),
+        "parameters": point_value(start.orbit.model()),
+        "family": which::name(&start.orbit),
+        "solution": start.number,
+        "range": [course.from, course.to],
+        "branches": diagram.branches.iter().map(|branch| branch_json(diagram, course, branch)).collect::<Vec<_>>(),
+        "evaluations": diagram.evaluations,
+        "spectra": diagram.spectra,
+    })
+}
+
+/// The answer for people. Writing to a String cannot fail.
+fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> String {
+    let (model, free) = (start.orbit.model(), course.free.name());
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "{} breathers, {}, {}; from solution {} of {} at {free} = {}",
+        which::name(&start.orbit),
+        model.chain().layout(),
+        fixed(model, course.free),
+        start.number,
+        start.count,
+        Number(model.get(course.free))
+    );
+    for (i, branch) in diagram.branches.iter().enumerate() {
+        let _ = write!(out, "\nbranch {}", i + 1);
+        if let Some(origin) = branch.origin
+            && let Some(found) = event_at(diagram, origin.branch, origin.station)
+        {
+            let _ = write!(
+                out,
+                ", {}, leaves branch {} at {free} = {} ({})",
+                name(branch),
+                origin.branch + 1,
+                Number(found.value),
+                found.event
+            );
+        }
+        let _ = writeln!(out, ": {} points", branch.points().count());
+        let mut hidden = 0;
+        for (station, found) in branch.stations.iter().enumerate() {
+            let Station::Event(found) = found else { continue };
+            if !all && !branch.is_physical_about(station) {
+                hidden += 1;
+                continue;
+            }
+            let aside = if branch.is_physical_about(station) { "" } else { "; not physical" };
+            let _ = writeln!(
+                out,
+                "  {free} = {} {}  {}: {}{aside}",
+                Number(found.value),
+                error_text(found),
+                found.event,
+                evidence_text(found)
+            );
+        }
+        if hidden > 0 {
+            let events = if hidden == 1 { "event" } else { "events" };
+            let _ = writeln!(out, "  and {hidden} {events} of orbits that are not physical (--all lists them)");
+        }
+        for place in &branch.unresolved {
+            let (from, to) = (Number(place.from), Number(place.to));
+            let _ = writeln!(out, "  between {free} = {from} and {to} a sign of more that rounding hides");
+        }
+        for (value, end) in &branch.ends {
+            let _ = writeln!(out, "  end: {}", message(course.free, *value, end));
+        }
+    }
+    for origin in &diagram.dead_ends {
+        let Some(found) = event_at(diagram, origin.branch, origin.station) else { continue };
+        let _ = writeln!(
+            out,
+            "\nno branch was found to leave branch {} at {free} = {} ({})",
+            origin.branch + 1,
+            Number(found.value),
+            found.event
+        );
+    }
+    let _ = writeln!(out, "\n{} orbits assembled, {} eigenvalue problems", diagram.evaluations, diagram.spectra);
+    out
+}
+
+#[cfg(feature = "plot")]
+use crate::branch_plot::Plot;
+#[cfg(not(feature = "plot"))]
+use without_plot::Plot;
+
+#[cfg(not(feature = "plot"))]
+mod without_plot {
+    use super::{BranchArgs, CliError, Course, Diagram, Start};
+
+    pub(super) struct Plot;
+
+    impl Plot {
+        pub(super) fn open(args: &BranchArgs) -> Result<Self, CliError> {
+            match args.plot {
+                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
+                None => Ok(Self),
+            }
+        }
+
+        pub(super) fn finish(self, _: &Start, _: &Course, _: &Diagram) -> Result<(), CliError> {
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! A step of a branch, so fine that no pair of events hides in it.
+//!
+//! Two zeros of one function in a step leave its signs as they were. So each step of a whole branch is looked at in its middle, too.
+//! The parabola through the three values tells how far the function departs from its chords; where twice that could carry it to 0
+//! and back, the step is halved. Halves that are near a touching zero are halved again.
+
+use vibrochain_breather::BranchPoint;
+
+use super::answer::{Event, LocateError};
+use super::follower::{Follower, Observation, Passed};
+use super::spectrum_events::upper_half;
+
+/// Halvings of a step at most: two zeros closer than this part of it stay hidden.
+const DEEPEST: u32 = 12;
+
+/// Departures from the parabola that are allowed for, as a factor.
+const SAFETY: f64 = 2.0;
+
+/// Growth per period that rounding of a multiplier may feign.
+const NOISE: f64 = 1e-9;
+
+impl Follower {
+    /// All events on the way to `next`, and what is seen there.
+    pub(super) fn watch(
+        &mut self,
+        from: (&BranchPoint, &Observation),
+        next: &BranchPoint,
+    ) -> Result<Observation, LocateError> {
+        let seen = self.look(next)?;
+        if self.whole {
+            self.halved(from, (next, &seen), 0)?;
+            self.passed.push(Passed::Point(next.clone()));
+        } else {
+            self.all_between(from, (next, &seen))?;
+        }
+        Ok(seen)
+    }
+
+    fn halved(
+        &mut self,
+        from: (&BranchPoint, &Observation),
+        to: (&BranchPoint, &Observation),
+        depth: u32,
+    ) -> Result<(), LocateError> {
+        let length = self.branch.length_between(from.0, to.0);
+        let middle = self.branch.step(from.0, 0.5 * length)?;
+        let seen = self.look(&middle)?;
+        let between = (&middle, &seen);
+        let clear = depth >= DEEPEST || self.is_clear([from.1, &seen, to.1]);
+        for (part, (from, to)) in [(from, between), (between, to)].into_iter().enumerate() {
+            if part == 1 {
+                self.passed.push(Passed::Point(middle.clone()));
+            }
+            if clear {
+                self.all_between(from, to)?;
+            } else {
+                self.halved(from, to, depth + 1)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// No function that is watched can vanish twice within either half of a step.
+    fn is_clear(&self, [from, middle, to]: [&Observation; 3]) -> bool {
+        let mut clear = true;
+        let mut hold = |values: [f64; 3]| clear &= no_pair(values);
+        if self.watches(Event::Grazing) {
+            for ((a, m), b) in from.velocities.iter().zip(&middle.velocities).zip(&to.velocities) {
+                hold([*a, *m, *b]);
+            }
+            if let (Some(a), Some(m), Some(b)) = (from.margin, middle.margin, to.margin) {
+                hold([a, m, b]);
+            }
+        }
+        hold([from.equations, middle.equations, to.equations]);
+        for &(event, (log, sign)) in &from.determinants {
+            let relative = |seen: &Observation| seen.determinant(event).map(|(other, sign)| sign * (other - log).exp());
+            if let (Some(m), Some(b)) = (relative(middle), relative(to)) {
+                hold([sign, m, b]);
+            }
+        }
+        let [a, m, b] = [from, middle, to].map(growths);
+        for ((a, m), b) in a.iter().zip(&m).zip(&b) {
+            if a.abs().max(m.abs()).max(b.abs()) > NOISE {
+                hold([*a, *m, *b]);
+            }
+        }
+        clear
+    }
+}
+
+/// ln|μ| of the complex pairs, the largest first: each is a continuous function of the way, whichever pair it is.
+fn growths(seen: &Observation) -> Vec<f64> {
+    let mut growths: Vec<f64> = upper_half(&seen.values).iter().map(|value| value.norm().ln()).collect();
+    growths.sort_by(|a, b| b.total_cmp(a));
+    growths
+}
+
+/// The parabola through values at the beginning, the middle and the end of a step, its bend doubled, has no two zeros within either
+/// half.
+fn no_pair([from, middle, to]: [f64; 3]) -> bool {
+    // From the chord of a half it departs by 4d u(1−u), u along the half.
+    let departure = SAFETY * (0.5 * (from + to) - middle) / 4.0;
+    [(from, middle), (middle, to)].into_iter().all(|(a, b)| {
+        let apart = (a > 0.0) != (b > 0.0);
+        // Towards 0: the chord lies on the bend's outer side.
+        let towards = departure * a.signum() > 0.0;
+        // |a|(1−u) + |b|u ≥ (√|a| + √|b|)² u(1−u), with equality somewhere.
+        apart || !towards || 4.0 * departure.abs() <= (a.abs().sqrt() + b.abs().sqrt()).powi(2)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_of_zeros_is_suspected_and_a_straight_line_is_not() {
+        let sample = |f: &dyn Fn(f64) -> f64| no_pair([f(0.0), f(0.5), f(1.0)]);
+        // Two zeros in one half, seen from the outside alone.
+        for centre in [0.2, 0.3, 0.75] {
+            assert!(!sample(&|t| (t - centre) * (t - centre) - 1e-3), "{centre}");
+            assert!(!sample(&|t| 1e-3 - (t - centre) * (t - centre)), "{centre}");
+        }
+        assert!(sample(&|t| 1.0 + t) && sample(&|t| t - 0.3) && sample(&|t| 1.0 + t * t) && sample(&|_| 0.0));
+        // Far enough from 0, and bent away from it.
+        assert!(sample(&|t| 0.2 + (t - 0.25) * (t - 0.25)) && sample(&|t| 1.0 - (t - 0.5) * (t - 0.5)));
+    }
+}

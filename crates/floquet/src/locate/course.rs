@@ -1,0 +1,160 @@
+//! What is asked of a bifurcation diagram, and what it holds.
+
+use vibrochain_breather::{Impact, Orbit};
+use vibrochain_lattice::{Barrier, Parameter};
+
+use super::answer::{End, Event, Located, Search, Unresolved};
+use crate::verdict::{Tolerance, Verdict};
+
+/// Impulses that agree to this part are those of one orbit, as far as chords between points of a branch tell them.
+const ALIKE: f64 = 1e-3;
+
+/// What is asked of a branch.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
+pub struct Course {
+    /// The parameter that is varied; the orbit has its start.
+    pub free: Parameter,
+    /// Least value to go to.
+    pub from: f64,
+    /// Largest value to go to.
+    pub to: f64,
+    /// The events that are looked for.
+    pub events: Vec<Event>,
+    /// How often a branch may leave another: 0 for the orbit's own alone.
+    pub generations: u32,
+    /// What counts as stable.
+    pub tolerance: Tolerance,
+}
+
+impl Course {
+    /// Of the orbit's own branch, over the default range of the parameter ([`Search::new`]), with all events.
+    pub fn new(orbit: &Orbit, free: Parameter) -> Self {
+        let Search { from, to, .. } = Search::new(orbit, Event::Fold, free);
+        Self { free, from, to, events: Event::ALL.to_vec(), generations: 0, tolerance: Tolerance::Rounding }
+    }
+}
+
+/// A point of a diagram.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct DiagramPoint {
+    /// Value of the free parameter.
+    pub value: f64,
+    /// The orbit.
+    pub orbit: Orbit,
+    /// Smallest distance of any mass to a barrier, where all impacts are right-signed.
+    pub margin: Option<f64>,
+    /// Whether it is physical, where that can be told.
+    pub physical: Option<bool>,
+    /// Its stability, where it can be judged.
+    pub verdict: Option<Verdict>,
+}
+
+/// What a branch passes.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
+pub enum Station {
+    /// A point.
+    Point(DiagramPoint),
+    /// An event.
+    Event(Located),
+}
+
+/// Where a branch of a diagram was taken up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Origin {
+    /// The branch that it leaves.
+    pub branch: usize,
+    /// Which of that one's stations is the event at which it does.
+    pub station: usize,
+}
+
+/// A branch of a diagram.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct FollowedBranch {
+    /// Where it leaves another; `None` for the orbit's own.
+    pub origin: Option<Origin>,
+    /// How many branches lie between it and the orbit's own.
+    pub generation: u32,
+    /// Points and events in the order of the way, from one end to the other.
+    pub stations: Vec<Station>,
+    /// Where there may be more events, hidden by rounding.
+    pub unresolved: Vec<Unresolved>,
+    /// Where and how the way ends at the first and behind the last station. One that leaves another has its origin first.
+    pub ends: Vec<(f64, End)>,
+}
+
+impl FollowedBranch {
+    /// Its points.
+    pub fn points(&self) -> impl Iterator<Item = &DiagramPoint> {
+        self.stations.iter().filter_map(|station| match station {
+            Station::Point(point) => Some(point),
+            Station::Event(_) => None,
+        })
+    }
+
+    /// Its events.
+    pub fn events(&self) -> impl Iterator<Item = &Located> {
+        self.stations.iter().filter_map(|station| match station {
+            Station::Event(located) => Some(located),
+            Station::Point(_) => None,
+        })
+    }
+
+    /// Whether the orbits just before or just behind a station are physical. At a grazing the one there is a matter of rounding.
+    pub fn is_physical_about(&self, station: usize) -> bool {
+        let told = |station: &Station| match station {
+            Station::Point(point) => Some(point.physical == Some(true)),
+            Station::Event(_) => None,
+        };
+        let (before, behind) = self.stations.split_at(station.min(self.stations.len()));
+        let nearest = [before.iter().rev().find_map(told), behind.iter().find_map(told)];
+        nearest.contains(&Some(true))
+    }
+
+    /// Whether an orbit is one of it, or one of its mirror images.
+    pub(super) fn holds(&self, value: f64, orbit: &Orbit) -> bool {
+        let points: Vec<&DiagramPoint> = self.points().collect();
+        let signature = signature(orbit);
+        points.windows(2).any(|pair| {
+            let [(low, from), (high, to)] = [0, 1].map(|i| (pair[i].value, self::signature(&pair[i].orbit)));
+            let alike = |(part, (a, b)): (&(_, f64), (&(_, f64), &(_, f64)))| {
+                let share = if high == low { 0.0 } else { (value - low) / (high - low) };
+                let between = a.1 + share * (b.1 - a.1);
+                a.0 == part.0 && b.0 == part.0 && (part.1 - between).abs() <= ALIKE * part.1.abs()
+            };
+            (value - low) * (value - high) <= 0.0
+                && pair.iter().all(|point| point.orbit.force_periods() == orbit.force_periods())
+                && from.len() == signature.len()
+                && to.len() == signature.len()
+                && signature.iter().zip(from.iter().zip(&to)).all(alike)
+        })
+    }
+}
+
+/// Impulses by site and barrier: the same for an orbit that begins with another of its impacts, or runs backwards.
+fn signature(orbit: &Orbit) -> Vec<((usize, bool), f64)> {
+    let of = |impact: &Impact| ((impact.site, impact.barrier == Barrier::Upper), impact.impulse);
+    let mut impulses: Vec<_> = orbit.impacts().iter().map(of).collect();
+    impulses.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    impulses
+}
+
+/// A bifurcation diagram.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
+pub struct Diagram {
+    /// The orbit's own branch first, then those that leave it, then those that leave these.
+    pub branches: Vec<FollowedBranch>,
+    /// Events at which no branch could be taken up, though one was looked for.
+    pub dead_ends: Vec<Origin>,
+    /// Orbits assembled.
+    pub evaluations: usize,
+    /// Eigenvalue problems solved.
+    pub spectra: usize,
+}

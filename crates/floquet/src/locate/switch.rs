@@ -1,0 +1,76 @@
+//! At which events branches leave another, and the first step along one.
+
+use vibrochain_breather::{Approach, Branch, BranchPoint, Departure, Family, Finder, Hit, Motion, Orbit};
+use vibrochain_lattice::Barrier;
+
+use super::answer::{Event, Evidence, Located};
+
+/// A mass touches a barrier where it is this near to it, and its velocity over ω this small: a located grazing is known to rounding,
+/// its time, a square root, to half the digits.
+const TOUCHING: f64 = 1e-9;
+const STILL: f64 = 1e-4;
+
+/// Two impacts of one mass within this part of the period are one.
+const TOGETHER: f64 = 1e-4;
+
+/// The first step along a branch that leaves another, in units: far enough for the two to be told apart. Where it is too long, as
+/// next to a fold, it is shortened so often.
+const FIRST: f64 = 0.005;
+const SHRINK: f64 = 0.25;
+const TRIES: i32 = 6;
+
+/// How orbits of another kind leave a branch at an event, if they do.
+pub(super) fn departure(located: &Located) -> Option<Departure> {
+    let orbit = &located.orbit;
+    match (located.event, located.evidence) {
+        (Event::PeriodDoubling, _) if !orbit.model().is_conservative() => Some(Departure::PeriodDoubling),
+        (Event::Pitchfork, _) if orbit.family() == Family::DoubleSided => Some(Departure::Pitchfork),
+        (Event::Grazing, Evidence::Touch(touch)) => Some(Departure::Touching(touching(orbit, &touch)?)),
+        (Event::Grazing, Evidence::Impact(lost)) if orbit.impacts().len() > 1 => Some(Departure::Without(lost)),
+        _ => None,
+    }
+}
+
+/// All masses that touch a barrier where one does: symmetry may have several do it at once, or at the mirror image of its time.
+fn touching(orbit: &Orbit, touch: &Approach) -> Option<Vec<Hit>> {
+    let period = orbit.period();
+    let mut motion = Motion::of(orbit).ok()?;
+    let mut hits: Vec<Hit> = Vec::new();
+    for time in [touch.time, period - touch.time, touch.time + 0.5 * period, 1.5 * period - touch.time] {
+        let time = time.rem_euclid(period);
+        let _ = motion.at(0, time);
+        for site in 0..motion.sites() {
+            let mass = motion.site(site);
+            for barrier in [Barrier::Lower, Barrier::Upper] {
+                let near = (mass.displacement - orbit.model().barrier(barrier)).abs() <= TOUCHING
+                    && mass.velocity.abs() <= STILL * orbit.model().omega();
+                let apart = |other: f64| {
+                    let apart = (other - time).rem_euclid(period);
+                    apart.min(period - apart) > TOGETHER * period
+                };
+                let impacts = orbit.impacts().iter().filter(|impact| impact.site == site).map(|impact| impact.time);
+                let known = hits.iter().filter(|hit| hit.site == site).map(|hit| hit.time);
+                if near && impacts.chain(known).all(apart) {
+                    hits.push(Hit::new(site, barrier, time, 0.0));
+                }
+            }
+        }
+    }
+    (!hits.is_empty()).then_some(hits)
+}
+
+/// The first point of a branch that leaves another, on the side where its orbits are.
+pub(super) fn first_step(branch: &mut Branch, start: &BranchPoint, departure: &Departure) -> Option<BranchPoint> {
+    let mut finder = Finder::new(branch.sites());
+    let mut taken = |sign: f64| (0..TRIES).find_map(|i| branch.step(start, sign * FIRST * SHRINK.powi(i)).ok());
+    if matches!(departure, Departure::Pitchfork | Departure::PeriodDoubling) {
+        // The other way leads to the same orbits, mirrored or begun later.
+        return taken(1.0);
+    }
+    let mut physical = |point: &BranchPoint| finder.admissibility(point.orbit()).is_ok_and(|told| told.is_physical());
+    let ways: Vec<BranchPoint> = [1.0, -1.0]
+        .into_iter()
+        .filter_map(|sign| taken(sign).map(|point| if sign < 0.0 { point.reversed() } else { point }))
+        .collect();
+    ways.into_iter().find(|point| physical(point))
+}
