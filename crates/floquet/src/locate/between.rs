@@ -16,6 +16,9 @@ const DEEPEST: u32 = 12;
 /// Departures from the parabola that are allowed for, as a factor.
 const SAFETY: f64 = 2.0;
 
+/// Next to the edge of a stripe its opening grows by this factor at most within what is looked at at once.
+const STEEPEST: f64 = 4.0;
+
 /// Growth per period that rounding of a multiplier may feign.
 const NOISE: f64 = 1e-9;
 
@@ -46,7 +49,7 @@ impl Follower {
         let middle = self.branch.step(from.0, 0.5 * length)?;
         let seen = self.look(&middle)?;
         let between = (&middle, &seen);
-        let clear = depth >= DEEPEST || self.is_clear([from.1, &seen, to.1]);
+        let clear = depth >= DEEPEST || self.is_clear(middle.orbit().model().loss(), [from.1, &seen, to.1]);
         for (part, (from, to)) in [(from, between), (between, to)].into_iter().enumerate() {
             if part == 1 {
                 self.passed.push(Passed::Point(middle.clone()));
@@ -61,8 +64,8 @@ impl Follower {
     }
 
     /// No function that is watched can vanish twice within either half of a step.
-    fn is_clear(&self, [from, middle, to]: [&Observation; 3]) -> bool {
-        let mut clear = true;
+    fn is_clear(&self, loss: f64, [from, middle, to]: [&Observation; 3]) -> bool {
+        let (mut clear, mut clear_of_edges) = (true, true);
         let mut hold = |values: [f64; 3]| clear &= no_pair(values);
         if self.watches(Event::Grazing) {
             for ((a, m), b) in from.velocities.iter().zip(&middle.velocities).zip(&to.velocities) {
@@ -79,17 +82,26 @@ impl Follower {
                 hold([sign, m, b]);
             }
         }
-        let [a, m, b] = [from, middle, to].map(growths);
+        // Two pairs that close on the circle and part again.
+        if from.openings.len() == middle.openings.len() && middle.openings.len() == to.openings.len() {
+            for ((a, m), b) in from.openings.iter().zip(&middle.openings).zip(&to.openings) {
+                hold([*a, *m, *b]);
+                // In the middle of a stripe they may close and part again within less than its width.
+                clear_of_edges &= a.max(*m).max(*b) <= STEEPEST * a.min(*m).min(*b);
+            }
+        }
+        let elastic = loss == 0.0;
+        let [a, m, b] = [from, middle, to].map(|seen| if elastic { Vec::new() } else { growths(seen) });
         for ((a, m), b) in a.iter().zip(&m).zip(&b) {
             if a.abs().max(m.abs()).max(b.abs()) > NOISE {
                 hold([*a, *m, *b]);
             }
         }
-        clear
+        clear && clear_of_edges
     }
 }
 
-/// ln|μ| of the complex pairs, the largest first: each is a continuous function of the way, whichever pair it is.
+/// With losses, ln|μ| of the complex pairs, the largest first: each is a continuous function of the way, whichever pair it is.
 fn growths(seen: &Observation) -> Vec<f64> {
     let mut growths: Vec<f64> = upper_half(&seen.values).iter().map(|value| value.norm().ln()).collect();
     growths.sort_by(|a, b| b.total_cmp(a));

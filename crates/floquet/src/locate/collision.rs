@@ -3,63 +3,232 @@
 //! Two collide only if their Krein signatures differ. On the circle none passes another of the other signature without leaving it;
 //! so the signatures in the order of their pairs change only through such a stripe of instability. Where they have changed over a step
 //! at both ends of which as many pairs are on the circle, a stripe hides between, however thin: halving finds it.
+//!
+//! Inside a stripe two pairs may close and two others part before the next point. Then the place among the others has changed that
+//! those off the circle have. It does so without an event, too, where they drift past a pair that stays: so halving ends sooner.
 
 use nalgebra::Complex;
 use vibrochain_breather::{BranchPoint, Orbit};
 
 use super::answer::{LocateError, Unresolved};
 use super::follower::{Follower, Observation};
-use super::spectrum_events::{collided, complex_count, half_sums};
-use super::watch::{HALVINGS, Step, Test};
+use super::spectrum_events::{SPLIT, collided, complex_count, half_sums};
+use super::watch::{HALVINGS, Test};
+use crate::FloquetError;
 use crate::stripes::{Signature, signature};
 
-/// Halvings of a step in search of a stripe: to the rounding of its length. Where the number of pairs on the circle changes
-/// otherwise, as at a period doubling, only so many that what else the step holds is told from that.
+/// Halvings of a step in search of a stripe: to the rounding of its length.
 const DEEPEST: u32 = 45;
+
+/// Where the order may have changed otherwise, as at a period doubling, only so many: what else the step holds is told from that.
 const APART: u32 = 10;
 
-/// Where a pair of edges was sought, and how far from an edge a collision is looked at, as a part of the step.
+/// An edge is looked for by its own function in a part of a step halved so often: there it is alone but for thin stripes, which the
+/// order tells of.
+const ALONE: u32 = 8;
+
+/// From so many halvings on, two that have changed places are looked for where they come nearest to each other; in so many steps.
+const NEARBY: u32 = 3;
+const PARABOLAS: usize = 24;
+
+/// How far from an edge a collision is looked at first, as a part of the step, and by how much farther then.
 const REACH: f64 = 1e-4;
+const FARTHER: f64 = 4.0;
+
+/// How near to an edge, as a part of what is beside it, the order is told at first, and if it cannot be.
+const NEXT_TO: [f64; 3] = [1e-3, 1e-2, 1e-1];
+
+/// Where else in a part its order may be told, if two meet right in its middle.
+const BESIDE: [f64; 3] = [0.45, 0.6, 0.3];
 
 type Sums = Vec<Complex<f64>>;
 
+/// Pairs in the order of Re ν: the signature of one on the circle, nothing of two off it.
+type Order = Vec<Option<Signature>>;
+
+/// A place on a step.
+#[derive(Debug, Clone)]
+struct Place {
+    s: f64,
+    sums: Sums,
+    /// `None` where a signature cannot be told.
+    order: Option<Order>,
+}
+
+impl Place {
+    fn off_circle(&self) -> usize {
+        complex_count(&self.sums)
+    }
+}
+
+/// The edge of a stripe.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    pub(super) at: f64,
+    pub(super) test: Test,
+    /// Distance to the next one, or the length of the step.
+    pub(super) alone: f64,
+}
+
 impl Follower {
-    /// The first collision in a step; with the place inside a stripe that was hidden in it.
-    pub(super) fn collision(
+    /// All collisions in a step.
+    pub(super) fn collisions(
         &mut self,
-        step: Step<'_>,
-        seen: &Observation,
+        (point, seen): (&BranchPoint, &Observation),
         (next, next_seen): (&BranchPoint, &Observation),
-    ) -> Result<Option<(f64, Test, Option<f64>)>, LocateError> {
-        let reversible = step.point.orbit().is_reversible();
-        let (on, off) = (half_sums(&seen.values, reversible), half_sums(&next_seen.values, reversible));
-        if complex_count(&on) != complex_count(&off) {
-            let edge = self.edge(step, (0.0, on), (step.length, off), REACH * step.length)?;
-            return Ok(edge.map(|(s, test)| (s, test, None)));
+    ) -> Result<Vec<Edge>, LocateError> {
+        let length = self.branch.length_between(point, next);
+        let first = self.place(0.0, point.orbit(), &seen.values)?;
+        let last = self.place(length, next.orbit(), &next_seen.values)?;
+        let (mut parts, mut edges) = (vec![(first, last, 0)], Vec::<Edge>::new());
+        while let Some((from, to, depth)) = parts.pop() {
+            let event = match from.off_circle().abs_diff(to.off_circle()) {
+                0 => {
+                    let (Some(before), Some(after)) = (&from.order, &to.order) else { continue };
+                    let certain = is_certain(before, after);
+                    if before == after || !certain && depth >= APART {
+                        continue;
+                    }
+                    if certain
+                        && depth >= NEARBY
+                        && let Some(inside) = self.meeting(point, [&from, &to])?
+                    {
+                        parts.push((inside.clone(), to, ALONE.max(depth)));
+                        parts.push((from, inside, ALONE.max(depth)));
+                        continue;
+                    }
+                    certain
+                }
+                2 if depth >= ALONE => {
+                    if let Some(edge) = self.edge(point, length, [&from, &to])? {
+                        // On both sides of it there may be stripes besides.
+                        let [before, behind] = [&from, &to].map(|end| self.next_to(point, edge.at, end));
+                        parts.extend(behind?.map(|behind| (behind, to, depth)));
+                        parts.extend(before?.map(|before| (from, before, depth)));
+                        edges.push(edge);
+                        continue;
+                    }
+                    true
+                }
+                _ => true,
+            };
+            let middle = if depth < DEEPEST { Some(self.between_places(point, from.s, to.s)?) } else { None };
+            // Two that have changed places, but lie too near to each other all the way between.
+            let swapped = event && from.off_circle() == to.off_circle();
+            let known = |middle: &Place| !swapped || middle.order.is_some() || middle.off_circle() != from.off_circle();
+            if let Some(middle) = middle.filter(known) {
+                parts.push((middle.clone(), to, depth + 1));
+                parts.push((from, middle, depth + 1));
+            } else if event {
+                let (from, to) = (self.branch.step(point, from.s)?.value(), self.branch.step(point, to.s)?.value());
+                self.unresolved.push(Unresolved { from: from.min(to), to: from.max(to) });
+            }
         }
-        let (Some(before), Some(after)) = (self.order(step.point.orbit(), &on)?, self.order(next.orbit(), &off)?)
-        else {
-            return Ok(None);
+        edges.sort_by(|one, other| one.at.total_cmp(&other.at));
+        for i in 1..edges.len() {
+            let apart = edges[i].at - edges[i - 1].at;
+            edges[i].alone = edges[i].alone.min(apart);
+            edges[i - 1].alone = edges[i - 1].alone.min(apart);
+        }
+        Ok(edges)
+    }
+
+    /// A place where a pair that goes to ν = `goal`, ±1, and comes back is beyond it. On its way it turns its signature: it has met
+    /// itself there. `beyond` tells of an orbit.
+    pub(super) fn turned_back(
+        &mut self,
+        (point, seen): (&BranchPoint, &Observation),
+        (next, next_seen): (&BranchPoint, &Observation),
+        goal: f64,
+        beyond: impl Fn(&mut Self, &Orbit) -> bool,
+    ) -> Result<Option<f64>, LocateError> {
+        let extreme = |place: &Place| {
+            let order = place.order.as_ref()?;
+            if goal < 0.0 { *order.first()? } else { *order.last()? }
         };
-        let Some([low, inside, high]) = self.hidden(step, (&on, before), after)? else { return Ok(None) };
-        let reach = (0.5 * (high.0 - low.0)).min(REACH * step.length);
-        let at = inside.0;
-        let edge = self.edge(step, low, inside, reach)?;
-        Ok(edge.map(|(s, test)| (s, test, Some(at))))
+        let mut low = self.place(0.0, point.orbit(), &seen.values)?;
+        let high = self.place(self.branch.length_between(point, next), next.orbit(), &next_seen.values)?;
+        let (Some(before), Some(after)) = (extreme(&low), extreme(&high)) else { return Ok(None) };
+        let mut high = high.s;
+        if before == after {
+            return Ok(None);
+        }
+        for _ in 0..DEEPEST {
+            let middle = 0.5 * (low.s + high);
+            let there = self.branch.step(point, middle)?;
+            let values = self.spectrum(there.orbit())?;
+            if beyond(self, there.orbit()) {
+                return Ok(Some(middle));
+            }
+            let place = self.place(middle, there.orbit(), &values)?;
+            match extreme(&place) {
+                Some(here) if here == before => low = place,
+                Some(_) => high = middle,
+                None => break,
+            }
+        }
+        Ok(None)
+    }
+
+    /// A place on the side of `end` so near to an edge as the order can be told.
+    fn next_to(&mut self, point: &BranchPoint, edge: f64, end: &Place) -> Result<Option<Place>, LocateError> {
+        for share in NEXT_TO {
+            let place = self.place_at(point, edge + share * (end.s - edge))?;
+            if place.order.is_some() && place.off_circle() == end.off_circle() {
+                return Ok(Some(place));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Where the two meet that have changed places between two places: the least (ν₁ − ν₂)², by parabolas through three points.
+    fn meeting(&mut self, point: &BranchPoint, [from, to]: [&Place; 2]) -> Result<Option<Place>, LocateError> {
+        let (Some(before), Some(after)) = (&from.order, &to.order) else { return Ok(None) };
+        let on_circle = |order: &Order| order.iter().flatten().copied().collect::<Vec<_>>();
+        let swapped = on_circle(before).iter().zip(&on_circle(after)).position(|(a, b)| a != b);
+        let Some(first) = swapped else { return Ok(None) };
+        let gap = |place: &Place| {
+            let mut real: Vec<f64> =
+                place.sums.iter().filter(|nu| nu.im.abs() <= SPLIT && nu.re.abs() < 1.0).map(|nu| nu.re).collect();
+            real.sort_by(f64::total_cmp);
+            Some((real.get(first + 1)? - real.get(first)?).powi(2))
+        };
+        let inside = |place: &Place| place.off_circle() > from.off_circle();
+        let (Some(low), Some(high)) = (gap(from), gap(to)) else { return Ok(None) };
+        let (mut low, mut high) = ((from.s, low), (to.s, high));
+        let mut middle = 0.5 * (low.0 + high.0);
+        for _ in 0..PARABOLAS {
+            let place = self.place_at(point, middle)?;
+            if inside(&place) {
+                return Ok(Some(place));
+            }
+            let Some(value) = gap(&place) else { break };
+            // The lowest point of the parabola through the three.
+            let (left, right) = ((value - low.1) / (middle - low.0), (high.1 - value) / (high.0 - middle));
+            let bend = (right - left) / (high.0 - low.0);
+            let next = 0.5 * (low.0 + middle) - 0.5 * left / bend;
+            if next.is_nan() || next <= low.0 || next >= high.0 || bend <= 0.0 {
+                break;
+            }
+            if next < middle {
+                high = (middle, value)
+            } else {
+                low = (middle, value)
+            }
+            if next == middle {
+                break;
+            }
+            middle = next;
+        }
+        Ok(None)
     }
 
     /// The end of a stripe between two places, of which one is inside.
-    fn edge(
-        &mut self,
-        step: Step<'_>,
-        (mut low, mut on): (f64, Sums),
-        (mut high, mut off): (f64, Sums),
-        reach: f64,
-    ) -> Result<Option<(f64, Test)>, LocateError> {
-        let most = high;
+    fn edge(&mut self, point: &BranchPoint, length: f64, [from, to]: [&Place; 2]) -> Result<Option<Edge>, LocateError> {
+        let (mut low, mut on, mut high, mut off) = (from.s, from.sums.clone(), to.s, to.sums.clone());
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            let sums = self.sums(step, middle)?;
+            let sums = self.sums(point, middle)?;
             if complex_count(&sums) == complex_count(&on) {
                 (low, on) = (middle, sums);
             } else {
@@ -69,67 +238,78 @@ impl Follower {
         let (fewer, more) = if complex_count(&on) < complex_count(&off) { (&on, &off) } else { (&off, &on) };
         let Some(centre) = collided(fewer, more) else { return Ok(None) };
         let test = Test::Collision { centre: centre.re };
-        // Far enough out for the two to be told from one.
-        let (low, high) = ((low - reach).max(0.0), (high + reach).min(most));
-        let mut ends = [(low, 0.0), (high, 0.0)];
-        for (s, value) in &mut ends {
-            let there = self.branch.step(step.point, *s)?;
-            *value = self.value(test, &there, *s)?;
-        }
-        if (ends[0].1 > 0.0) == (ends[1].1 > 0.0) {
-            return Ok(None);
-        }
-        Ok(Some((self.zero_of(test, step.point, ends[0], ends[1])?, test)))
+        // Far enough out for the two to be told from one: they count as one until they are apart by the root of rounding.
+        let mut reach = REACH * length;
+        let ends = loop {
+            let (low, high) = ((low - reach).max(from.s), (high + reach).min(to.s));
+            let mut ends = [(low, 0.0), (high, 0.0)];
+            for (s, value) in &mut ends {
+                let there = self.branch.step(point, *s)?;
+                *value = self.value(test, &there, *s)?;
+            }
+            if (ends[0].1 > 0.0) != (ends[1].1 > 0.0) {
+                break ends;
+            }
+            if low == from.s && high == to.s {
+                return Ok(None);
+            }
+            reach *= FARTHER;
+        };
+        let at = self.zero_of(test, point, ends[0], ends[1])?;
+        Ok(Some(Edge { at, test, alone: length }))
     }
 
-    fn sums(&mut self, step: Step<'_>, s: f64) -> Result<Sums, LocateError> {
-        let there = self.branch.step(step.point, s)?;
+    fn sums(&mut self, point: &BranchPoint, s: f64) -> Result<Sums, LocateError> {
+        let there = self.branch.step(point, s)?;
         Ok(half_sums(&self.spectrum(there.orbit())?, there.orbit().is_reversible()))
     }
 
-    /// A stripe hidden in a step: places before it, in it and behind it. One too thin for the signs of rounding is noted as
-    /// unresolved.
-    fn hidden(
-        &mut self,
-        step: Step<'_>,
-        (on, before): (&Sums, Vec<Signature>),
-        after: Vec<Signature>,
-    ) -> Result<Option<[(f64, Sums); 3]>, LocateError> {
-        let mut parts = vec![((0.0, before), (step.length, after), 0)];
-        while let Some(((low, before), (high, after), depth)) = parts.pop() {
-            if before == after || before.len() != after.len() && depth >= APART {
-                continue;
-            }
-            let ends = [self.branch.step(step.point, low)?, self.branch.step(step.point, high)?];
-            if depth >= DEEPEST {
-                let [from, to] = ends.map(|end| end.value());
-                self.unresolved.push(Unresolved { from: from.min(to), to: from.max(to) });
-                continue;
-            }
-            let middle = 0.5 * (low + high);
-            let there = self.branch.step(step.point, middle)?;
-            let sums = half_sums(&self.spectrum(there.orbit())?, there.orbit().is_reversible());
-            if complex_count(&sums) > complex_count(on) {
-                let (before, behind) = (self.sums(step, low)?, self.sums(step, high)?);
-                return Ok(Some([(low, before), (middle, sums), (high, behind)]));
-            }
-            let Some(order) = self.order(there.orbit(), &sums)? else { continue };
-            parts.push(((middle, order.clone()), (high, after), depth + 1));
-            parts.push(((low, before), (middle, order), depth + 1));
-        }
-        Ok(None)
+    fn place_at(&mut self, point: &BranchPoint, s: f64) -> Result<Place, LocateError> {
+        let there = self.branch.step(point, s)?;
+        let values = self.spectrum(there.orbit())?;
+        self.place(s, there.orbit(), &values)
     }
 
-    /// Signatures of the pairs on the circle in the order of ν; `None` where one cannot be told.
-    fn order(&mut self, orbit: &Orbit, sums: &[Complex<f64>]) -> Result<Option<Vec<Signature>>, LocateError> {
+    /// The middle, or where the order can be told beside it.
+    fn between_places(&mut self, point: &BranchPoint, from: f64, to: f64) -> Result<Place, LocateError> {
+        let mut place = self.place_at(point, 0.5 * (from + to))?;
+        for share in BESIDE {
+            if place.order.is_none() {
+                place = self.place_at(point, from + share * (to - from))?;
+            }
+        }
+        Ok(place)
+    }
+
+    fn place(&mut self, s: f64, orbit: &Orbit, values: &[Complex<f64>]) -> Result<Place, LocateError> {
+        let sums = half_sums(values, orbit.is_reversible());
+        let order = self.order(orbit, &sums)?;
+        Ok(Place { s, sums, order })
+    }
+
+    fn order(&mut self, orbit: &Orbit, sums: &[Complex<f64>]) -> Result<Option<Order>, LocateError> {
         if orbit.centre().is_none() {
             return Ok(None);
         }
-        let mut on_circle: Vec<f64> =
-            sums.iter().filter(|nu| nu.im == 0.0 && nu.re.abs() < 1.0).map(|nu| nu.re).collect();
-        on_circle.sort_by(f64::total_cmp);
-        let prepared = self.finder.prepared(orbit).map_err(crate::FloquetError::from)?;
-        let told = |nu: &f64| signature(prepared, Complex::new(*nu, ((1.0 - nu) * (1.0 + nu)).sqrt()));
-        Ok(on_circle.iter().map(told).collect())
+        let moves = |nu: &&Complex<f64>| nu.im > SPLIT || nu.im.abs() <= SPLIT && nu.re.abs() < 1.0;
+        let mut pairs: Vec<Complex<f64>> = sums.iter().filter(moves).copied().collect();
+        pairs.sort_by(|a, b| a.re.total_cmp(&b.re));
+        let prepared = self.finder.prepared(orbit).map_err(FloquetError::from)?;
+        let told = |nu: &Complex<f64>| {
+            if nu.im > SPLIT {
+                return Some(None);
+            }
+            let multiplier = Complex::new(nu.re, ((1.0 - nu.re) * (1.0 + nu.re)).sqrt());
+            signature(prepared, multiplier).map(Some)
+        };
+        Ok(pairs.iter().map(told).collect())
     }
+}
+
+/// The signatures on the circle alone are the same but stand in another order, so that a stripe must lie between.
+fn is_certain(before: &Order, after: &Order) -> bool {
+    let on_circle = |order: &Order| order.iter().flatten().copied().collect::<Vec<_>>();
+    let (before, after) = (on_circle(before), on_circle(after));
+    let positive = |list: &[Signature]| list.iter().filter(|one| **one == Signature::Positive).count();
+    before.len() == after.len() && before != after && positive(&before) == positive(&after)
 }

@@ -6,8 +6,9 @@ use vibrochain_lattice::{Barrier, Parameter};
 use super::answer::{End, Event, Located, Search, Unresolved};
 use crate::verdict::{Tolerance, Verdict};
 
-/// Impulses that agree to this part are those of one orbit, as far as chords between points of a branch tell them.
-const ALIKE: f64 = 1e-3;
+/// Impulses and flights that agree to this part of the largest, and of the period, are those of one orbit, as far as chords between
+/// points of a branch tell them.
+const ALIKE: f64 = 1e-4;
 
 /// What is asked of a branch.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,32 +117,50 @@ impl FollowedBranch {
         nearest.contains(&Some(true))
     }
 
-    /// Whether an orbit is one of it, or one of its mirror images.
+    /// Whether an orbit is one of it.
     pub(super) fn holds(&self, value: f64, orbit: &Orbit) -> bool {
         let points: Vec<&DiagramPoint> = self.points().collect();
-        let signature = signature(orbit);
+        let sought = traits(orbit);
+        let strongest = sought.iter().map(|one| one.impulse.abs()).fold(0.0, f64::max);
         points.windows(2).any(|pair| {
-            let [(low, from), (high, to)] = [0, 1].map(|i| (pair[i].value, self::signature(&pair[i].orbit)));
-            let alike = |(part, (a, b)): (&(_, f64), (&(_, f64), &(_, f64)))| {
-                let share = if high == low { 0.0 } else { (value - low) / (high - low) };
-                let between = a.1 + share * (b.1 - a.1);
-                a.0 == part.0 && b.0 == part.0 && (part.1 - between).abs() <= ALIKE * part.1.abs()
+            let [low, high] = [pair[0].value, pair[1].value];
+            let share = if high == low { 0.0 } else { (value - low) / (high - low) };
+            let of_one_kind = |point: &&DiagramPoint| {
+                point.orbit.force_periods() == orbit.force_periods() && point.orbit.impacts().len() == sought.len()
             };
-            (value - low) * (value - high) <= 0.0
-                && pair.iter().all(|point| point.orbit.force_periods() == orbit.force_periods())
-                && from.len() == signature.len()
-                && to.len() == signature.len()
-                && signature.iter().zip(from.iter().zip(&to)).all(alike)
+            if (value - low) * (value - high) > 0.0 || !pair.iter().all(of_one_kind) {
+                return false;
+            }
+            let between = |a: f64, b: f64| a + share * (b - a);
+            let [from, to] = [0, 1].map(|i| traits(&pair[i].orbit));
+            sought.iter().zip(from.iter().zip(&to)).all(|(one, (a, b))| {
+                (a.place, b.place) == (one.place, one.place)
+                    && (between(a.impulse, b.impulse) - one.impulse).abs() <= ALIKE * strongest
+                    && (between(a.flight, b.flight) - one.flight).abs() <= ALIKE
+            })
         })
     }
 }
 
-/// Impulses by site and barrier: the same for an orbit that begins with another of its impacts, or runs backwards.
-fn signature(orbit: &Orbit) -> Vec<((usize, bool), f64)> {
-    let of = |impact: &Impact| ((impact.site, impact.barrier == Barrier::Upper), impact.impulse);
-    let mut impulses: Vec<_> = orbit.impacts().iter().map(of).collect();
-    impulses.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    impulses
+/// What tells an impact from others, whichever the orbit begins with.
+struct Trait {
+    place: (usize, bool),
+    impulse: f64,
+    /// Time to the orbit's next impact, as a part of the period.
+    flight: f64,
+}
+
+fn traits(orbit: &Orbit) -> Vec<Trait> {
+    let impacts = orbit.impacts();
+    let next = |i: usize| impacts.get(i + 1).map_or_else(|| impacts[0].time + orbit.period(), |impact| impact.time);
+    let of = |(i, impact): (usize, &Impact)| Trait {
+        place: (impact.site, impact.barrier == Barrier::Upper),
+        impulse: impact.impulse,
+        flight: (next(i) - impact.time) / orbit.period(),
+    };
+    let mut traits: Vec<Trait> = impacts.iter().enumerate().map(of).collect();
+    traits.sort_by(|a, b| a.place.cmp(&b.place).then(a.impulse.total_cmp(&b.impulse)));
+    traits
 }
 
 /// A bifurcation diagram.

@@ -57,6 +57,8 @@ pub(super) struct Observation {
     pub(super) determinants: SmallVec<[(Event, (f64, f64)); 2]>,
     /// Eigenvalues: μ, or ν of a reversible orbit.
     pub(super) values: Vec<Complex<f64>>,
+    /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
+    pub(super) openings: Vec<f64>,
 }
 
 impl Observation {

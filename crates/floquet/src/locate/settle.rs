@@ -84,10 +84,12 @@ impl Follower {
         }
         match self.error(point, length, s, test, &there)? {
             Known::To(error) => self.describe(event, &there, error, sign).map(Some),
-            Known::NoZero => Ok(None),
-            Known::NotResolved => {
-                let to = self.branch.step(point, length).map_or(there.value(), |end| end.value());
-                self.unresolved.push(Unresolved { from: point.value().min(to), to: point.value().max(to) });
+            // Both sides of a collision have been seen: it is there, but too thin a stripe for its digits.
+            Known::NoZero if !matches!(test, Test::Collision { .. }) => Ok(None),
+            Known::NoZero | Known::NotResolved => {
+                let (low, high) = if length < s { (s - length, s + length) } else { (0.0, length) };
+                let ends = [low, high].map(|s| self.branch.step(point, s).map_or(there.value(), |end| end.value()));
+                self.unresolved.push(Unresolved { from: ends[0].min(ends[1]), to: ends[0].max(ends[1]) });
                 Ok(None)
             }
         }

@@ -8,7 +8,7 @@ use crate::square::Square;
 
 /// The least imaginary part of one of a pair, and the largest distance from the circle of one that lies on it: the root of
 /// rounding, by which a double eigenvalue may split.
-const SPLIT: f64 = 1e-7;
+pub(crate) const SPLIT: f64 = 1e-7;
 
 /// A pair that is closer to the circle than this at both ends of a step stays on it: it hardly feels the impacts.
 const ON_CIRCLE: f64 = 1e-12;

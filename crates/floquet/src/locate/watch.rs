@@ -25,13 +25,6 @@ const FARTHEST: f64 = 1e-2;
 const MOST_IN_STEP: usize = 32;
 const BEHIND: f64 = 1e-4;
 
-/// The way from a point, so far along its tangent.
-#[derive(Clone, Copy)]
-pub(super) struct Step<'a> {
-    pub(super) point: &'a BranchPoint,
-    pub(super) length: f64,
-}
-
 /// The zero of such a function.
 struct Zero {
     at: f64,
@@ -72,6 +65,11 @@ impl Follower {
             self.events.iter().filter_map(|&event| Some((event, shift_of(event, orbit)?))).collect();
         if self.watches(Event::NeimarkSacker) {
             seen.values = self.pairs(orbit)?;
+            if orbit.model().loss() == 0.0 {
+                let mut off: Vec<Complex<f64>> = upper_half(&half_sums(&seen.values, orbit.is_reversible()));
+                off.sort_by(|a, b| a.re.total_cmp(&b.re));
+                seen.openings = off.iter().map(|nu| nu.im * nu.im).collect();
+            }
         } else if !shifts.is_empty() {
             self.spectrum(orbit)?;
         }
@@ -123,15 +121,21 @@ impl Follower {
     ) -> Result<(), LocateError> {
         let mut located = Vec::new();
         for event in self.events.clone() {
+            if event == Event::NeimarkSacker && from.0.orbit().model().loss() == 0.0 {
+                for edge in self.collisions(from, to)? {
+                    let found = self.settle(event, from.0, edge.alone, (edge.at, edge.test))?;
+                    located.extend(found.map(|found| (edge.at, found)));
+                }
+                continue;
+            }
             // Each of its own: events of two kinds may be as near to each other as they like.
-            let (mut point, mut seen, mut passed, mut scale) = (from.0.clone(), from.1.clone(), 0.0, None);
+            let (mut point, mut seen, mut passed) = (from.0.clone(), from.1.clone(), 0.0);
             for _ in 0..MOST_IN_STEP {
                 let length = self.branch.length_between(&point, to.0);
-                let zero = self.between(event, (&point, &seen), to, scale)?;
+                let zero = self.between(event, (&point, &seen), to)?;
                 let Some(Zero { at, behind, located: found }) = zero else { break };
                 located.extend(found.map(|found| (passed + at, found)));
-                // On from just behind it, or from inside the stripe that it opens.
-                scale = behind.map(|inside| 2.0 * (inside - at));
+                // On from just behind it.
                 let behind = behind.unwrap_or(at + BEHIND * length);
                 if behind >= length {
                     break;
@@ -152,10 +156,8 @@ impl Follower {
         event: Event,
         (point, seen): (&BranchPoint, &Observation),
         (next, next_seen): (&BranchPoint, &Observation),
-        scale: Option<f64>,
     ) -> Result<Option<Zero>, LocateError> {
         let length = self.branch.length_between(point, next);
-        let step = Step { point, length };
         let changes = |a: f64, b: f64| (a > 0.0) != (b > 0.0);
         let (mut found, mut behind): (Option<(f64, Test)>, _) = (None, None);
         match event {
@@ -174,11 +176,6 @@ impl Follower {
                     }
                 }
             }
-            Event::NeimarkSacker if point.orbit().model().loss() == 0.0 => {
-                if let Some((s, test, inside)) = self.collision(step, seen, (next, next_seen))? {
-                    (found, behind) = (Some((s, test)), inside);
-                }
-            }
             Event::NeimarkSacker => found = self.crossing(point, length, seen, next_seen)?,
             Event::Pitchfork | Event::PeriodDoubling => match shift_of(event, point.orbit()) {
                 None if changes(seen.equations, next_seen.equations) => {
@@ -187,20 +184,31 @@ impl Follower {
                     found = Some((s, Test::Equations));
                 }
                 Some(shift) => {
-                    if let (Some((log, low)), Some(high)) = (seen.determinant(event), next_seen.determinant(event))
-                        && changes(low, high.1)
-                    {
+                    if let (Some((log, low)), Some(high)) = (seen.determinant(event), next_seen.determinant(event)) {
                         let test = Test::Shifted { shift, log };
-                        let high = (length, high.1 * (high.0 - log).exp());
-                        found = Some((self.zero_of(test, point, (0.0, low), high)?, test));
+                        if changes(low, high.1) {
+                            let high = (length, high.1 * (high.0 - log).exp());
+                            found = Some((self.zero_of(test, point, (0.0, low), high)?, test));
+                        } else if self.watches(Event::NeimarkSacker) {
+                            let beyond = |follower: &mut Self, orbit: &Orbit| {
+                                let matrix = follower.analyser.dense.matrix_of(orbit);
+                                changes(regular_determinant(orbit, matrix, shift).1, low)
+                            };
+                            behind = self.turned_back((point, seen), (next, next_seen), -shift, beyond)?;
+                            if let Some(inside) = behind {
+                                let there = self.branch.step(point, inside)?;
+                                let value = self.value(test, &there, inside)?;
+                                found = Some((self.zero_of(test, point, (0.0, low), (inside, value))?, test));
+                            }
+                        }
                     }
                 }
                 None => {}
             },
         }
         let Some((at, test)) = found else { return Ok(None) };
-        // Of a stripe thinner than that, its width.
-        let length = behind.map(|inside| 2.0 * (inside - at)).or(scale).map_or(length, |scale| scale.min(length));
+        // Of a stripe thinner than the step, its width.
+        let length = behind.map_or(length, |inside: f64| inside - at).min(length);
         Ok(Some(Zero { at, behind, located: self.settle(event, point, length, (at, test))? }))
     }
 
