@@ -40,25 +40,17 @@ impl Orbit {
             residual: 0.0,
         };
         motion.load(&orbit, response);
-        for i in 0..orbit.impacts.len() {
-            let site = orbit.impacts[i].site;
-            let [position, newton] = orbit.violation(i, motion);
-            // The motion stands just after the impact now.
-            let impact = &mut orbit.impacts[i];
-            impact.acceleration = motion.acceleration_from_forces(site, motion.force_time(i, 0.0));
+        let (length, velocity, loss) = (orbit.length_scale(), orbit.velocity_scale(), model.loss());
+        for (i, impact) in orbit.impacts.iter_mut().enumerate() {
+            let after;
+            (after, impact.acceleration) = motion.just_after(i, impact.site);
+            // v(t_i) − (a±1) and w_i + qP_i/2, over the largest terms.
+            let position = (after.displacement - model.barrier(impact.barrier)) / length;
+            let mean = after.velocity - 0.5 * impact.impulse;
+            let newton = (mean + 0.5 * loss * impact.impulse) / velocity;
             orbit.residual = [position, newton].into_iter().fold(orbit.residual, |worst, x| worse(worst, x.abs()));
         }
         Ok(orbit)
-    }
-
-    /// v(t_i) − (a±1) and w_i + qP_i/2 of impact `i`, over the largest terms; `motion` must hold this orbit, and is left
-    /// just after the impact.
-    pub(crate) fn violation(&self, i: usize, motion: &mut Motion) -> [f64; 2] {
-        let impact = &self.impacts[i];
-        let after = motion.after_impact(i, impact.site);
-        let mean = after.velocity - 0.5 * impact.impulse;
-        let position = after.displacement - self.model.barrier(impact.barrier);
-        [position / self.length_scale(), (mean + 0.5 * self.model.loss() * impact.impulse) / self.velocity_scale()]
     }
 
     /// An orbit from any list of impacts at any sites, times within the orbit's
@@ -123,7 +115,7 @@ impl Orbit {
             // A lattice that nothing holds may stand anywhere: where its first impact meets the barrier.
             Self::assemble(model, &response, &mut motion, draft.clone())?;
             let Hit { site, barrier, .. } = impacts[0];
-            draft.uniform_offset = model.barrier(barrier) - motion.after_impact(0, site).displacement;
+            draft.uniform_offset = model.barrier(barrier) - motion.just_after(0, site).0.displacement;
         }
         Self::assemble(model, &response, &mut motion, draft)
     }

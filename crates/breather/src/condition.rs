@@ -273,7 +273,7 @@ impl Equations<'_> {
     }
 
     /// Error of the acceleration at impact `i` for exact impulses, times and amplitudes, in the form that
-    /// [`Motion::acceleration_from_forces`] chooses.
+    /// [`Motion::just_after`] chooses.
     fn acceleration_rounding(&self, i: usize, motion: &mut Motion) -> f64 {
         let orbit = self.orbit;
         let chain = orbit.model().chain();

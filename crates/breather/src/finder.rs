@@ -1,7 +1,7 @@
 //! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
 //! same, the impulse response as long as chain and frequency do, and all scratch space.
 
-use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum, Wave};
 
 use crate::admissibility::Admissibility;
 use crate::completeness::{Completeness, Proof};
@@ -108,14 +108,14 @@ impl Finder {
 
     /// The same, from the view of another site.
     fn prepare_at(&mut self, model: &Model, omega: f64, home: usize) -> Result<(), BreatherError> {
-        let chain = *model.chain();
+        let chain = model.chain();
         match &mut self.spectrum {
-            Some(spectrum) if *spectrum.chain() == chain => {}
+            Some(spectrum) if spectrum.chain() == chain => {}
             Some(spectrum) => {
-                spectrum.reset(chain);
+                spectrum.reset(*chain);
                 self.current = None;
             }
-            None => self.spectrum = Some(Spectrum::new(chain)),
+            None => self.spectrum = Some(Spectrum::new(*chain)),
         }
         if let Some(spectrum) = &self.spectrum
             && self.current != Some((omega, home))
@@ -191,9 +191,13 @@ impl Finder {
             };
             return self.find_word(model, &word, wanted, found);
         }
-        let steady = if model.chain().has_walls() { model.steady()?.at(home) } else { model.steady_response()? };
+        let steady = match model.chain().has_walls() {
+            _ if conservative => None,
+            true => Some(model.steady()?.at(home)),
+            false => Some(model.steady_response()?),
+        };
         // A plain cosine lets the phase be eliminated.
-        let cosine = model.force().cosine_amplitude().map(|_| steady.reach());
+        let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
         self.prepare_at(model, model.omega() * if family == Family::PeriodDoubled { 0.5 } else { 1.0 }, home)?;
         let (response, motion) = (&self.response, &mut self.motion);
         let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
@@ -201,8 +205,10 @@ impl Finder {
         let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
         let (mut failure, mut singular, mut refused) = (None, false, 0);
         let mut add = |mut draft: Draft| {
-            draft.impacts.iter_mut().for_each(|hit| hit.site = home);
-            draft.sources.iter_mut().for_each(|source| source.site = home);
+            if home > 0 {
+                draft.impacts.iter_mut().for_each(|hit| hit.site = home);
+                draft.sources.iter_mut().for_each(|source| source.site = home);
+            }
             let radiates = || radiation.is_some_and(|radiation| !radiation.allows(&draft));
             let crosses = || judged && conservative::crosses(model, response, &draft);
             if wanted.candidates() && (!draft.is_right_signed() || radiates() || crosses()) {
@@ -210,19 +216,22 @@ impl Finder {
                 return;
             }
             match Orbit::assemble(model, response, motion, draft) {
-                Ok(mut orbit) => {
+                Ok(orbit) => {
+                    found.orbits.push(orbit);
                     // Mirror-symmetric orbits come from closed forms that leave nothing to improve.
-                    if !orbit.is_reversible() {
-                        polish(&mut orbit, STEPS, response, motion);
+                    if let Some(orbit) = found.orbits.last_mut().filter(|orbit| !orbit.is_reversible()) {
+                        polish(orbit, STEPS, response, motion);
                     }
                     // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
-                    if orbit.residual().is_finite() { found.orbits.push(orbit) } else { singular = true }
+                    if found.orbits.pop_if(|orbit| !orbit.residual().is_finite()).is_some() {
+                        singular = true;
+                    }
                 }
                 Err(error) => failure = Some(error),
             }
         };
-        let outcome = match (family, cosine) {
-            (Family::DoubleSided, _) if conservative => conservative::double_sided(model, response).map(|draft| {
+        let outcome = match (family, &steady, cosine) {
+            (Family::DoubleSided, None, _) => conservative::double_sided(model, response).map(|draft| {
                 add(draft);
                 if let Some(radiation) = &radiation {
                     rises.set(model, response, radiation);
@@ -233,23 +242,27 @@ impl Finder {
                     Wanted::Symmetric | Wanted::SymmetricCandidates => {}
                 }
             }),
-            (Family::SingleSided, _) if conservative => conservative::single_sided(model, response).map(&mut add),
-            (Family::DoubleSided, Some(force)) => {
-                forced_double::double_sided(model, response, (&steady, force), zeros, plane, &mut add)
+            (Family::SingleSided, None, _) => conservative::single_sided(model, response).map(&mut add),
+            (Family::DoubleSided, Some(steady), Some(force)) => {
+                forced_double::double_sided(model, response, (steady, force), zeros, plane, &mut add)
             }
-            (Family::SingleSided, Some(force)) => forced_single::single_sided(model, response, force, Barrier::Lower)
-                .map(|drafts| drafts.into_iter().for_each(&mut add)),
-            (Family::PeriodDoubled, Some(force)) => {
-                forced_double::period_doubled(model, response, (&steady, force), zeros, plane, &mut add)
+            (Family::SingleSided, Some(_), Some(force)) => {
+                forced_single::single_sided(model, response, force, Barrier::Lower)
+                    .map(|drafts| drafts.into_iter().for_each(&mut add))
             }
-            (Family::DoubleSided, None) => {
-                forced_harmonics::double_sided(model, response, &steady, zeros, plane, &mut add)
+            (Family::PeriodDoubled, Some(steady), Some(force)) => {
+                forced_double::period_doubled(model, response, (steady, force), zeros, plane, &mut add)
             }
-            (Family::SingleSided, None) => forced_harmonics::single_sided(model, response, &steady, zeros, &mut add),
-            (Family::PeriodDoubled, None) => {
-                forced_harmonics::period_doubled(model, response, &steady, plane, &mut add)
+            (Family::DoubleSided, Some(steady), None) => {
+                forced_harmonics::double_sided(model, response, steady, zeros, plane, &mut add)
             }
-            (Family::Word, _) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
+            (Family::SingleSided, Some(steady), None) => {
+                forced_harmonics::single_sided(model, response, steady, zeros, &mut add)
+            }
+            (Family::PeriodDoubled, Some(steady), None) => {
+                forced_harmonics::period_doubled(model, response, steady, plane, &mut add)
+            }
+            (Family::Word, ..) | (Family::PeriodDoubled, None, _) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
         };
         if let Some(error) = failure {
             return Err(error);

@@ -66,15 +66,19 @@ fn combine_groups<const N: usize>(
 }
 
 /// Replaces the content by `values`, the last group filled up with `pad`.
+#[inline]
 pub fn fill(lanes: &mut Vec<Lane>, values: impl ExactSizeIterator<Item = f64>, pad: f64) {
-    let groups = values.len().div_ceil(4);
-    lanes.resize(groups, [pad; 4]);
+    room(lanes, values.len(), pad).iter_mut().zip(values).for_each(|(slot, value)| *slot = value);
+}
+
+/// Room for `count` numbers, to be written by the caller; the last group is filled up with `pad`.
+#[inline]
+pub fn room(lanes: &mut Vec<Lane>, count: usize, pad: f64) -> &mut [f64] {
+    lanes.resize(count.div_ceil(LANES), [pad; LANES]);
     if let Some(last) = lanes.last_mut() {
-        *last = [pad; 4];
+        *last = [pad; LANES];
     }
-    for (slot, value) in lanes.as_flattened_mut().iter_mut().zip(values) {
-        *slot = value;
-    }
+    &mut lanes.as_flattened_mut()[..count]
 }
 
 /// 0, four times.
@@ -124,28 +128,34 @@ pub trait Number:
 }
 
 impl Number for f64 {
+    #[inline]
     fn of(value: f64) -> Self {
         value
     }
 
+    #[inline]
     fn modulus(self) -> Self {
         self.abs()
     }
 
+    #[inline]
     fn at_least(self, other: Self) -> Self {
         self.max(other)
     }
 }
 
 impl Number for f64x4 {
+    #[inline]
     fn of(value: f64) -> Self {
         Self::splat(value)
     }
 
+    #[inline]
     fn modulus(self) -> Self {
         self.abs()
     }
 
+    #[inline]
     fn at_least(self, other: Self) -> Self {
         self.max(other)
     }

@@ -39,7 +39,11 @@ impl Matrix {
     }
 
     pub(crate) fn from_fn(size: usize, mut entry: impl FnMut(usize, usize) -> f64) -> Self {
-        Self { size, entries: (0..size * size).map(|at| entry(at / size, at % size)).collect() }
+        let mut matrix = Self::zeros(size);
+        for i in 0..size {
+            matrix.row_mut(i).iter_mut().enumerate().for_each(|(j, place)| *place = entry(i, j));
+        }
+        matrix
     }
 
     pub(crate) fn size(&self) -> usize {
@@ -121,24 +125,26 @@ impl Factors {
             rows.push((i, length));
         }
         for column in 0..n {
-            let larger = |&i: &usize, &j: &usize| matrix[(i, column)].abs().total_cmp(&matrix[(j, column)].abs());
-            let pivot = (column..n).max_by(larger).unwrap_or(column);
+            let entries = &mut matrix.entries[..];
+            let size = |i: usize| entries[i * n + column].abs();
+            let pivot = (column + 1..n).fold(column, |pivot, i| if size(i) >= size(pivot) { i } else { pivot });
             if pivot != column {
                 rows.swap(column, pivot);
-                (0..n).for_each(|j| matrix.entries.swap(column * n + j, pivot * n + j));
+                (0..n).for_each(|j| entries.swap(column * n + j, pivot * n + j));
                 determinant = -determinant;
             }
-            let head = matrix[(column, column)];
+            let (above, below) = entries.split_at_mut((column + 1) * n);
+            let upper = &above[column * n + column..];
+            let head = upper[0];
             if head == 0.0 || !head.is_finite() {
                 return None;
             }
             determinant *= head;
-            for i in column + 1..n {
-                let factor = matrix[(i, column)] / head;
-                matrix[(i, column)] = factor;
-                for j in column + 1..n {
-                    matrix[(i, j)] -= factor * matrix[(column, j)];
-                }
+            for row in below.chunks_exact_mut(n) {
+                let row = &mut row[column..];
+                row[0] /= head;
+                let factor = row[0];
+                row[1..].iter_mut().zip(&upper[1..]).for_each(|(entry, above)| *entry -= factor * above);
             }
         }
         Some(Self { triangles: matrix, rows, determinant })
@@ -156,15 +162,37 @@ impl Factors {
         x
     }
 
+    /// Row by row, for all right-hand sides at once.
     pub(crate) fn inverse(&self) -> Matrix {
         let n = self.triangles.size;
         let mut inverse = Matrix::zeros(n);
-        for j in 0..n {
-            for (i, x) in self.solve(&unit(n, j)).into_iter().enumerate() {
-                inverse[(i, j)] = x;
-            }
+        for (i, &(row, length)) in self.rows.iter().enumerate() {
+            inverse[(i, row)] = 1.0 / length;
+        }
+        for i in 0..n {
+            let factors = self.triangles.row(i);
+            let (above, own) = inverse.entries.split_at_mut(i * n);
+            subtract_rows(&mut own[..n], above, &factors[..i]);
+        }
+        for i in (0..n).rev() {
+            let factors = self.triangles.row(i);
+            let (own, below) = inverse.entries[i * n..].split_at_mut(n);
+            subtract_rows(own, below, &factors[i + 1..]);
+            own.iter_mut().for_each(|x| *x /= factors[i]);
         }
         inverse
+    }
+}
+
+/// Takes Σ factor·row over rows as long as `own` from it.
+fn subtract_rows(own: &mut [f64], rows: &[f64], factors: &[f64]) {
+    let n = own.len();
+    for (j, own) in own.iter_mut().enumerate() {
+        let mut sum = 0.0;
+        for (k, factor) in factors.iter().enumerate() {
+            sum += factor * rows[k * n + j];
+        }
+        *own -= sum;
     }
 }
 

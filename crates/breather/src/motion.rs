@@ -17,41 +17,13 @@ const BLOCK: usize = 256;
 /// The most numbers of a table of shapes: those of 128 modes at as many places.
 const TABLE: usize = 128 * 128;
 
-/// What a motion was worked out from.
-#[derive(Debug, Clone)]
+/// What a motion was worked out from, beside what it keeps for itself; nothing to begin with.
+#[derive(Debug, Clone, Default)]
 struct Origin {
-    chain: Chain,
-    period: f64,
-    psi: f64,
-    steady: Steady,
     uniform_offset: f64,
     /// Site, time, impulse.
     impacts: SmallVec<[(usize, f64, f64); 2]>,
     net_impulses: SmallVec<[f64; 1]>,
-}
-
-impl Origin {
-    fn new(orbit: &Orbit, response: &ImpulseResponse) -> Self {
-        Self {
-            chain: *orbit.model().chain(),
-            period: response.period(),
-            psi: orbit.psi_or_zero(),
-            steady: *orbit.steady(),
-            uniform_offset: orbit.uniform_offset(),
-            impacts: impacts(orbit).collect(),
-            net_impulses: net_impulses(orbit).collect(),
-        }
-    }
-
-    fn is_of(&self, orbit: &Orbit, response: &ImpulseResponse) -> bool {
-        self.chain == *orbit.model().chain()
-            && self.period == response.period()
-            && self.psi == orbit.psi_or_zero()
-            && self.uniform_offset == orbit.uniform_offset()
-            && self.impacts.iter().copied().eq(impacts(orbit))
-            && self.net_impulses.iter().copied().eq(net_impulses(orbit))
-            && self.steady == *orbit.steady()
-    }
 }
 
 /// Site, time, impulse.
@@ -110,7 +82,7 @@ pub struct Motion {
     /// The sources of the table, and its places; of a ring with one source any.
     table_of: (SmallVec<[usize; 4]>, usize),
     sums: Vec<Lane>,
-    origin: Option<Origin>,
+    origin: Origin,
     frequencies: Vec<f64>,
     period: f64,
     psi: f64,
@@ -136,7 +108,7 @@ impl Motion {
             table: Vec::new(),
             table_of: (SmallVec::new(), 0),
             sums: Vec::new(),
-            origin: None,
+            origin: Origin::default(),
             frequencies: Vec::new(),
             period: 1.0,
             psi: 0.0,
@@ -166,11 +138,15 @@ impl Motion {
     /// Takes over another orbit; `response` must be of its chain and frequency.
     pub(crate) fn load(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
         let model = orbit.model();
-        if self.origin.as_ref().is_some_and(|origin| origin.is_of(orbit, response)) {
+        if self.is_of(orbit, response) {
             // An orbit just found is there already.
             return;
         }
-        self.origin = Some(Origin::new(orbit, response));
+        self.origin.uniform_offset = orbit.uniform_offset();
+        self.origin.impacts.clear();
+        self.origin.impacts.extend(impacts(orbit));
+        self.origin.net_impulses.clear();
+        self.origin.net_impulses.extend(net_impulses(orbit));
         if !self.shapes.are_of(model.chain()) {
             self.shapes = response.shapes().clone();
             self.table.clear();
@@ -185,19 +161,23 @@ impl Motion {
         self.sites.extend(orbit.sources().iter().map(|source| source.site));
         self.starts.clear();
         self.starts.extend(orbit.impacts().iter().map(|impact| impact.time));
-        let (weights, modes, uniform) = (response.weights(), response.modes(), !model.chain().has_walls());
+        let (weights, uniform) = (response.weights(), !model.chain().has_walls());
         self.states.clear();
-        for &start in &self.starts {
+        for (i, &start) in self.starts.iter().enumerate() {
+            if i > 0 && start == self.starts[i - 1] {
+                // Nothing moves between impacts of one instant.
+                self.states.extend_from_within(self.states.len() - orbit.sources().len() * response.modes()..);
+                continue;
+            }
             for (s, source) in orbit.sources().iter().enumerate() {
                 let from = self.states.len();
                 let net = source.net_impulse;
-                self.states.extend((0..modes).map(|k| match k {
-                    // The uniform mode's static part is common to all sources; the first one carries it. Its shape is 1.
-                    0 if uniform && s == 0 => (orbit.uniform_offset() / weights[0], 0.0),
-                    0 if uniform => (0.0, 0.0),
-                    _ => (net * response.mode_static(k), 0.0),
-                }));
+                self.states.extend(response.statics().iter().map(|part| (net * part, 0.0)));
                 let states = &mut self.states[from..];
+                if uniform {
+                    // The uniform mode's static part is common to all sources; the first one carries it. Its shape is 1.
+                    states[0].0 = if s == 0 { orbit.uniform_offset() / weights[0] } else { 0.0 };
+                }
                 for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
                     let mut elapsed = start - impact.time;
                     if elapsed < 0.0 {
@@ -212,6 +192,16 @@ impl Motion {
         }
         self.now.clear();
         self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
+    }
+
+    fn is_of(&self, orbit: &Orbit, response: &ImpulseResponse) -> bool {
+        self.period == response.period()
+            && self.psi == orbit.psi_or_zero()
+            && self.origin.uniform_offset == orbit.uniform_offset()
+            && self.origin.impacts.iter().copied().eq(impacts(orbit))
+            && self.origin.net_impulses.iter().copied().eq(net_impulses(orbit))
+            && self.chain == *orbit.model().chain()
+            && self.steady == *orbit.steady()
     }
 
     fn set_table(&mut self, orbit: &Orbit, modes: usize) {
@@ -262,40 +252,47 @@ impl Motion {
 
     /// Moves to the time `elapsed` after the start of interval `i`; [`Motion::site`] then reads any mass.
     pub fn seek(&mut self, i: usize, elapsed: f64) {
-        let states = self.states.iter().skip(i * self.now.len());
-        for ((now, &(q, p)), frequency) in self.now.iter_mut().zip(states).zip(self.frequencies.iter().cycle()) {
+        let modes = self.frequencies.len().max(1);
+        let states = self.states.get(i * self.now.len()..).unwrap_or_default();
+        for (now, states) in self.now.chunks_exact_mut(modes).zip(states.chunks_exact(modes)) {
+            let modes = now.iter_mut().zip(states).zip(&self.frequencies);
             if elapsed == 0.0 {
-                *now = [q, p, -frequency * frequency * q];
+                modes.for_each(|((now, &(q, p)), frequency)| *now = [q, p, -frequency * frequency * q]);
                 continue;
             }
-            let phase = frequency * elapsed;
-            let (sin, cos) = phase.sin_cos();
-            // sin Ωt/Ω through its series where Ωt is too small to divide by.
-            let sin_over = if phase.abs() > 1e-4 { sin / frequency } else { elapsed * (1.0 - phase * phase / 6.0) };
-            let displacement = q * cos + p * sin_over;
-            *now = [displacement, p * cos - q * frequency * sin, -frequency * frequency * displacement];
+            for ((now, &(q, p)), frequency) in modes {
+                let phase = frequency * elapsed;
+                let (sin, cos) = phase.sin_cos();
+                // sin Ωt/Ω through its series where Ωt is too small to divide by.
+                let sin_over = if phase.abs() > 1e-4 { sin / frequency } else { elapsed * (1.0 - phase * phase / 6.0) };
+                let displacement = q * cos + p * sin_over;
+                *now = [displacement, p * cos - q * frequency * sin, -frequency * frequency * displacement];
+            }
         }
         self.now_time = self.force_time(i, elapsed);
         self.now_force = self.steady.uniform().map(|motion| Kinematics::of(motion, self.now_time)).unwrap_or_default();
     }
 
     /// Displacements and velocities of several masses at the time last sought, as [`Motion::site`] has them; quick for the places
-    /// of the table: the half ring that begins with the one site that is hit, or all masses in their order.
+    /// of the table: the half ring that begins with the one site that is hit, or any masses.
     pub(crate) fn masses(&mut self, sites: &[usize], displacements: &mut [f64], velocities: &mut [f64]) {
-        let first = if self.is_centred() { self.sites.first() } else { Some(&0) };
-        if self.table.is_empty() || first != sites.first() || sites.len() != self.table_of.1 {
+        let centred = self.is_centred();
+        let listed = !centred || self.sites.first() == sites.first() && sites.len() == self.table_of.1;
+        if self.table.is_empty() || !listed {
             for ((site, displacement), velocity) in sites.iter().zip(displacements).zip(velocities) {
                 let now = self.site(*site);
                 (*displacement, *velocity) = (now.displacement, now.velocity);
             }
             return;
         }
-        self.sums.resize(groups(sites.len()), [0.0; LANES]);
+        self.sums.resize(groups(self.table_of.1), [0.0; LANES]);
         for (i, out) in [displacements, velocities].into_iter().enumerate() {
             combine(&self.table, self.now.iter().map(|now| now[i]), &mut self.sums);
-            for ((out, sum), site) in out.iter_mut().zip(self.sums.as_flattened()).zip(sites) {
-                let force = self.driven(*site);
-                *out = sum + if i == 0 { force.displacement } else { force.velocity };
+            let sums = self.sums.as_flattened();
+            for (place, (out, &site)) in out.iter_mut().zip(sites).enumerate() {
+                let force = self.driven(site);
+                *out =
+                    sums[if centred { place } else { site }] + if i == 0 { force.displacement } else { force.velocity };
             }
         }
     }
@@ -391,25 +388,20 @@ impl Motion {
         all.into_iter().map(|value| value.re).collect()
     }
 
-    /// Moves just after impact `i`, where interval `i` starts; the state of `site` there.
-    pub(crate) fn after_impact(&mut self, i: usize, site: usize) -> Kinematics {
-        self.seek(i, 0.0);
-        self.site(site)
-    }
-
-    /// v̈ of a mass at the time last sought, `force_time` for the force, from the equation of motion,
+    /// Moves just after impact `i`, where interval `i` starts; the state of `site` there, and v̈ from the equation of motion,
     /// −γ₁v − γ₂(2v − v_l − v_r) + F, or from the modes, −Σ Ω²q + G̈, whichever cancels less: the modal sum does where the
     /// coupling is stiff, the neighbours' difference where the ring hangs on soft springs.
-    pub(crate) fn acceleration_from_forces(&self, site: usize, force_time: f64) -> f64 {
+    pub(crate) fn just_after(&mut self, i: usize, site: usize) -> (Kinematics, f64) {
+        self.seek(i, 0.0);
         let around = self.around(site);
         let (neighbours, modes) = self.sizes(&around);
-        if modes < neighbours {
-            return around.own.acceleration;
-        }
-        self.chain.spring_force(around.own.displacement, around.sides) + self.force.value(force_time)
+        let own = around.own;
+        let by_modes = modes < neighbours;
+        let from_forces = || self.chain.spring_force(own.displacement, around.sides) + self.force.value(self.now_time);
+        (own, if by_modes { own.acceleration } else { from_forces() })
     }
 
-    /// Sums of the moduli of the terms of v̈ in the two forms of [`Motion::acceleration_from_forces`].
+    /// Sums of the moduli of the terms of v̈ in the two forms of [`Motion::just_after`].
     pub(crate) fn acceleration_sizes(&self, site: usize) -> (f64, f64) {
         self.sizes(&self.around(site))
     }
@@ -422,24 +414,58 @@ impl Motion {
 
     /// A mass and its neighbours at the time last sought.
     fn around(&self, site: usize) -> Around {
-        let mut modal = 0.0;
-        if self.is_centre(site) {
-            // Both neighbours of the only site that is hit move alike.
-            let mut side = 0.0;
-            for (now, shape) in self.now.iter().zip(self.shapes.evens(1, 0)) {
-                side += shape * now[0];
-                modal += now[2].abs();
-            }
-            let own = self.site(site);
-            let side = side + self.now_force.displacement;
-            return Around { own, sides: [side, side, own.displacement, own.displacement], modal };
+        let neighbours = self.chain.neighbours(site);
+        if let Some((own, sides)) = self.places(site, neighbours) {
+            let [left, right, below, above] = sides;
+            let (sum, moved, modal) = if left == right && self.chain.layers() == 1 {
+                let (sum, [moved], modal) = self.row_sums(own, [left]);
+                (sum, [moved; 4], modal)
+            } else {
+                self.row_sums(own, [left, right, below, above])
+            };
+            let own = self.forced(site, sum);
+            let side = |i: usize| match neighbours[i] {
+                None => 0.0,
+                Some(n) if n == site => own.displacement,
+                Some(n) => moved[i] + self.driven(n).displacement,
+            };
+            return Around { own, sides: std::array::from_fn(side), modal };
         }
+        let mut modal = 0.0;
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
             let shapes = self.shapes.evens(site, source);
             modal += modes.iter().zip(shapes).map(|(now, shape)| (shape * now[2]).abs()).sum::<f64>();
         }
-        let sides = self.chain.neighbours(site).map(|n| n.map_or(0.0, |n| self.site(n).displacement));
-        Around { own: self.site(site), sides, modal }
+        let own = self.site(site);
+        let displacement = |n: usize| if n == site { own.displacement } else { self.site(n).displacement };
+        Around { own, sides: neighbours.map(|n| n.map_or(0.0, displacement)), modal }
+    }
+
+    /// Displacement, velocity and acceleration at one place of the table's rows, displacements at some others, and Σ|Ω²q| at the first.
+    fn row_sums<const N: usize>(&self, own: usize, others: [usize; N]) -> ([f64; 3], [f64; N], f64) {
+        let (mut sum, mut moved, mut modal) = ([0.0; 3], [0.0; N], 0.0);
+        for (now, row) in self.now.iter().zip(self.table.chunks_exact(groups(self.table_of.1))) {
+            let row = row.as_flattened();
+            let terms = now.map(|part| row[own] * part);
+            (0..3).for_each(|i| sum[i] += terms[i]);
+            (0..N).for_each(|i| moved[i] += row[others[i]] * now[0]);
+            modal += terms[2].abs();
+        }
+        (sum, moved, modal)
+    }
+
+    /// Where a mass and its neighbours stand in the rows of the table; itself for those that it has not.
+    fn places(&self, site: usize, neighbours: [Option<usize>; 4]) -> Option<(usize, [usize; 4])> {
+        if self.table.is_empty() {
+            None
+        } else if !self.is_centred() {
+            Some((site, neighbours.map(|n| n.unwrap_or(site))))
+        } else if self.sites == [site] {
+            // Both neighbours of the only site that is hit move alike.
+            Some((0, [1.min(self.table_of.1 - 1); 4]))
+        } else {
+            None
+        }
     }
 
     /// t+ψ, the force's time, `elapsed` after the start of interval `i`.

@@ -6,7 +6,7 @@
 //! Newton's law:  w_i = −q P_i/2,   q = (1−e)/(1+e);     position:  v(t_i) = a ± 1         (docs/guide/orbits.md)
 //! ```
 
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Steady};
 
 /// Impacts closer than this part of the period are at one instant: farther apart than rounding of their times, nearer than anything
@@ -116,6 +116,23 @@ pub(crate) struct Source {
     pub(crate) net_impulse: f64,
 }
 
+/// Impulses and times of an orbit that differ by this part of the largest one, or of the period, are the same but for rounding.
+const ALIKE: f64 = 32.0 * f64::EPSILON;
+
+/// A reflection of a ring: site n comes to `mirror` − n, and what happens there half a period later if it is `delayed`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Reflection {
+    pub(crate) mirror: usize,
+    pub(crate) delayed: bool,
+}
+
+impl Reflection {
+    /// Where a site of a ring of `sites` masses comes to.
+    pub(crate) fn image(self, site: usize, sites: usize) -> usize {
+        (self.mirror + sites - site) % sites
+    }
+}
+
 /// What a family knows of an orbit before velocities, accelerations and residual are worked out.
 #[derive(Debug, Clone)]
 pub(crate) struct Draft {
@@ -138,10 +155,12 @@ impl Draft {
         impacts: SmallVec<[Hit; 2]>,
         static_displacement: f64,
     ) -> Self {
-        let mut sources = sources(&impacts);
-        if let [source] = sources.as_mut_slice() {
-            source.net_impulse = static_displacement * response.static_stiffness();
-        }
+        let sources = match impacts.first() {
+            Some(&Hit { site, .. }) if impacts.iter().all(|hit| hit.site == site) => {
+                smallvec![Source { site, net_impulse: static_displacement * response.static_stiffness() }]
+            }
+            _ => sources(&impacts),
+        };
         let uniform_offset = static_displacement * response.uniform_share();
         Self { family, force_periods, psi, impacts, sources, uniform_offset }
     }
@@ -250,6 +269,33 @@ impl Orbit {
     /// half of the masses tell all. `None` where several sites are hit, and on other lattices.
     pub fn centre(&self) -> Option<usize> {
         self.impact_site().filter(|_| self.model.chain().is_ring())
+    }
+
+    /// The reflection of a ring that leaves the motion as it is, or is half a period away from doing so.
+    pub(crate) fn reflection(&self) -> Option<Reflection> {
+        let sources = self.sources.as_slice();
+        let first = sources.first().filter(|_| self.model.chain().is_ring())?;
+        if sources.len() == 1 {
+            return Some(Reflection { mirror: 2 * first.site, delayed: false });
+        }
+        let (sites, period) = (self.model.chain().sites(), self.period());
+        let strongest = self.impacts.iter().fold(0.0, |most: f64, impact| most.max(impact.impulse.abs()));
+        let is_image = |reflection: Reflection, impact: &Impact| {
+            let (site, delay) =
+                (reflection.image(impact.site, sites), if reflection.delayed { 0.5 * period } else { 0.0 });
+            self.impacts.iter().any(|other| {
+                let apart = (impact.time - other.time).abs() - delay;
+                let differ = (impact.impulse - other.impulse).abs();
+                other.site == site
+                    && other.barrier == impact.barrier
+                    && apart.abs() <= ALIKE * period
+                    && differ <= ALIKE * strongest
+            })
+        };
+        let candidates = sources
+            .iter()
+            .flat_map(|source| [false, true].map(|delayed| Reflection { mirror: first.site + source.site, delayed }));
+        candidates.into_iter().find(|&reflection| self.impacts.iter().all(|impact| is_image(reflection, impact)))
     }
 
     /// The impacts by instants, in order of time.

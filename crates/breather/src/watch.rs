@@ -18,7 +18,7 @@ use crate::admissibility::{Admissibility, Approach, Obstruction};
 use crate::error::BreatherError;
 use crate::grid::Grid;
 use crate::motion::Motion;
-use crate::orbit::Orbit;
+use crate::orbit::{Orbit, Reflection};
 use crate::polynomial::{turning_points, with_overlap};
 use crate::window::Window;
 
@@ -91,15 +91,28 @@ impl Watch {
             let obstruction = Obstruction::WrongSign { impact, site, time, velocity_before };
             return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
         }
-        let horizon = if orbit.is_reversible() { 0.5 * orbit.period() } else { orbit.period() };
-        self.watched.reset(orbit.model().chain(), orbit.centre());
+        let reflection = orbit.reflection();
+        let delayed = reflection.is_some_and(|reflection| reflection.delayed);
+        let horizon = match (orbit.is_reversible(), delayed) {
+            // What one half of the ring does in one quarter of a period the other does in the next, backwards.
+            (true, true) => 0.25 * orbit.period(),
+            (true, false) => 0.5 * orbit.period(),
+            (false, _) => orbit.period(),
+        };
+        let mirror = reflection.filter(|_| !delayed).map(|reflection| reflection.mirror);
+        self.watched.reset(orbit.model().chain(), mirror);
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
         if orbit.is_reversible() && orbit.centre().is_some() && self.grid.set(motion, &self.watched, horizon) {
             self.on_grid(orbit, motion, depth, &mut closest);
         } else {
             self.by_windows(orbit, motion, depth, horizon, &mut closest)?;
         }
-        let (site, barrier, time) = (closest.site, closest.barrier, closest.time);
+        let (barrier, time) = (closest.barrier, closest.time);
+        // Of two masses that move alike the first one.
+        let image = mirror
+            .filter(|_| orbit.impact_site().is_none())
+            .map(|mirror| Reflection { mirror, delayed }.image(closest.site, orbit.model().chain().sites()));
+        let site = image.map_or(closest.site, |image| image.min(closest.site));
         // From 0, so that a touch is 0 beyond its barrier and not −0.
         let crossing = Obstruction::Crossing { site, barrier, time, excess: 0.0 - closest.distance };
         let found = closest.distance.is_finite();
@@ -125,6 +138,8 @@ impl Watch {
             let then = |time: f64| (time - t).abs() <= SIMULTANEOUS * orbit.period();
             orbit.impacts().iter().any(|impact| impact.site == site && then(impact.time))
         };
+        let turns_back = orbit.is_reversible() && horizon == 0.5 * orbit.period();
+        let goes_on = orbit.is_reversible() && !turns_back;
         let rate = motion.top_frequency() / WINDOW;
         if horizon * rate > MAX_WINDOWS {
             return Err(BreatherError::TooStiff { windows: horizon * rate, limit: MAX_WINDOWS });
@@ -162,7 +177,7 @@ impl Watch {
                         let polynomial = self.window.polynomial(i);
                         turning_points(
                             &polynomial,
-                            with_overlap(step, [w > 0, w + 1 < windows]),
+                            with_overlap(step, [w > 0, w + 1 < windows || goes_on]),
                             &mut self.pending,
                             closest.distance,
                             &mut |s, displacement| {
@@ -179,7 +194,7 @@ impl Watch {
             }
             // The end of the last window: masses that are not hit may turn right there, and at a reversible half period
             // those do that are hit at its other end alone.
-            let turns = orbit.is_reversible() && start + length >= horizon;
+            let turns = turns_back && start + length >= horizon;
             let late = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site && impact.time > 0.0);
             for (i, &site) in self.watched.sites().iter().enumerate() {
                 if !is_hit(site) || turns && !late(site) {
@@ -300,7 +315,7 @@ mod tests {
         let (mut watch, mut compared, mut physical) = (Watch::default(), 0, 0);
         orbits(|orbit, motion| {
             let horizon = 0.5 * orbit.period();
-            watch.watched.reset(orbit.model().chain(), orbit.centre());
+            watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
             if !watch.grid.set(motion, &watch.watched, horizon) {
                 return;
             }
@@ -319,6 +334,53 @@ mod tests {
             physical += usize::from(grid.distance > 0.0);
         });
         assert!(compared > 1000 && physical > 200 && physical < compared - 200, "{compared} {physical}");
+    }
+
+    /// Pairs and larger words in phase, in turns and without symmetry: half the ring, or a quarter of the period, tells what all
+    /// masses do in half a period.
+    #[test]
+    fn what_a_reflection_leaves_tells_all() {
+        let mut random = fastrand::Rng::with_seed(23);
+        let (mut finder, mut found, mut watch) = (Finder::new(1), Found::default(), Watch::default());
+        let mut seen = [[0; 2]; 3];
+        for _ in 0..1500 {
+            let sites = random.usize(4..24);
+            let [i, j, k] = [(); 3].map(|()| random.usize(0..sites));
+            let word = match random.usize(0..6) {
+                0 => format!("{i}+{j}+,{i}-{j}-"),
+                1 => format!("{i}+{j}-,{i}-{j}+"),
+                2 => format!("{i}-,{j}-"),
+                3 => format!("{i}-{j}-"),
+                4 => format!("{i}+{j}+{k}+,{i}-{j}-{k}-"),
+                _ => format!("{i}+{j}+,{i}-"),
+            };
+            let Ok(word) = word.parse() else { continue };
+            let chain = Chain::new(sites, [0.0, 0.2][random.usize(0..2)], 0.2 * random.f64()).unwrap();
+            let a = [0.0, 0.3][random.usize(0..2)];
+            let model = Model::conservative(chain, 0.4 + 2.5 * random.f64(), a).unwrap();
+            if finder.find_word(&model, &word, crate::Wanted::All, &mut found).is_err() {
+                continue;
+            }
+            for orbit in &found.orbits {
+                let sane = |impact: &crate::Impact| impact.is_right_signed() && impact.impulse.abs() < 1e2;
+                if orbit.impact_site().is_some() || !orbit.impacts().iter().all(sane) {
+                    continue;
+                }
+                let kind = orbit.reflection().map_or(0, |reflection| 1 + usize::from(reflection.delayed));
+                let told = finder.admissibility(orbit).unwrap();
+                let mut motion = Motion::of(orbit).unwrap();
+                let mut all = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+                watch.watched.reset(orbit.model().chain(), None);
+                watch.by_windows(orbit, &mut motion, Depth::Worst, 0.5 * orbit.period(), &mut all).unwrap();
+                let (size, margin) = (motion.states_bound().max(1.0), told.margin.unwrap());
+                assert!((margin - all.distance).abs() < 1e-13 * size, "{word} {margin} {} {orbit:?}", all.distance);
+                let closest = told.closest.unwrap();
+                let there = motion.at(closest.site, closest.time).displacement;
+                assert!((distance(a, there) - margin).abs() < 1e-13 * size, "{word} {closest:?}");
+                seen[kind][usize::from(told.is_physical())] += 1;
+            }
+        }
+        assert!(seen.as_flattened().iter().all(|&count| count > 15), "{seen:?}");
     }
 
     /// Next to a resonance one mode swings alone, and turns in the middle of the half period: at a node. By rounding the
@@ -342,7 +404,7 @@ mod tests {
         let (mut watch, mut checked) = (Watch::default(), 0);
         orbits(|orbit, motion| {
             let horizon = 0.5 * orbit.period();
-            watch.watched.reset(orbit.model().chain(), orbit.centre());
+            watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
             if checked > 60_000 || !watch.grid.set(motion, &watch.watched, horizon) {
                 return;
             }

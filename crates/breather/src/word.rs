@@ -7,6 +7,7 @@
 //! rotations and reflections of a ring, reflections of a row with ends, the same across layers; reversal of time, where impacts are elastic and no force acts; and exchange of the
 //! barriers where they are centred (half a period later, under a force). [`Word::canonical`] is the smallest of them.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
@@ -222,21 +223,26 @@ impl Word {
     }
 
     /// The same word with all layers of the lattice as one row, numbered as [`vibrochain_lattice::Chain`] numbers masses.
-    pub(crate) fn in_one_row(&self, layout: &Layout) -> Self {
+    pub(crate) fn in_one_row(&self, layout: &Layout) -> Cow<'_, Self> {
+        if layout.layers == 1 {
+            return Cow::Borrowed(self);
+        }
         let of = |letter: &Letter| Letter::new(letter.site + letter.layer * layout.length, letter.barrier);
-        Self { instants: self.instants.iter().map(|letters| letters.iter().map(of).collect()).collect() }
+        let instants = self.instants.iter().map(|letters| letters.iter().map(of).collect()).collect();
+        Cow::Owned(Self { instants })
     }
 
     /// The family of which it is the name, at whatever site: `0+,0-`, `0-`, and `0-,0-` of two periods of the force.
     pub fn family(&self) -> Option<Family> {
-        let letters: Vec<Letter> = self.letters().collect();
-        let same_site = letters.iter().all(|letter| letter.place() == letters[0].place());
-        let barriers: Vec<Barrier> = letters.iter().map(|letter| letter.barrier).collect();
-        match barriers.as_slice() {
-            _ if !same_site => None,
-            [Barrier::Lower] => Some(Family::SingleSided),
-            [Barrier::Lower, Barrier::Lower] => Some(Family::PeriodDoubled),
-            [first, second] if first != second => Some(Family::DoubleSided),
+        let mut letters = self.letters();
+        let (first, second) = (letters.next()?, letters.next());
+        if letters.next().is_some() || second.is_some_and(|second| second.place() != first.place()) {
+            return None;
+        }
+        match (first.barrier, second.map(|second| second.barrier)) {
+            (Barrier::Lower, None) => Some(Family::SingleSided),
+            (Barrier::Lower, Some(Barrier::Lower)) => Some(Family::PeriodDoubled),
+            (first, Some(second)) if first != second => Some(Family::DoubleSided),
             _ => None,
         }
     }

@@ -4,13 +4,14 @@
 //! impacts at 0 and T/2, where K′ vanishes and Newton's law holds by itself: one linear system, as the closed forms of one site are.
 //! All others are followed from masses without coupling (`uncoupled`).
 
+use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::completeness::{Completeness, Proof};
 use crate::equations::System;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found, Wanted};
-use crate::linear::{Matrix, Vector, dot};
+use crate::linear::{Matrix, USUAL, Vector, dot};
 use crate::orbit::{Draft, Family, Hit, Orbit};
 use crate::polish::{STEPS, polish};
 use crate::uncoupled;
@@ -50,7 +51,7 @@ impl Finder {
     ) -> Result<(), BreatherError> {
         let layout = model.chain().layout();
         word.check(&layout)?;
-        let word = &word.in_one_row(&layout);
+        let word = &*word.in_one_row(&layout);
         if let Some(family) = word.family()
             && (model.chain().is_ring() || !model.is_conservative() || family == Family::PeriodDoubled)
         {
@@ -108,7 +109,7 @@ impl Finder {
 /// Impulses P and static displacement s from Σ_j P_j K̂_ij + s = a ± 1 and Σ P = g s.
 fn reversible(model: &Model, response: &ImpulseResponse, word: &Word) -> Result<Draft, NoBreather> {
     let half = 0.5 * response.period();
-    let hits: Vec<(Hit, bool)> = (word.instants().iter().zip([false, true]))
+    let hits: SmallVec<[(Hit, bool); USUAL]> = (word.instants().iter().zip([false, true]))
         .flat_map(|(letters, late)| letters.iter().map(move |letter| (letter, late)))
         .map(|(letter, late)| (Hit::new(letter.site, letter.barrier, if late { half } else { 0.0 }, 0.0), late))
         .collect();
@@ -117,16 +118,17 @@ fn reversible(model: &Model, response: &ImpulseResponse, word: &Word) -> Result<
         return Err(NoBreather::NetImpulse);
     }
     // Each pair of sites once: K̂ is symmetric, and a site is hit at both instants as a rule.
-    let mut sites: Vec<usize> = hits.iter().map(|(hit, _)| hit.site).collect();
+    let mut sites: SmallVec<[usize; USUAL]> = hits.iter().map(|(hit, _)| hit.site).collect();
     sites.sort_unstable();
     sites.dedup();
-    let places: Vec<usize> = hits.iter().map(|(hit, _)| sites.partition_point(|&site| site < hit.site)).collect();
-    let mut kernels = vec![[None; 2]; sites.len() * sites.len()];
+    let places: SmallVec<[usize; USUAL]> =
+        hits.iter().map(|(hit, _)| sites.partition_point(|&site| site < hit.site)).collect();
+    let mut kernels: SmallVec<[Option<[f64; 2]>; USUAL]> = smallvec![None; sites.len() * sites.len()];
     let mut kernel = |i: usize, j: usize| {
         let (low, high) = (places[i].min(places[j]), places[i].max(places[j]));
-        let half = hits[i].1 != hits[j].1;
-        let known = &mut kernels[low * sites.len() + high][usize::from(half)];
-        *known.get_or_insert_with(|| response.dynamic_between(sites[high], sites[low], half))
+        let known = &mut kernels[low * sites.len() + high];
+        known.get_or_insert_with(|| response.dynamics_between(sites[high], sites[low]))
+            [usize::from(hits[i].1 != hits[j].1)]
     };
     let matrix = Matrix::from_fn(n + 1, |i, j| match (i < n, j < n) {
         (true, true) => kernel(i, j),

@@ -166,8 +166,9 @@ impl Analyser {
         let Question { orbit, thorough, .. } = question;
         let alone = uncoupled(orbit);
         let secular = !self.dense_only && orbit.centre().is_some() && !alone;
-        let pair = Pair::of(orbit).filter(|_| !self.dense_only && !orbit.model().chain().is_uncoupled());
-        let counted = !self.dense_only && pair.is_none() && is_counted(orbit);
+        let other = !self.dense_only && !secular && !orbit.model().chain().is_uncoupled();
+        let pair = if other { Pair::of(orbit) } else { None };
+        let counted = other && pair.is_none() && is_counted(orbit);
         let mut doubt = None;
         if secular || pair.is_some() || counted {
             let answer = match pair {

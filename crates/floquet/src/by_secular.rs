@@ -112,7 +112,7 @@ impl Analyser {
 /// Error of the ratio of the impulses at the two instants of a reversible orbit, relative: all that the form takes from the orbit.
 pub(crate) fn ratio_error(question: Question<'_>, finder: &mut Finder) -> Result<f64, FloquetError> {
     let impacts = question.orbit.impacts();
-    Ok(if question.orbit.instants().count() < 2 {
+    Ok(if question.orbit.instants().nth(1).is_none() {
         0.0
     } else if question.thorough || finder.is_delicate(question.orbit)? {
         let condition = finder.condition(question.orbit)?;

@@ -17,18 +17,20 @@ pub struct DistinctMasses {
 const WALL: usize = usize::MAX;
 
 impl DistinctMasses {
-    /// Takes over the masses of `chain`, of which symmetry about `home` leaves half on a ring; allocates only if there are more
-    /// of them.
-    pub fn reset(&mut self, chain: &Chain, home: Option<usize>) {
-        let home = home.filter(|_| chain.is_ring());
-        if self.of == Some((chain.lines(), home)) {
+    /// Takes over the masses of `chain`, of which half are left on a ring where sites n and `mirror` − n move alike; allocates
+    /// only if there are more of them.
+    pub fn reset(&mut self, chain: &Chain, mirror: Option<usize>) {
+        let mirror = mirror.filter(|_| chain.is_ring());
+        if self.of == Some((chain.lines(), mirror)) {
             return;
         }
-        self.of = Some((chain.lines(), home));
+        self.of = Some((chain.lines(), mirror));
         let all = chain.sites();
-        let count = if home.is_some() { all / 2 + 1 } else { all };
+        // The axis goes through the first mass, or beside it.
+        let (first, beside) = mirror.map_or((0, 0), |mirror| (mirror.div_ceil(2), mirror % 2));
+        let count = if mirror.is_some() { (all - beside) / 2 + 1 } else { all };
         // Symmetry folds a site beyond the half ring onto its mirror image.
-        let fold = |n: usize| if home.is_some() { n.min(all - n) } else { n };
+        let fold = |n: usize| if mirror.is_some() && n >= count { all - beside - n } else { n };
         let neighbour = |n: usize, side: usize| match chain.neighbours(n)[side] {
             Some(n) => fold(n),
             None => WALL,
@@ -40,12 +42,12 @@ impl DistinctMasses {
         for list in [&mut self.sites, &mut self.left, &mut self.right] {
             list.clear();
         }
-        self.sites.extend((0..count).map(|n| (home.unwrap_or(0) + n) % all));
+        self.sites.extend((0..count).map(|n| (first + n) % all));
         self.left.extend((0..count).map(|n| neighbour(n, 0)));
         self.right.extend((0..count).map(|n| neighbour(n, 1)));
     }
 
-    /// Their sites, neighbour by neighbour and layer by layer; the first is the centre of symmetry.
+    /// Their sites, neighbour by neighbour and layer by layer; the first is at the centre of symmetry.
     pub fn sites(&self) -> &[usize] {
         &self.sites
     }
@@ -88,14 +90,38 @@ mod tests {
         // As many masses, other neighbours.
         distinct.reset(&chain(7), Some(0));
         assert_eq!(distinct.right(), [1, 2, 3, 3]);
-        distinct.reset(&chain(5), Some(3));
+        distinct.reset(&chain(5), Some(6));
         assert_eq!(distinct.sites(), [3, 4, 0]);
         distinct.reset(&chain(5), None);
         assert_eq!((distinct.sites().len(), distinct.left()[0], distinct.right()[4]), (5, 4, 0));
-        distinct.reset(&chain(5).with_ends(Ends::Fixed), Some(3));
+        distinct.reset(&chain(5).with_ends(Ends::Fixed), Some(6));
         assert_eq!((distinct.sites()[0], distinct.left()[0], distinct.right()), (0, WALL, &[1, 2, 3, 4, WALL][..]));
         distinct.reset(&chain(2).with_ends(Ends::Free).with_layers(3, 0.1, Ends::Closed).unwrap(), None);
         assert_eq!((distinct.left(), distinct.right()), (&[0, 0, 2, 2, 4, 4][..], &[1, 1, 3, 3, 5, 5][..]));
         assert_eq!(distinct.across(), [[4, 2], [5, 3], [0, 4], [1, 5], [2, 0], [3, 1]]);
+    }
+
+    #[test]
+    fn half_rings_beside_an_axis_are_folded_as_their_mirror_images_stand() {
+        let mut distinct = DistinctMasses::default();
+        for all in 1..9 {
+            for mirror in 0..2 * all - 1 {
+                let chain = Chain::new(all, 0.2, 0.1).unwrap();
+                distinct.reset(&chain, Some(mirror));
+                let image = |n: usize| (mirror + all - n) % all;
+                let sites = distinct.sites();
+                // Every mass is listed or its image is, once.
+                for n in 0..all {
+                    let listed = sites.iter().filter(|&&site| site == n || site == image(n)).count();
+                    assert_eq!(listed, 1, "{all} {mirror} {n} {sites:?}");
+                }
+                for (side, list) in [distinct.left(), distinct.right()].into_iter().enumerate() {
+                    for (&site, &place) in sites.iter().zip(list) {
+                        let neighbour = chain.neighbours(site)[side].unwrap();
+                        assert!([neighbour, image(neighbour)].contains(&sites[place]), "{all} {mirror} {site}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -206,14 +206,16 @@ impl Wave {
     /// Value at `t`.
     #[inline]
     pub fn value(&self, t: f64) -> f64 {
-        self.terms().iter().map(|term| term.amplitude * (term.rate * t + term.phase).cos()).sum()
+        let terms = self.terms().iter().filter(|term| term.amplitude != 0.0);
+        terms.map(|term| term.amplitude * (term.rate * t + term.phase).cos()).sum()
     }
 
     /// Value and first three derivatives at `t`.
     #[inline]
     pub fn jet(&self, t: f64) -> [f64; 4] {
         let mut jet = [0.0; 4];
-        for &WaveTerm { amplitude: g, rate: w, phase } in self.terms() {
+        // No force is a term of amplitude 0: not worth a sine.
+        for &WaveTerm { amplitude: g, rate: w, phase } in self.terms().iter().filter(|term| term.amplitude != 0.0) {
             let (sin, cos) = (w * t + phase).sin_cos();
             jet[0] += g * cos;
             jet[1] += -g * w * sin;

@@ -67,6 +67,8 @@ pub struct ImpulseResponse {
     half_phase: Vec<f64>,
     sin_half: Vec<f64>,
     cos_half: Vec<f64>,
+    /// 1/(Ω²T), 0 for a rigid mode.
+    statics: Vec<f64>,
     /// Dynamic response of the modes at the impulse and half a period after it, and the sums that orbits start from.
     at_impulse: Vec<f64>,
     at_half: Vec<f64>,
@@ -106,6 +108,7 @@ impl ImpulseResponse {
             half_phase: Vec::new(),
             sin_half: Vec::new(),
             cos_half: Vec::new(),
+            statics: Vec::new(),
             at_impulse: Vec::new(),
             at_half: Vec::new(),
             dynamic_at_impulse: 0.0,
@@ -183,6 +186,11 @@ impl ImpulseResponse {
             cos_half[k] = sign * cos;
         }
         self.condition = condition;
+        self.statics.clear();
+        self.statics.extend(frequencies.iter().map(|frequency| {
+            let still = 1.0 / (frequency * frequency * self.period);
+            if *frequency > 0.0 { still } else { 0.0 }
+        }));
         for k in 0..modes {
             let (y, weight, sin, cos) = (half_phase[k], weights[k], sin_half[k], cos_half[k]);
             // As [`ImpulseResponse::mode_dynamic`] at any other time, from the sine and cosine at hand.
@@ -286,8 +294,12 @@ impl ImpulseResponse {
 
     /// Static response of mode `k`, 1/(Ω_k²T), without its weight; 0 for a rigid mode.
     pub fn mode_static(&self, k: usize) -> f64 {
-        let frequency = self.frequencies[k];
-        if frequency > 0.0 { 1.0 / (frequency * frequency * self.period) } else { 0.0 }
+        self.statics[k]
+    }
+
+    /// Static responses of all modes, see [`ImpulseResponse::mode_static`].
+    pub fn statics(&self) -> &[f64] {
+        &self.statics
     }
 
     /// 1/S₀ with S₀ = Σ b_k²/(Ω_k²T), the static stiffness at home times T; 0 where nothing holds the lattice.
@@ -405,16 +417,20 @@ impl ImpulseResponse {
         KernelJet { value, slope, curvature, third }
     }
 
-    /// As [`ImpulseResponse::jet_between`], its value alone at the impulse itself or, if `half`, half a period after it.
-    pub fn dynamic_between(&self, to: usize, from: usize, half: bool) -> f64 {
+    /// As [`ImpulseResponse::jet_between`], its value alone at the impulse itself and half a period after it.
+    pub fn dynamics_between(&self, to: usize, from: usize) -> [f64; 2] {
         if self.is_home(to, from) {
-            return if half { self.dynamic_at_half } else { self.dynamic_at_impulse };
+            return [self.dynamic_at_impulse, self.dynamic_at_half];
         }
-        let parts = if half { &self.at_half } else { &self.at_impulse };
-        let [sum] = long_sum(self.modes(), |k| {
-            [self.weights[k] * parts[k] * self.shapes.even(k, to, from) - self.static_drop(k, to, from)]
-        });
-        sum
+        let mut modes = (self.shapes.evens(to, from))
+            .zip(self.shapes.drops(to, from, self.home))
+            .zip(self.weights.iter().zip(&self.statics))
+            .zip(self.at_impulse.iter().zip(&self.at_half));
+        long_sum(self.modes(), |_| {
+            let Some((((shape, drop), (weight, still)), (first, second))) = modes.next() else { return [0.0; 2] };
+            let lost = weight * still * drop;
+            [weight * first * shape - lost, weight * second * shape - lost]
+        })
     }
 
     /// What home hears of its own impulses; on a ring every site does.

@@ -61,16 +61,21 @@ impl RingCosines {
 
     /// cos(2πkn/M) for k = 0, 1, 2, …: the amplitudes at site `n` of all modes, without a multiplication a step.
     pub(crate) fn shapes(&self, n: usize) -> impl Iterator<Item = f64> + '_ {
+        self.all_turns(n).map(|j| self.table[j])
+    }
+
+    /// The same of 1 − cos(2πkn/M).
+    pub(crate) fn defects(&self, n: usize) -> impl Iterator<Item = f64> + '_ {
+        self.all_turns(n).map(|j| self.defects.get(j).copied().unwrap_or_else(|| defect(j, self.sites())))
+    }
+
+    /// kn modulo M for k = 0, 1, 2, ….
+    fn all_turns(&self, n: usize) -> impl Iterator<Item = usize> + use<> {
         let sites = self.table.len();
         let step = n % sites;
-        let mut index = 0;
-        std::iter::from_fn(move || {
-            let value = self.table.get(index).copied();
-            index += step;
-            if index >= sites {
-                index -= sites;
-            }
-            value
+        std::iter::successors(Some(0), move |index| {
+            let next = index + step;
+            Some(if next >= sites { next - sites } else { next })
         })
     }
 }
@@ -117,6 +122,7 @@ mod tests {
         let ring = RingCosines::new(21);
         for n in [0, 1, 5, 20] {
             assert!(ring.shapes(n).take(11).enumerate().all(|(k, shape)| shape == ring.shape(k, n)));
+            assert!(ring.defects(n).take(11).enumerate().all(|(k, defect)| defect == ring.defect(k, n)));
         }
         assert_eq!(RingCosines::new(4).shape(1, 1), 0.0);
         assert_eq!(RingCosines::new(12).shape(2, 3), -1.0);

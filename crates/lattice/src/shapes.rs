@@ -93,6 +93,17 @@ impl Shapes {
         })
     }
 
+    /// [`Shapes::drop`] of all modes.
+    pub(crate) fn drops(&self, site: usize, about: usize, home: usize) -> impl Iterator<Item = f64> + '_ {
+        let (ring, mut k) = (self.is_ring(), 0);
+        let mut waves = self.along.cosines.defects(site.abs_diff(about));
+        (0..self.modes()).map(move |_| {
+            let drop = if ring { waves.next().unwrap_or_default() } else { self.drop(k, site, about, home) };
+            k += 1;
+            drop
+        })
+    }
+
     fn modes(&self) -> usize {
         self.along.line().modes() * self.across.as_ref().map_or(1, |across| across.line().modes())
     }
@@ -207,6 +218,7 @@ mod tests {
                     for home in [0, length / 2, length * layers - 1] {
                         let drop = plain(home, home) - plain(site, about);
                         let told = shapes.drop(k, site, about, home);
+                        assert_eq!(shapes.drops(site, about, home).nth(k), Some(told));
                         assert!((told - drop).abs() < 3e-15, "{chain:?} {k} {site} {about} {home}");
                     }
                 }

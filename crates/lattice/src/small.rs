@@ -40,9 +40,9 @@ pub(crate) fn cubic_defect(y: f64) -> f64 {
 /// not of their length, while short ones cost nothing more.
 const BLOCK: usize = 64;
 
-/// Σ term(k) over k < `count`.
-pub(crate) fn long_sum<const N: usize>(count: usize, term: impl Fn(usize) -> [f64; N]) -> [f64; N] {
-    let block = |from: usize| {
+/// Σ term(k) over k < `count`, asked for in this order.
+pub(crate) fn long_sum<const N: usize>(count: usize, mut term: impl FnMut(usize) -> [f64; N]) -> [f64; N] {
+    let mut block = |from: usize| {
         let mut sum = [0.0; N];
         for k in from..(from + BLOCK).min(count) {
             let term = term(k);

@@ -7,7 +7,7 @@ use nalgebra::Complex;
 
 use super::cauchy::{NODES, Nodal, Tree, derivative};
 use super::pole::{Angle, FAR_ROOT};
-use vibrochain_breather::lanes::{Lane, fill};
+use vibrochain_breather::lanes::{Lane, room};
 
 /// One pole as a source of `N − 1` fields.
 #[derive(Debug, Clone, Copy)]
@@ -47,13 +47,15 @@ impl<const N: usize> Default for Leaf<N> {
 
 impl<const N: usize> Leaf<N> {
     /// Takes over the poles that are counted one by one.
-    pub(super) fn fill(&mut self, sources: impl ExactSizeIterator<Item = ChargedPole<N>> + Clone) {
-        for (channel, charges) in self.charges.iter_mut().enumerate() {
-            fill(charges, sources.clone().map(|source| source.charges[channel]), 0.0);
+    pub(super) fn fill(&mut self, sources: impl ExactSizeIterator<Item = ChargedPole<N>>) {
+        let count = sources.len();
+        let mut charges = self.charges.each_mut().map(|charges| room(charges, count, 0.0));
+        let [shifts, cos, sin] = [(&mut self.shifts, 0.0), (&mut self.cos, FAR_ROOT), (&mut self.sin, FAR_ROOT)]
+            .map(|(list, pad)| room(list, count, pad));
+        for (i, source) in sources.enumerate() {
+            charges.iter_mut().zip(source.charges).for_each(|(charges, charge)| charges[i] = charge);
+            (shifts[i], cos[i], sin[i]) = (source.shift, source.at.cos, source.at.sin);
         }
-        fill(&mut self.shifts, sources.clone().map(|source| source.shift), 0.0);
-        fill(&mut self.cos, sources.clone().map(|source| source.at.cos), FAR_ROOT);
-        fill(&mut self.sin, sources.map(|source| source.at.sin), FAR_ROOT);
     }
 
     /// The field's polynomial is good at u: within an ellipse about its interval on which it still converges fast.

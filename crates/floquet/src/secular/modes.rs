@@ -107,22 +107,13 @@ impl Modes {
 
     fn group(&mut self) {
         self.groups.clear();
-        self.groups.extend(self.list.chunks(4).map(|chunk| {
+        let (fours, rest) = self.list.as_chunks();
+        self.groups.extend(fours.iter().map(Mode::group));
+        if !rest.is_empty() {
             let mut four = [PAD; 4];
-            four[..chunk.len()].copy_from_slice(chunk);
-            let pick = |part: fn(&Mode) -> f64| [part(&four[0]), part(&four[1]), part(&four[2]), part(&four[3])];
-            Mode {
-                weight: pick(|mode| mode.weight),
-                frequency: pick(|mode| mode.frequency),
-                cos: pick(|mode| mode.cos),
-                sin: pick(|mode| mode.sin),
-                sin_over: pick(|mode| mode.sin_over),
-                inverse: pick(|mode| mode.inverse),
-                sin_times: pick(|mode| mode.sin_times),
-                relative: pick(|mode| mode.relative),
-                shift: pick(|mode| mode.shift),
-            }
-        }));
+            four[..rest.len()].copy_from_slice(rest);
+            self.groups.push(Mode::group(&four));
+        }
     }
 
     /// Number of modes.
@@ -149,6 +140,21 @@ impl Modes {
 }
 
 impl Mode<Lane> {
+    #[inline(always)]
+    fn group([a, b, c, d]: &[Mode; 4]) -> Self {
+        Self {
+            weight: [a.weight, b.weight, c.weight, d.weight],
+            frequency: [a.frequency, b.frequency, c.frequency, d.frequency],
+            cos: [a.cos, b.cos, c.cos, d.cos],
+            sin: [a.sin, b.sin, c.sin, d.sin],
+            sin_over: [a.sin_over, b.sin_over, c.sin_over, d.sin_over],
+            inverse: [a.inverse, b.inverse, c.inverse, d.inverse],
+            sin_times: [a.sin_times, b.sin_times, c.sin_times, d.sin_times],
+            relative: [a.relative, b.relative, c.relative, d.relative],
+            shift: [a.shift, b.shift, c.shift, d.shift],
+        }
+    }
+
     /// As operands.
     #[inline(always)]
     pub(crate) fn four(&self) -> Mode<f64x4> {

@@ -6,18 +6,24 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_breather::{Impact, Orbit, Prepared};
 use vibrochain_lattice::Chain;
 
-use super::double_sided::Saltations;
+use super::double_sided::{Saltations, settle};
 use super::error::SecularError;
 use super::foreign::Foreign;
+use super::growth::Nu;
 use super::in_turns;
 use super::modes::{Mode, Modes};
-use super::verdict::{Secular, SecularVerdict};
+use super::verdict::{Reason, Secular, SecularVerdict, Standing};
 
 /// How far, relatively, impulses of the two sites may be from each other: rounding next to a resonance is below that.
 const ALIKE: f64 = 1e-10;
 
 /// Rings on which residues of pairs in turns are worked out mode by mode.
 const MOST_MODES: usize = 500;
+
+type C = Complex<f64>;
+
+/// Errors of a growth, in units of the multiplier, that nobody would want to have smaller.
+const PRECISE: f64 = 1e-11;
 
 /// Two sites that a reflection exchanges, or one, twice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,6 +129,9 @@ pub(crate) struct Partners {
     squares: Vec<f64>,
     parities: [Modes; 2],
     exchange: Option<Exchange>,
+    period: f64,
+    /// Of two instants.
+    saltations: Option<Saltations>,
     /// Of the block in which the orbit swings, or of half a period; the other one only of sites that are exchanged at once.
     own: Secular,
     other: Secular,
@@ -138,7 +147,7 @@ impl Partners {
             Exchange::InTurns => 1.0,
             Exchange::Alone => 0.0,
         };
-        self.exchange = Some(pair.exchange);
+        (self.exchange, self.period, self.saltations) = (Some(pair.exchange), period, None);
         self.modes.set(response);
         self.signed.clear();
         self.signed.extend(response.shapes().evens(partner, site).take(self.modes.count()).map(|c| sign * c));
@@ -157,6 +166,7 @@ impl Partners {
                 own.work_out(ratio, None)?;
                 other.set_modes(|other| other.weigh(modes, |k| squares[k] - signed[k]));
                 let foreign = Foreign::new(modes, signed, own.modes(), period);
+                self.saltations = ratio.map(|(ratio, error)| Saltations::new(own.modes(), ratio, error));
                 other.work_out(ratio, Some(&foreign))
             }
             (Exchange::InTurns, None) => {
@@ -175,6 +185,7 @@ impl Partners {
                     };
                     modes_of.collect(modes.list().iter().enumerate().map(weighed));
                 }
+                self.saltations = Some(saltations);
                 let [even, odd] = &self.parities;
                 own.work_out_in_turns([even, odd], &saltations, period)
             }
@@ -185,14 +196,50 @@ impl Partners {
     pub(crate) fn verdicts(&mut self) -> Result<SmallVec<[SecularVerdict; 2]>, SecularError> {
         match self.exchange {
             Some(Exchange::InTurns) => {}
-            Some(Exchange::AtOnce(_)) => return Ok(smallvec![self.own.verdict()?, self.other.verdict()?]),
+            Some(Exchange::AtOnce(_)) => {
+                let verdicts = [self.own.verdict()?, self.other.verdict()?];
+                let blocks = [&self.own, &self.other].map(|block| block.residues.modes());
+                // ρ² = (1 + ν)/2
+                return Ok((verdicts.iter().zip(blocks))
+                    .map(|(verdict, modes)| {
+                        self.settled(verdict, [modes; 2], [|nu| ((nu + 1.0) * 0.5).sqrt(), |rho| rho * rho * 2.0 - 1.0])
+                    })
+                    .collect());
+            }
             Some(Exchange::Alone) | None => return Ok(smallvec![self.own.verdict()?]),
         }
+        let [even, odd] = &self.parities;
         let half = self.own.verdict()?;
+        let half = self.settled(&half, [even, odd], [|rho| rho; 2]);
         let leading = half.leading.map(|multiplier| multiplier * multiplier);
         let (growth, growth_error) =
             (half.growth * (2.0 + half.growth), half.growth_error * (2.0 + 2.0 * half.growth + half.growth_error));
         Ok(smallvec![SecularVerdict { leading, growth, growth_error, ..half }])
+    }
+
+    /// A verdict of two instants whose multiplier close poles leave imprecise, from f itself; `ways` lead from ν to ρ and back.
+    fn settled(&self, verdict: &SecularVerdict, parities: [&Modes; 2], ways: [fn(C) -> C; 2]) -> SecularVerdict {
+        let precise = verdict.growth_error <= PRECISE * (1.0 + verdict.growth);
+        let (Some(saltations), Some(leading), false) = (&self.saltations, verdict.leading, precise) else {
+            return *verdict;
+        };
+        let start = (leading + leading.inv()) * 0.5;
+        let Some((rho, error)) = settle(parities, saltations, self.period, ways[0](start)) else { return *verdict };
+        let mut nu = ways[1](rho);
+        if verdict.reason == Reason::RealRoot {
+            nu.im = 0.0;
+        }
+        // The slope of the way back is 1, or 4ρ.
+        let (nu, reach) = (Nu::of(nu), 4.0 * error * rho.norm().max(1.0));
+        let growth = nu.growth();
+        let growth_error = nu.growth_error(growth, reach);
+        let same = (growth - verdict.growth).abs() <= verdict.growth_error && growth_error < growth;
+        if verdict.outcome == Standing::Unstable && same && growth_error < verdict.growth_error {
+            let [leading, _] = nu.multipliers();
+            SecularVerdict { leading: Some(leading), growth, growth_error, ..*verdict }
+        } else {
+            *verdict
+        }
     }
 
     /// All multipliers of the modes that the impacts feel, without the trivial pair.

@@ -11,7 +11,7 @@ use super::leaf::{ChargedPole, Leaf, divide};
 use super::modes::Modes;
 use super::pole::{NO_MODE, Pole};
 use super::{double_sided, in_turns, large, single_sided};
-use vibrochain_breather::lanes::{Lane, fill};
+use vibrochain_breather::lanes::{Lane, room};
 
 /// Number of modes from which Cauchy sums are faster than pairs.
 const LARGE: usize = 256;
@@ -179,9 +179,11 @@ impl Residues {
         if large {
             self.leaves = divide(&sources.collect::<Vec<_>>());
         }
-        fill(&mut self.poles, table.iter().map(|pole| pole.at.d), FAR);
-        fill(&mut self.below_one, table.iter().map(|pole| pole.below_one), FAR);
-        fill(&mut self.above_minus_one, table.iter().map(|pole| pole.above_minus_one), FAR);
+        let [poles, below_one, above_minus_one] =
+            [&mut self.poles, &mut self.below_one, &mut self.above_minus_one].map(|list| room(list, table.len(), FAR));
+        for (i, pole) in table.iter().enumerate() {
+            (poles[i], below_one[i], above_minus_one[i]) = (pole.at.d, pole.below_one, pole.above_minus_one);
+        }
         self.certify()
     }
 
@@ -248,10 +250,11 @@ impl Residues {
         else {
             return;
         };
-        let others = || self.table.iter().enumerate().filter(|(i, _)| *i != worst).map(|(_, pole)| pole);
-        let (sum, error): (f64, f64) =
-            others().fold((0.0, 0.0), |(sum, error), pole| (sum + pole.residue, error + pole.error));
-        let size: f64 = others().map(|pole| pole.residue.abs()).sum();
+        let others = [&self.table[..worst], &self.table[worst + 1..]];
+        let [mut sum, mut error, mut size] = [0.0; 3];
+        for pole in others.into_iter().flatten() {
+            (sum, error, size) = (sum + pole.residue, error + pole.error, size + pole.residue.abs());
+        }
         let error = error + f64::EPSILON * (1.0 + size);
         // A rigid mode's own formula gives no number at all.
         let unknown = !self.table[worst].residue.is_finite() || self.table[worst].error.is_nan();

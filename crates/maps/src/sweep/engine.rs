@@ -218,8 +218,8 @@ fn compute(job: &Job<'_>, worker: &mut Worker, range: Range<u64>, cells: &mut Ve
             return None;
         }
         // The scene's corners were checked, so that every point between is a valid model.
-        let model = job.scene.point(number).model().ok()?;
-        cells.push(worker.cell(&model, &job.scene.task));
+        let model = job.scene.point(number).model();
+        cells.push(worker.cell(model.as_ref().ok()?, &job.scene.task));
     }
     Some(())
 }
