@@ -208,7 +208,7 @@ impl Mode {
 pub(crate) fn sort_felt(frequencies: &[f64], squares: &[f64], order: &mut Vec<u32>) {
     order.clear();
     order.extend((0..frequencies.len()).filter(|&k| !Modes::is_spared(squares[k])).map(|k| k as u32));
-    order.sort_by(|&a, &b| frequencies[a as usize].total_cmp(&frequencies[b as usize]));
+    order.sort_unstable_by(|&a, &b| frequencies[a as usize].total_cmp(&frequencies[b as usize]).then(a.cmp(&b)));
 }
 
 /// Those of equal frequency together.
