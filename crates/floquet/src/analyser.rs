@@ -6,7 +6,7 @@
 //! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference, or of half a period |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
 //! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
-//! | the same, other sites, on a ring of more than 1000 masses | inertia of the secular matrix: a count |
+//! | the same, other sites, on a lattice of more than 1000 masses | inertia of the secular matrix: a count |
 //! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
@@ -29,8 +29,8 @@ pub struct Stability {
     /// The verdict; its [`Verdict::method`] is that of the multipliers, too.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub verdict: Verdict,
-    /// The multipliers of the whole ring, by falling modulus, then by argument; the trivial pair of a conservative
-    /// orbit and the modes that feel no impact included. None of a word of several sites on a ring of more than 1000 masses, which are
+    /// The multipliers of the whole lattice, by falling modulus, then by argument; the trivial pair of a conservative
+    /// orbit and the modes that feel no impact included. None of a word of several sites on a lattice of more than 1000 masses, which are
     /// counted only, unless two sites mirror each other.
     #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complexes"))]
     pub multipliers: Vec<Complex<f64>>,

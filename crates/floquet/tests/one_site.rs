@@ -4,7 +4,7 @@
 use vibrochain_breather::{Finder, Found, Orbit, Wanted, Word};
 use vibrochain_floquet::{
     Analyser, Complex, FloquetError, ForcedSecular, Method, OutsideCounter, Stability, Standing, Tolerance, Verdict,
-    eigenvalues, full_monodromy, odd_multipliers,
+    eigenvalues, felt_modes, full_monodromy, multiplier_modes, odd_multipliers,
 };
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, Ranges, Values};
@@ -116,6 +116,45 @@ fn forced_orbits_have_the_multipliers_of_the_whole_matrix() {
     let counts = [checked, secular, outside, spared, counted, coincident, elastic];
     assert!(checked > 400 && 20 * secular > 19 * checked, "{counts:?}");
     assert!(outside > 100 && spared > 1000 && counted > 100 && coincident > 80 && elastic > 20, "{counts:?}");
+}
+
+/// In the middle of a row every second mode has a node; modes of equal frequency leave one combination that is felt.
+#[test]
+fn spared_modes_keep_their_multipliers_and_their_names() {
+    let row = Chain::new(5, 0.2, 0.1).unwrap().with_ends(Ends::Free);
+    let square = row.with_layers(5, 0.1, Ends::Free).unwrap();
+    // Of 15 sums of two of a row's five numbers two are equal: 0.382 + 3.618 = 1.382 + 2.618.
+    let frequency = |k: usize| 2.0 * 0.1_f64.sqrt() * (std::f64::consts::PI * k as f64 / 10.0).sin();
+    for (chain, word, spared) in [(row, "2-", 2), (square, "0:0-", 11), (square, "2:2-", 25 - 6)] {
+        let model = Model::forced(chain, 0.92, 0.4, 0.1, 0.9).unwrap();
+        let (mut finder, mut found) = (Finder::new(1), Found::default());
+        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let orbit = &found.orbits[0];
+        let multipliers = told(orbit, &mut finder).unwrap().multipliers;
+        let modes = multiplier_modes(orbit, &mut finder, &multipliers).unwrap();
+        let on_circle = multipliers.iter().zip(&modes).filter(|(z, _)| (z.norm() - 1.0).abs() < 1e-14);
+        let mut count = 0;
+        for (z, mode) in on_circle {
+            let (k, l) = (mode.unwrap() % 5, mode.unwrap() / 5);
+            let turn = (0.2 + frequency(k).powi(2) + frequency(l).powi(2)).sqrt() * orbit.period();
+            assert!(
+                (z.re - turn.cos()).abs() < 1e-12 && (z.im.abs() - turn.sin().abs()).abs() < 1e-12,
+                "{word} {k} {l}"
+            );
+            count += 1;
+        }
+        assert_eq!((count, odd_multipliers(orbit).unwrap().len()), (2 * spared, 2 * spared), "{word}");
+        assert_eq!(
+            felt_modes(&chain, orbit.impact_site().unwrap()).len(),
+            if word == "2-" {
+                3
+            } else if word == "0:0-" {
+                25
+            } else {
+                9
+            }
+        );
+    }
 }
 
 /// Layers without springs between them are rings that do not feel each other.
