@@ -50,7 +50,7 @@ pub(crate) struct Modes {
     list: Vec<Mode>,
     /// Their numbers in the set they were weighed from, if these are others than their places.
     numbers: Vec<u32>,
-    /// Relative errors of their weights, if these are sums.
+    /// Relative errors of their weights, if these are no ring's.
     blurs: Vec<f64>,
     squares: Vec<f64>,
     order: Vec<u32>,
@@ -129,7 +129,7 @@ impl Modes {
         self.numbers.get(k).map_or(k, |&number| number as usize)
     }
 
-    /// Relative error of a weight that is a sum, 0 of others.
+    /// Relative error of a weight, 0 of a ring's.
     pub(crate) fn blur(&self, k: usize) -> f64 {
         self.blurs.get(k).copied().unwrap_or_default()
     }
