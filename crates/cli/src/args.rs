@@ -158,10 +158,10 @@ pub struct MergeArgs {
 /// Arguments of `mapgen stripes`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A line is where two modes of the ring, as the breather shifts them, have frequencies that sum to a harmonic of \
-                  ω. It is labelled k,l,j: mode k lies between Ω_k and Ω_{k+1} of the bare ring. Printed is the share of \
-                  unstable cells within one cell of a line, beside that of stable cells, of differences of two modes, and of \
-                  sums and differences of the bare ring's frequencies."
+    after_help = "A line is where two modes of the lattice, as the breather shifts them, have frequencies that sum to a harmonic of \
+                  ω. It is labelled k,l,j: mode k lies between Ω_k and Ω_{k+1} of the bare lattice, those counted that have no node at \
+                  the breather. Printed is the share of unstable cells within one cell of a line, beside that of stable cells, \
+                  of differences of two modes, and of sums and differences of the bare lattice's frequencies."
 )]
 pub struct StripesArgs {
     /// Scene file (TOML) of a conservative map with x = omega and y = gamma2.

@@ -251,7 +251,7 @@ impl Solution {
                 });
                 if multipliers.is_none() {
                     let note = if counted {
-                        "those on the circle are counted only, on a ring as large as this".to_owned()
+                        "those on the circle are counted only, on a lattice as large as this".to_owned()
                     } else {
                         format!("{} of them: --multipliers FILE writes them as CSV", stability.multipliers.len())
                     };

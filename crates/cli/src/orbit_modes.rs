@@ -1,16 +1,16 @@
-//! The modes of the ring about a conservative orbit: signatures, residues, the frequencies to which the breather shifts them,
+//! The modes of the lattice about a conservative orbit: signatures, residues, the frequencies to which the breather shifts them,
 //! and which of them have collided.
 
 use std::fmt;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Secular, Signature, bare_signature};
+use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Secular, Signature, bare_signature, felt_modes};
 
 /// The most modes of which signatures are told: each asks all others, all together half a second.
 const MOST_SIGNED: usize = 1025;
 
-/// One mode even about the site that is hit.
+/// One mode that feels the impacts, by rising frequency: on a ring one that is even about the site that is hit.
 #[derive(Debug, Clone, Copy)]
 struct ModeReport {
     frequency: f64,
@@ -38,9 +38,8 @@ impl OrbitModes {
     /// For a conservative orbit that is its own mirror image in time; `leading` is its multiplier off the circle, if it has
     /// one.
     pub(crate) fn of(orbit: &Orbit, finder: &mut Finder, leading: Option<Complex<f64>>) -> Option<Self> {
-        if !orbit.is_reversible() || orbit.centre().is_none() {
-            return None;
-        }
+        let site = orbit.impact_site().filter(|_| orbit.is_reversible())?;
+        let felt = felt_modes(orbit.model().chain(), site);
         let prepared = finder.prepared(orbit).ok()?;
         let response = prepared.response();
         let mut dressed = DressedModes::default();
@@ -56,20 +55,21 @@ impl OrbitModes {
         }
         let mut signatures = Vec::new();
         if certain
-            && response.modes() <= MOST_SIGNED
+            && felt.len() <= MOST_SIGNED
             && let Ok((roots, _)) = secular.roots()
         {
             signatures = dressed.signatures(prepared, roots);
         }
         let signature = |k: usize| signatures.get(k).copied().flatten();
         let own = dressed.own().copied();
-        let last = response.modes().saturating_sub(1);
-        let frequencies = response.frequencies().iter().zip(residues).enumerate();
-        let modes = frequencies
-            .map(|(k, (frequency, residue))| ModeReport {
-                frequency: *frequency,
-                bare_signature: bare_signature(response, k),
-                residue,
+        let last = felt.len().saturating_sub(1);
+        let modes = felt
+            .iter()
+            .enumerate()
+            .map(|(k, &(mode, frequency))| ModeReport {
+                frequency,
+                bare_signature: bare_signature(response, mode),
+                residue: residues.get(mode).copied().flatten(),
                 dressed: if k == last { None } else { dressed.frequency(k) },
                 signature: if k == last { None } else { signature(k) },
             })
@@ -95,7 +95,7 @@ impl OrbitModes {
         self.modes.iter().enumerate().map(mode).collect()
     }
 
-    /// The breather's own mode; its number is that of the last mode of the ring, above which no other is.
+    /// The breather's own mode; its number is that of the last mode, above which no other is.
     pub(crate) fn own_json(&self) -> Option<Value> {
         let own = self.own?;
         Some(json!({
@@ -122,7 +122,7 @@ impl fmt::Display for OrbitModes {
             None => "none",
         };
         let (mut runs, mut first) = (Vec::new(), 0);
-        // Above the last mode of the ring there is none.
+        // Above the last mode there is none.
         let between = self.modes.split_last().map_or(&[][..], |(_, between)| between);
         for run in between.chunk_by(|a, b| a.signature == b.signature) {
             let last = first + run.len() - 1;

@@ -383,3 +383,59 @@ fn a_map_names_the_modes_that_have_collided() {
     let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(desk.path("no.csv")).assert();
     assert.code(2).stderr(contains("collisions are told of conservative orbits only"));
 }
+
+/// Of a row with free ends and of two layers: lines run along the stripes, cells name the pair, and an orbit lists its modes.
+#[test]
+fn rows_and_layers_have_stripes_too() {
+    for (lattice, name, own) in
+        [("ends = \"free\"", "6 masses, free ends", 5), ("layers = 2\ngamma3 = 0.05", "6 masses × 2 layers", 7)]
+    {
+        let desk = Desk::new();
+        let text = SCENE.replace("sites = 6", &format!("sites = 6\n{lattice}"));
+        let scene = desk.scene(&text.replace("points = 150", "points = 300").replace("points = 40", "points = 12"));
+        let csv = desk.path("lines.csv");
+        let text = output(stripes(&desk, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
+        assert!(text.starts_with(&format!("{name}: share of cells within one cell of a line")), "{text}");
+        let (unstable, stable) =
+            (printed(&text, "double-sided", "neimark-sacker"), printed(&text, "double-sided", "stable"));
+        // Nearly every cut through a stripe meets a sum, and few stable cells do.
+        assert!(
+            unstable[0] > 50.0
+                && unstable[7] > 90.0
+                && unstable[1] > 1.25 * unstable[3]
+                && stable[1] < 0.5 * unstable[1],
+            "{unstable:?} {stable:?}"
+        );
+        let lines = table(&csv);
+        assert!(lines.iter().all(|line| number(line, "mode2") <= f64::from(own)) && lines.len() > 100);
+
+        let scene = desk.scene(
+            &fs::read_to_string(&scene).unwrap().replace("stability = true", "stability = true\ncollisions = true"),
+        );
+        let map = desk.path("map.csv");
+        mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
+        let (mut named, mut beside) = (0_u32, 0_u32);
+        for row in
+            table(&map).iter().filter(|row| row["mechanism"] == "neimark-sacker" && row["class"].contains("double"))
+        {
+            beside += 1;
+            named += u32::from(!row["mode1"].is_empty());
+        }
+        assert!(beside > 50 && f64::from(named) > 0.9 * f64::from(beside), "{named} of {beside}");
+    }
+    let line = "orbit --sites 3 --ends free --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .1 --omega 1.7 --asymmetry .4 --word 1+,1- --json";
+    let assert = mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success();
+    let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let modes = value["solutions"][0]["modes"].as_array().unwrap();
+    // In the middle of a row of three the second mode has a node.
+    let bare = [0.2, 0.3, 0.5, 0.6].map(f64::sqrt);
+    assert_eq!(modes.len(), 4);
+    for (k, mode) in modes.iter().enumerate() {
+        assert_eq!(mode["mode"], k);
+        assert!((mode["frequency"].as_f64().unwrap() - bare[k]).abs() < 1e-14);
+        if let Some(dressed) = mode["dressed"].as_f64() {
+            assert!(bare[k] < dressed && dressed < bare[k + 1] && mode["signature"].is_i64());
+        }
+    }
+    assert!(modes.iter().filter(|mode| mode["dressed"].is_f64()).count() == 3);
+}

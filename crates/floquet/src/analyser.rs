@@ -6,7 +6,7 @@
 //! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference, or of half a period |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
 //! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
-//! | the same, other sites, on a ring of more than 1000 masses | inertia of the secular matrix: a count |
+//! | the same, other sites, on a lattice of more than 1000 masses | inertia of the secular matrix: a count |
 //! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
@@ -14,7 +14,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
-use crate::dense::{Dense, WORTH_A_MATRIX, uncoupled};
+use crate::dense::{Dense, WORTH_A_MATRIX, is_reduced, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
@@ -29,8 +29,8 @@ pub struct Stability {
     /// The verdict; its [`Verdict::method`] is that of the multipliers, too.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub verdict: Verdict,
-    /// The multipliers of the whole ring, by falling modulus, then by argument; the trivial pair of a conservative
-    /// orbit and the modes that feel no impact included. None of a word of several sites on a ring of more than 1000 masses, which are
+    /// The multipliers of the whole lattice, by falling modulus, then by argument; the trivial pair of a conservative
+    /// orbit and the modes that feel no impact included. None of a word of several sites on a lattice of more than 1000 masses, which are
     /// counted only, unless two sites mirror each other.
     #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complexes"))]
     pub multipliers: Vec<Complex<f64>>,
@@ -116,13 +116,13 @@ impl Analyser {
         if orbit.model().is_conservative() {
             multipliers.extend([Complex::new(1.0, 0.0); 2]);
         }
-        multipliers.extend(odd_multipliers(orbit).unwrap_or_default());
         if uncoupled(orbit) {
             let chain = orbit.model().chain();
             let phase = chain.gamma1().sqrt() * orbit.period();
             let spared = [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * phase));
-            let others = if chain.is_ring() { chain.even_modes() } else { chain.sites() };
-            (1..others).for_each(|_| multipliers.extend(spared));
+            (1..chain.sites()).for_each(|_| multipliers.extend(spared));
+        } else if verdict.method == Method::Secular || is_reduced(orbit) {
+            multipliers.extend(odd_multipliers(orbit).unwrap_or_default());
         }
         sort_multipliers(&mut multipliers);
         Ok(Stability { verdict, multipliers })
@@ -165,7 +165,7 @@ impl Analyser {
     ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
         let Question { orbit, thorough, .. } = question;
         let alone = uncoupled(orbit);
-        let secular = !self.dense_only && orbit.centre().is_some() && !alone;
+        let secular = !self.dense_only && orbit.impact_site().is_some() && !alone;
         let other = !self.dense_only && !secular && !orbit.model().chain().is_uncoupled();
         let pair = if other { Pair::of(orbit) } else { None };
         let counted = other && pair.is_none() && is_counted(orbit);
@@ -184,7 +184,7 @@ impl Analyser {
         }
         if let Some(doubt) = doubt {
             let chain = orbit.model().chain();
-            let modes = if orbit.centre().is_none() { chain.sites() } else { chain.even_modes() };
+            let modes = if is_reduced(orbit) { chain.even_modes() } else { chain.sites() };
             let dimension = if orbit.is_reversible() { modes } else { 2 * modes };
             if dimension > MAX_DIMENSION {
                 return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });

@@ -1,13 +1,12 @@
 //! Verdicts on words of several sites on lattices too large for a matrix: all multipliers counted by the inertia of the secular matrix,
 //! those outside the circle settled by the impacts' equations.
 //!
-//! What the count leaves open are complex ν. A breather's own multipliers hardly know how long the ring is: a short ring with the same
-//! word tells where to look, the count whether these are all. (Off rings there is neither that nor the impacts' equations: what is real
-//! is known from its bracket, and complex ones are a doubt.)
+//! What the count leaves open are complex ν. A breather's own multipliers hardly know how long the rows are: short rows with the same
+//! word tell where to look, the count whether these are all.
 
 use nalgebra::Complex;
 use vibrochain_breather::{Condition, Finder, Found, Letter, Orbit, Wanted, Word};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, Ends, Layout, Model};
 
 use crate::analyser::{Analyser, Failure};
 use crate::by_secular::check;
@@ -17,13 +16,13 @@ use crate::saltation::saltations;
 use crate::secular::{Count, SecularError, excess};
 use crate::verdict::{Question, Verdict};
 
-/// Masses of the short ring on either side of the word.
+/// Masses of the short rows on either side of the word.
 const MARGIN: usize = 60;
 
-/// The farthest sites of a word may be apart for a short ring to be short.
+/// The farthest sites of a word may be apart along the rows for short ones to be short.
 const FARTHEST: usize = 200;
 
-/// Growth from which on a multiplier of the short ring is a start: below it, it may belong to a wave that has no place in the ring.
+/// Growth from which on a multiplier of the short rows is a start: below it, it may belong to a wave that has no place in the long ones.
 const GROWING: f64 = 1e-7;
 
 impl Analyser {
@@ -39,8 +38,8 @@ impl Analyser {
         self.inertia.set(finder.prepared(orbit)?, &condition);
         let count = self.inertia.count()?;
         let mut starts: Vec<Complex<f64>> = count.real.iter().map(|real| real.multiplier).collect();
-        if count.missing > 0 && orbit.model().chain().is_ring() {
-            starts.extend(self.on_a_short_ring(orbit)?);
+        if count.missing > 0 {
+            starts.extend(self.on_short_rows(orbit)?);
         }
         let (leading, growth, error) = match self.outside(&starts, &count, orbit, &condition, finder)? {
             None => return Ok((Verdict::on_circle(None), Vec::new())),
@@ -59,14 +58,6 @@ impl Analyser {
         condition: &Condition,
         finder: &mut Finder,
     ) -> Result<Option<(Complex<f64>, f64, f64)>, Failure> {
-        if !orbit.model().chain().is_ring() {
-            if count.missing > 0 {
-                let found = count.wanted - count.missing;
-                return Err(SecularError::Incomplete { found, wanted: count.wanted }.into());
-            }
-            let bracketed = count.real.iter().map(|real| (real.multiplier, real.growth, real.error));
-            return Ok(bracketed.max_by(|a, b| a.1.total_cmp(&b.1)));
-        }
         self.forced.adopt(orbit, condition, starts.iter().map(|start| (*start, 0.0)), None);
         self.forced.settle_apart(finder.prepared(orbit)?);
         let (values, errors) = self.forced.multipliers();
@@ -98,8 +89,8 @@ impl Analyser {
         Ok(leading.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)))
     }
 
-    /// Complex multipliers outside the circle, of the upper half-plane, of the same word on a short ring.
-    fn on_a_short_ring(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, FloquetError> {
+    /// Complex multipliers outside the circle, of the upper half-plane, of the same word on short rows.
+    fn on_short_rows(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, FloquetError> {
         let Some((model, word)) = shortened(orbit) else { return Ok(Vec::new()) };
         let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
         finder.find_word(&model, &word, Wanted::All, &mut found)?;
@@ -111,22 +102,35 @@ impl Analyser {
     }
 }
 
-/// The word of an orbit on a ring that is hardly longer than the word.
+/// The word of an orbit on a lattice whose rows are hardly longer than the word: ends that are far are nearer, and the rest of a ring is
+/// left out.
 fn shortened(orbit: &Orbit) -> Option<(Model, Word)> {
     let (model, word) = (orbit.model(), Word::of(orbit));
-    let (chain, places) = (model.chain(), word.places());
-    let sites: Vec<usize> = places.into_iter().map(|(_, site)| site).collect();
-    // The first site after the longest free arc.
-    let arc = |i: usize| (sites[i] + chain.sites() - sites[(i + sites.len() - 1) % sites.len()]) % chain.sites();
-    let first = sites[(0..sites.len()).max_by_key(|&i| arc(i))?];
-    let place = |site: usize| (site + chain.sites() - first) % chain.sites();
+    let (chain, length) = (model.chain(), model.chain().length());
+    let sites: Vec<usize> = word.places().into_iter().map(|(_, site)| site % length).collect();
+    let closed = chain.ends() == Ends::Closed;
+    let first = if closed {
+        // The first site after the longest free arc.
+        let mut along = sites.clone();
+        along.sort_unstable();
+        along.dedup();
+        let arc = |i: usize| (along[i] + length - along[(i + along.len() - 1) % along.len()] - 1) % length;
+        along[(0..along.len()).max_by_key(|&i| arc(i))?]
+    } else {
+        *sites.iter().min()?
+    };
+    let place = |site: usize| (site % length + length - first) % length;
     let span = sites.iter().map(|&site| place(site)).max()?;
-    let short = span + 1 + 2 * MARGIN;
-    if span > FARTHEST || short >= chain.sites() {
+    let (before, behind) =
+        if closed { (0, 2 * MARGIN) } else { (first.min(MARGIN), (length - 1 - first - span).min(MARGIN)) };
+    let short = before + span + 1 + behind;
+    if span > FARTHEST || short >= length {
         return None;
     }
-    let letter = |letter: &Letter| Letter { site: place(letter.site), ..*letter };
+    let site = |site: usize| before + place(site) + site / length * short;
+    let letter = |letter: &Letter| Letter { site: site(letter.site), ..*letter };
     let instants = word.instants().iter().map(|letters| letters.iter().map(letter).collect()).collect();
-    let chain = Chain::new(short, chain.gamma1(), chain.gamma2()).ok()?;
+    let layout = Layout { length: short, ..chain.layout() };
+    let chain = Chain::on(layout, chain.gamma1(), chain.gamma2(), chain.gamma3()).ok()?;
     Some((Model::conservative(chain, model.omega(), model.asymmetry()).ok()?, Word::new(instants).ok()?))
 }

@@ -70,7 +70,7 @@ impl Analyser {
         finder: &mut Finder,
         by_matrix: &Verdict,
     ) -> Result<Option<Verdict>, FloquetError> {
-        if orbit.is_reversible() || orbit.centre().is_none() || orbit.impacts().len() > MOST_IMPACTS {
+        if orbit.is_reversible() || orbit.impact_site().is_none() || orbit.impacts().len() > MOST_IMPACTS {
             return Ok(None);
         }
         let condition = finder.condition(orbit)?;

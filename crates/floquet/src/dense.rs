@@ -4,9 +4,9 @@
 //! | orbit | matrix | dimension |
 //! |---|---|---|
 //! | conservative, mirror image of itself in time | `reversible` block | ⌊M/2⌋ |
-//! | the same, of several sites | `reversible_word` block | M − 1 |
-//! | impacts at one site | even subspace | 2(⌊M/2⌋+1), less the trivial pair |
-//! | impacts at several sites | whole ring | 2M, less the trivial pair |
+//! | the same, of several sites or not on a ring | `reversible_word` block | M − 1 |
+//! | impacts at one site | the modes that feel them | on a ring 2(⌊M/2⌋+1), less the trivial pair |
+//! | impacts at several sites | whole lattice | 2M, less the trivial pair |
 //!
 //! The trivial pair μ = 1 of a conservative orbit (the perturbation along the orbit and its canonical partner) is
 //! taken out before the eigenvalues are computed, by reflecting the known right and left eigenvectors to the axes.
@@ -19,7 +19,7 @@ use crate::error::FloquetError;
 use crate::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy};
 use crate::reversible::Reversible;
 use crate::reversible_word::ReversibleWord;
-use crate::secular::Nu;
+use crate::secular::{Modes, Nu};
 use crate::square::{Reflector, Square};
 
 /// Reusable work space for dense matrices.
@@ -27,6 +27,7 @@ use crate::square::{Reflector, Square};
 pub(crate) struct Dense {
     reversible: Reversible,
     reversible_word: ReversibleWord,
+    modes: Modes,
     coordinates: EvenCoordinates,
     matrix: Square,
     flow: Vec<f64>,
@@ -85,13 +86,15 @@ impl Dense {
             self.values = values;
             return Ok(norm);
         }
-        if orbit.centre().is_some() || alone {
+        if is_reduced(orbit) || alone {
             check_dimension(2 * chain.even_modes())?;
-            let response = finder.prepared(orbit)?.response();
-            let (frequencies, weights) = (response.frequencies(), response.weights());
-            match frequencies.first() {
-                Some(&frequency) if alone => self.coordinates.set(&[frequency], &[1.0], orbit.frequency()),
-                _ => self.coordinates.set(frequencies, weights, orbit.frequency()),
+            self.modes.set_felt(finder.prepared(orbit)?);
+            let felt = || self.modes.list().iter().map(|mode| (mode.frequency, mode.weight));
+            match felt().next() {
+                Some((frequency, _)) if alone => {
+                    self.coordinates.set([(frequency, 1.0)].into_iter(), orbit.frequency())
+                }
+                _ => self.coordinates.set(felt(), orbit.frequency()),
             }
             self.coordinates.monodromy(orbit, &mut self.matrix, (&mut self.rows.0, &mut self.rows.1))?;
         } else {
@@ -145,6 +148,11 @@ impl Dense {
 
 /// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
 pub(crate) const WORTH_A_MATRIX: usize = 1000;
+
+/// Matrices are those of the modes that feel the impacts.
+pub(crate) fn is_reduced(orbit: &Orbit) -> bool {
+    orbit.centre().is_some() || orbit.impact_site().is_some() && !orbit.model().is_conservative()
+}
 
 /// The masses that are not hit swing alone.
 pub(crate) fn uncoupled(orbit: &Orbit) -> bool {

@@ -73,7 +73,7 @@ pub use locate::{
     Located, Origin, Search, Station, Unresolved, diagram, locate,
 };
 pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
-pub use multipliers::{odd_multipliers, sort_multipliers};
+pub use multipliers::{felt_modes, odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;
 pub use phases::phases;
 pub use saltation::{Saltation, saltations};

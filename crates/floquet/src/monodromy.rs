@@ -31,13 +31,14 @@ pub(crate) struct EvenCoordinates {
 }
 
 impl EvenCoordinates {
-    pub(crate) fn set(&mut self, frequencies: &[f64], weights: &[f64], omega: f64) {
+    /// Takes over modes, their frequencies and weights.
+    pub(crate) fn set(&mut self, modes: impl Iterator<Item = (f64, f64)> + Clone, omega: f64) {
         self.frequencies.clear();
-        self.frequencies.extend_from_slice(frequencies);
+        self.frequencies.extend(modes.clone().map(|(f, _)| f));
         self.amplitudes.clear();
-        self.amplitudes.extend(weights.iter().map(|w| w.sqrt()));
+        self.amplitudes.extend(modes.clone().map(|(_, weight)| weight.sqrt()));
         self.scales.clear();
-        self.scales.extend(frequencies.iter().map(|f| f.max(omega)));
+        self.scales.extend(modes.map(|(f, _)| f.max(omega)));
     }
 
     fn modes(&self) -> usize {
@@ -130,7 +131,8 @@ pub fn even_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
     check_dimension(2 * chain.even_modes())?;
     let spectrum = Spectrum::new(*chain);
     let mut coordinates = EvenCoordinates::default();
-    coordinates.set(spectrum.frequencies(), spectrum.weights(), orbit.frequency());
+    let modes = spectrum.frequencies().iter().copied().zip(spectrum.weights().iter().copied());
+    coordinates.set(modes, orbit.frequency());
     let mut matrix = Square::default();
     coordinates.monodromy(orbit, &mut matrix, (&mut Vec::new(), &mut Vec::new()))?;
     Ok(matrix)

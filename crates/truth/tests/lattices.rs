@@ -172,6 +172,47 @@ fn claims_for_forced_words_on_random_lattices_hold() {
     assert!(counts.orbits > 30 && walls >= 8 && counts.lost == 0, "{walls} {counts:?}");
 }
 
+/// The families under a force at any site: their leading multipliers, by secular functions of the modes that feel the site.
+fn forced_families_hold(draws: usize) {
+    let mut random = Random(1509);
+    let ranges = Ranges { sites: [1, 9], gamma2: Values::Log(1e-3, 0.4), ..Ranges::FORCED };
+    let mut counts = Counts::default();
+    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    while counts.draws < draws {
+        let chain = random.lattice(&ranges);
+        if chain.is_ring() || chain.is_uncoupled() {
+            continue;
+        }
+        counts.draws += 1;
+        let model = random.model(&ranges);
+        let e = if random.chance(0.1) { 1.0 } else { model.restitution() };
+        let model = Model::with_force(chain, model.omega(), model.asymmetry(), model.force(), e).unwrap();
+        let (n, layer) = chain.layout().place(random.below(chain.sites()));
+        let word = random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &format!("{n}:{layer}"));
+        if finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).is_err() {
+            continue;
+        }
+        *counts.kinds.entry((chain.ends(), chain.layers() > 1)).or_default() += found.orbits.len();
+        for orbit in found.orbits.iter().take(2) {
+            counts.compare(orbit, &mut finder);
+        }
+    }
+    println!("{counts:?}");
+    assert!(2 * counts.growths > draws && 8 * counts.unstable > draws, "{counts:?}");
+    assert!(counts.kinds.len() == 5 && 100 * counts.lost <= draws, "{counts:?}");
+}
+
+#[test]
+fn claims_for_forced_families_at_any_site_hold() {
+    forced_families_hold(200);
+}
+
+#[test]
+#[ignore = "minutes: cargo test --workspace --test lattices -- --ignored forced_families"]
+fn slow_claims_for_forced_families_at_any_site_hold() {
+    forced_families_hold(4000);
+}
+
 /// Two neighbours out of phase next to a resonance: the equations lose three digits, and an inverse left its condition times their
 /// rounding, 9e-14, more than was claimed of accelerations.
 #[test]

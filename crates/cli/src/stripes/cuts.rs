@@ -5,8 +5,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use vibrochain_breather::{Family, Finder, Found};
-use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance};
-use vibrochain_lattice::Spectrum;
+use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, felt_modes};
 
 use crate::stripes::request::{Request, family};
 use vibrochain_maps::cell::Class;
@@ -136,7 +135,7 @@ impl Carrier {
             return false;
         }
         let passed = |frequency: &f64| (frequency / here.omega()).floor() != (frequency / next.omega()).floor();
-        if Spectrum::new(*next.chain()).frequencies().iter().any(passed) {
+        if felt_modes(next.chain(), 0).iter().any(|(_, frequency)| passed(frequency)) {
             return false;
         }
         let Some(orbit) = self.found.orbits.first() else { return false };

@@ -45,7 +45,9 @@ fn widened(request: &Request, marks: &[bool]) -> Vec<bool> {
 
 /// The table that is printed.
 pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String {
-    let mut text = format!("N = {}: share of cells within one cell of a line\n", request.scene.base.sites() - 1);
+    let layout = request.scene.base.layout;
+    let lattice = if layout.is_ring() { format!("N = {}", layout.length - 1) } else { layout.to_string() };
+    let mut text = format!("{lattice}: share of cells within one cell of a line\n");
     let bare = rows.bare.each_ref().map(|marks| widened(request, marks));
     let mut growing = vec![false; tiles.len()];
     rows.growing.iter().for_each(|&cell| growing[cell] = true);

@@ -7,8 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::{Family, Finder, Found};
-use vibrochain_floquet::DressedModes;
-use vibrochain_lattice::{Chain, Spectrum};
+use vibrochain_floquet::{DressedModes, felt_modes};
 
 use crate::error::CliError;
 use crate::stripes::cuts::{Carrier, Cut};
@@ -48,7 +47,7 @@ pub(super) struct Crossing {
 pub(super) struct Rows {
     pub(super) crossings: Vec<Crossing>,
     pub(super) cuts: Vec<Cut>,
-    /// For comparison: whether a cell is within one cell, along its row, of a line of sums of the bare ring's modes, and of
+    /// For comparison: whether a cell is within one cell, along its row, of a line of sums of the bare lattice's modes, and of
     /// differences.
     pub(super) bare: [Vec<bool>; 2],
     /// Cells whose breather's own mode grows by itself ([`DressedModes::own_grows`]).
@@ -209,18 +208,15 @@ fn pairs(
     }
 }
 
-/// The same for the bare ring, whose frequencies do not depend on ω, and of which no line is drawn: which cells of a row have
+/// The same for the bare lattice, whose frequencies do not depend on ω, and of which no line is drawn: which cells of a row have
 /// one between the cells on either side. (As ω falls to 0 there are more and more harmonics from one cell to the next.)
 fn bare(request: &Request, row: usize) -> [Vec<bool>; 2] {
     let columns = request.omega.points;
     let mut near = [vec![false; columns], vec![false; columns]];
-    let base = &request.scene.base;
-    let gamma2 = request.scene.point(request.cell(row, 0) as u64).get(Parameter::Gamma2);
-    let Ok(chain) = Chain::new(base.sites(), base.get(Parameter::Gamma1), gamma2) else { return near };
-    let spectrum = Spectrum::new(chain);
-    let frequencies = spectrum.frequencies();
-    for (k, low) in frequencies.iter().enumerate() {
-        for (l, high) in frequencies.iter().enumerate().skip(k) {
+    let Ok(model) = request.scene.point(request.cell(row, 0) as u64).model() else { return near };
+    let frequencies = felt_modes(model.chain(), 0);
+    for (k, (_, low)) in frequencies.iter().enumerate() {
+        for (l, (_, high)) in frequencies.iter().enumerate().skip(k) {
             // A mode against itself collides at odd harmonics only, and has no difference.
             let [sums, differences] = &mut near;
             let is_met = |column: usize, value: f64| between(value, k == l, cells_about(request, column));

@@ -1,4 +1,4 @@
-//! `mapgen stripes`: where two modes of a conservative ring collide, over the map of a scene, and how much of the
+//! `mapgen stripes`: where two modes of a conservative lattice collide, over the map of a scene, and how much of the
 //! instability that explains.
 //!
 //! | module | holds |
@@ -54,11 +54,9 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     }
     let shown = tiles.iter().zip(0..).filter(|(_, cell)| is_shown(&request.scene, *cell));
     let shown: Vec<Tile> = shown.map(|(tile, _)| *tile).collect();
-    // The last of the modes even about the site that is hit.
-    let own = request.scene.base.sites() / 2;
     let bytes = map_with_lines(
         &MapPicture { scene: &request.scene, tiles: &shown, palette: Palette::default() },
-        &lines.iter().filter(|line| line.sum || args.all).map(|line| drawn(line, own)).collect::<Vec<_>>(),
+        &lines.iter().filter(|line| line.sum || args.all).map(|line| drawn(line, request.own)).collect::<Vec<_>>(),
         request.format,
     )
     .map_err(|error| CliError::Computation(error.to_string()))?;

@@ -2,6 +2,7 @@
 
 use crate::args::StripesArgs;
 use crate::error::CliError;
+use vibrochain_floquet::felt_modes;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
 use vibrochain_plot::{Format, Tile};
@@ -34,6 +35,8 @@ pub(super) struct Request {
     pub(super) omega: Steps,
     pub(super) gamma2: Steps,
     pub(super) format: Format,
+    /// Number of the breather's own mode, above that of all others.
+    pub(super) own: usize,
 }
 
 impl Request {
@@ -49,17 +52,15 @@ impl Request {
                 "stripes are collisions of modes without loss: give a scene without force and with elastic impacts",
             ));
         }
-        if !scene.base.layout.is_ring() {
-            return Err(wrong("stripes are lines of a ring: give a scene with closed ends and one layer"));
-        }
         let cells = scene.cells();
         if cells > MOST_CELLS {
             return Err(wrong(&format!("the map has {cells} cells and is held whole: give at most {MOST_CELLS}")));
         }
-        let modes = scene.base.sites() as u64 / 2 + 1;
+        let model = scene.point(0).model().map_err(|error| wrong(&error.to_string()))?;
+        let modes = model.chain().even_modes() as u64;
         // Half of all k, l, of both families.
         if modes.saturating_mul(modes).saturating_mul(cells) > MOST_PAIRS {
-            let most = 2 * (MOST_PAIRS / cells).isqrt() - 1;
+            let most = if scene.base.layout.is_ring() { 2 } else { 1 } * (MOST_PAIRS / cells).isqrt() - 1;
             let sites = scene.base.sites();
             return Err(wrong(&format!(
                 "every pair of the modes of {sites} masses in every one of {cells} cells is too much: give at most {most} sites, or fewer points"
@@ -77,7 +78,9 @@ impl Request {
         if !scene.task.stability {
             return Err(wrong("the map must tell stable from unstable cells: set stability = true in [compute]"));
         }
-        Ok(Self { scene, omega, gamma2, format })
+        // Families of scenes are at site 0.
+        let own = felt_modes(model.chain(), 0).len().saturating_sub(1);
+        Ok(Self { scene, omega, gamma2, format, own })
     }
 
     /// Number of a cell.

@@ -101,7 +101,7 @@ impl Follower {
     /// Those pairs, and whether each can be told from the circle.
     fn pairs_told(&mut self, orbit: &Orbit) -> Result<Vec<(Complex<f64>, bool)>, LocateError> {
         let values = self.spectrum(orbit)?;
-        if orbit.model().loss() == 0.0 || orbit.centre().is_none() {
+        if orbit.model().loss() == 0.0 || orbit.impact_site().is_none() {
             return Ok(values.into_iter().map(|value| (value, true)).collect());
         }
         let slack = DENSE * f64::EPSILON * self.analyser.dense.matrix_of(orbit).norm();
@@ -263,7 +263,7 @@ impl Follower {
     ) -> Result<Option<Complex<f64>>, LocateError> {
         let expected = from + (to - from) * ((s - a) / (b - a));
         // An impact without speed has a matrix that tells nothing, but hardly moves the pair.
-        if orbit.centre().is_some()
+        if orbit.impact_site().is_some()
             && let Some(found) = Polisher::new(orbit, &mut self.finder)?.polished(expected, (to - from).norm())
         {
             return Ok(Some(found));

@@ -16,6 +16,7 @@ use super::aberth::Aberth;
 use super::error::SecularError;
 use super::forced_large::{self, ForcedLarge, LARGE};
 use super::linear::{determinant, determinant_and_condition};
+use super::modes::{Mode, Modes};
 use super::other_modes::{OtherModes, PoleSums};
 use super::rational::Rational;
 use crate::saltation::Saltation;
@@ -48,6 +49,7 @@ pub struct SecularMultipliers {
     /// t_i, κ'_i
     pub(super) times: Vec<f64>,
     pub(super) kappas: Vec<f64>,
+    felt: Modes,
     modes: OtherModes,
     matrix: Vec<C>,
     sizes: Vec<f64>,
@@ -71,7 +73,7 @@ impl SecularMultipliers {
     pub fn replace(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
         let orbit = prepared.orbit();
         let n = orbit.impacts().len();
-        if orbit.centre().is_none() || n == 0 || n > MOST_IMPACTS {
+        if orbit.impact_site().is_none() || n == 0 || n > MOST_IMPACTS {
             return Err(SecularError::NotReversible);
         }
         self.take_over(orbit);
@@ -93,14 +95,14 @@ impl SecularMultipliers {
         let (model, response) = (prepared.orbit().model(), prepared.response());
         let (e, q) = (model.restitution(), model.loss());
         let n = self.times.len();
-        let (frequencies, weights) = (response.frequencies(), response.weights());
-        let (cos, sin) = (response.cos_half(), response.sin_half());
         let omega = response.omega();
-        self.count = frequencies.len();
-        self.modes.set(response, &self.times);
+        self.felt.set_felt(prepared);
+        self.count = self.felt.count();
+        self.modes.set(&self.felt, omega, &self.times);
         let border = 2 * n + 1;
-        self.modes.shared(q, &self.kappas, response, &mut self.shared);
-        let by_cauchy = if self.is_large() { Some(forced_large::sums(response, &self.modes, n)?) } else { None };
+        self.modes.shared(q, &self.kappas, (&self.felt, omega), &mut self.shared);
+        let by_cauchy =
+            if self.is_large() { Some(forced_large::sums(&self.felt, omega, &self.modes, n)?) } else { None };
         let scale = (1.0 + e).powi(2 * n as i32);
         self.residues.clear();
         self.angles.clear();
@@ -110,7 +112,8 @@ impl SecularMultipliers {
         let mut size_of_residues = 0.0;
         let mut total_error = 0.0;
         for k in 0..self.count {
-            let (ck, sk, fk) = (cos[k], sin[k], frequencies[k]);
+            let mode = self.felt.mode(k);
+            let Mode { cos: ck, sin: sk, frequency: fk, .. } = mode;
             // The phase carries a relative error of 2ε; differences of poles make it count.
             let phase = fk * response.period();
             self.matrix.clear();
@@ -145,11 +148,11 @@ impl SecularMultipliers {
                 (bordered, others * condition.max(1.0))
             };
             // Ṽᵀ adj K̂ W = −det [[K̂, W], [Ṽᵀ, 0]]
-            let pole = C::new((ck - sk) * (ck + sk), 2.0 * sk * ck);
-            let residue = -bordered * pole * (scale * weights[k]);
+            let pole = mode.pole();
+            let residue = -bordered * pole * (scale * mode.weight);
             let modulus = residue.norm_sqr().sqrt();
             size_of_residues += modulus;
-            let error = modulus * relative;
+            let error = modulus * (relative + self.felt.blur(k));
             total_error += error;
             self.form.residue_error.as_flattened_mut()[k] = error;
             self.form.pole_error.as_flattened_mut()[k] = modulus * f64::EPSILON * (2.0 + 2.0 * phase);
@@ -157,13 +160,13 @@ impl SecularMultipliers {
             self.angles.push(pole.im.atan2(pole.re).abs());
         }
         let residues = &self.residues;
-        let poles = |k: usize| C::new((cos[k] - sin[k]) * (cos[k] + sin[k]), 2.0 * sin[k] * cos[k]);
+        let poles = |k: usize| self.felt.mode(k).pole();
         fill(&mut self.form.pole_re, (0..self.count).map(|k| poles(k).re), 1e100);
         fill(&mut self.form.pole_im, (0..self.count).map(|k| poles(k).im), 0.0);
         fill(&mut self.form.residue_re, residues.iter().map(|r| r.re), 0.0);
         fill(&mut self.form.residue_im, residues.iter().map(|r| r.im), 0.0);
         if by_cauchy.is_some() {
-            self.large.set(response, residues, self.form.residue_error.as_flattened());
+            self.large.set(&self.felt, response.period(), residues, self.form.residue_error.as_flattened());
         }
         // f(0) = e^{2n}
         let product: f64 = (0..self.count).map(|k| 2.0 * (residues[k] * poles(k).conj()).re).sum();
@@ -192,12 +195,12 @@ impl SecularMultipliers {
         &self.residues
     }
 
-    /// tr M = Σ2 cos Ω_kT − 2ReΣρ_k on the even subspace.
+    /// tr M = Σ2 cos Ω_kT − 2ReΣρ_k on the modes that feel the impacts.
     pub fn trace(&self) -> f64 {
         self.poles().zip(&self.residues).map(|(p, r)| 2.0 * (p.re - r.re)).sum()
     }
 
-    /// All 2m multipliers of the even subspace, in no order but that a conservative orbit's trivial pair comes first, with estimates of
+    /// All 2m multipliers of the m modes that feel the impacts, in no order but that a conservative orbit's trivial pair comes first, with estimates of
     /// their errors.
     ///
     /// # Errors

@@ -71,8 +71,8 @@ impl OutsideCount {
 #[derive(Debug, Clone, Default)]
 pub struct OutsideCounter {
     modes: Modes,
-    /// d, b², 2b²xc, 2b²yc, error of d
-    table: Vec<[f64; 5]>,
+    /// d, b², 2b²xc, 2b²yc, error of d, relative error of b²
+    table: Vec<[f64; 6]>,
     poles: Vec<Lane>,
     /// σ
     sigma: Leaf<2>,
@@ -93,16 +93,18 @@ impl OutsideCounter {
             return Err(SecularError::NotReversible);
         }
         let twice_kappa = 2.0 * Saltation::reduced(impact, orbit.model().restitution());
-        self.modes.set(prepared.response());
+        self.modes.set_felt(prepared);
         let count = self.modes.count();
         self.table.clear();
         let (mut plus, mut minus): ([f64; 4], [f64; 4]) = Default::default();
-        for &Mode { weight: w, cos: c, sin: s, sin_over: x, sin_times: y, shift, .. } in self.modes.list() {
+        for (k, mode) in self.modes.list().iter().enumerate() {
+            let &Mode { weight: w, cos: c, sin: s, sin_over: x, sin_times: y, shift, .. } = mode;
+            let blur = self.modes.blur(k);
             let (g, h) = (2.0 * w * x * c, 2.0 * w * y * c);
-            self.table.push([(c - s) * (c + s), w, g, h, f64::EPSILON * shift]);
+            self.table.push([(c - s) * (c + s), w, g, h, f64::EPSILON * shift, blur]);
             // 1 − d = 2s², −1 − d = −2c².
             for (sums, distance) in [(&mut plus, 2.0 * s * s), (&mut minus, -2.0 * c * c)] {
-                let slack = f64::EPSILON * (8.0 + 2.0 * shift / distance.abs());
+                let slack = f64::EPSILON * (8.0 + 2.0 * shift / distance.abs()) + blur;
                 sums[0] += g / distance;
                 sums[1] += h / distance;
                 sums[2] += (g / distance).abs() * slack;
@@ -127,7 +129,7 @@ impl OutsideCounter {
         fill(&mut self.poles, self.table.iter().map(|row| row[0]), 1e100);
         let [weights, errors] = &mut self.sigma.charges;
         fill(weights, self.table.iter().map(|row| row[1]), 0.0);
-        fill(errors, self.table.iter().map(|_| 0.0), 0.0);
+        fill(errors, self.table.iter().map(|row| row[1] * row[5]), 0.0);
         fill(&mut self.sigma.shifts, self.table.iter().map(|row| row[4]), 0.0);
         for gap in 0..count.saturating_sub(1) {
             let (left, right) = (self.table[gap][0], self.table[gap + 1][0]);
@@ -150,7 +152,7 @@ impl OutsideCounter {
             let mut at = [0.0; 4];
             for row in &self.table {
                 let distance = (origin - row[0]) + t;
-                let slack = f64::EPSILON * 8.0 + (moved + row[4]) / distance.abs();
+                let slack = f64::EPSILON * 8.0 + row[5] + (moved + row[4]) / distance.abs();
                 at[0] += row[2] / distance;
                 at[1] += row[3] / distance;
                 at[2] += (row[2] / distance).abs() * slack;

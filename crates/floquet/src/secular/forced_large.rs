@@ -15,12 +15,12 @@
 
 use nalgebra::Complex;
 use smallvec::smallvec;
-use vibrochain_lattice::ImpulseResponse;
 
 use super::cauchy::Tree;
 use super::circle::{CircleForm, CirclePole};
 use super::error::SecularError;
 use super::forced_roots::CircleRoots;
+use super::modes::Modes;
 use super::other_modes::{OtherModes, PoleSums, pairs};
 use super::pole::Angle;
 
@@ -44,9 +44,9 @@ struct Sorted {
     sine: f64,
 }
 
-fn sorted(response: &ImpulseResponse) -> Vec<Sorted> {
-    let halves = response.cos_half().iter().zip(response.sin_half()).enumerate();
-    let mode = |(mode, (c, s)): (usize, (&f64, &f64))| Sorted { mode, at: Angle::new(*c, *s), sine: 2.0 * s * c };
+fn sorted(modes: &Modes) -> Vec<Sorted> {
+    let halves = modes.list().iter().map(|mode| (mode.cos, mode.sin)).enumerate();
+    let mode = |(mode, (c, s)): (usize, (f64, f64))| Sorted { mode, at: Angle::new(c, s), sine: 2.0 * s * c };
     let mut sorted: Vec<Sorted> = halves.map(mode).collect();
     sorted.sort_unstable_by(|a, b| a.at.order(&b.at));
     sorted
@@ -80,16 +80,16 @@ fn cauchy<const CHANNELS: usize>(
 }
 
 /// What all K̂(p_k) of `n` impacts need of the other modes, in the order of the modes.
-pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> Result<Vec<PoleSums>, SecularError> {
-    let (frequencies, weights, omega) = (response.frequencies(), response.weights(), response.omega());
-    let sorted = sorted(response);
+pub(super) fn sums(felt: &Modes, omega: f64, modes: &OtherModes, n: usize) -> Result<Vec<PoleSums>, SecularError> {
+    let sorted = sorted(felt);
+    let of = |mode: usize| (felt.mode(mode).weight, felt.mode(mode).frequency);
     let points: Vec<f64> = sorted.iter().map(|mode| mode.at.d).collect();
     let tree = Tree::new(&points, false);
     let mut all = vec![PoleSums { pairs: smallvec![[0.0; 6]; n * (n - 1) / 2], ..PoleSums::default() }; sorted.len()];
     let charges: Vec<[f64; 3]> = sorted
         .iter()
         .map(|mode| {
-            let (w, f) = (weights[mode.mode], frequencies[mode.mode]);
+            let (w, f) = of(mode.mode);
             let v = w * mode.sine;
             [w, v * omega / f, v * f / omega]
         })
@@ -110,7 +110,7 @@ pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> 
         let charges: Vec<[f64; 6]> = sorted
             .iter()
             .map(|mode| {
-                let (w, f) = (weights[mode.mode], frequencies[mode.mode]);
+                let (w, f) = of(mode.mode);
                 let (inverse, ratio, v) = (omega / f, f / omega, mode.sine);
                 let (c, s) = (w * cos[mode.mode], w * sin[mode.mode]);
                 [c, v * s, v * c * inverse, s * inverse, v * c * ratio, s * ratio]
@@ -134,10 +134,10 @@ pub(super) fn sums(response: &ImpulseResponse, modes: &OtherModes, n: usize) -> 
 
 impl ForcedLarge {
     /// Takes over residues and their errors, by modes.
-    pub(super) fn set(&mut self, response: &ImpulseResponse, residues: &[C], errors: &[f64]) {
+    pub(super) fn set(&mut self, modes: &Modes, period: f64, residues: &[C], errors: &[f64]) {
         self.form.poles.clear();
-        self.form.poles.extend(sorted(response).iter().map(|own| {
-            let shift = f64::EPSILON * (2.0 + 2.0 * response.frequencies()[own.mode] * response.period());
+        self.form.poles.extend(sorted(modes).iter().map(|own| {
+            let shift = f64::EPSILON * (2.0 + 2.0 * modes.mode(own.mode).frequency * period);
             CirclePole::new(own.at, own.sine, residues[own.mode], errors[own.mode], shift)
         }));
         self.form.divide();

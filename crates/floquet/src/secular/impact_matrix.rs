@@ -15,8 +15,9 @@
 //! q = (1−e)/(1+e), κ' = κ/(1+e)² = v̈/((1+e)v⁻) ([`Saltation::reduced`]), E the entry (velocity, displacement), velocities in units of ω.
 //! A null vector of K̂(z) is D_jy_j, what the impacts do to the perturbation y_j that belongs to the multiplier z.
 //!
-//! On a ring the shape of mode k is cos(2πk(n_i−n_1)/M); each of its doublets has a second mode, sin(2πk(n_i−n_1)/M), which an orbit
-//! feels whose impacts are not all at one site.
+//! Of one site all modes of one frequency are one, of weight Σφ² ([`super::modes::Modes::set_felt`]). Of several sites on a ring the shape of
+//! mode k is cos(2πk(n_i−n_1)/M); each of its doublets has a second mode, sin(2πk(n_i−n_1)/M). On other lattices the products φ_iφ_j of a
+//! mode, or their sum over a doublet, are known ([`Shapes::even`]); their pivoted Cholesky factors are as good as shapes.
 //!
 //! All other files of this folder have the same determinant, worked out in ways that are faster or know more digits where they apply:
 //!
@@ -29,10 +30,12 @@
 //! | `crate::stripes` | the same as sums over the waves that impacts reflect |
 
 use nalgebra::Complex;
-use vibrochain_breather::Prepared;
+use smallvec::SmallVec;
+use vibrochain_breather::{Impact, Prepared};
 use vibrochain_lattice::Shapes;
 
 use super::linear::determinant;
+use super::modes::{Mode, Modes};
 use crate::saltation::Saltation;
 
 type C = Complex<f64>;
@@ -46,7 +49,8 @@ pub(crate) struct ImpactMatrix {
     pub(super) kappas: Vec<f64>,
     /// Longest time since the first impact.
     pub(super) longest: f64,
-    pub(super) modes: Vec<RingMode>,
+    pub(super) modes: Vec<FeltMode>,
+    felt: Modes,
     /// φ_i e^{iΩ(t_i−t_1)}: [mode][impact]
     pub(super) waves: Vec<C>,
     /// K̂ as last worked out, by rows.
@@ -56,9 +60,9 @@ pub(crate) struct ImpactMatrix {
     pub(super) right: Vec<C>,
 }
 
-/// A mode of the ring that the impacts feel.
+/// A mode that the impacts feel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RingMode {
+pub(super) struct FeltMode {
     pub(super) pole: C,
     pub(super) weight: f64,
     pub(super) frequency: f64,
@@ -66,6 +70,8 @@ pub(super) struct RingMode {
     pub(super) ratio: f64,
     /// Of the pole.
     pub(super) error: f64,
+    /// Of φ_i, against the largest.
+    pub(super) shape_error: f64,
 }
 
 impl ImpactMatrix {
@@ -83,27 +89,37 @@ impl ImpactMatrix {
         self.modes.clear();
         self.waves.clear();
         let shapes = response.shapes();
-        let halves = response.cos_half().iter().zip(response.sin_half());
-        let modes = response.frequencies().iter().zip(response.weights()).zip(halves);
-        let at_one_site = orbit.centre().is_some();
-        for (k, ((f, weight), (c, s))) in modes.enumerate() {
-            let mode = RingMode {
-                pole: C::new((c - s) * (c + s), 2.0 * s * c),
-                weight: *weight,
-                frequency: *f,
-                ratio: f / omega,
+        let (at_one_site, ring) = (orbit.impact_site().is_some(), orbit.model().chain().is_ring());
+        self.felt.set_felt(prepared);
+        for (k, mode) in self.felt.list().iter().enumerate() {
+            let &Mode { frequency, weight, .. } = mode;
+            let mode = FeltMode {
+                pole: mode.pole(),
+                weight,
+                frequency,
+                ratio: frequency / omega,
                 // The phase carries a relative error of 2ε.
-                error: f64::EPSILON * (2.0 + 2.0 * f * response.period()),
+                error: f64::EPSILON * (2.0 + 2.0 * frequency * response.period()),
+                shape_error: 0.5 * self.felt.blur(k),
             };
-            let turn = |time: f64| C::from_polar(1.0, f * (time - first));
-            self.modes.push(mode);
+            let turn = |time: f64| C::from_polar(1.0, frequency * (time - first));
             if at_one_site {
+                self.modes.push(mode);
                 self.waves.extend(impacts.iter().map(|impact| turn(impact.time)));
+                continue;
+            }
+            if !ring {
+                for shape in factors(shapes, k, impacts) {
+                    let largest = shape.iter().fold(0.0_f64, |largest, phi| largest.max(phi.abs()));
+                    self.modes.push(FeltMode { shape_error: 4.0 * f64::EPSILON / (largest * largest), ..mode });
+                    self.waves.extend(impacts.iter().zip(shape).map(|(impact, phi)| turn(impact.time) * phi));
+                }
                 continue;
             }
             let wave = |shape: fn(&Shapes, usize, usize, usize) -> f64| {
                 impacts.iter().map(move |impact| turn(impact.time) * shape(shapes, k, impact.site, home))
             };
+            self.modes.push(mode);
             self.waves.extend(wave(Shapes::even));
             if wave(Shapes::odd).any(|wave| wave != C::default()) {
                 self.modes.push(mode);
@@ -160,12 +176,26 @@ impl ImpactMatrix {
 
     /// |1 − p/z||1 − p̄/z| of the nearest pair of poles: about twice the distance to a pole on the circle.
     pub(crate) fn nearest_poles(&self, z: C) -> f64 {
-        let distance = |mode: &RingMode| ((z - mode.pole) * (z - mode.pole.conj())).norm_sqr();
+        let distance = |mode: &FeltMode| ((z - mode.pole) * (z - mode.pole.conj())).norm_sqr();
         self.modes.iter().map(distance).fold(f64::INFINITY, f64::min).sqrt() / z.norm_sqr()
     }
 }
 
-impl RingMode {
+/// Shapes at the impacts whose products are those of mode `k`, as many as it has that the impacts feel.
+fn factors(shapes: &Shapes, k: usize, impacts: &[Impact]) -> SmallVec<[SmallVec<[f64; 4]>; 1]> {
+    let product = |i: usize, j: usize| shapes.even(k, impacts[i].site, impacts[j].site);
+    let mut found: SmallVec<[SmallVec<[f64; 4]>; 1]> = SmallVec::new();
+    loop {
+        let rest = |i: usize, j: usize| product(i, j) - found.iter().map(|phi| phi[i] * phi[j]).sum::<f64>();
+        let pivot = (0..impacts.len()).map(|i| (i, rest(i, i))).max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((pivot, square)) = pivot.filter(|(_, square)| !Modes::is_spared(*square)) else { return found };
+        let scale = square.sqrt().recip();
+        let next = (0..impacts.len()).map(|i| rest(i, pivot) * scale).collect();
+        found.push(next);
+    }
+}
+
+impl FeltMode {
     /// 1/(z−p) and 1/(z−p̄) and their moduli, but at a pole.
     pub(super) fn distances(&self, z: C) -> Option<[(C, f64); 2]> {
         let inverse = |pole: C| {

@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
 use crate::error::FloquetError;
-use crate::multipliers::odd_multipliers;
+use crate::multipliers::{felt_modes, odd_multipliers, spared_modes};
 
 /// For multipliers as [`crate::Analyser::stability`] returns them, the mode k whose e^{±iΩ_kT} is next by angle, in
 /// O(M log M); `None` for the trivial pair of a conservative orbit and for impacts at several sites.
@@ -30,13 +30,16 @@ pub fn multiplier_modes(
     finder: &mut Finder,
     multipliers: &[Complex<f64>],
 ) -> Result<Vec<Option<usize>>, FloquetError> {
-    let Some(odd) = odd_multipliers(orbit) else { return Ok(vec![None; multipliers.len()]) };
+    let spared = odd_multipliers(orbit).zip(spared_modes(orbit)).zip(orbit.impact_site());
+    let Some(((values, modes), site)) = spared else { return Ok(vec![None; multipliers.len()]) };
     let bits = |z: &Complex<f64>| (z.re.to_bits(), z.im.to_bits());
-    let odd: HashMap<(u64, u64), usize> = odd.iter().enumerate().map(|(i, z)| (bits(z), i / 2 + 1)).collect();
+    let spared: HashMap<(u64, u64), usize> =
+        values.iter().enumerate().map(|(i, z)| (bits(z), modes[i / 2].0)).collect();
     let response = finder.prepared(orbit)?.response();
-    let halves = response.cos_half().iter().zip(response.sin_half());
+    let (cos, sin) = (response.cos_half(), response.sin_half());
+    let angle = |k: usize| 2.0 * sin[k].abs().atan2(cos[k].abs());
     let mut angles: Vec<(f64, usize)> =
-        halves.enumerate().map(|(k, (c, s))| (2.0 * s.abs().atan2(c.abs()), k)).collect();
+        felt_modes(orbit.model().chain(), site).into_iter().map(|(k, _)| (angle(k), k)).collect();
     angles.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let nearest = |angle: f64| {
         let above = angles.partition_point(|(other, _)| *other < angle);
@@ -48,7 +51,7 @@ pub fn multiplier_modes(
         if conservative && *z == Complex::new(1.0, 0.0) {
             return None;
         }
-        odd.get(&bits(z)).copied().or_else(|| nearest(z.im.atan2(z.re).abs()))
+        spared.get(&bits(z)).copied().or_else(|| nearest(z.im.atan2(z.re).abs()))
     };
     Ok(multipliers.iter().map(mode).collect())
 }

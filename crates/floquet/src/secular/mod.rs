@@ -10,6 +10,7 @@
 //! | `inertia` | reversible words of any sites on large rings: a certified count |
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
+//! | `modes` | the modes that the impacts feel, on any lattice |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
 //! | `impact_matrix` | K̂: what all of them are the determinant of |
 //! | `other_modes` | K̂ at the poles |
@@ -75,7 +76,7 @@ pub(crate) use impact_matrix::ImpactMatrix;
 pub(crate) use inertia::{Count, Inertia};
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
-pub(crate) use modes::{Mode, Modes};
+pub(crate) use modes::{Mode, Modes, by_frequency, sort_felt};
 pub(crate) use partners::{Pair, Partners};
 pub use residues::Residues;
 pub use shapes::ModalShape;

@@ -1,5 +1,7 @@
-//! What the secular functions need of every even mode.
+//! What the secular functions need of every mode that the impacts feel.
 
+use nalgebra::Complex;
+use vibrochain_breather::Prepared;
 use vibrochain_lattice::{ImpulseResponse, sine_over};
 use wide::f64x4;
 
@@ -39,12 +41,19 @@ const PAD: Mode = Mode {
 /// A part of its own weight below this is rounding: on a ring of 10⁷ masses the least that is none is 5e-14.
 const SPARED: f64 = 16.0 * f64::EPSILON;
 
+/// Frequencies this close are equal: each is worked out to 2ε.
+const EQUAL: f64 = 4.0 * f64::EPSILON;
+
 /// The even subspace, mode by mode and in groups of four, the last one padded.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
     list: Vec<Mode>,
     /// Their numbers in the set they were weighed from, if these are others than their places.
     numbers: Vec<u32>,
+    /// Relative errors of their weights, if these are no ring's.
+    blurs: Vec<f64>,
+    squares: Vec<f64>,
+    order: Vec<u32>,
     groups: Vec<Mode<Lane>>,
 }
 
@@ -54,25 +63,46 @@ impl Modes {
         let half = 0.5 * response.period();
         let modes = response.frequencies().iter().zip(response.weights());
         let phases = response.cos_half().iter().zip(response.sin_half());
+        self.clear();
+        self.list.extend(modes.zip(phases).map(|((f, weight), (cos, sin))| Mode::new(*f, *weight, (*cos, *sin), half)));
+        self.group();
+    }
+
+    /// Takes over what the impacts at an orbit's one site feel: on a ring all modes that are even about it, on other lattices those
+    /// without a node there, of weights φ². Of several modes with one frequency one combination is felt, with the sum of their weights.
+    pub(crate) fn set_felt(&mut self, prepared: Prepared<'_>) {
+        let (orbit, response) = (prepared.orbit(), prepared.response());
+        let Some(site) = orbit.impact_site().filter(|_| !orbit.model().chain().is_ring()) else {
+            return self.set(response);
+        };
+        let (frequencies, weights) = (response.frequencies(), response.weights());
+        let (cos, sin, half) = (response.cos_half(), response.sin_half(), 0.5 * response.period());
+        let Self { squares, order, .. } = self;
+        squares.clear();
+        squares.extend(response.shapes().evens(site, site).take(frequencies.len()));
+        sort_felt(frequencies, squares, order);
+        self.clear();
+        for alike in by_frequency(frequencies, &self.order) {
+            let [first, ..] = *alike else { continue };
+            let k = first as usize;
+            let weight: f64 = alike.iter().map(|&k| weights[k as usize] * self.squares[k as usize]).sum();
+            let full: f64 = alike.iter().map(|&k| weights[k as usize]).sum();
+            self.list.push(Mode::new(frequencies[k], weight, (cos[k], sin[k]), half));
+            self.numbers.push(first);
+            self.blurs.push(4.0 * f64::EPSILON * full / weight);
+        }
+        self.group();
+    }
+
+    fn clear(&mut self) {
         self.list.clear();
         self.numbers.clear();
-        self.list.extend(modes.zip(phases).map(|((&frequency, &weight), (&cos, &sin))| {
-            // ΩT
-            let y = 2.0 * frequency * half;
-            // sin(ΩT/2)/Ω, which a soft mode needs from its series.
-            let sin_over = if frequency * half > 1e-3 { sin / frequency } else { sine_over(frequency, half) };
-            // A phase y carries a relative error of about 2ε, so that δx/x = y cot y and δd = 2y sin 2y.
-            let relative = 4.0 + if y > 1e-3 { (y * cos / sin).abs() } else { 1.0 };
-            let shift = 2.0 * (y * cos * sin).abs() + 4.0 * (cos * cos).min(sin * sin);
-            let (inverse, sin_times) = (1.0 / sin_over, frequency * sin);
-            Mode { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift }
-        }));
-        self.group();
+        self.blurs.clear();
     }
 
     /// Takes over some modes of another set.
     pub(crate) fn gather(&mut self, all: &Self, chosen: &[usize]) {
-        self.list.clear();
+        self.clear();
         self.list.extend(chosen.iter().map(|&k| all.list[k]));
         self.group();
     }
@@ -86,8 +116,7 @@ impl Modes {
 
     /// Takes over modes, each with its number in the set that it comes from.
     pub(crate) fn collect(&mut self, modes: impl Iterator<Item = (usize, Mode)>) {
-        self.list.clear();
-        self.numbers.clear();
+        self.clear();
         for (k, mode) in modes {
             self.list.push(mode);
             self.numbers.push(k as u32);
@@ -98,6 +127,11 @@ impl Modes {
     /// The number of a mode in the set that these were weighed from.
     pub(crate) fn number(&self, k: usize) -> usize {
         self.numbers.get(k).map_or(k, |&number| number as usize)
+    }
+
+    /// Relative error of a weight, 0 of a ring's.
+    pub(crate) fn blur(&self, k: usize) -> f64 {
+        self.blurs.get(k).copied().unwrap_or_default()
     }
 
     /// A mode with this part of its weight has a node where the impacts are.
@@ -137,6 +171,43 @@ impl Modes {
     pub(crate) fn groups(&self) -> &[Mode<Lane>] {
         &self.groups
     }
+}
+
+impl Mode {
+    /// A mode from its cos, sin(ΩT/2), `half` being T/2.
+    #[inline(always)]
+    fn new(frequency: f64, weight: f64, (cos, sin): (f64, f64), half: f64) -> Self {
+        // ΩT
+        let y = 2.0 * frequency * half;
+        // sin(ΩT/2)/Ω, which a soft mode needs from its series.
+        let sin_over = if frequency * half > 1e-3 { sin / frequency } else { sine_over(frequency, half) };
+        // A phase y carries a relative error of about 2ε, so that δx/x = y cot y and δd = 2y sin 2y.
+        let relative = 4.0 + if y > 1e-3 { (y * cos / sin).abs() } else { 1.0 };
+        let shift = 2.0 * (y * cos * sin).abs() + 4.0 * (cos * cos).min(sin * sin);
+        let (inverse, sin_times) = (1.0 / sin_over, frequency * sin);
+        Self { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift }
+    }
+
+    /// e^{iΩT}
+    #[inline(always)]
+    pub(crate) fn pole(&self) -> Complex<f64> {
+        Complex::new((self.cos - self.sin) * (self.cos + self.sin), 2.0 * self.sin * self.cos)
+    }
+}
+
+/// Numbers of the modes that have no node where all impacts are, by rising frequency; `squares` are φ² there, weights left out.
+pub(crate) fn sort_felt(frequencies: &[f64], squares: &[f64], order: &mut Vec<u32>) {
+    order.clear();
+    order.extend((0..frequencies.len()).filter(|&k| !Modes::is_spared(squares[k])).map(|k| k as u32));
+    order.sort_unstable_by(|&a, &b| frequencies[a as usize].total_cmp(&frequencies[b as usize]).then(a.cmp(&b)));
+}
+
+/// Those of equal frequency together.
+pub(crate) fn by_frequency<'a>(frequencies: &'a [f64], order: &'a [u32]) -> impl Iterator<Item = &'a [u32]> + 'a {
+    order.chunk_by(|&low, &high| {
+        let (low, high) = (frequencies[low as usize], frequencies[high as usize]);
+        high - low <= EQUAL * high
+    })
 }
 
 impl Mode<Lane> {

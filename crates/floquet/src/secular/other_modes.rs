@@ -14,10 +14,10 @@
 use nalgebra::Complex;
 use smallvec::SmallVec;
 use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
-use vibrochain_lattice::ImpulseResponse;
 use wide::f64x4;
 
 use super::error::SecularError;
+use super::modes::Modes;
 
 type C = Complex<f64>;
 
@@ -77,16 +77,15 @@ impl PoleSums {
 }
 
 impl OtherModes {
-    /// Takes over the modes of a ring and the times of impacts.
-    pub(super) fn set(&mut self, response: &ImpulseResponse, times: &[f64]) {
-        let frequencies = response.frequencies();
-        let omega = response.omega();
-        fill(&mut self.half_weight, response.weights().iter().map(|w| 0.5 * w), 0.0);
+    /// Takes over modes and the times of impacts.
+    pub(super) fn set(&mut self, modes: &Modes, omega: f64, times: &[f64]) {
+        let modes = modes.list();
+        fill(&mut self.half_weight, modes.iter().map(|mode| 0.5 * mode.weight), 0.0);
         // A mode that is none: no pole meets it.
-        fill(&mut self.cos, response.cos_half().iter().copied(), 2.0);
-        fill(&mut self.sin, response.sin_half().iter().copied(), 0.0);
-        fill(&mut self.ratio, frequencies.iter().map(|f| f / omega), 0.0);
-        fill(&mut self.inverse, frequencies.iter().map(|f| omega / f), 0.0);
+        fill(&mut self.cos, modes.iter().map(|mode| mode.cos), 2.0);
+        fill(&mut self.sin, modes.iter().map(|mode| mode.sin), 0.0);
+        fill(&mut self.ratio, modes.iter().map(|mode| mode.frequency / omega), 0.0);
+        fill(&mut self.inverse, modes.iter().map(|mode| omega / mode.frequency), 0.0);
         let groups = self.cos.len();
         self.turn_cos.clear();
         self.turn_sin.clear();
@@ -94,8 +93,8 @@ impl OtherModes {
             self.turn_cos.resize((pair + 1) * groups, [0.0; 4]);
             self.turn_sin.resize((pair + 1) * groups, [0.0; 4]);
             let elapsed = times[i] - times[j];
-            for (l, f) in frequencies.iter().enumerate() {
-                let (sin, cos) = (f * elapsed).sin_cos();
+            for (l, mode) in modes.iter().enumerate() {
+                let (sin, cos) = (mode.frequency * elapsed).sin_cos();
                 self.turn_cos.as_flattened_mut()[4 * pair * groups + l] = cos;
                 self.turn_sin.as_flattened_mut()[4 * pair * groups + l] = sin;
             }
@@ -110,8 +109,8 @@ impl OtherModes {
     }
 
     /// What K̂ has at all poles alike: propagators ±½R₀(t_i−t_j) over the times between impacts, losses, saltations κ'.
-    pub(super) fn shared(&self, q: f64, kappas: &[f64], response: &ImpulseResponse, shared: &mut Vec<f64>) {
-        let (n, omega) = (kappas.len(), response.omega());
+    pub(super) fn shared(&self, q: f64, kappas: &[f64], (modes, omega): (&Modes, f64), shared: &mut Vec<f64>) {
+        let n = kappas.len();
         let size = 2 * n;
         shared.clear();
         shared.resize(size * size, 0.0);
@@ -123,8 +122,8 @@ impl OtherModes {
         for (i, j, pair) in pairs(n) {
             let (cos, sin) = self.turns(pair);
             let (mut c, mut up, mut down) = (0.0, 0.0, 0.0);
-            for (l, (weight, f)) in response.weights().iter().zip(response.frequencies()).enumerate() {
-                let (w, turn) = (0.5 * weight, sin[l]);
+            for (l, mode) in modes.list().iter().enumerate() {
+                let (w, f, turn) = (0.5 * mode.weight, mode.frequency, sin[l]);
                 c += w * cos[l];
                 up += w * turn / f * omega;
                 down -= w * turn * f / omega;

@@ -1,5 +1,4 @@
-//! Orbits of two sites that a reflection exchanges: both blocks, see [`super::foreign`], or half a period, see [`super::in_turns`];
-//! and orbits of one site on a lattice that is no ring, whose only block has the site's own b_k² = φ_k(i)².
+//! Orbits of two sites that a reflection exchanges: both blocks, see [`super::foreign`], or half a period, see [`super::in_turns`].
 
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
@@ -25,7 +24,7 @@ type C = Complex<f64>;
 /// Errors of a growth, in units of the multiplier, that nobody would want to have smaller.
 const PRECISE: f64 = 1e-11;
 
-/// Two sites that a reflection exchanges, or one, twice.
+/// Two sites that a reflection exchanges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pair {
     pub(crate) sites: [usize; 2],
@@ -43,30 +42,17 @@ pub(crate) enum Exchange {
     AtOnce(f64),
     /// Half a period later.
     InTurns,
-    /// There is one site.
-    Alone,
 }
 
 impl Pair {
     /// The two sites of an orbit that the reflection that exchanges them leaves as it is, turns into its opposite, or delays.
     pub(crate) fn of(orbit: &Orbit) -> Option<Self> {
         let mut instants = orbit.instants();
-        // What one site of a ring takes has a secular function of its own.
-        let first = instants.next().filter(|_| orbit.is_reversible() && orbit.centre().is_none())?;
+        // What one site takes has a secular function of its own.
+        let first = instants.next().filter(|_| orbit.is_reversible() && orbit.impact_site().is_none())?;
         let second = instants.next();
-        let pair = Self::alone(orbit, first, second)
-            .or_else(|| Self::at_once(orbit, first, second))
-            .or_else(|| Self::in_turns(orbit, first, second?))?;
+        let pair = Self::at_once(orbit, first, second).or_else(|| Self::in_turns(orbit, first, second?))?;
         orbit.model().chain().exchanges(pair.sites[0], pair.sites[1]).then_some(pair)
-    }
-
-    fn alone(orbit: &Orbit, first: &[Impact], second: Option<&[Impact]>) -> Option<Self> {
-        let site = orbit.impact_site()?;
-        let pair = Self { sites: [site; 2], exchange: Exchange::Alone, ratio: None, is_symmetric: false };
-        match second {
-            None => Some(pair),
-            Some(second) => pair.with(second[0].impulse / first[0].impulse, orbit.model().asymmetry() == 0.0),
-        }
     }
 
     fn at_once(orbit: &Orbit, first: &[Impact], second: Option<&[Impact]>) -> Option<Self> {
@@ -145,7 +131,6 @@ impl Partners {
         let sign = match pair.exchange {
             Exchange::AtOnce(sign) => sign,
             Exchange::InTurns => 1.0,
-            Exchange::Alone => 0.0,
         };
         (self.exchange, self.period, self.saltations) = (Some(pair.exchange), period, None);
         self.modes.set(response);
@@ -157,10 +142,6 @@ impl Partners {
         let Self { own: Secular { residues: own, .. }, other: Secular { residues: other, .. }, .. } = self;
         let ratio = pair.ratio.map(|ratio| (ratio, ratio_error));
         match (pair.exchange, ratio) {
-            (Exchange::Alone, _) => {
-                own.set_modes(|own| own.weigh(modes, |k| squares[k]));
-                own.work_out(ratio, None)
-            }
             (Exchange::AtOnce(_), _) => {
                 own.set_modes(|own| own.weigh(modes, |k| squares[k] + signed[k]));
                 own.work_out(ratio, None)?;
@@ -206,7 +187,7 @@ impl Partners {
                     })
                     .collect());
             }
-            Some(Exchange::Alone) | None => return Ok(smallvec![self.own.verdict()?]),
+            None => return Ok(smallvec![self.own.verdict()?]),
         }
         let [even, odd] = &self.parities;
         let half = self.own.verdict()?;
@@ -251,16 +232,15 @@ impl Partners {
         Ok(match self.exchange {
             Some(Exchange::InTurns) => own.into_iter().map(|multiplier| multiplier * multiplier).collect(),
             Some(Exchange::AtOnce(_)) => [own, of(&mut self.other)?].concat(),
-            Some(Exchange::Alone) | None => own,
+            None => own,
         })
     }
 
     /// Frequencies of the modes that have a node at all sites that are hit: no impact reaches them.
     pub(crate) fn spared<'a>(&'a self, chain: &'a Chain) -> impl Iterator<Item = f64> + 'a {
-        let blocks = if self.exchange == Some(Exchange::Alone) { &[0.0][..] } else { &[1.0, -1.0] };
         let parts = self.squares.iter().zip(&self.signed);
         self.modes.list().iter().zip(parts).enumerate().flat_map(move |(k, (mode, (square, signed)))| {
-            let reached = blocks.iter().filter(|sign| !Modes::is_spared(square + **sign * signed)).count();
+            let reached = [1.0, -1.0].iter().filter(|sign| !Modes::is_spared(square + **sign * signed)).count();
             std::iter::repeat_n(mode.frequency, chain.multiplicity(k).saturating_sub(reached))
         })
     }

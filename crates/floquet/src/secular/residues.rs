@@ -23,7 +23,7 @@ const FAR: f64 = 1e100;
 const MOST_DOUBT: f64 = 1e-3;
 
 /// The secular function F(ν) = Σ R_k/(ν−d_k) of a reversible orbit, ν = ½(μ + 1/μ), d_k = cos Ω_kT: its m−1 zeros are the
-/// non-trivial multiplier pairs of the m modes even about the site that is hit. Neighbours with R of one sign enclose a real
+/// non-trivial multiplier pairs of the m modes that feel the impacts, on a ring those even about the site that is hit. Neighbours with R of one sign enclose a real
 /// root; with all signs equal that are all of them, and none is off the unit circle. (The signs are not Krein signatures:
 /// a root that passes the pole of a mode turns the sign of its R and keeps its signature, see [`crate::signature()`].)
 ///
@@ -76,7 +76,7 @@ impl Residues {
 
     /// The same, for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
     pub(crate) fn replace_within(&mut self, prepared: Prepared<'_>, ratio_error: f64) -> Result<(), SecularError> {
-        if !prepared.orbit().is_reversible() || prepared.orbit().centre().is_none() {
+        if !prepared.orbit().is_reversible() || prepared.orbit().impact_site().is_none() {
             return Err(SecularError::NotReversible);
         }
         let ratio = match prepared.orbit().impacts() {
@@ -86,7 +86,7 @@ impl Residues {
             }
             _ => return Err(SecularError::NotReversible),
         };
-        self.modes.set(prepared.response());
+        self.modes.set_felt(prepared);
         self.work_out(ratio, None)
     }
 

@@ -17,7 +17,7 @@
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 
-use super::impact_matrix::{ImpactMatrix, RingMode};
+use super::impact_matrix::{FeltMode, ImpactMatrix};
 use super::linear::{Factors, Pivots, eliminate};
 
 type C = Complex<f64>;
@@ -183,10 +183,10 @@ impl ImpactMatrix {
             sizes += even_size + odd.norm();
         }
         for (mode, waves) in self.modes.iter().zip(self.waves.chunks_exact(n)) {
-            let RingMode { pole, weight, frequency, ratio, error } = *mode;
+            let FeltMode { pole, weight, frequency, ratio, error, shape_error } = *mode;
             // Moduli of all a and c, relative errors of each.
             let (a_size, c_size) = (x[0] + ratio * x[1], 0.5 * (y[0] + y[1] / ratio));
-            let relative = EPSILON * (6.0 + 3.0 * frequency * self.longest);
+            let relative = EPSILON * (6.0 + 3.0 * frequency * self.longest) + shape_error;
             let (a_error, c_error) = (relative * a_size, relative * c_size);
             let [uu, vu, uv, vv] = pairs;
             let ordered_error = relative * (uu + ratio * vu + uv / ratio + vv);

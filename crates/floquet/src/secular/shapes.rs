@@ -13,7 +13,7 @@ use vibrochain_breather::Prepared;
 use vibrochain_lattice::{Chain, Shapes};
 
 use super::error::SecularError;
-use super::impact_matrix::{ImpactMatrix, RingMode};
+use super::impact_matrix::{FeltMode, ImpactMatrix};
 
 type C = Complex<f64>;
 
@@ -57,13 +57,13 @@ impl ModalShape {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(prepared: Prepared<'_>, multiplier: C) -> Result<Self, SecularError> {
-        if prepared.orbit().centre().is_none() {
+        if prepared.orbit().impact_site().is_none() {
             return Err(SecularError::NotReversible);
         }
         let mut matrix = ImpactMatrix::default();
         matrix.set(prepared);
         let (z, omega) = (multiplier, prepared.response().omega());
-        let at_pole = |(mode, one): (usize, &RingMode)| one.distances(z).is_none().then_some(mode);
+        let at_pole = |(mode, one): (usize, &FeltMode)| one.distances(z).is_none().then_some(mode);
         if let Some(mode) = matrix.modes.iter().enumerate().find_map(at_pole) {
             return Err(SecularError::Coincident { mode });
         }

@@ -1,4 +1,4 @@
-//! Modes of the ring with the breather on it.
+//! Modes of the lattice with the breather on it.
 //!
 //! With the secular function f of the orbit (`form`) linear in the answer G₀ of the ring at Ω, and Ω and no other
 //! w_j = Ω + jω in the band, f = 0 is the phase condition of a standing wave, exactly:
@@ -17,6 +17,10 @@
 //! A mode that the breather has drawn out of the band (`own`) loses waves to a w_j in the band: it is a zero of the
 //! coefficient of reflection next to the real axis, and turns its phase by 2π within the width of that loss. Meetings
 //! with it are left out by dividing by its factor (Ω−z)/(Ω−z̄), which has modulus 1.
+//!
+//! On other lattices waves that run off are answered by some A + iB, and a standing wave by G₀ = A − B cot x, x from 0 at one mode that feels
+//! the impacts to π at the next: the same with c = (A − G₀)/B demanded of the rest of f. Where no other w_j is in a band f is real, and its
+//! zeros are the same whatever A and B are.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -28,9 +32,14 @@ use super::own::{OwnMode, own_mode};
 use super::signature::{Signature, signature};
 use crate::bracket::zero;
 use crate::error::FloquetError;
+use crate::multipliers::felt_modes;
 use crate::saltation::{Saltation, saltations};
 
-/// The frequencies Ω̃_k of the modes of the ring with a breather on it, apart from collisions: Ω_k < Ω̃_k < Ω_{k+1}, and,
+/// Two modes this close, relatively, have none between them.
+const EQUAL: f64 = 1e-9;
+
+/// The frequencies Ω̃_k of the modes of the lattice with a breather on it, apart from collisions: Ω_k < Ω̃_k < Ω_{k+1} between two that
+/// feel the impacts, numbered by rising frequency ([`crate::felt_modes`]), and,
 /// as the last one, that of the breather's own mode, which is not in the band ([`OwnMode`]).
 ///
 /// Above ω = 2Ω_max, where none can collide, e^{±iΩ̃T} are multipliers of the orbit.
@@ -72,20 +81,27 @@ impl DressedModes {
         self.bare.clear();
         self.zeros.clear();
         self.own = None;
-        if !orbit.is_reversible() || orbit.centre().is_none() {
-            return Ok(());
-        }
+        let Some(site) = orbit.impact_site().filter(|_| orbit.is_reversible()) else { return Ok(()) };
         let _ = saltations(orbit)?;
         let e = orbit.model().restitution();
         let kappas: smallvec::SmallVec<[f64; 2]> =
             orbit.impacts().iter().map(|impact| Saltation::reduced(impact, e)).collect();
         // Its own mirror image half a period later, if the gap is its own mirror image.
         self.symmetric = kappas.len() == 2 && orbit.model().asymmetry() == 0.0;
-        if !self.form.set(orbit.model().chain(), response, &kappas, self.symmetric) {
+        if !self.form.set(prepared, &kappas, self.symmetric) {
             return Ok(());
         }
-        self.bare.extend_from_slice(response.frequencies());
-        self.own = own_mode(&self.form, &mut self.zeros);
+        let chain = orbit.model().chain();
+        if chain.is_ring() {
+            self.bare.extend_from_slice(response.frequencies());
+        } else {
+            self.bare.extend(felt_modes(chain, site).into_iter().map(|(_, frequency)| frequency));
+        }
+        // On a ring one mode has its place between each two, and what has left the band is missing there. Between the bands of several
+        // channels a mode may be localised, and be the one that has its place there.
+        if chain.is_ring() || (0..self.count().saturating_sub(1)).any(|k| self.is_missing(k)) {
+            self.own = own_mode(&self.form, &mut self.zeros);
+        }
         Ok(())
     }
 
@@ -119,7 +135,8 @@ impl DressedModes {
     /// around the ring (in 2π over the mean distance of neighbouring modes). Such an orbit is unstable, on a long ring as on
     /// a short one, with few exceptions next to that bound; slower, the mode grows where it meets a mode of the ring, and not in between.
     pub fn own_grows(&self) -> bool {
-        self.own.is_some_and(|own| -own.loss * TAU > self.spacing())
+        // Of several channels each has its own modes.
+        self.own.is_some_and(|own| -own.loss * TAU > self.spacing() * self.form.channels() as f64)
     }
 
     /// The mean distance of neighbouring modes.
@@ -137,6 +154,11 @@ impl DressedModes {
         (harmonics(low) == harmonics(high)).then_some((low, high))
     }
 
+    /// There is a place between two modes, and none has it.
+    fn is_missing(&self, k: usize) -> bool {
+        self.frequency(k).is_none() && self.gap(k).is_none_or(|(low, high)| high - low > EQUAL * high)
+    }
+
     /// Ω̃_k; `None` where there is none between the two modes: the breather has drawn it out of the band, or a harmonic of
     /// ω is there instead. That of the last k is the breather's own.
     pub fn frequency(&self, k: usize) -> Option<f64> {
@@ -145,11 +167,11 @@ impl DressedModes {
         }
         let (low, high) = self.gap(k)?;
         let width = high - low;
-        if width <= 1e-9 * high {
+        if width <= EQUAL * high {
             return None;
         }
         let excess = |w: f64| {
-            let at = self.phase(w) - PI * k as f64 - self.delay(w);
+            let at = self.form.phase_between(k, w) - self.delay(w);
             if at.is_nan() { Err(()) } else { Ok(at) }
         };
         // x − πk − arg/2 is not positive at the lower end and not negative at the upper one, whatever the phase is there.
@@ -191,11 +213,6 @@ impl DressedModes {
         places.iter().map(|place| place.and_then(signature_at)).collect()
     }
 
-    /// x = qM/2 of a wave.
-    fn phase(&self, w: f64) -> f64 {
-        self.form.half_wave_number(w) * self.form.sites() as f64
-    }
-
     /// Half the phase of the coefficient of reflection, from 0 to π, the breather's own mode left out.
     fn delay(&self, w: f64) -> f64 {
         let own = |z: &C| (w - z.conj()) / (w - z);
@@ -208,7 +225,8 @@ impl DressedModes {
         // Linear in G₀.
         let [without, with] = self.form.without_and_with(w);
         let green = -without / (with - without);
-        let c = -green * self.form.density(C::from(w * w)).re.max(0.0).sqrt();
+        let (offset, scale) = self.form.standing(w);
+        let c = (offset - green) * scale;
         (c + C::i()) / (c - C::i())
     }
 }
@@ -271,7 +289,7 @@ mod tests {
         for k in 0..short.count() - 1 {
             let w = short.frequency(k).unwrap();
             assert!((short.reflection(w) - long.reflection(w)).norm() < 1e-6);
-            let turns = (short.phase(w) - long.delay(w)) / PI;
+            let turns = (short.form.phase_between(0, w) - long.delay(w)) / PI;
             assert!((turns - turns.round()).abs() < 1e-6);
         }
     }

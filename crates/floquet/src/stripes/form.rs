@@ -1,7 +1,7 @@
 //! The secular function of an orbit at one frequency.
 //!
 //! A wave e^{iwt} that reaches the breather is answered at w and, by impacts once a period, at all w_j = w + jω. The secular
-//! function of the orbit is a quadratic form in what the ring answers there, its Green function G(w) = Σ b²/(Ω_l²−w²):
+//! function of the orbit is a quadratic form in what the lattice answers there, its Green function G(w) = Σ b²/(Ω_l²−w²):
 //!
 //! ```text
 //! one impact:    f = −s² + g(h − 2κ'),    s = (2/T) Σ_j w_j G_j,   g = (2/T) Σ_j G_j,   h = (2/T) Σ_j (1 + w_j² G_j),
@@ -14,11 +14,18 @@
 //! Sums over all j: those of a few nodes in closed form, and the difference between ring and nodes for the w_j in or near the
 //! band. Nodes are the modes themselves, which differ in the band alone, or n Chebyshev nodes where the modes are more:
 //! outside the band these differ by λ^2n, λ the decay from site to site.
+//!
+//! On other lattices waves run off along the rows, either way, in channels: each shape ψ_l across the layers has a band of its own, and in it
+//! the share ψ_l² of ±i/D; outside it its modes answer one by one.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use nalgebra::Complex;
-use vibrochain_lattice::{Chain, ImpulseResponse, sine_over};
+use vibrochain_breather::Prepared;
+use vibrochain_lattice::{Ends, Spectrum, sine_over};
+
+use crate::secular::Modes;
 
 pub(super) type C = Complex<f64>;
 
@@ -64,9 +71,32 @@ impl WaveSums {
     }
 }
 
+/// Waves with one shape across the layers.
+#[derive(Debug, Clone, Default)]
+struct Channel {
+    /// Where waves run: between the edges of the band of a ring, elsewhere between the first mode and the last.
+    low: f64,
+    high: f64,
+    /// Ω² of the lower edge of an infinite row's band.
+    edge: f64,
+    /// ψ_l²
+    share: f64,
+    /// The modes.
+    nodes: Range<usize>,
+}
+
+impl Channel {
+    fn carries(&self, w: f64) -> bool {
+        w.abs() > self.low && w.abs() < self.high
+    }
+}
+
 /// f of an orbit, for any w.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Form {
+    ring: bool,
+    /// One on a ring.
+    channels: Vec<Channel>,
     sites: usize,
     gamma1: f64,
     gamma2: f64,
@@ -83,7 +113,8 @@ pub(super) struct Form {
 impl Form {
     /// Takes over an orbit of one or two impacts a period; false for any other, and for a frequency with more than
     /// [`MOST_HARMONICS`] harmonics up to the band.
-    pub(super) fn set(&mut self, chain: &Chain, response: &ImpulseResponse, kappas: &[f64], symmetric: bool) -> bool {
+    pub(super) fn set(&mut self, prepared: Prepared<'_>, kappas: &[f64], symmetric: bool) -> bool {
+        let (chain, response) = (prepared.orbit().model().chain(), prepared.response());
         let (first, second) = match kappas {
             [only] => (*only, *only),
             [first, second] => (*first, *second),
@@ -102,6 +133,13 @@ impl Form {
         };
         let centre = self.gamma1 + 2.0 * self.gamma2;
         self.nodes.clear();
+        self.channels.clear();
+        self.ring = chain.is_ring();
+        if !self.ring {
+            return self.set_rows(prepared, node);
+        }
+        let (low, high) = (self.gamma1.sqrt(), (self.gamma1 + 4.0 * self.gamma2).sqrt());
+        self.channels.push(Channel { low, high, edge: self.gamma1, share: 1.0, nodes: 0..0 });
         // From 2n sites on the ring is the better known by n nodes.
         let far = if self.sites < 2 * NODES {
             let modes = response.weights().iter().zip(response.frequencies());
@@ -117,9 +155,77 @@ impl Form {
         2.0 * self.reach <= MOST_HARMONICS * self.omega
     }
 
+    /// The same, of a lattice that is no ring.
+    fn set_rows(&mut self, prepared: Prepared<'_>, node: impl Fn(f64, f64) -> Node) -> bool {
+        let (chain, response) = (prepared.orbit().model().chain(), prepared.response());
+        let Some(site) = prepared.orbit().impact_site() else { return false };
+        let Ok(row) = chain.with_layers(1, 0.0, Ends::Closed) else { return false };
+        let row = Spectrum::new(row);
+        // Between walls the band begins below the first mode.
+        let first = row.frequencies().first().map_or(0.0, |f| f * f - self.gamma1);
+        let length = row.frequencies().len();
+        let squares: Vec<f64> = response.shapes().evens(site, site).take(response.modes()).collect();
+        let modes = response.frequencies().iter().zip(response.weights().iter().zip(&squares));
+        let modes: Vec<_> = modes.map(|(frequency, (weight, square))| (*frequency, *weight, *square)).collect();
+        for channel in modes.chunks(length) {
+            let from = self.nodes.len();
+            let mut felt = channel.iter().filter(|(.., square)| !Modes::is_spared(*square));
+            self.nodes.extend(felt.clone().map(|(frequency, weight, square)| node(weight * square, *frequency)));
+            let (Some(&(low, ..)), Some(&(lowest, ..))) = (felt.next(), channel.first()) else { continue };
+            let high = felt.next_back().map_or(low, |(high, ..)| *high);
+            let nodes = from..self.nodes.len();
+            let share = self.nodes[nodes.clone()].iter().map(|node| node.weight).sum();
+            self.channels.push(Channel { low, high, edge: lowest * lowest - first, share, nodes });
+        }
+        self.reach = self.edges().fold(0.0, f64::max);
+        2.0 * self.reach <= MOST_HARMONICS * self.omega
+    }
+
     /// ω
     pub(super) fn omega(&self) -> f64 {
         self.omega
+    }
+
+    /// Lower and upper edges of all bands.
+    pub(super) fn bands(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.channels.iter().map(|channel| (channel.low, channel.high))
+    }
+
+    /// All of these edges.
+    pub(super) fn edges(&self) -> impl Iterator<Item = f64> + '_ {
+        self.bands().flat_map(|(low, high)| [low, high])
+    }
+
+    /// Waves run off at w.
+    pub(super) fn carries(&self, w: f64) -> bool {
+        self.channels.iter().any(|channel| channel.carries(w))
+    }
+
+    /// Number of bands.
+    pub(super) fn channels(&self) -> usize {
+        self.channels.len()
+    }
+
+    /// Phase x of a standing wave at w between the modes k and k + 1, from 0 at the one to π at the other.
+    pub(super) fn phase_between(&self, k: usize, w: f64) -> f64 {
+        if self.ring {
+            return self.half_wave_number(w) * self.sites as f64 - PI * k as f64;
+        }
+        let answer: f64 = self.nodes.iter().map(|node| node.weight / (node.square - w * w)).sum();
+        let (offset, scale) = self.standing(w);
+        1f64.atan2((offset - answer) * scale)
+    }
+
+    /// A and 1/B, with the answer of waves that run off A + iB: cot x = (A − G)/B. Where none does any will do.
+    pub(super) fn standing(&self, w: f64) -> (f64, f64) {
+        if self.ring {
+            return (0.0, self.density(C::from(w * w)).re.max(0.0).sqrt());
+        }
+        if !self.carries(w) {
+            return (0.0, self.gamma1 + self.gamma2);
+        }
+        let free = self.green(C::from(w));
+        (free.re, free.im.abs().recip())
     }
 
     /// Two impacts a period.
@@ -127,23 +233,13 @@ impl Form {
         self.double
     }
 
-    /// M
-    pub(super) fn sites(&self) -> usize {
-        self.sites
-    }
-
-    /// Edges of the band.
-    pub(super) fn band(&self) -> (f64, f64) {
-        (self.gamma1.sqrt(), (self.gamma1 + 4.0 * self.gamma2).sqrt())
-    }
-
     /// q/2 of a wave in the band.
-    pub(super) fn half_wave_number(&self, w: f64) -> f64 {
+    fn half_wave_number(&self, w: f64) -> f64 {
         ((w * w - self.gamma1) / (4.0 * self.gamma2)).clamp(0.0, 1.0).sqrt().asin()
     }
 
     /// D² at w²: positive in the band.
-    pub(super) fn density(&self, square: C) -> C {
+    fn density(&self, square: C) -> C {
         (square - self.gamma1) * (self.gamma1 + 4.0 * self.gamma2 - square)
     }
 
@@ -209,26 +305,32 @@ impl Form {
         let mut j = first;
         while j <= last {
             let w = w + step * j;
-            let green = if without && j == 0.0 { C::default() } else { self.green(w) };
-            let square = w * w;
-            let nodes: C = self.nodes.iter().map(|node| node.weight / (node.square - square)).sum();
-            sums.add(w, green - nodes, 2.0 / time);
+            let left_out = without && j == 0.0;
+            // Where no wave runs off, nodes that are the modes say all.
+            if self.ring || left_out || self.carries(w.re) {
+                let green = if left_out { C::default() } else { self.green(w) };
+                let square = w * w;
+                let nodes: C = self.nodes.iter().map(|node| node.weight / (node.square - square)).sum();
+                sums.add(w, green - nodes, 2.0 / time);
+            }
             j += 1.0;
         }
         sums
     }
 
-    /// G(w): the ring's outside the band, the infinite ring's inside.
+    /// G(w): the lattice's outside the band, that of waves that run off inside.
     fn green(&self, w: C) -> C {
         let square = w * w;
+        if !self.ring {
+            return self.channels.iter().map(|channel| self.green_of(channel, w)).sum();
+        }
         let density = self.density(square);
-        let (low, high) = self.band();
-        if w.re.abs() > low && w.re.abs() < high {
+        if self.carries(w.re) {
             return C::i() * w.re.signum() / density.sqrt();
         }
         let root = (-density).sqrt();
         // λ of the decay from site to site; above the band neighbours are in antiphase.
-        let below = w.re.abs() <= low;
+        let below = w.re.abs() <= self.gamma1.sqrt();
         let distance = if below { self.gamma1 - square } else { square - self.gamma1 - 4.0 * self.gamma2 };
         let cosh_minus_one = distance / (2.0 * self.gamma2);
         let decay = (cosh_minus_one + 1.0 + (cosh_minus_one * (cosh_minus_one + 2.0)).sqrt()).inv();
@@ -236,5 +338,15 @@ impl Form {
         let around = sign * decay.powf(self.sites as f64);
         let size = (1.0 + around) / ((1.0 - around) * root);
         if below { size } else { -size }
+    }
+
+    /// What the waves of one channel answer.
+    fn green_of(&self, channel: &Channel, w: C) -> C {
+        let square = w * w;
+        if !channel.carries(w.re) {
+            return self.nodes[channel.nodes.clone()].iter().map(|node| node.weight / (node.square - square)).sum();
+        }
+        let density = (square - channel.edge) * (channel.edge + 4.0 * self.gamma2 - square);
+        C::i() * w.re.signum() * channel.share / density.sqrt()
     }
 }

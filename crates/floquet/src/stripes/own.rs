@@ -1,4 +1,4 @@
-//! The mode that a breather has drawn out of the band of the ring.
+//! The mode that a breather has drawn out of the band of the lattice.
 //!
 //! With every w_j in the band a wave that runs off, a zero of f is a motion that no wave of the ring need carry. If none is in
 //! the band, its w is real: a mode localised at the breather. If one is, the mode emits waves there and w is complex: its real
@@ -119,9 +119,9 @@ pub(super) fn own_mode(form: &Form, zeros: &mut Vec<C>) -> Option<OwnMode> {
 /// 0 to ω/2, cut at the edges of the band: all w_j and their mirror images fall there.
 fn parts(form: &Form) -> Vec<Part> {
     let omega = form.omega();
-    let (low, high) = form.band();
+    let high = form.edges().fold(0.0, f64::max);
     let mut cuts = vec![0.0, 0.5 * omega];
-    cuts.extend([low, high].map(|edge| {
+    cuts.extend(form.edges().map(|edge| {
         let rest = edge.rem_euclid(omega);
         rest.min(omega - rest)
     }));
@@ -137,7 +137,7 @@ fn parts(form: &Form) -> Vec<Part> {
         let mut waves = Vec::new();
         let mut j = first;
         while j <= last && waves.len() <= MOST_WAVES {
-            if (middle + j * omega).abs() > low {
+            if form.carries(middle + j * omega) {
                 waves.push(j);
             }
             j += 1.0;
@@ -223,8 +223,7 @@ fn leaking(form: &Form, part: &Part) -> Vec<OwnZero> {
 
 /// The mode has met its own mirror image at −1, outside the band: then f, which is negative far out on ν < −1, is not at −1.
 fn doubled(form: &Form) -> bool {
-    let (low, high) = form.band();
     let halves = |edge: f64| (edge / form.omega() - 0.5).floor();
-    // No odd multiple of ω/2 is in the band.
-    halves(low) == halves(high) && form.free(C::from(0.5 * form.omega())).re > 0.0
+    // No odd multiple of ω/2 is in a band.
+    form.bands().all(|(low, high)| halves(low) == halves(high)) && form.free(C::from(0.5 * form.omega())).re > 0.0
 }

@@ -183,10 +183,6 @@ impl Scene {
                 let message = "collisions are told of conservative orbits only: remove the force, or collisions";
                 return Err(source.error(span, message));
             }
-            if !scene.base.layout.is_ring() {
-                let message = "collisions are told of rings only: give closed ends and one layer, or remove collisions";
-                return Err(source.error(span, message));
-            }
         }
         Ok(scene)
     }

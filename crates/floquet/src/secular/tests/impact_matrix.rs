@@ -4,6 +4,7 @@
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{Family, Finder, Found, Hit, Orbit};
 use vibrochain_lattice::{Barrier, Chain, Model, Spectrum};
+use vibrochain_testkit::{Ranges, Values};
 
 use super::forced::forced_cases;
 use super::*;
@@ -22,11 +23,15 @@ fn places(random: &mut Random) -> [Complex<f64>; 4] {
 
 /// Words of one to five impacts at up to four sites: whether they are motions between barriers does not matter here.
 #[test]
-fn determinants_of_words_are_those_of_the_whole_ring() {
-    let (mut random, mut matrix, mut several) = (Random(41), ImpactMatrix::default(), 0);
+fn determinants_of_words_are_those_of_the_whole_lattice() {
+    let (mut random, mut matrix, mut several, mut layered) = (Random(41), ImpactMatrix::default(), 0, 0);
+    let (gamma1, gamma2) = (Values::Log(0.05, 1.0), Values::Log(0.02, 0.5));
+    let ranges = Ranges { sites: [1, 6], gamma1, gamma2, ..Ranges::CONSERVATIVE };
     for case in 0..300 {
         let sites = 1 + (random.unit() * 9.0) as usize;
-        let chain = Chain::new(sites, random.log(0.05, 1.0), random.log(0.02, 0.5)).unwrap();
+        let ring = Chain::new(sites, random.log(0.05, 1.0), random.log(0.02, 0.5)).unwrap();
+        let chain = if case % 2 == 0 { ring } else { random.lattice(&ranges) };
+        let sites = chain.sites();
         let (omega, e) = (random.between(0.7, 2.5), if case % 3 == 0 { 1.0 } else { random.between(0.3, 0.99) });
         let model = Model::forced(chain, omega, 0.3, 0.2, e).unwrap();
         let count = 1 + case % 5;
@@ -42,24 +47,26 @@ fn determinants_of_words_are_those_of_the_whole_ring() {
         matrix.set(Finder::new(sites).prepared(&orbit).unwrap());
         let dense = crate::full_monodromy(&orbit).unwrap();
         let size = dense.size();
-        several += usize::from(orbit.centre().is_none());
+        several += usize::from(orbit.impact_site().is_none());
+        layered += usize::from(orbit.impact_site().is_none() && chain.layers() > 1);
         for z in places(&mut random) {
             let shifted = DMatrix::from_fn(size, size, |i, j| {
                 Complex::new(-dense.at(i, j), 0.0) + if i == j { z } else { Complex::default() }
             });
-            // All modes of the ring, those with a node at site 0 too.
+            // All modes, those with a node at site 0 too.
             let poles = |k: usize| {
                 let angle = Spectrum::new(chain).frequencies()[k] * model.period();
                 let both = [1.0, -1.0].map(|sign| z - Complex::from_polar(1.0, sign * angle));
                 both[0] * both[1]
             };
-            let ring: Complex<f64> = (0..sites).map(|k| poles(k.min(sites - k))).product();
+            let ring: Complex<f64> =
+                (0..chain.even_modes()).map(|k| poles(k).powi(chain.multiplicity(k) as i32)).product();
             let (found, expected) = (secular(&mut matrix, &orbit, z), shifted.determinant() / ring);
             let allowed = 1e-11 * (1.0 + expected.norm()) * (1.0 + dense.norm());
             assert!((found - expected).norm() < allowed, "{case} {z}: {found} {expected}");
         }
     }
-    assert!(several > 150, "{several}");
+    assert!(several > 150 && layered > 40, "{several} {layered}");
 }
 
 #[test]
