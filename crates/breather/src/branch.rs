@@ -234,7 +234,8 @@ impl Branch {
         // Asymmetric orbits pass the symmetric one, a branch point, on their way to their own mirror images.
         let side = |point: &BranchPoint| point.orbit.phi().map_or(0.0, |phi| phi - 0.5 * point.orbit.period());
         let mirrored = side(from) * side(&next) < 0.0;
-        if self.fits(from, &next) && (mirrored || from.orientation * next.orientation >= 0.0) {
+        let turned = from.orientation * next.orientation < 0.0;
+        if self.fits(from, &next) && (!turned || mirrored || self.has_pole_between(from.value(), next.value())) {
             Ok(next)
         } else {
             Err(BranchError::NoConvergence)

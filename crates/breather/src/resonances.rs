@@ -1,13 +1,41 @@
 //! Where a branch meets a resonance.
 
-use vibrochain_lattice::{Model, Parameter, Resonance, Spectrum};
+use vibrochain_lattice::{Model, Parameter, Resonance, Shapes, Spectrum};
 
-use crate::branch::Branch;
+use crate::branch::{Branch, BranchPoint};
+use crate::orbit::{Impact, Orbit};
+
+/// A harmonic of which symmetry leaves no more than this part moves no mode: some roundings of its terms. Next to a resonance that
+/// does move its mode the impulses, too, conspire against it, but by the square of the distance.
+const STILL: f64 = 64.0 * f64::EPSILON;
+
+/// Whether a harmonic of the impulses pushes a mode.
+fn pushes(orbit: &Orbit, shapes: &Shapes, mode: usize, harmonic: f64) -> bool {
+    let rate = harmonic * orbit.frequency();
+    let share = |one: &Impact, other: &Impact| {
+        let turned = (rate * (one.time - other.time)).cos();
+        one.impulse * other.impulse * shapes.even(mode, one.site, other.site) * turned
+    };
+    let impacts = orbit.impacts();
+    let size: f64 = impacts.iter().map(|impact| share(impact, impact)).sum();
+    let all = impacts.iter().flat_map(|one| impacts.iter().map(move |other| share(one, other)));
+    all.sum::<f64>() > STILL * size
+}
 
 impl Branch {
-    /// The first resonance as the parameter goes from one value to another, and the value where it is: a harmonic of the
-    /// orbit's frequency on a mode.
-    pub fn resonance_within(&self, from: f64, to: f64) -> Option<(f64, Resonance)> {
+    /// The first resonance as the parameter goes from that of a point to another value, and the value where it is: a harmonic of
+    /// the orbit's frequency on a mode that it pushes.
+    pub fn resonance_within(&self, point: &BranchPoint, to: f64) -> Option<(f64, Resonance)> {
+        let shapes = Shapes::new(self.origin.model().chain());
+        self.meeting(point.value(), to, |mode, harmonic| pushes(point.orbit(), &shapes, mode, harmonic))
+    }
+
+    /// Whether some harmonic meets some mode between two values, be it pushed or not: there the equations have a pole.
+    pub(crate) fn has_pole_between(&self, from: f64, to: f64) -> bool {
+        self.meeting(from, to, |_, _| true).is_some()
+    }
+
+    fn meeting(&self, from: f64, to: f64, counts: impl Fn(usize, f64) -> bool) -> Option<(f64, Resonance)> {
         if !matches!(self.free, Parameter::Gamma1 | Parameter::Gamma2 | Parameter::Gamma3 | Parameter::Omega) {
             return None;
         }
@@ -22,7 +50,7 @@ impl Branch {
                 continue;
             }
             let harmonic = if end > start { start + 1.0 } else { start };
-            if harmonic < 1.0 {
+            if harmonic < 1.0 || !counts(mode, harmonic) {
                 continue;
             }
             let (mut low, mut high) = (from, to);

@@ -209,7 +209,7 @@ fn follow_in(start: &Orbit, coupling: Parameter, target: f64) -> Result<Result<O
         }
         let Ok(next) = next else {
             let here = point.value();
-            let near = along.resonance_within(here, here + NEAR * target);
+            let near = along.resonance_within(&point, here + NEAR * target);
             return ended(here, near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance)));
         };
         if next.heading() <= 0.0 {
@@ -221,7 +221,8 @@ fn follow_in(start: &Orbit, coupling: Parameter, target: f64) -> Result<Result<O
             let there = grazing_value(&mut along, &point, &next);
             // Where a harmonic meets a mode all impulses vanish.
             let reach = NEAR * there;
-            let resonance = along.resonance_within(there - reach, there + reach);
+            let resonance = along.resonance_within(&point, there + reach);
+            let resonance = resonance.filter(|(value, _)| (value - there).abs() <= reach);
             let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
             return ended(there, by);
         }

@@ -3,10 +3,10 @@
 
 use vibrochain_breather::{Finder, Found, Letter, Orbit, Wanted, Word};
 use vibrochain_floquet::{
-    Analyser, Complex, FloquetError, Mechanism, Method, Tolerance, Verdict, full_monodromy, leading_modes, phases,
-    stability,
+    Analyser, Complex, Course, End, Event, FloquetError, Mechanism, Method, Search, Tolerance, Verdict, diagram,
+    full_monodromy, leading_modes, locate, phases, stability,
 };
-use vibrochain_lattice::{Barrier, Chain, Model};
+use vibrochain_lattice::{Barrier, Chain, Ends, Model, Parameter};
 use vibrochain_testkit::{Random, Ranges, Values, dense};
 
 /// Σ μᵏ is the trace of Mᵏ.
@@ -238,4 +238,34 @@ fn blocks_of_lattices_are_the_dense_block() {
     let counts = [alone, pairs, layered, walls, unstable, stable, in_turns];
     assert!(10 * doubts < alone + pairs, "{doubts} {counts:?}");
     assert!(alone > 300 && pairs > 500 && counts.iter().all(|&count| count > 200), "{counts:?}");
+}
+
+/// Two chains side by side that swing alike stretch no spring between them: whatever γ₃ is, the orbit is the same, though modes in which
+/// the chains swing against each other pass many a harmonic on the way. Against each other they do move those, and end there.
+#[test]
+fn a_resonance_ends_only_orbits_that_push_its_mode() {
+    let chain = Chain::new(11, 0.3, 0.05).unwrap().with_layers(2, 0.2, Ends::Free).unwrap();
+    let model = Model::conservative(chain, 1.1, 0.3).unwrap();
+    let find = |word: &str| {
+        let (mut finder, mut found) = (Finder::new(22), Found::default());
+        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+        found.orbits.swap_remove(0)
+    };
+    let course = |orbit: &Orbit| Course { from: 0.05, to: 3.0, ..Course::new(orbit, Parameter::Gamma3) };
+    let alike = find("5:0+5:1+,5:0-5:1-");
+    let whole = diagram(&alike, &Course { events: vec![Event::Grazing], ..course(&alike) }).unwrap();
+    let branch = &whole.branches[0];
+    assert!(branch.ends.iter().all(|(_, end)| *end == End::Range), "{:?}", branch.ends);
+    let mut checked = 0;
+    for point in branch.points() {
+        for (here, there) in point.orbit.impacts().iter().zip(alike.impacts()) {
+            assert!((here.impulse - there.impulse).abs() < 1e-9 * there.impulse.abs(), "{}", point.value);
+            checked += 1;
+        }
+    }
+    assert!(checked > 200, "{checked}");
+    let against = find("5:0+5:1-,5:0-5:1+");
+    let answer =
+        locate(&against, &Search { event: Event::Fold, free: Parameter::Gamma3, from: 0.05, to: 3.0 }).unwrap();
+    assert!(answer.ends.iter().any(|(_, end)| matches!(end, End::Resonance(_))), "{:?}", answer.ends);
 }

@@ -119,7 +119,7 @@ impl Follower {
                     continue;
                 }
             };
-            if let Some((value, resonance)) = self.branch.resonance_within(point.value(), next.value()) {
+            if let Some((value, resonance)) = self.branch.resonance_within(&point, next.value()) {
                 return Ok((value, End::Resonance(resonance)));
             }
             let closed = self.whole && step > 0 && self.passes(&start, &point, &next);
@@ -199,7 +199,7 @@ impl Follower {
     /// Right before a resonance there is no next point that could tell.
     fn resonance_ahead(&self, point: &BranchPoint) -> Option<(f64, End)> {
         let near = (NEAR * self.range()).copysign(point.heading());
-        let (value, resonance) = self.branch.resonance_within(point.value(), point.value() + near)?;
+        let (value, resonance) = self.branch.resonance_within(point, point.value() + near)?;
         Some((value, End::Resonance(resonance)))
     }
 
