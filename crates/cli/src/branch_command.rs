@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Family, Orbit, Word};
-use vibrochain_floquet::{Course, Diagram, DiagramPoint, Event, FollowedBranch, Located, Station, diagram};
+use vibrochain_floquet::{Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Station, diagram};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::tolerance_from;
@@ -89,6 +89,16 @@ pub(crate) fn name(branch: &FollowedBranch) -> String {
     }
 }
 
+/// How a branch ended, as a sentence. Doubled orbits are no mirror images of each other: begun a period later they are.
+fn ending(branch: &FollowedBranch, course: &Course, value: f64, end: &End) -> String {
+    let doubled = head(branch).is_some_and(|orbit| orbit.force_periods() > 1);
+    if *end == End::Pitchfork && doubled {
+        let free = course.free.name();
+        return format!("the branch ends at {free} = {}, on orbits of half its period", Number(value));
+    }
+    message(course.free, value, end)
+}
+
 /// The largest impulse, as it is signed.
 fn strongest(orbit: &Orbit) -> f64 {
     let impulses = orbit.impacts().iter().map(|impact| impact.impulse);
@@ -153,7 +163,7 @@ fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> V
     let ends: Vec<Value> = branch
         .ends
         .iter()
-        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": message(course.free, *value, end) }))
+        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": ending(branch, course, *value, end) }))
         .collect();
     json!({
         "generation": branch.generation,
@@ -185,6 +195,11 @@ fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
         "evaluations": diagram.evaluations,
         "spectra": diagram.spectra,
     })
+}
+
+/// Without loss stripes may be thinner than any step.
+fn may_lack_stripes(orbit: &Orbit, course: &Course) -> bool {
+    orbit.model().loss() == 0.0 && orbit.centre().is_none() && course.events.contains(&Event::NeimarkSacker)
 }
 
 /// The answer for people. Writing to a String cannot fail.
@@ -242,7 +257,7 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
             let _ = writeln!(out, "  between {free} = {from} and {to} a sign of more that rounding hides");
         }
         for (value, end) in &branch.ends {
-            let _ = writeln!(out, "  end: {}", message(course.free, *value, end));
+            let _ = writeln!(out, "  end: {}", ending(branch, course, *value, end));
         }
     }
     for origin in &diagram.dead_ends {
@@ -253,6 +268,13 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
             origin.branch + 1,
             Number(found.value),
             found.event
+        );
+    }
+    if may_lack_stripes(&start.orbit, course) {
+        let _ = writeln!(
+            out,
+            "\nstripes thinner than a step may be missing: Krein signatures, which tell of them, are known where all impacts are at one \
+             site of a ring"
         );
     }
     let _ = writeln!(out, "\n{} orbits assembled, {} eigenvalue problems", diagram.evaluations, diagram.spectra);

@@ -7,7 +7,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::{BranchPoint, Orbit};
 
-use super::answer::{LocateError, Unresolved};
+use super::answer::{Event, LocateError, Unresolved};
 use super::follower::{Follower, Observation};
 use super::spectrum_events::{collided, complex_count, half_sums};
 use super::watch::{HALVINGS, Step, Test};
@@ -35,7 +35,7 @@ impl Follower {
         let (on, off) = (half_sums(&seen.values, reversible), half_sums(&next_seen.values, reversible));
         if complex_count(&on) != complex_count(&off) {
             let edge = self.edge(step, (0.0, on), (step.length, off), REACH * step.length)?;
-            return Ok(edge.map(|(s, test)| (s, test, None)));
+            return Ok(edge.map(|(s, _, test)| (s, test, None)));
         }
         let (Some(before), Some(after)) = (self.order(step.point.orbit(), &on)?, self.order(next.orbit(), &off)?)
         else {
@@ -43,19 +43,20 @@ impl Follower {
         };
         let Some([low, inside, high]) = self.hidden(step, (&on, before), after)? else { return Ok(None) };
         let reach = (0.5 * (high.0 - low.0)).min(REACH * step.length);
-        let at = inside.0;
+        // Where stripes overlap there may be a further edge before the place inside.
+        let (at, several) = (inside.0, complex_count(&inside.1) > complex_count(&low.1) + 1);
         let edge = self.edge(step, low, inside, reach)?;
-        Ok(edge.map(|(s, test)| (s, test, Some(at))))
+        Ok(edge.map(|(s, behind, test)| (s, test, Some(if several { behind } else { at }))))
     }
 
-    /// The end of a stripe between two places, of which one is inside.
+    /// The first end of a stripe between two places, of which one is inside; with a place just behind it.
     fn edge(
         &mut self,
         step: Step<'_>,
         (mut low, mut on): (f64, Sums),
         (mut high, mut off): (f64, Sums),
         reach: f64,
-    ) -> Result<Option<(f64, Test)>, LocateError> {
+    ) -> Result<Option<(f64, f64, Test)>, LocateError> {
         let most = high;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
@@ -79,7 +80,7 @@ impl Follower {
         if (ends[0].1 > 0.0) == (ends[1].1 > 0.0) {
             return Ok(None);
         }
-        Ok(Some((self.zero_of(test, step.point, ends[0], ends[1])?, test)))
+        Ok(Some((self.zero_of(test, step.point, ends[0], ends[1])?, high, test)))
     }
 
     fn sums(&mut self, step: Step<'_>, s: f64) -> Result<Sums, LocateError> {
@@ -118,6 +119,26 @@ impl Follower {
             parts.push(((low, before), (middle, order), depth + 1));
         }
         Ok(None)
+    }
+
+    /// Whether between two points a pair has left the circle at −1 or +1, against itself, and come back. It has the other signature then:
+    /// the balance of signatures tells, while as many pairs as before are beyond either end.
+    pub(super) fn hides_doubling(&mut self, from: &BranchPoint, to: &BranchPoint) -> Result<bool, LocateError> {
+        let orbit = from.orbit();
+        let at_ends = [Event::PeriodDoubling, Event::Pitchfork].into_iter().any(|event| self.watches(event));
+        if !at_ends || orbit.model().loss() != 0.0 || orbit.centre().is_none() {
+            return Ok(false);
+        }
+        let mut told = |point: &BranchPoint| -> Result<_, LocateError> {
+            let orbit = point.orbit();
+            let sums = half_sums(&self.spectrum(orbit)?, orbit.is_reversible());
+            let order = self.order(orbit, &sums)?;
+            let beyond = [-1.0, 1.0].map(|end| sums.iter().filter(|nu| nu.im == 0.0 && nu.re * end >= 1.0).count());
+            let plus = |order: Vec<Signature>| order.iter().filter(|one| **one == Signature::Positive).count();
+            Ok(order.map(|order| (beyond, complex_count(&sums), order.len(), plus(order))))
+        };
+        let (Some(before), Some(behind)) = (told(from)?, told(to)?) else { return Ok(false) };
+        Ok((before.0, before.1, before.2) == (behind.0, behind.1, behind.2) && before.3 != behind.3)
     }
 
     /// Signatures of the pairs on the circle in the order of ν; `None` where one cannot be told.

@@ -62,6 +62,16 @@ pub enum Station {
     Event(Located),
 }
 
+impl Station {
+    /// The value of the parameter, and the orbit.
+    fn place(&self) -> (f64, &Orbit) {
+        match self {
+            Self::Point(point) => (point.value, &point.orbit),
+            Self::Event(located) => (located.value, &located.orbit),
+        }
+    }
+}
+
 /// Where a branch of a diagram was taken up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -118,27 +128,33 @@ impl FollowedBranch {
 
     /// Whether an orbit is one of it, or one of its mirror images.
     pub(super) fn holds(&self, value: f64, orbit: &Orbit) -> bool {
-        let points: Vec<&DiagramPoint> = self.points().collect();
-        let signature = signature(orbit);
-        points.windows(2).any(|pair| {
-            let [(low, from), (high, to)] = [0, 1].map(|i| (pair[i].value, self::signature(&pair[i].orbit)));
-            let alike = |(part, (a, b)): (&(_, f64), (&(_, f64), &(_, f64)))| {
-                let share = if high == low { 0.0 } else { (value - low) / (high - low) };
-                let between = a.1 + share * (b.1 - a.1);
-                a.0 == part.0 && b.0 == part.0 && (part.1 - between).abs() <= ALIKE * part.1.abs()
-            };
-            (value - low) * (value - high) <= 0.0
-                && pair.iter().all(|point| point.orbit.force_periods() == orbit.force_periods())
-                && from.len() == signature.len()
-                && to.len() == signature.len()
-                && signature.iter().zip(from.iter().zip(&to)).all(alike)
+        let passed: Vec<(f64, &Orbit)> = self.stations.iter().map(Station::place).collect();
+        // Where the gap is symmetric, an orbit has a mirror image that hits the other barriers.
+        let images = [1.0, -1.0].into_iter().filter(|sign| *sign > 0.0 || orbit.model().asymmetry() == 0.0);
+        images.map(|sign| signature(orbit, sign)).any(|signature| {
+            passed.windows(2).any(|pair| {
+                let [(low, from), (high, to)] =
+                    [pair[0], pair[1]].map(|(value, orbit)| (value, self::signature(orbit, 1.0)));
+                let alike = |(part, (a, b)): (&(_, f64), (&(_, f64), &(_, f64)))| {
+                    let share = if high == low { 0.0 } else { (value - low) / (high - low) };
+                    let between = a.1 + share * (b.1 - a.1);
+                    a.0 == part.0 && b.0 == part.0 && (part.1 - between).abs() <= ALIKE * part.1.abs()
+                };
+                (value - low) * (value - high) <= 0.0
+                    && pair.iter().all(|(_, passed)| passed.force_periods() == orbit.force_periods())
+                    && from.len() == signature.len()
+                    && to.len() == signature.len()
+                    && signature.iter().zip(from.iter().zip(&to)).all(alike)
+            })
         })
     }
 }
 
-/// Impulses by site and barrier: the same for an orbit that begins with another of its impacts, or runs backwards.
-fn signature(orbit: &Orbit) -> Vec<((usize, bool), f64)> {
-    let of = |impact: &Impact| ((impact.site, impact.barrier == Barrier::Upper), impact.impulse);
+/// Impulses by site and barrier, or those of the mirror image: the same for an orbit that begins with another of its impacts, or
+/// runs backwards.
+fn signature(orbit: &Orbit, sign: f64) -> Vec<((usize, bool), f64)> {
+    let upper = |impact: &Impact| (impact.barrier == Barrier::Upper) == (sign > 0.0);
+    let of = |impact: &Impact| ((impact.site, upper(impact)), sign * impact.impulse);
     let mut impulses: Vec<_> = orbit.impacts().iter().map(of).collect();
     impulses.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     impulses

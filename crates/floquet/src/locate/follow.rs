@@ -328,7 +328,10 @@ impl Follower {
         let symmetric = found.orbits.iter().filter(|one| one.phi().is_some_and(|phi| (phi - half).abs() < 1e-9 * half));
         let unlike = |one: &Orbit| (impulse(one) - impulse(orbit)).abs();
         let Some(nearest) = symmetric.min_by(|a, b| unlike(a).total_cmp(&unlike(b))) else { return Ok(None) };
-        let reach = 2.0 * (next.value() - point.value()).abs() + 1e-6 * self.range();
+        // The parabola's vertex lies between the two points, and the parameter has no steeper way to it than from either.
+        let steepest = point.heading().abs() + next.heading().abs();
+        let scale = self.range().max(next.value().abs());
+        let reach = self.branch.length_between(point, next).abs() * steepest * scale + 1e-6 * self.range();
         let (from, to) = ((next.value() - reach).max(self.from), (next.value() + reach).min(self.to));
         let search = Search { event: Event::Pitchfork, free: self.free, from, to };
         let mut answer = locate(nearest, &search)?;
