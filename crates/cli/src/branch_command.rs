@@ -199,7 +199,8 @@ fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
 
 /// Without loss stripes may be thinner than any step.
 fn may_lack_stripes(orbit: &Orbit, course: &Course) -> bool {
-    orbit.model().loss() == 0.0 && orbit.centre().is_none() && course.events.contains(&Event::NeimarkSacker)
+    let seen = [Event::NeimarkSacker, Event::PeriodDoubling].iter().any(|event| course.events.contains(event));
+    seen && orbit.model().loss() == 0.0 && orbit.centre().is_none()
 }
 
 /// The answer for people. Writing to a String cannot fail.

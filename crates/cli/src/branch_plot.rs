@@ -20,8 +20,8 @@ const GREY: usize = 5;
 /// More events than this have small marks.
 const CROWD: usize = 40;
 
-/// Multipliers are drawn linearly where this many in a hundred are below `FAR`, up to so many times as far from 1 as these are, and at
-/// least so far; otherwise by logarithms, up to `HIGHEST`.
+/// Multipliers are drawn linearly where of those beyond 1 this many in a hundred are below `FAR`, up to so many times as far from
+/// 1 as these are, and at least so far; otherwise by logarithms, up to `HIGHEST`.
 const MOST_OF_IT: usize = 80;
 const FAR: f64 = 5.0;
 const ROOM: f64 = 2.0;
@@ -161,15 +161,15 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
     }
 }
 
-/// The scale of multipliers: linear about 1, where stability changes, if most of what is drawn is not far from there. Next to a
+/// The scale of multipliers: linear about 1, where stability changes, if most of what is unstable is not far from there. Next to a
 /// grazing impact they grow without bound; such ends leave the picture.
 fn about_one(series: &[Series]) -> Scale {
     let points = series.iter().flat_map(|series| &series.points);
     let mut drawn: Vec<f64> = points.map(|point| point.1).filter(|value| value.is_finite()).collect();
     drawn.sort_by(f64::total_cmp);
-    let (Some(least), Some(&most)) = (drawn.first(), drawn.get(drawn.len() * MOST_OF_IT / 100)) else {
-        return Scale::Linear;
-    };
+    let unstable = &drawn[drawn.partition_point(|value| *value <= 1.0 + LEAST / 100.0)..];
+    let Some(least) = drawn.first() else { return Scale::Linear };
+    let most = unstable.get(unstable.len() * MOST_OF_IT / 100).copied().unwrap_or(1.0);
     if most > FAR {
         return Scale::Logarithmic;
     }

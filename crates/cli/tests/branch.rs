@@ -321,3 +321,59 @@ fn tables_go_to_standard_output() {
     assert!(text.starts_with("branch,generation,kind,value") && text.contains(",fold,0.15792745726653"), "{text}");
     assert!(!Path::new("-").exists());
 }
+
+/// What a line says, up to what rounding decides: its words and its numbers, without errors, multipliers and numbers of points.
+fn told(line: &str) -> (Vec<&str>, Vec<f64>) {
+    let line = line.split(": multiplier").next().unwrap();
+    let line = if line.ends_with(" points") { line.rsplit_once(':').unwrap().0 } else { line };
+    let (mut words, mut numbers, mut error) = (Vec::new(), Vec::new(), false);
+    for word in line.split_whitespace() {
+        if !error {
+            match word.trim_end_matches([':', ',']).parse() {
+                Ok(number) => numbers.push(number),
+                Err(_) => words.push(word),
+            }
+        }
+        error = word == "±";
+    }
+    (words, numbers)
+}
+
+#[test]
+fn the_document_quotes_what_its_commands_print() {
+    let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bifurcations.md");
+    let document = fs::read_to_string(document).unwrap();
+    let (mut commands, mut lines) = (0, 0);
+    for block in document.split("```sh\n").skip(1) {
+        let (command, rest) = block.split_once("\n```\n```text\n").unwrap();
+        // What is worked out of a table is not of this program.
+        if command.contains('|') {
+            continue;
+        }
+        let quoted = rest.split("\n```").next().unwrap();
+        let command = command.replace("\\\n", " ").replace('"', "");
+        let mut words = command.split_whitespace().skip(1);
+        let mut run = mapgen(&[]);
+        while let Some(word) = words.next() {
+            if ["--plot", "--show"].contains(&word) {
+                words.next();
+            } else {
+                run.arg(word);
+            }
+        }
+        let output = run.assert().success().get_output().stdout.clone();
+        let output = String::from_utf8(output).unwrap();
+        let mut printed = output.lines().map(told);
+        for line in quoted.lines() {
+            let (words, numbers) = told(line);
+            let same = |other: &(Vec<&str>, Vec<f64>)| {
+                let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-7 * a.abs();
+                other.0 == words && other.1.len() == numbers.len() && other.1.iter().zip(&numbers).all(close)
+            };
+            assert!(printed.any(|other| same(&other)), "{command}\ndoes not print, or not in this order\n{line}");
+            lines += 1;
+        }
+        commands += 1;
+    }
+    assert!(commands >= 10 && lines >= 50, "{commands} {lines}");
+}

@@ -115,15 +115,22 @@ impl FollowedBranch {
         })
     }
 
-    /// Whether the orbits just before or just behind a station are physical. At a grazing the one there is a matter of rounding.
+    /// Whether the orbits just before or just behind a station are physical. At a grazing the one there is a matter of rounding; beyond
+    /// another one they are others.
     pub fn is_physical_about(&self, station: usize) -> bool {
         let told = |station: &Station| match station {
             Station::Point(point) => Some(point.physical == Some(true)),
             Station::Event(_) => None,
         };
+        let grazes = |station: &&Station| matches!(station, Station::Event(located) if located.event == Event::Grazing);
         let (before, behind) = self.stations.split_at(station.min(self.stations.len()));
-        let nearest = [before.iter().rev().find_map(told), behind.iter().find_map(told)];
-        nearest.contains(&Some(true))
+        let mut before = before.iter().rev().take_while(|station| !grazes(station));
+        let own = behind.first().and_then(told);
+        let mut behind = behind.iter().skip(1).take_while(|station| !grazes(station));
+        let nearest = [own, before.find_map(told), behind.find_map(told)];
+        let itself =
+            matches!(self.stations.get(station), Some(Station::Event(located)) if located.physical == Some(true));
+        nearest.contains(&Some(true)) || itself && nearest == [None; 3]
     }
 
     /// Whether an orbit is one of it, or one of its mirror images.
