@@ -159,6 +159,34 @@ fn a_diagram_is_the_same_from_whichever_of_its_orbits_it_starts() {
     }
 }
 
+/// Period doublings of two arms, joined by one doubled orbit: it ends where the other arm doubles, and is followed once.
+#[test]
+fn a_doubled_orbit_ends_at_another_doubling() {
+    let model = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega .9 --asymmetry .4 --amplitude .1 --restitution .9";
+    let json = answer("--free omega --from .89 --to 1.1 --switch --events period-doubling,grazing", model);
+    let origins: Vec<f64> = events(&json["branches"][0])
+        .into_iter()
+        .filter(|(name, _)| *name == "period-doubling")
+        .map(|(_, value)| value)
+        .collect();
+    let doubled = list(&json["branches"]).iter().filter(|branch| branch["family"] == "period-doubled");
+    let mut joined = Vec::new();
+    for branch in doubled {
+        let end = &list(&branch["ends"])[0];
+        if end["reason"] == "symmetric" {
+            assert!(end["message"].as_str().unwrap().ends_with("on orbits of half its period"));
+            joined.push((branch["origin"]["value"].as_f64().unwrap(), end["value"].as_f64().unwrap()));
+        }
+    }
+    assert!(joined.len() >= 2, "{joined:?}");
+    for (i, (from, to)) in joined.iter().enumerate() {
+        let other = origins.iter().map(|value| (value - to).abs()).fold(f64::INFINITY, f64::min);
+        assert!(other < 1e-10, "{from} to {to}: {origins:?}");
+        let again = joined[i + 1..].iter().any(|(start, end)| (start - to).abs() < 1e-8 && (end - from).abs() < 1e-8);
+        assert!(!again, "{joined:?}");
+    }
+}
+
 #[test]
 fn words_and_orbits_of_files_are_followed() {
     let word = "--word 0+3+,0-3- --sites 8 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
@@ -285,8 +313,10 @@ fn wrong_requests() {
     wrong("--free amplitude --solution 3", "there are 2, give 1 to 2");
     wrong("--free amplitude --threshold -1", "growth");
     // A table into a folder.
-    let (picture, table) = (file("branch.pdf"), folder.path().display().to_string());
-    wrong(&format!("--free amplitude --plot {picture}"), "end the name in .png or .svg");
+    if cfg!(feature = "plot") {
+        wrong(&format!("--free amplitude --plot {}", file("branch.pdf")), "end the name in .png or .svg");
+    }
+    let table = folder.path().display();
     wrong(&format!("--free amplitude --csv {table}"), "it is a folder; name a file");
     let both = file("both.png");
     wrong(&format!("--free amplitude --csv {both} --plot {both}"), "are the same file");

@@ -286,9 +286,18 @@ impl Follower {
             return Ok(None);
         }
         let found = if self.watches(Event::Pitchfork) { self.on_symmetric(point, next)? } else { None };
-        let value = found.as_ref().map_or(next.value(), |found| found.value);
+        let value = found.as_ref().map_or_else(|| self.turning(point, next), |found| found.value);
         self.passed.extend(found.map(Passed::Event));
         Ok(Some((value, End::Pitchfork)))
+    }
+
+    /// The value at which the branch turns back between two points; that of the second where the equations fail next to it.
+    fn turning(&mut self, point: &BranchPoint, next: &BranchPoint) -> f64 {
+        let length = self.branch.length_between(point, next);
+        let branch = &mut self.branch;
+        let heading = |s: f64| branch.step(point, s).map(|there| there.heading());
+        let place = zero((0.0, point.heading()), (length, next.heading()), length, heading);
+        place.and_then(|s| self.branch.step(point, s)).map_or(next.value(), |there| there.value())
     }
 
     fn describe_fold(&mut self, fold: &BranchPoint, evidence: Evidence) -> Result<(), LocateError> {
