@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Family, Orbit, Word};
-use vibrochain_floquet::{Course, Diagram, DiagramPoint, Event, FollowedBranch, Located, Station, diagram};
+use vibrochain_breather::Orbit;
+use vibrochain_floquet::{Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Station, diagram};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::tolerance_from;
@@ -75,18 +75,14 @@ fn head(branch: &FollowedBranch) -> Option<&Orbit> {
     branch.points().next().map(|point| &point.orbit)
 }
 
-/// What the orbits of a branch are called.
-pub(crate) fn name(branch: &FollowedBranch) -> String {
-    let Some(orbit) = head(branch) else { return String::new() };
-    match (orbit.family(), orbit.force_periods()) {
-        // A word that has become that of a family.
-        (Family::Word, 1) => Word::of(orbit)
-            .family()
-            .filter(|family| *family != Family::PeriodDoubled)
-            .map_or_else(|| which::name(orbit), |family| family.name().to_owned()),
-        (Family::Word, periods) => format!("{} in {periods} periods of the force", which::name(orbit)),
-        _ => which::name(orbit),
+/// How a branch ended, as a sentence. Doubled orbits are no mirror images of each other: begun a period later they are.
+fn ending(branch: &FollowedBranch, course: &Course, value: f64, end: &End) -> String {
+    let doubled = head(branch).is_some_and(|orbit| orbit.force_periods() > 1);
+    if *end == End::Pitchfork && doubled {
+        let free = course.free.name();
+        return format!("the branch ends at {free} = {}, on orbits of half its period", Number(value));
     }
+    message(course.free, value, end)
 }
 
 /// The largest impulse, as it is signed.
@@ -153,7 +149,7 @@ fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> V
     let ends: Vec<Value> = branch
         .ends
         .iter()
-        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": message(course.free, *value, end) }))
+        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": ending(branch, course, *value, end) }))
         .collect();
     json!({
         "generation": branch.generation,
@@ -187,6 +183,12 @@ fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
     })
 }
 
+/// Without loss stripes may be thinner than any step.
+fn may_lack_stripes(orbit: &Orbit, course: &Course) -> bool {
+    let seen = [Event::NeimarkSacker, Event::PeriodDoubling].iter().any(|event| course.events.contains(event));
+    seen && orbit.model().loss() == 0.0 && orbit.centre().is_none()
+}
+
 /// The answer for people. Writing to a String cannot fail.
 fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> String {
     let (model, free) = (start.orbit.model(), course.free.name());
@@ -209,7 +211,7 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
             let _ = write!(
                 out,
                 ", {}, leaves branch {} at {free} = {} ({})",
-                name(branch),
+                which::of_branch(branch),
                 origin.branch + 1,
                 Number(found.value),
                 found.event
@@ -242,7 +244,7 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
             let _ = writeln!(out, "  between {free} = {from} and {to} a sign of more that rounding hides");
         }
         for (value, end) in &branch.ends {
-            let _ = writeln!(out, "  end: {}", message(course.free, *value, end));
+            let _ = writeln!(out, "  end: {}", ending(branch, course, *value, end));
         }
     }
     for origin in &diagram.dead_ends {
@@ -253,6 +255,13 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
             origin.branch + 1,
             Number(found.value),
             found.event
+        );
+    }
+    if may_lack_stripes(&start.orbit, course) {
+        let _ = writeln!(
+            out,
+            "\nstripes thinner than a step may be missing: Krein signatures, which tell of them, are known where all impacts are at one \
+             site of a ring"
         );
     }
     let _ = writeln!(out, "\n{} orbits assembled, {} eigenvalue problems", diagram.evaluations, diagram.spectra);

@@ -7,15 +7,26 @@ use vibrochain_maps::files::Output;
 use vibrochain_plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture, open};
 
 use crate::args::{BranchArgs, QuantityName};
-use crate::branch_command::name;
 use crate::caption::describe_without;
 use crate::error::CliError;
 use crate::locate_command::Start;
+use crate::which::of_branch as name;
 
 /// Colours of generations of branches, by turns; the last but one marks events, the last what is not physical.
 const COLOURS: usize = 4;
 const EVENTS: usize = 4;
 const GREY: usize = 5;
+
+/// More events than this have small marks.
+const CROWD: usize = 40;
+
+/// Multipliers are drawn linearly where of those beyond 1 this many in a hundred are below `FAR`, up to so many times as far from
+/// 1 as these are, and at least so far; otherwise by logarithms, up to `HIGHEST`.
+const MOST_OF_IT: usize = 80;
+const FAR: f64 = 5.0;
+const ROOM: f64 = 2.0;
+const LEAST: f64 = 0.01;
+const HIGHEST: f64 = 1e5;
 
 /// A picture under way.
 pub(crate) struct Plot {
@@ -89,12 +100,15 @@ fn kind(point: &DiagramPoint) -> Kind {
     }
 }
 
-/// "once", "twice", "3 times".
-fn times(count: u32) -> String {
-    match count {
-        1 => "once".to_owned(),
-        2 => "twice".to_owned(),
-        count => format!("{count} times"),
+/// What the branches of a generation are called.
+fn title(generation: u32, branches: &[&FollowedBranch], taken: &[Series]) -> String {
+    let origin = if generation < 2 { "it" } else { "these" };
+    match branches {
+        [branch] => {
+            let name = name(branch);
+            if taken.iter().any(|series| series.name == name) { format!("{name}, leaves {origin}") } else { name }
+        }
+        branches => format!("{} branches that leave {origin}", branches.len()),
     }
 }
 
@@ -110,10 +124,7 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
     for generation in 0..=diagram.branches.iter().map(|branch| branch.generation).max().unwrap_or(0) {
         let colour = generation as usize % COLOURS;
         let of_it: Vec<&FollowedBranch> = diagram.branches.iter().filter(|one| one.generation == generation).collect();
-        let title = match (of_it.as_slice(), generation) {
-            ([branch], _) => name(branch),
-            (branches, generation) => format!("{} branches, {} off", branches.len(), times(generation)),
-        };
+        let title = title(generation, &of_it, &series);
         series.push(plain(&title, colour, Stroke::Solid(3)));
         series.extend(of_it.into_iter().flat_map(|branch| curves(quantity, colour, branch, all)));
     }
@@ -125,54 +136,120 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
     if all && used(Kind::NotPhysical) {
         series.push(plain("not physical", GREY, Stroke::Solid(1)));
     }
+    let count: usize = diagram.branches.iter().map(|branch| branch.events().count()).sum();
+    let mark = if count > CROWD { Mark::Small } else { Mark::Filled };
     series.extend(
-        Event::ALL.into_iter().enumerate().filter_map(|(shape, event)| events(quantity, event, shape, diagram)),
+        Event::ALL.into_iter().enumerate().filter_map(|(shape, event)| events(quantity, event, mark(shape), diagram)),
     );
-    let levels = if quantity == QuantityName::SpectralRadius { vec![1.0] } else { Vec::new() };
+    let (scale, levels) = match quantity {
+        QuantityName::SpectralRadius => (about_one(&series), vec![1.0]),
+        _ => (Scale::Linear, Vec::new()),
+    };
+    if matches!(scale, Scale::Logarithmic) {
+        let points = series.iter_mut().flat_map(|series| &mut series.points);
+        points.filter(|point| point.1 > HIGHEST).for_each(|point| point.1 = f64::NAN);
+    }
     Pane {
         caption: String::new(),
         x: symbol(course.free).to_owned(),
         y: label(quantity).to_owned(),
         x_range: None,
-        // Multipliers grow without bound next to a grazing impact.
-        scale: if quantity == QuantityName::SpectralRadius { Scale::Logarithmic } else { Scale::Linear },
+        scale,
         levels,
         round: false,
         series,
     }
 }
 
+/// The scale of multipliers: linear about 1, where stability changes, if most of what is unstable is not far from there. Next to a
+/// grazing impact they grow without bound; such ends leave the picture.
+fn about_one(series: &[Series]) -> Scale {
+    let points = series.iter().flat_map(|series| &series.points);
+    let mut drawn: Vec<f64> = points.map(|point| point.1).filter(|value| value.is_finite()).collect();
+    drawn.sort_by(f64::total_cmp);
+    let unstable = &drawn[drawn.partition_point(|value| *value <= 1.0 + LEAST / 100.0)..];
+    let Some(least) = drawn.first() else { return Scale::Linear };
+    let most = unstable.get(unstable.len() * MOST_OF_IT / 100).copied().unwrap_or(1.0);
+    if most > FAR {
+        return Scale::Logarithmic;
+    }
+    let top = drawn.last().copied().unwrap_or(most).min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
+    let low = least.min(1.0);
+    Scale::Between(low - 0.07 * (top - low)..top)
+}
+
+/// The quantity at a station of a branch: what only points know of an event is 1 or between its neighbours.
+fn heights(quantity: QuantityName, branch: &FollowedBranch, at: usize) -> Vec<f64> {
+    let found = match &branch.stations[at] {
+        Station::Point(point) => return values(quantity, &point.orbit, Some(point)),
+        Station::Event(found) => found,
+    };
+    let known = values(quantity, &found.orbit, None);
+    if known.iter().all(|value| value.is_finite()) {
+        return known;
+    }
+    let (before, behind) = branch.stations.split_at(at);
+    let near = |station: &Station| match station {
+        Station::Point(point) => Some(point.clone()),
+        Station::Event(_) => None,
+    };
+    let (before, behind) = (before.iter().rev().find_map(near), behind.iter().find_map(near));
+    let stable = |point: &Option<DiagramPoint>| point.as_ref().is_some_and(|point| kind(point) == Kind::Stable);
+    // Next to stable orbits it is the leading multiplier that is on the circle.
+    if quantity == QuantityName::SpectralRadius && found.event != Event::Grazing && (stable(&before) || stable(&behind))
+    {
+        return vec![1.0];
+    }
+    let told = |point: DiagramPoint| (point.value, values(quantity, &point.orbit, Some(&point)));
+    match (before.map(told), behind.map(told)) {
+        (Some((low, from)), Some((high, to))) if low != high => {
+            let share = ((found.value - low) / (high - low)).clamp(0.0, 1.0);
+            from.iter().zip(&to).map(|(from, to)| from + share * (to - from)).collect()
+        }
+        (one, other) => one.or(other).map(|(_, values)| values).unwrap_or_default(),
+    }
+}
+
 /// The curves of a branch: of each impact where impulses are asked for, cut where the kind of orbit changes.
 fn curves(quantity: QuantityName, colour: usize, branch: &FollowedBranch, all: bool) -> Vec<Series> {
-    let points: Vec<&DiagramPoint> = branch.points().collect();
-    let count = points.first().map_or(0, |point| values(quantity, &point.orbit, Some(point)).len());
+    let place = |at: usize| match &branch.stations[at] {
+        Station::Point(point) => (point.value, Some(kind(point))),
+        Station::Event(found) => (found.value, None),
+    };
+    let passed: Vec<((f64, Option<Kind>), Vec<f64>)> =
+        (0..branch.stations.len()).map(|at| (place(at), heights(quantity, branch, at))).collect();
+    let count = passed.first().map_or(0, |(_, values)| values.len());
     let styles = [
         (Kind::NotPhysical, GREY, Stroke::Solid(1)),
         (Kind::Unstable, colour, Stroke::Dashed(2)),
         (Kind::Stable, colour, Stroke::Solid(3)),
     ];
+    // Of a piece between two events the orbits next to it tell; that is no longer than a stripe.
+    let mut last = None;
+    let kinds: Vec<Option<Kind>> = passed
+        .windows(2)
+        .map(|pair| {
+            last = pair[1].0.1.or(pair[0].0.1).or(last);
+            last
+        })
+        .collect();
     let mut series = Vec::new();
     for (wanted, colour, stroke) in styles.into_iter().filter(|(wanted, ..)| all || *wanted != Kind::NotPhysical) {
         for i in 0..count {
             let mut drawn: Vec<(f64, f64)> = Vec::new();
-            for pair in points.windows(2) {
-                let ends: Vec<(f64, f64)> = pair
-                    .iter()
-                    .map(|point| {
-                        (point.value, values(quantity, &point.orbit, Some(point)).get(i).copied().unwrap_or(f64::NAN))
-                    })
-                    .collect();
-                // A piece between two kinds belongs to the one behind it.
-                if kind(pair[1]) != wanted {
+            for (pair, kind) in passed.windows(2).zip(&kinds) {
+                if *kind != Some(wanted) {
                     if drawn.last().is_some_and(|last| last.0.is_finite()) {
                         drawn.push((f64::NAN, f64::NAN));
                     }
                     continue;
                 }
+                let [from, to] =
+                    [&pair[0], &pair[1]].map(|(place, values)| (place.0, values.get(i).copied().unwrap_or(f64::NAN)));
                 if drawn.last().is_none_or(|last| !last.0.is_finite()) {
-                    drawn.push(ends[0]);
+                    drawn.push(from);
                 }
-                drawn.push(ends[1]);
+                drawn.push(to);
             }
             if !drawn.is_empty() {
                 series.push(Series { name: String::new(), colour, stroke, mark: Mark::None, points: drawn });
@@ -182,25 +259,8 @@ fn curves(quantity: QuantityName, colour: usize, branch: &FollowedBranch, all: b
     series
 }
 
-/// What only points know, at an event: between its neighbours, as the curve is drawn.
-fn between(quantity: QuantityName, branch: &FollowedBranch, at: usize) -> Vec<f64> {
-    let Station::Event(found) = &branch.stations[at] else { return Vec::new() };
-    let (before, behind) = branch.stations.split_at(at);
-    let near = |station: &Station| match station {
-        Station::Point(point) => Some((point.value, values(quantity, &point.orbit, Some(point)))),
-        Station::Event(_) => None,
-    };
-    match (before.iter().rev().find_map(near), behind.iter().find_map(near)) {
-        (Some((low, from)), Some((high, to))) if low != high => {
-            let share = ((found.value - low) / (high - low)).clamp(0.0, 1.0);
-            from.iter().zip(&to).map(|(from, to)| from + share * (to - from)).collect()
-        }
-        (one, other) => one.or(other).map(|(_, values)| values).unwrap_or_default(),
-    }
-}
-
 /// The places of one kind of event, of physical orbits.
-fn events(quantity: QuantityName, event: Event, shape: usize, diagram: &Diagram) -> Option<Series> {
+fn events(quantity: QuantityName, event: Event, mark: Mark, diagram: &Diagram) -> Option<Series> {
     let mut points = Vec::new();
     for branch in &diagram.branches {
         for (at, station) in branch.stations.iter().enumerate() {
@@ -208,18 +268,10 @@ fn events(quantity: QuantityName, event: Event, shape: usize, diagram: &Diagram)
             if found.event != event || !branch.is_physical_about(at) {
                 continue;
             }
-            let known = values(quantity, &found.orbit, None);
-            let heights =
-                if known.iter().all(|value| value.is_finite()) { known } else { between(quantity, branch, at) };
-            points.extend(heights.into_iter().map(|y| (found.value, y)));
+            // One mark an event, on the uppermost of its curves.
+            points.extend(heights(quantity, branch, at).into_iter().reduce(f64::max).map(|y| (found.value, y)));
         }
     }
     let name = event.name().to_owned();
-    (!points.is_empty()).then_some(Series {
-        name,
-        colour: EVENTS,
-        stroke: Stroke::None,
-        mark: Mark::Filled(shape),
-        points,
-    })
+    (!points.is_empty()).then_some(Series { name, colour: EVENTS, stroke: Stroke::None, mark, points })
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{Family, Finder, Found, Hit, Orbit, Wanted, Word};
+use vibrochain_floquet::FollowedBranch;
 use vibrochain_lattice::{Barrier, Model};
 
 use crate::args::{FamilyName, WhichArgs};
@@ -55,6 +56,20 @@ pub(crate) fn find(
 /// What an orbit is called: its family, or its word.
 pub(crate) fn name(orbit: &Orbit) -> String {
     if orbit.family() == Family::Word { Word::of(orbit).to_string() } else { orbit.family().name().to_owned() }
+}
+
+/// What the orbits of a branch are called.
+pub(crate) fn of_branch(branch: &FollowedBranch) -> String {
+    let Some(orbit) = branch.points().next().map(|point| &point.orbit) else { return String::new() };
+    match (orbit.family(), orbit.force_periods()) {
+        // A word that has become that of a family.
+        (Family::Word, 1) => Word::of(orbit)
+            .family()
+            .filter(|family| *family != Family::PeriodDoubled)
+            .map_or_else(|| name(orbit), |family| family.name().to_owned()),
+        (Family::Word, periods) => format!("{} in {periods} periods of the force", name(orbit)),
+        _ => name(orbit),
+    }
 }
 
 #[derive(Deserialize)]

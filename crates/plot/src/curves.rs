@@ -82,6 +82,8 @@ pub enum Mark {
     None,
     /// By a filled shape.
     Filled(usize),
+    /// By a filled shape of about half the size, where many points are close.
+    Small(usize),
     /// By the outline of a shape, larger, so that a filled one shows inside.
     Hollow(usize),
 }
@@ -308,8 +310,8 @@ where
         let points = placed.iter().flatten().copied();
         match series.mark {
             Mark::None => {}
-            Mark::Filled(shape) => {
-                let marks = points.map(|point| EmptyElement::at(point) + Polygon::new(marker(shape), shade));
+            Mark::Filled(_) | Mark::Small(_) => {
+                let marks = points.map(|point| EmptyElement::at(point) + Polygon::new(filled(series.mark), shade));
                 chart.draw_series(marks).map_err(PlotError::from)?;
             }
             Mark::Hollow(shape) => {
@@ -320,6 +322,15 @@ where
         }
     }
     Ok(())
+}
+
+/// The corners of a filled shape.
+fn filled(mark: Mark) -> Vec<(i32, i32)> {
+    match mark {
+        Mark::None => Vec::new(),
+        Mark::Filled(shape) | Mark::Hollow(shape) => marker(shape),
+        Mark::Small(shape) => marker(shape).into_iter().map(|(x, y)| (x * 3 / 5, y * 3 / 5)).collect(),
+    }
 }
 
 /// The outline of a shape, closed and larger than the shape.
@@ -355,8 +366,8 @@ fn draw_marks<B: DrawingBackend>(
         let at = |corners: Vec<(i32, i32)>| corners.into_iter().map(|(dx, dy)| (x + dx, y + dy)).collect::<Vec<_>>();
         match series.mark {
             Mark::None => {}
-            Mark::Filled(shape) => {
-                area.draw(&Polygon::new(at(marker(shape)), shade)).map_err(PlotError::from)?;
+            Mark::Filled(_) | Mark::Small(_) => {
+                area.draw(&Polygon::new(at(filled(series.mark)), shade)).map_err(PlotError::from)?;
             }
             Mark::Hollow(shape) => {
                 area.draw(&PathElement::new(at(outline(shape)), shade.stroke_width(2))).map_err(PlotError::from)?;

@@ -13,6 +13,9 @@ use super::spectrum_events::upper_half;
 /// Halvings of a step at most: two zeros closer than this part of it stay hidden.
 const DEEPEST: u32 = 12;
 
+/// Halvings at most where signatures tell that a stripe is there: to the rounding of the step's length.
+const THINNEST: u32 = 45;
+
 /// Departures from the parabola that are allowed for, as a factor.
 const SAFETY: f64 = 2.0;
 
@@ -50,11 +53,12 @@ impl Follower {
         let seen = self.look(&middle)?;
         let between = (&middle, &seen);
         let clear = depth >= DEEPEST || self.is_clear(middle.orbit().model().loss(), [from.1, &seen, to.1]);
+        // A stripe at ±1, however thin, shows in the signatures at both sides of it.
         for (part, (from, to)) in [(from, between), (between, to)].into_iter().enumerate() {
             if part == 1 {
                 self.passed.push(Passed::Point(middle.clone()));
             }
-            if clear {
+            if clear && (depth >= THINNEST || !self.hides_doubling(from, to)?) {
                 self.all_between(from, to)?;
             } else {
                 self.halved(from, to, depth + 1)?;

@@ -10,7 +10,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::{BranchPoint, Orbit};
 
-use super::answer::{LocateError, Unresolved};
+use super::answer::{Event, LocateError, Unresolved};
 use super::follower::{Follower, Observation};
 use super::spectrum_events::{SPLIT, collided, complex_count, half_sums};
 use super::watch::{HALVINGS, Test};
@@ -133,41 +133,26 @@ impl Follower {
         Ok(edges)
     }
 
-    /// A place where a pair that goes to ν = `goal`, ±1, and comes back is beyond it. On its way it turns its signature: it has met
-    /// itself there. `beyond` tells of an orbit.
-    pub(super) fn turned_back(
+    /// Whether between two points a pair has left the circle at −1 or +1, against itself, and come back. It has the other signature then:
+    /// the balance of signatures tells, while as many pairs as before are beyond either end.
+    pub(super) fn hides_doubling(
         &mut self,
-        (point, seen): (&BranchPoint, &Observation),
-        (next, next_seen): (&BranchPoint, &Observation),
-        goal: f64,
-        beyond: impl Fn(&mut Self, &Orbit) -> bool,
-    ) -> Result<Option<f64>, LocateError> {
-        let extreme = |place: &Place| {
-            let order = place.order.as_ref()?;
-            if goal < 0.0 { *order.first()? } else { *order.last()? }
+        from: (&BranchPoint, &Observation),
+        to: (&BranchPoint, &Observation),
+    ) -> Result<bool, LocateError> {
+        let orbit = from.0.orbit();
+        let at_ends = [Event::PeriodDoubling, Event::Pitchfork].into_iter().any(|event| self.watches(event));
+        if !at_ends || !self.watches(Event::NeimarkSacker) || orbit.model().loss() != 0.0 {
+            return Ok(false);
+        }
+        let mut told = |(point, seen): (&BranchPoint, &Observation)| -> Result<_, LocateError> {
+            let place = self.place(0.0, point.orbit(), &seen.values)?;
+            let beyond = [-1.0, 1.0]
+                .map(|end| place.sums.iter().filter(|nu| nu.im.abs() <= SPLIT && nu.re * end >= 1.0).count());
+            Ok(place.order.as_ref().map(|order| (beyond, place.off_circle(), order.len(), positive(order))))
         };
-        let mut low = self.place(0.0, point.orbit(), &seen.values)?;
-        let high = self.place(self.branch.length_between(point, next), next.orbit(), &next_seen.values)?;
-        let (Some(before), Some(after)) = (extreme(&low), extreme(&high)) else { return Ok(None) };
-        let mut high = high.s;
-        if before == after {
-            return Ok(None);
-        }
-        for _ in 0..DEEPEST {
-            let middle = 0.5 * (low.s + high);
-            let there = self.branch.step(point, middle)?;
-            let values = self.spectrum(there.orbit())?;
-            if beyond(self, there.orbit()) {
-                return Ok(Some(middle));
-            }
-            let place = self.place(middle, there.orbit(), &values)?;
-            match extreme(&place) {
-                Some(here) if here == before => low = place,
-                Some(_) => high = middle,
-                None => break,
-            }
-        }
-        Ok(None)
+        let (Some(before), Some(behind)) = (told(from)?, told(to)?) else { return Ok(false) };
+        Ok((before.0, before.1, before.2) == (behind.0, behind.1, behind.2) && before.3 != behind.3)
     }
 
     /// A place on the side of `end` so near to an edge as the order can be told.
@@ -309,7 +294,12 @@ impl Follower {
 /// The signatures on the circle alone are the same but stand in another order, so that a stripe must lie between.
 fn is_certain(before: &Order, after: &Order) -> bool {
     let on_circle = |order: &Order| order.iter().flatten().copied().collect::<Vec<_>>();
+    let balanced = positive(before) == positive(after);
     let (before, after) = (on_circle(before), on_circle(after));
-    let positive = |list: &[Signature]| list.iter().filter(|one| **one == Signature::Positive).count();
-    before.len() == after.len() && before != after && positive(&before) == positive(&after)
+    before.len() == after.len() && before != after && balanced
+}
+
+/// Number of pairs of positive signature.
+fn positive(order: &Order) -> usize {
+    order.iter().flatten().filter(|one| **one == Signature::Positive).count()
 }

@@ -63,6 +63,16 @@ pub enum Station {
     Event(Located),
 }
 
+impl Station {
+    /// The value of the parameter, and the orbit.
+    fn place(&self) -> (f64, &Orbit) {
+        match self {
+            Self::Point(point) => (point.value, &point.orbit),
+            Self::Event(located) => (located.value, &located.orbit),
+        }
+    }
+}
+
 /// Where a branch of a diagram was taken up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -106,37 +116,51 @@ impl FollowedBranch {
         })
     }
 
-    /// Whether the orbits just before or just behind a station are physical. At a grazing the one there is a matter of rounding.
+    /// Whether the orbits just before or just behind a station are physical. At a grazing the one there is a matter of rounding; beyond
+    /// another one they are others.
     pub fn is_physical_about(&self, station: usize) -> bool {
         let told = |station: &Station| match station {
             Station::Point(point) => Some(point.physical == Some(true)),
             Station::Event(_) => None,
         };
+        let grazes = |station: &&Station| matches!(station, Station::Event(located) if located.event == Event::Grazing);
         let (before, behind) = self.stations.split_at(station.min(self.stations.len()));
-        let nearest = [before.iter().rev().find_map(told), behind.iter().find_map(told)];
-        nearest.contains(&Some(true))
+        let mut before = before.iter().rev().take_while(|station| !grazes(station));
+        let own = behind.first().and_then(told);
+        let mut behind = behind.iter().skip(1).take_while(|station| !grazes(station));
+        let nearest = [own, before.find_map(told), behind.find_map(told)];
+        let itself =
+            matches!(self.stations.get(station), Some(Station::Event(located)) if located.physical == Some(true));
+        nearest.contains(&Some(true)) || itself && nearest == [None; 3]
     }
 
-    /// Whether an orbit is one of it.
+    /// Whether an orbit is one of it, or the mirror image of one.
     pub(super) fn holds(&self, value: f64, orbit: &Orbit) -> bool {
-        let points: Vec<&DiagramPoint> = self.points().collect();
-        let sought = traits(orbit);
-        let strongest = sought.iter().map(|one| one.impulse.abs()).fold(0.0, f64::max);
-        points.windows(2).any(|pair| {
-            let [low, high] = [pair[0].value, pair[1].value];
-            let share = if high == low { 0.0 } else { (value - low) / (high - low) };
-            let of_one_kind = |point: &&DiagramPoint| {
-                point.orbit.force_periods() == orbit.force_periods() && point.orbit.impacts().len() == sought.len()
-            };
-            if (value - low) * (value - high) > 0.0 || !pair.iter().all(of_one_kind) {
-                return false;
-            }
-            let between = |a: f64, b: f64| a + share * (b - a);
-            let [from, to] = [0, 1].map(|i| traits(&pair[i].orbit));
-            sought.iter().zip(from.iter().zip(&to)).all(|(one, (a, b))| {
-                (a.place, b.place) == (one.place, one.place)
-                    && (between(a.impulse, b.impulse) - one.impulse).abs() <= ALIKE * strongest
-                    && (between(a.flight, b.flight) - one.flight).abs() <= ALIKE
+        let passed: Vec<(f64, Vec<Trait>)> = self
+            .stations
+            .iter()
+            .map(Station::place)
+            .map(|(value, one)| {
+                let comparable = one.force_periods() == orbit.force_periods();
+                (value, if comparable { traits(one, 1.0) } else { Vec::new() })
+            })
+            .collect();
+        // Where the gap is symmetric, an orbit has a mirror image that hits the other barriers.
+        let images = [1.0, -1.0].into_iter().filter(|sign| *sign > 0.0 || orbit.model().asymmetry() == 0.0);
+        images.map(|sign| traits(orbit, sign)).any(|sought| {
+            let strongest = sought.iter().map(|one| one.impulse.abs()).fold(0.0, f64::max);
+            passed.windows(2).any(|pair| {
+                let ((low, from), (high, to)) = (&pair[0], &pair[1]);
+                let share = if high == low { 0.0 } else { (value - low) / (high - low) };
+                let between = |a: f64, b: f64| a + share * (b - a);
+                (value - low) * (value - high) <= 0.0
+                    && from.len() == sought.len()
+                    && to.len() == sought.len()
+                    && sought.iter().zip(from.iter().zip(to)).all(|(one, (a, b))| {
+                        (a.place, b.place) == (one.place, one.place)
+                            && (between(a.impulse, b.impulse) - one.impulse).abs() <= ALIKE * strongest
+                            && (between(a.flight, b.flight) - one.flight).abs() <= ALIKE
+                    })
             })
         })
     }
@@ -150,12 +174,13 @@ struct Trait {
     flight: f64,
 }
 
-fn traits(orbit: &Orbit) -> Vec<Trait> {
+/// Those of an orbit, or of its mirror image in space.
+fn traits(orbit: &Orbit, sign: f64) -> Vec<Trait> {
     let impacts = orbit.impacts();
     let next = |i: usize| impacts.get(i + 1).map_or_else(|| impacts[0].time + orbit.period(), |impact| impact.time);
     let of = |(i, impact): (usize, &Impact)| Trait {
-        place: (impact.site, impact.barrier == Barrier::Upper),
-        impulse: impact.impulse,
+        place: (impact.site, (impact.barrier == Barrier::Upper) == (sign > 0.0)),
+        impulse: sign * impact.impulse,
         flight: (next(i) - impact.time) / orbit.period(),
     };
     let mut traits: Vec<Trait> = impacts.iter().enumerate().map(of).collect();

@@ -39,16 +39,7 @@ pub fn diagram(orbit: &Orbit, course: &Course) -> Result<Diagram, LocateError> {
     let mut follower = course.follower(branch);
     let point = follower.branch.start()?;
     follower.without_those_that_cannot_be(point.orbit())?;
-    let (up, down) = if point.heading() < 0.0 { (point.reversed(), point) } else { (point.clone(), point.reversed()) };
-    let first = follower.follow(down)?;
-    let mut stations: Vec<Passed> = follower.passed.drain(..).rev().collect();
-    stations.push(Passed::Point(up.clone()));
-    let mut ends = vec![first];
-    if ends[0].1 != End::Closed {
-        ends.push(follower.follow(up)?);
-        stations.append(&mut follower.passed);
-    }
-    diagram.take(follower, course, (None, 0), stations, ends);
+    diagram.take_both_ways(follower, course, (None, 0), point)?;
     let mut next = 0;
     while next < diagram.branches.len() && diagram.branches.len() < MOST_BRANCHES {
         if diagram.branches[next].generation < course.generations {
@@ -91,6 +82,28 @@ impl Follower {
 }
 
 impl Diagram {
+    /// Follows a branch from a point of it to both sides.
+    fn take_both_ways(
+        &mut self,
+        mut follower: Follower,
+        course: &Course,
+        place: (Option<Origin>, u32),
+        point: BranchPoint,
+    ) -> Result<(), LocateError> {
+        let (up, down) =
+            if point.heading() < 0.0 { (point.reversed(), point) } else { (point.clone(), point.reversed()) };
+        let first = follower.follow(down)?;
+        let mut stations: Vec<Passed> = follower.passed.drain(..).rev().collect();
+        stations.push(Passed::Point(up.clone()));
+        let mut ends = vec![first];
+        if ends[0].1 != End::Closed {
+            ends.push(follower.follow(up)?);
+            stations.append(&mut follower.passed);
+        }
+        self.take(follower, course, place, stations, ends);
+        Ok(())
+    }
+
     /// Adds a branch that was followed.
     fn take(
         &mut self,
@@ -120,6 +133,20 @@ impl Diagram {
         };
         let generation = parent.generation + 1;
         let unit = located.value.abs().max(course.to - course.from);
+        // What leaves a branch is not of that branch, however near it is at first.
+        let known = |value: f64, orbit: &Orbit| {
+            let others = self.branches.iter().enumerate().filter(|(i, _)| *i != origin.branch);
+            others.into_iter().any(|(_, branch)| branch.holds(value, orbit))
+        };
+        if parent.ends.iter().any(|end| *end == (located.value, End::Pitchfork)) {
+            // The pair ends on the symmetric orbits: those are what goes on.
+            if known(located.value, &located.orbit) {
+                return Ok(());
+            }
+            let mut follower = course.follower(Branch::through(&located.orbit, course.free, course.to - course.from)?);
+            let point = follower.branch.start()?;
+            return self.take_both_ways(follower, course, (Some(origin), generation), point);
+        }
         let leaving = Branch::leaving(&located.orbit, &departure, course.free, unit);
         let taken = leaving.ok().and_then(|(mut branch, start)| {
             let first = first_step(&mut branch, &start, &departure)?;
@@ -129,13 +156,24 @@ impl Diagram {
             self.dead_ends.push(origin);
             return Ok(());
         };
-        if self.branches.iter().any(|branch| branch.holds(first.value(), first.orbit())) {
+        if known(first.value(), first.orbit()) {
             return Ok(());
         }
         let mut follower = course.follower(branch);
         let end = follower.follow(first.clone())?;
         let mut stations = vec![Passed::Point(start), Passed::Point(first)];
         stations.append(&mut follower.passed);
+        // At its far end one that comes back is the same branch from the other side, and too close to its end to be told by a step.
+        let point = |passed: &Passed| match passed {
+            Passed::Point(point) => Some((point.value(), point.orbit().clone())),
+            Passed::Event(_) => None,
+        };
+        let middle = stations[stations.len() / 2..].iter().find_map(point);
+        if middle.is_some_and(|(value, orbit)| known(value, &orbit)) {
+            self.evaluations += follower.evaluations();
+            self.spectra += follower.spectra;
+            return Ok(());
+        }
         self.take(follower, course, (Some(origin), generation), stations, vec![end]);
         Ok(())
     }

@@ -286,9 +286,18 @@ impl Follower {
             return Ok(None);
         }
         let found = if self.watches(Event::Pitchfork) { self.on_symmetric(point, next)? } else { None };
-        let value = found.as_ref().map_or(next.value(), |found| found.value);
+        let value = found.as_ref().map_or_else(|| self.turning(point, next), |found| found.value);
         self.passed.extend(found.map(Passed::Event));
         Ok(Some((value, End::Pitchfork)))
+    }
+
+    /// The value at which the branch turns back between two points; that of the second where the equations fail next to it.
+    fn turning(&mut self, point: &BranchPoint, next: &BranchPoint) -> f64 {
+        let length = self.branch.length_between(point, next);
+        let branch = &mut self.branch;
+        let heading = |s: f64| branch.step(point, s).map(|there| there.heading());
+        let place = zero((0.0, point.heading()), (length, next.heading()), length, heading);
+        place.and_then(|s| self.branch.step(point, s)).map_or(next.value(), |there| there.value())
     }
 
     fn describe_fold(&mut self, fold: &BranchPoint, evidence: Evidence) -> Result<(), LocateError> {
@@ -328,7 +337,10 @@ impl Follower {
         let symmetric = found.orbits.iter().filter(|one| one.phi().is_some_and(|phi| (phi - half).abs() < 1e-9 * half));
         let unlike = |one: &Orbit| (impulse(one) - impulse(orbit)).abs();
         let Some(nearest) = symmetric.min_by(|a, b| unlike(a).total_cmp(&unlike(b))) else { return Ok(None) };
-        let reach = 2.0 * (next.value() - point.value()).abs() + 1e-6 * self.range();
+        // The parabola's vertex lies between the two points, and the parameter has no steeper way to it than from either.
+        let steepest = point.heading().abs() + next.heading().abs();
+        let scale = self.range().max(next.value().abs());
+        let reach = self.branch.length_between(point, next).abs() * steepest * scale + 1e-6 * self.range();
         let (from, to) = ((next.value() - reach).max(self.from), (next.value() + reach).min(self.to));
         let search = Search { event: Event::Pitchfork, free: self.free, from, to };
         let mut answer = locate(nearest, &search)?;

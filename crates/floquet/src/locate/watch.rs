@@ -28,8 +28,6 @@ const BEHIND: f64 = 1e-4;
 /// The zero of such a function.
 struct Zero {
     at: f64,
-    /// From where on the next one is looked for, if it may be very near.
-    behind: Option<f64>,
     /// The event, if it is one.
     located: Option<Located>,
 }
@@ -133,10 +131,10 @@ impl Follower {
             for _ in 0..MOST_IN_STEP {
                 let length = self.branch.length_between(&point, to.0);
                 let zero = self.between(event, (&point, &seen), to)?;
-                let Some(Zero { at, behind, located: found }) = zero else { break };
+                let Some(Zero { at, located: found }) = zero else { break };
                 located.extend(found.map(|found| (passed + at, found)));
                 // On from just behind it.
-                let behind = behind.unwrap_or(at + BEHIND * length);
+                let behind = at + BEHIND * length;
                 if behind >= length {
                     break;
                 }
@@ -159,7 +157,7 @@ impl Follower {
     ) -> Result<Option<Zero>, LocateError> {
         let length = self.branch.length_between(point, next);
         let changes = |a: f64, b: f64| (a > 0.0) != (b > 0.0);
-        let (mut found, mut behind): (Option<(f64, Test)>, _) = (None, None);
+        let mut found: Option<(f64, Test)> = None;
         match event {
             Event::Fold => {}
             Event::Grazing => {
@@ -189,17 +187,6 @@ impl Follower {
                         if changes(low, high.1) {
                             let high = (length, high.1 * (high.0 - log).exp());
                             found = Some((self.zero_of(test, point, (0.0, low), high)?, test));
-                        } else if self.watches(Event::NeimarkSacker) {
-                            let beyond = |follower: &mut Self, orbit: &Orbit| {
-                                let matrix = follower.analyser.dense.matrix_of(orbit);
-                                changes(regular_determinant(orbit, matrix, shift).1, low)
-                            };
-                            behind = self.turned_back((point, seen), (next, next_seen), -shift, beyond)?;
-                            if let Some(inside) = behind {
-                                let there = self.branch.step(point, inside)?;
-                                let value = self.value(test, &there, inside)?;
-                                found = Some((self.zero_of(test, point, (0.0, low), (inside, value))?, test));
-                            }
                         }
                     }
                 }
@@ -207,9 +194,7 @@ impl Follower {
             },
         }
         let Some((at, test)) = found else { return Ok(None) };
-        // Of a stripe thinner than the step, its width.
-        let length = behind.map_or(length, |inside: f64| inside - at).min(length);
-        Ok(Some(Zero { at, behind, located: self.settle(event, point, length, (at, test))? }))
+        Ok(Some(Zero { at, located: self.settle(event, point, length, (at, test))? }))
     }
 
     pub(super) fn zero_of(
