@@ -158,6 +158,7 @@ fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> V
         "force_periods": head(branch).map(Orbit::force_periods),
         "points": branch.points().map(point_json).collect::<Vec<_>>(),
         "events": branch.events().map(located_json).collect::<Vec<_>>(),
+        "untold": branch.untold,
         "unresolved": branch.unresolved.iter().map(|place| [place.from, place.to]).collect::<Vec<_>>(),
         "ends": ends,
     })
@@ -181,12 +182,6 @@ fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
         "evaluations": diagram.evaluations,
         "spectra": diagram.spectra,
     })
-}
-
-/// Without loss stripes may be thinner than any step.
-fn may_lack_stripes(orbit: &Orbit, course: &Course) -> bool {
-    let seen = [Event::NeimarkSacker, Event::PeriodDoubling].iter().any(|event| course.events.contains(event));
-    seen && orbit.model().loss() == 0.0 && orbit.centre().is_none()
 }
 
 /// The answer for people. Writing to a String cannot fail.
@@ -257,11 +252,12 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
             found.event
         );
     }
-    if may_lack_stripes(&start.orbit, course) {
+    let untold: usize = diagram.branches.iter().map(|branch| branch.untold).sum();
+    if untold > 0 {
+        let steps = if untold == 1 { "step" } else { "steps" };
         let _ = writeln!(
             out,
-            "\nstripes thinner than a step may be missing: Krein signatures, which tell of them, are known where all impacts are at one \
-             site of a ring"
+            "\nin {untold} {steps} stripes thinner than the step may be missing: Krein signatures, which tell of them, are not known there"
         );
     }
     let _ = writeln!(out, "\n{} orbits assembled, {} eigenvalue problems", diagram.evaluations, diagram.spectra);

@@ -15,6 +15,7 @@ use super::follower::{Follower, Observation};
 use super::spectrum_events::{SPLIT, collided, complex_count, half_sums};
 use super::watch::{HALVINGS, Test};
 use crate::FloquetError;
+use crate::multipliers::odd_multipliers;
 use crate::stripes::{Signature, signature};
 
 /// Halvings of a step in search of a stripe: to the rounding of its length.
@@ -30,6 +31,9 @@ const ALONE: u32 = 8;
 /// From so many halvings on, two that have changed places are looked for where they come nearest to each other; in so many steps.
 const NEARBY: u32 = 3;
 const PARABOLAS: usize = 24;
+
+/// As near as this a pair is that of a mode that the impacts do not reach.
+const SPARED: f64 = 1e-10;
 
 /// How far from an edge a collision is looked at first, as a part of the step, and by how much farther then.
 const REACH: f64 = 1e-4;
@@ -80,6 +84,7 @@ impl Follower {
         let length = self.branch.length_between(point, next);
         let first = self.place(0.0, point.orbit(), &seen.values)?;
         let last = self.place(length, next.orbit(), &next_seen.values)?;
+        self.untold += usize::from(first.order.is_none() || last.order.is_none());
         let (mut parts, mut edges) = (vec![(first, last, 0)], Vec::<Edge>::new());
         while let Some((from, to, depth)) = parts.pop() {
             let event = match from.off_circle().abs_diff(to.off_circle()) {
@@ -273,11 +278,14 @@ impl Follower {
     }
 
     fn order(&mut self, orbit: &Orbit, sums: &[Complex<f64>]) -> Result<Option<Order>, LocateError> {
-        if orbit.centre().is_none() {
+        if orbit.impact_site().is_none() {
             return Ok(None);
         }
+        // Off rings the matrix knows modes, too, that the impacts do not reach.
+        let spared = if orbit.centre().is_some() { None } else { odd_multipliers(orbit) }.unwrap_or_default();
         let moves = |nu: &&Complex<f64>| nu.im > SPLIT || nu.im.abs() <= SPLIT && nu.re.abs() < 1.0;
         let mut pairs: Vec<Complex<f64>> = sums.iter().filter(moves).copied().collect();
+        pairs.retain(|nu| spared.iter().all(|mode| (mode.re - nu.re).abs() > SPARED));
         pairs.sort_by(|a, b| a.re.total_cmp(&b.re));
         let prepared = self.finder.prepared(orbit).map_err(FloquetError::from)?;
         let told = |nu: &Complex<f64>| {

@@ -120,8 +120,8 @@ impl Diagram {
         let stations = passed.into_iter().map(station).collect();
         self.evaluations += follower.evaluations();
         self.spectra += follower.spectra;
-        let unresolved = follower.unresolved;
-        self.branches.push(FollowedBranch { origin, generation, stations, unresolved, ends });
+        let (unresolved, untold) = (follower.unresolved, follower.untold);
+        self.branches.push(FollowedBranch { origin, generation, stations, unresolved, untold, ends });
     }
 
     /// Takes up the branch that leaves at an event, if one does.
@@ -138,7 +138,7 @@ impl Diagram {
             let others = self.branches.iter().enumerate().filter(|(i, _)| *i != origin.branch);
             others.into_iter().any(|(_, branch)| branch.holds(value, orbit))
         };
-        if parent.ends.iter().any(|end| *end == (located.value, End::Pitchfork)) {
+        if parent.ends.contains(&(located.value, End::Pitchfork)) {
             // The pair ends on the symmetric orbits: those are what goes on.
             if known(located.value, &located.orbit) {
                 return Ok(());

@@ -25,6 +25,8 @@ pub(super) struct Follower {
     pub(super) finder: Finder,
     pub(super) passed: Vec<Passed>,
     pub(super) unresolved: Vec<Unresolved>,
+    /// Steps without loss at an end of which Krein signatures could not be told.
+    pub(super) untold: usize,
     /// Orbits assembled on other branches.
     pub(super) others: usize,
     pub(super) spectra: usize,
@@ -84,6 +86,7 @@ impl Follower {
             finder,
             passed,
             unresolved,
+            untold: 0,
             others: 0,
             spectra: 0,
         }

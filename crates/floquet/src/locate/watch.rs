@@ -144,7 +144,14 @@ impl Follower {
             }
         }
         located.sort_by(|one, other| one.0.total_cmp(&other.0));
-        self.passed.extend(located.into_iter().map(|(_, found)| Passed::Event(found)));
+        let mut last = None;
+        for (at, found) in located {
+            // Between two events there is something to see, however near to each other they are.
+            let middle = last.filter(|_| self.whole).map(|last: f64| self.branch.step(from.0, 0.5 * (last + at)));
+            self.passed.extend(middle.and_then(Result::ok).map(Passed::Point));
+            self.passed.push(Passed::Event(found));
+            last = Some(at);
+        }
         Ok(())
     }
 
