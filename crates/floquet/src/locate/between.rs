@@ -58,7 +58,7 @@ impl Follower {
             if part == 1 {
                 self.passed.push(Passed::Point(middle.clone()));
             }
-            if clear && (depth >= THINNEST || !self.hides_doubling(from, to)?) {
+            if clear && (depth >= THINNEST || !self.hides_doubling(from, to, depth)?) {
                 self.all_between(from, to)?;
             } else {
                 self.halved(from, to, depth + 1)?;

@@ -24,6 +24,9 @@ const DEEPEST: u32 = 45;
 /// Where the order may have changed otherwise, as at a period doubling, only so many: what else the step holds is told from that.
 const APART: u32 = 10;
 
+/// Halvings of a step by which other events in it are set apart from a doubling that hides.
+const ASIDE: u32 = 5;
+
 /// An edge is looked for by its own function in a part of a step halved so often: there it is alone but for thin stripes, which the
 /// order tells of.
 const ALONE: u32 = 8;
@@ -144,6 +147,7 @@ impl Follower {
         &mut self,
         from: (&BranchPoint, &Observation),
         to: (&BranchPoint, &Observation),
+        depth: u32,
     ) -> Result<bool, LocateError> {
         let orbit = from.0.orbit();
         let at_ends = [Event::PeriodDoubling, Event::Pitchfork].into_iter().any(|event| self.watches(event));
@@ -157,7 +161,9 @@ impl Follower {
             Ok(place.order.as_ref().map(|order| (beyond, place.off_circle(), order.len(), positive(order))))
         };
         let (Some(before), Some(behind)) = (told(from)?, told(to)?) else { return Ok(false) };
-        Ok((before.0, before.1, before.2) == (behind.0, behind.1, behind.2) && before.3 != behind.3)
+        // Where other events change the numbers, halves that are free of them can tell.
+        let comparable = (before.0, before.1, before.2) == (behind.0, behind.1, behind.2);
+        Ok(if comparable { before.3 != behind.3 } else { depth < ASIDE })
     }
 
     /// A place on the side of `end` so near to an edge as the order can be told.
