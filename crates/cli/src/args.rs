@@ -454,7 +454,8 @@ pub enum QuantityName {
 #[command(
     after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both \
                   ways, round its folds, to the ends of the range or its own. Every step is looked at in its middle and halved \
-                  where two events could hide in it."
+                  where two events could hide in it. Multipliers come from dense matrices, which takes long from a hundred masses on; \
+                  --events grazing,fold needs none."
 )]
 pub struct BranchArgs {
     /// Where, along what, how far.

@@ -4,12 +4,14 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::Orbit;
-use vibrochain_floquet::{Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Station, diagram};
+use vibrochain_floquet::{
+    Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Origin, Station, diagram,
+};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::tolerance_from;
 
-use crate::args::BranchArgs;
+use crate::args::{BranchArgs, QuantityName};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::locate_command::{
@@ -46,6 +48,11 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let plot = Plot::open(args)?;
     let start = start(&args.along)?;
+    if args.plot.is_some() && args.show.contains(&QuantityName::Psi) && start.orbit.model().is_conservative() {
+        let message =
+            "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral-radius";
+        return Err(CliError::Request(message.to_owned()));
+    }
     let mut course = Course::new(&start.orbit, args.along.free.into());
     course.from = args.along.from.unwrap_or(course.from);
     course.to = args.along.to.unwrap_or(course.to);
@@ -141,11 +148,14 @@ fn point_json(point: &DiagramPoint) -> Value {
     })
 }
 
+fn origin_json(diagram: &Diagram, origin: Origin) -> Value {
+    let event = event_at(diagram, origin.branch, origin.station);
+    let (name, value) = (event.map(|found| found.event.name()), event.map(|found| found.value));
+    json!({ "branch": origin.branch + 1, "event": name, "value": value })
+}
+
 fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> Value {
-    let origin = branch.origin.map(|origin| {
-        let event = event_at(diagram, origin.branch, origin.station);
-        json!({ "branch": origin.branch + 1, "event": event.map(|found| found.event.name()), "value": event.map(|found| found.value) })
-    });
+    let origin = branch.origin.map(|origin| origin_json(diagram, origin));
     let ends: Vec<Value> = branch
         .ends
         .iter()
@@ -179,6 +189,8 @@ fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
         "solution": start.number,
         "range": [course.from, course.to],
         "branches": diagram.branches.iter().map(|branch| branch_json(diagram, course, branch)).collect::<Vec<_>>(),
+        "dead_ends": diagram.dead_ends.iter().map(|origin| origin_json(diagram, *origin)).collect::<Vec<_>>(),
+        "complete": diagram.complete,
         "evaluations": diagram.evaluations,
         "spectra": diagram.spectra,
     })
@@ -251,6 +263,9 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
             Number(found.value),
             found.event
         );
+    }
+    if !diagram.complete {
+        let _ = writeln!(out, "\nmore branches leave these than are followed ({})", diagram.branches.len());
     }
     let untold: usize = diagram.branches.iter().map(|branch| branch.untold).sum();
     if untold > 0 {

@@ -216,7 +216,7 @@ fn curves(quantity: QuantityName, colour: usize, branch: &FollowedBranch, all: b
         Station::Point(point) => (point.value, Some(kind(point))),
         Station::Event(found) => (found.value, None),
     };
-    let passed: Vec<((f64, Option<Kind>), Vec<f64>)> =
+    let passed: Vec<(_, Vec<f64>)> =
         (0..branch.stations.len()).map(|at| (place(at), heights(quantity, branch, at))).collect();
     let count = passed.first().map_or(0, |(_, values)| values.len());
     let styles = [

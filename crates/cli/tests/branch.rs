@@ -194,7 +194,7 @@ fn words_and_orbits_of_files_are_followed() {
     branch("--free omega --from 1.4", word)
         .assert()
         .success()
-        .stdout(contains("stripes thinner than a step may be missing"));
+        .stdout(contains("stripes thinner than the step may be missing"));
     assert!(json["family"] == "0+3+,0-3-" && list(&json["branches"][0]["points"]).len() > 10);
     // The same breather by its file.
     let folder = tempdir().unwrap();

@@ -252,3 +252,55 @@ fn at_grazing_the_word_changes() {
     }
     assert!(met >= 2, "{met}");
 }
+
+/// The events of a branch are those of the branch, wherever on it one starts: with losses, where several pairs cross the circle within
+/// one step; from masses without coupling, which have no multiplier that moves; to the end of what a parameter may be.
+#[test]
+fn events_do_not_depend_on_the_start() {
+    let chain = Chain::new(15, 0.465, 0.048).unwrap();
+    let lossy = Model::forced(chain, 1.662, 0.504, 0.582, 1.0).unwrap();
+    let uncoupled = Model::conservative(Chain::new(5, 0.2, 0.0).unwrap(), 1.07, 0.3).unwrap();
+    let cases = [
+        (lossy, "0+,0-", Parameter::Restitution, 0.98902, (0.1, 1.0), 8),
+        (uncoupled, "0+,0-", Parameter::Gamma2, 0.05, (0.0, 0.2), 8),
+        (uncoupled.with(Parameter::Gamma2, 0.05).unwrap(), "0+1+,0-1-", Parameter::Gamma2, 0.01, (0.0, 0.12), 0),
+    ];
+    for (model, word, free, other, (from, to), least) in cases {
+        let run = |model: &Model| {
+            let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
+            finder.find_word(model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+            let whole = diagram(&found.orbits[0], &Course { from, to, ..Course::new(&found.orbits[0], free) }).unwrap();
+            let ends: Vec<End> = whole.branches[0].ends.iter().map(|(_, end)| end.clone()).collect();
+            let mut events: Vec<(f64, Event)> =
+                whole.branches[0].events().map(|found| (found.value, found.event)).collect();
+            events.sort_by(|a, b| a.0.total_cmp(&b.0));
+            (events, ends)
+        };
+        let (one, one_ends) = run(&model);
+        let (two, two_ends) = run(&model.with(free, other).unwrap());
+        assert_eq!((one.len(), &one_ends), (two.len(), &two_ends), "{one:?} {two:?}");
+        assert!(one.len() >= least && one_ends.iter().all(|end| *end == End::Range), "{one:?} {one_ends:?}");
+        for ((a, kind), (b, other)) in one.iter().zip(&two) {
+            assert!((a - b).abs() < 1e-9 && kind == other, "{kind} at {a}, {other} at {b}");
+        }
+    }
+}
+
+/// However short the range, an event in it is found, or it is said that rounding hides it.
+#[test]
+fn nothing_is_left_out_in_a_short_range() {
+    let place = 1.5440836283656;
+    let model = Model::conservative(Chain::new(31, 0.2, 0.1).unwrap(), place + 3e-8, 0.4).unwrap();
+    let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
+    let mut told = [0; 2];
+    for reach in [1e-4, 1e-5, 1e-6, 1e-7] {
+        let (from, to) = (place - reach, place + reach);
+        let search = Search { event: Event::PeriodDoubling, free: Parameter::Omega, from, to };
+        let answer = locate(orbit, &search).unwrap();
+        let found = answer.located.iter().any(|found| (found.value - place).abs() <= found.error + 1e-12);
+        let hidden = answer.unresolved.iter().any(|range| range.from <= place + 1e-12 && place - 1e-12 <= range.to);
+        assert!(found || hidden, "{reach:e}");
+        told[usize::from(hidden)] += 1;
+    }
+    assert!(told[0] >= 2, "{told:?}");
+}

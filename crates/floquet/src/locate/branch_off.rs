@@ -3,10 +3,11 @@
 //! They are reached along their own branch, which leaves the bifurcation across the one that was followed and bends in the
 //! parameter ([`Branch::leaving`]): no other orbit can be taken for them, and the bend tells the side.
 
-use vibrochain_breather::{Branch, BranchPoint, Departure, Family, Orbit};
+use vibrochain_breather::{Branch, BranchPoint, Family, Orbit};
 
 use super::answer::{BranchedOrbit, Branching, Event};
 use super::follower::Follower;
+use super::switch::bifurcation;
 use crate::verdict::Tolerance;
 
 /// The first step along the new branch, the factor by which it shrinks, and how often at most: down to 1e-6, where rounding of
@@ -67,11 +68,7 @@ impl Follower {
 
     /// The branch that leaves an orbit at a bifurcation, and the point where it does; `None` where none is known to.
     pub(super) fn leaving(&self, event: Event, orbit: &Orbit) -> Option<(Branch, BranchPoint)> {
-        let departure = match (event, orbit.family()) {
-            (Event::PeriodDoubling, _) => Departure::PeriodDoubling,
-            (Event::Pitchfork, Family::DoubleSided) => Departure::Pitchfork,
-            _ => return None,
-        };
+        let departure = bifurcation(event, orbit)?;
         // The orbit sets the scale, however short the range is.
         let unit = orbit.model().get(self.free).abs().max(self.range());
         Branch::leaving(orbit, &departure, self.free, unit).ok()

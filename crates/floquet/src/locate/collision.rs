@@ -151,7 +151,7 @@ impl Follower {
     ) -> Result<bool, LocateError> {
         let orbit = from.0.orbit();
         let at_ends = [Event::PeriodDoubling, Event::Pitchfork].into_iter().any(|event| self.watches(event));
-        if !at_ends || !self.watches(Event::NeimarkSacker) || orbit.model().loss() != 0.0 {
+        if !at_ends || orbit.model().loss() != 0.0 {
             return Ok(false);
         }
         let mut told = |(point, seen): (&BranchPoint, &Observation)| -> Result<_, LocateError> {

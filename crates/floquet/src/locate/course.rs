@@ -200,6 +200,8 @@ pub struct Diagram {
     pub branches: Vec<FollowedBranch>,
     /// Events at which no branch could be taken up, though one was looked for.
     pub dead_ends: Vec<Origin>,
+    /// All branches were followed: not more left than are ever looked at.
+    pub complete: bool,
     /// Orbits assembled.
     pub evaluations: usize,
     /// Eigenvalue problems solved.

@@ -34,16 +34,23 @@ const MOST_BRANCHES: usize = 256;
 /// ```
 pub fn diagram(orbit: &Orbit, course: &Course) -> Result<Diagram, LocateError> {
     check(orbit, course.free, (course.from, course.to))?;
-    let mut diagram = Diagram { branches: Vec::new(), dead_ends: Vec::new(), evaluations: 0, spectra: 0 };
+    let mut diagram =
+        Diagram { branches: Vec::new(), dead_ends: Vec::new(), complete: true, evaluations: 0, spectra: 0 };
     let branch = Branch::through(orbit, course.free, course.to - course.from)?;
     let mut follower = course.follower(branch);
     let point = follower.branch.start()?;
-    follower.without_those_that_cannot_be(point.orbit())?;
+    if orbit.model().chain().sites() == 1 {
+        follower.without_those_that_cannot_be(point.orbit())?;
+    }
     diagram.take_both_ways(follower, course, (None, 0), point)?;
     let mut next = 0;
-    while next < diagram.branches.len() && diagram.branches.len() < MOST_BRANCHES {
+    while next < diagram.branches.len() {
         if diagram.branches[next].generation < course.generations {
             for station in 0..diagram.branches[next].stations.len() {
+                if diagram.branches.len() >= MOST_BRANCHES {
+                    diagram.complete = false;
+                    return Ok(diagram);
+                }
                 diagram.switch(course, Origin { branch: next, station })?;
             }
         }
@@ -153,7 +160,10 @@ impl Diagram {
             Some((branch, start, first))
         });
         let Some((branch, start, first)) = taken else {
-            self.dead_ends.push(origin);
+            // Where the energy of a conservative orbit is extreme nothing branches off.
+            if !(located.event == Event::Pitchfork && located.orbit.model().is_conservative()) {
+                self.dead_ends.push(origin);
+            }
             return Ok(());
         };
         if known(first.value(), first.orbit()) {

@@ -44,6 +44,13 @@ pub(super) enum Known {
     NotResolved,
 }
 
+/// The largest distance of some values from their mean.
+fn spread(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max)
+}
+
 impl Follower {
     /// The event at `s` along a step: checked, with its error. `None` for a pole or another false alarm.
     pub(super) fn settle(
@@ -157,24 +164,27 @@ impl Follower {
             reach *= CLOSER;
             (below, above) = (side(s - reach), side(s + reach));
             if same(&below, &above) {
-                return Ok(Known::NoZero);
+                let size = |side: &Result<(f64, f64), _>| side.as_ref().map_or(0.0, |(value, _)| value.abs());
+                let noise = spread(samples.iter().map(|sample| sample.1));
+                // In a step as short as rounding neither side tells.
+                let hidden = size(&below).max(size(&above)) <= SAFETY * noise;
+                return Ok(if hidden { Known::NotResolved } else { Known::NoZero });
             }
         }
         let (from, to) = (if below.is_ok() { s - reach } else { s }, if above.is_ok() { s + reach } else { s });
         let (low, high) = (below.or_else(|_| side(s))?, above.or_else(|_| side(s))?);
         // A pair that was taken for another one makes a jump, an impulse that vanishes a pole of the determinant: no zeros.
         let here = self.value(test, there, s)?.abs();
-        if here > JUMP * low.0.abs().max(high.0.abs()) {
-            return Ok(Known::NoZero);
-        }
         let (slope, pace) = ((high.0 - low.0) / (to - from), (high.1 - low.1) / (to - from));
         // Departures from the straight line through their mean.
         let scatter = |of: fn(&(f64, f64, f64)) -> f64, slope: f64| {
-            let rests: Vec<f64> = samples.iter().map(|sample| of(sample) - slope * sample.0).collect();
-            let mean = rests.iter().sum::<f64>() / rests.len() as f64;
-            rests.iter().map(|rest| (rest - mean).abs()).fold(0.0, f64::max)
+            spread(samples.iter().map(|sample| of(sample) - slope * sample.0))
         };
         let (of_value, of_parameter) = (scatter(|sample| sample.1, slope), scatter(|sample| sample.2, pace));
+        // What rounding leaves at the zero is no jump.
+        if here > JUMP * low.0.abs().max(high.0.abs()) && here > SAFETY * of_value {
+            return Ok(Known::NoZero);
+        }
         // Rounding that all samples share, such as that of the period, is a change of the data.
         let data = self.sensitivity(s, test, there)?;
         let along = (SAFETY * of_value + DATA_ROUNDING * data) / slope.abs();

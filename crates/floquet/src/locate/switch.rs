@@ -19,15 +19,22 @@ const FIRST: f64 = 0.005;
 const SHRINK: f64 = 0.25;
 const TRIES: i32 = 6;
 
+/// How orbits of less symmetry leave one at a bifurcation, if they do.
+pub(super) fn bifurcation(event: Event, orbit: &Orbit) -> Option<Departure> {
+    match event {
+        Event::PeriodDoubling if !orbit.model().is_conservative() => Some(Departure::PeriodDoubling),
+        Event::Pitchfork if orbit.family() == Family::DoubleSided => Some(Departure::Pitchfork),
+        _ => None,
+    }
+}
+
 /// How orbits of another kind leave a branch at an event, if they do.
 pub(super) fn departure(located: &Located) -> Option<Departure> {
     let orbit = &located.orbit;
     match (located.event, located.evidence) {
-        (Event::PeriodDoubling, _) if !orbit.model().is_conservative() => Some(Departure::PeriodDoubling),
-        (Event::Pitchfork, _) if orbit.family() == Family::DoubleSided => Some(Departure::Pitchfork),
         (Event::Grazing, Evidence::Touch(touch)) => Some(Departure::Touching(touching(orbit, &touch)?)),
         (Event::Grazing, Evidence::Impact(lost)) if orbit.impacts().len() > 1 => Some(Departure::Without(lost)),
-        _ => None,
+        (event, _) => bifurcation(event, orbit),
     }
 }
 

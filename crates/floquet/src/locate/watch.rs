@@ -25,6 +25,9 @@ const FARTHEST: f64 = 1e-2;
 const MOST_IN_STEP: usize = 32;
 const BEHIND: f64 = 1e-4;
 
+/// How far before one that was found others are looked for, as a part of the way to it.
+const BEFORE: f64 = 1e-3;
+
 /// The zero of such a function.
 struct Zero {
     at: f64,
@@ -61,7 +64,9 @@ impl Follower {
         }
         let shifts: SmallVec<[(Event, f64); 2]> =
             self.events.iter().filter_map(|&event| Some((event, shift_of(event, orbit)?))).collect();
-        if self.watches(Event::NeimarkSacker) {
+        // Signatures tell of thin stripes of any kind.
+        let signed = self.whole && orbit.model().loss() == 0.0 && !shifts.is_empty();
+        if self.watches(Event::NeimarkSacker) || signed {
             seen.values = self.pairs(orbit)?;
             if orbit.model().loss() == 0.0 {
                 let mut off: Vec<Complex<f64>> = upper_half(&half_sums(&seen.values, orbit.is_reversible()));
@@ -71,7 +76,8 @@ impl Follower {
         } else if !shifts.is_empty() {
             self.spectrum(orbit)?;
         }
-        for (event, shift) in shifts {
+        let known = !self.analyser.dense.values.is_empty();
+        for (event, shift) in shifts.into_iter().filter(|_| known) {
             let matrix = self.analyser.dense.matrix_of(orbit);
             seen.determinants.push((event, regular_determinant(orbit, matrix, shift)));
         }
@@ -82,7 +88,8 @@ impl Follower {
     pub(super) fn spectrum(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, LocateError> {
         self.spectra += 1;
         self.analyser.dense.solve(orbit, &mut self.finder)?;
-        if self.analyser.dense.values.is_empty() {
+        // Masses without coupling have none, either, but on their way.
+        if self.analyser.dense.values.is_empty() && orbit.model().chain().sites() == 1 {
             Err(LocateError::NoMultiplier)
         } else {
             Ok(self.analyser.dense.values.clone())
@@ -130,7 +137,11 @@ impl Follower {
             let (mut point, mut seen, mut passed) = (from.0.clone(), from.1.clone(), 0.0);
             for _ in 0..MOST_IN_STEP {
                 let length = self.branch.length_between(&point, to.0);
-                let zero = self.between(event, (&point, &seen), to)?;
+                let zero = match self.between(event, (&point, &seen), to) {
+                    // Right at the end of what the parameter may be: beyond it there is nothing that could tell.
+                    Err(LocateError::Branch(BranchError::Breather(BreatherError::Parameter(_)))) => None,
+                    zero => zero?,
+                };
                 let Some(Zero { at, located: found }) = zero else { break };
                 located.extend(found.map(|found| (passed + at, found)));
                 // On from just behind it.
@@ -275,6 +286,7 @@ impl Follower {
         next_seen: &Observation,
     ) -> Result<Option<(f64, Test)>, LocateError> {
         let mut parts = vec![(0.0, seen.values.clone(), length, next_seen.values.clone(), 0)];
+        let mut first = None;
         while let Some((low, from, high, to, depth)) = parts.pop() {
             match crossing(&from, &to) {
                 Crossing::None => continue,
@@ -282,7 +294,18 @@ impl Follower {
                     let test = Test::Modulus { ends: [(low, inside), (high, outside)] };
                     let at = |s: f64, value: Complex<f64>| (s, value.norm_sqr() - 1.0);
                     match self.zero_of(test, point, at(low, inside), at(high, outside)) {
-                        Ok(s) => return Ok(Some((s, test))),
+                        Ok(s) => {
+                            // Of several it need not be the first. What lies behind it is looked at later.
+                            first = Some((s, test));
+                            parts.clear();
+                            let before = s - BEFORE * (s - low);
+                            if depth < HALVINGS && before > low {
+                                let there = self.branch.step(point, before)?;
+                                let values = self.pairs(there.orbit())?;
+                                parts.push((low, from, before, values, depth + 1));
+                            }
+                            continue;
+                        }
                         // On its way it could not be told from the circle; from nearer points it may.
                         Err(LocateError::Floquet(_)) => {}
                         // Right at the end of what the parameter may be: beyond it there is nothing to cross to.
@@ -303,6 +326,6 @@ impl Follower {
                 parts.push((low, from, middle, between, depth + 1));
             }
         }
-        Ok(None)
+        Ok(first)
     }
 }

@@ -178,11 +178,10 @@ impl Scene {
         let scene = Self { title: file.title, base, axes, task };
         if let Some(span) = file.compute.collisions.as_ref().map(Spanned::span)
             && scene.task.collisions
+            && !scene.is_conservative()
         {
-            if !scene.is_conservative() {
-                let message = "collisions are told of conservative orbits only: remove the force, or collisions";
-                return Err(source.error(span, message));
-            }
+            let message = "collisions are told of conservative orbits only: remove the force, or collisions";
+            return Err(source.error(span, message));
         }
         Ok(scene)
     }
