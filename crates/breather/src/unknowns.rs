@@ -9,6 +9,9 @@ use vibrochain_lattice::{ImpulseResponse, Model};
 use crate::linear::{Vector, zeros};
 use crate::orbit::{Draft, Family, Hit, Orbit};
 
+/// Times that differ by no more than these roundings of the period are one.
+const SAME_INSTANT: f64 = 8.0 * f64::EPSILON;
+
 /// Which unknowns there are, and where they stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Unknowns {
@@ -167,7 +170,13 @@ impl Template {
         order.sort_by(|&i, &j| hits[i].time.total_cmp(&hits[j].time));
         let mut places: SmallVec<[usize; 2]> = order.clone();
         order.iter().enumerate().for_each(|(place, &i)| places[i] = place);
-        let impacts = order.iter().map(|&i| hits[i]).collect();
+        let mut impacts: SmallVec<[Hit; 2]> = order.iter().map(|&i| hits[i]).collect();
+        // Of one instant but for rounding: what lies between would be no flight.
+        for i in 1..impacts.len() {
+            if impacts[i].time - impacts[i - 1].time <= SAME_INSTANT * period {
+                impacts[i].time = impacts[i - 1].time;
+            }
+        }
         let psi = unknowns.psi().map_or(self.psi, |place| x[place]).rem_euclid(model.period());
         let draft = Draft::new(response, (self.family, self.force_periods), psi, impacts, x[unknowns.impacts]);
         Some((draft, places))
