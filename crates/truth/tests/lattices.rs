@@ -210,7 +210,7 @@ fn claims_for_forced_families_at_any_site_hold() {
 #[test]
 #[ignore = "minutes: cargo test --workspace --test lattices -- --ignored forced_families"]
 fn slow_claims_for_forced_families_at_any_site_hold() {
-    forced_families_hold(4000);
+    forced_families_hold(1500);
 }
 
 /// Two neighbours out of phase next to a resonance: the equations lose three digits, and an inverse left its condition times their

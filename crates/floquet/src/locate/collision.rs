@@ -98,22 +98,24 @@ impl Follower {
                         continue;
                     }
                     if certain
-                        && depth >= NEARBY
+                        && (NEARBY..DEEPEST).contains(&depth)
                         && let Some(inside) = self.meeting(point, [&from, &to])?
                     {
-                        parts.push((inside.clone(), to, ALONE.max(depth)));
-                        parts.push((from, inside, ALONE.max(depth)));
+                        parts.push((inside.clone(), to, ALONE.max(depth + 1)));
+                        parts.push((from, inside, ALONE.max(depth + 1)));
                         continue;
                     }
                     certain
                 }
                 2 if depth >= ALONE => {
                     if let Some(edge) = self.edge(point, length, [&from, &to])? {
-                        // On both sides of it there may be stripes besides.
-                        let [before, behind] = [&from, &to].map(|end| self.next_to(point, edge.at, end));
-                        parts.extend(behind?.map(|behind| (behind, to, depth)));
-                        parts.extend(before?.map(|before| (from, before, depth)));
                         edges.push(edge);
+                        // On both sides of it there may be stripes besides.
+                        if depth < DEEPEST {
+                            let [before, behind] = [&from, &to].map(|end| self.next_to(point, edge.at, end));
+                            parts.extend(behind?.map(|behind| (behind, to, depth + 1)));
+                            parts.extend(before?.map(|before| (from, before, depth + 1)));
+                        }
                         continue;
                     }
                     true
