@@ -117,7 +117,9 @@ impl From<FloquetError> for CliError {
 impl From<LocateError> for CliError {
     fn from(error: LocateError) -> Self {
         match error {
-            LocateError::Range { .. } | LocateError::NoForce { .. } => Self::Request(error.to_string()),
+            LocateError::Range { .. } | LocateError::Short { .. } | LocateError::NoForce { .. } => {
+                Self::Request(error.to_string())
+            }
             LocateError::Floquet(floquet) => floquet.into(),
             LocateError::Branch(BranchError::Breather(breather)) => breather.into(),
             LocateError::Branch(_) | LocateError::NoMultiplier => Self::Computation(error.to_string()),

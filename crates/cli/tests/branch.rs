@@ -306,6 +306,7 @@ fn wrong_requests() {
         "--free amplitude --events torus",
         "possible values: grazing, pitchfork, period-doubling, neimark-sacker, fold",
     );
+    wrong("--free amplitude --from .165 --to .16500000000001", "too short for a branch to be followed");
     wrong("--free amplitude --from .2 --to .3", "--from 0.2 is above amplitude = 0.165, where the search starts");
     wrong("--free amplitude --to .16", "--to 0.16 is below amplitude = 0.165, where the search starts");
     wrong("--free amplitude --from .17 --to .16", "--from 0.17 is not below --to 0.16");

@@ -220,6 +220,17 @@ pub enum LocateError {
         /// Largest value asked for.
         to: f64,
     },
+    /// The range is so short that rounding of the parameter shows in every step.
+    #[error("the range of {} from {from} to {to} is shorter than 1e-9 of its start: too short for a branch to be followed, give a longer one",
+        free.name())]
+    Short {
+        /// The free parameter.
+        free: Parameter,
+        /// Least value asked for.
+        from: f64,
+        /// Largest value asked for.
+        to: f64,
+    },
     /// The free parameter is one the orbit does not depend on or must not have.
     #[error("a conservative orbit has no {}: free gamma1, gamma2, omega or asymmetry, or start under a force", free.name())]
     NoForce {

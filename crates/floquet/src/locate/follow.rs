@@ -32,6 +32,9 @@ const SETTLED: f64 = 1e-6;
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
 
+/// The shortest range, as a part of the start: a fiftieth of it, and a thousandth of that, are more than rounding.
+const LEAST: f64 = 1e-9;
+
 /// What became of a step in which the branch turned back.
 enum Round {
     /// It goes on; what is seen at its end.
@@ -79,6 +82,9 @@ pub(super) fn check(orbit: &Orbit, free: Parameter, (from, to): (f64, f64)) -> R
     let start = orbit.model().get(free);
     if !(from <= start && start <= to && from < to) {
         return Err(LocateError::Range { free, start, from, to });
+    }
+    if to - from < LEAST * start.abs() {
+        return Err(LocateError::Short { free, from, to });
     }
     for end in [from, to] {
         orbit.model().with(free, end).map_err(BreatherError::from)?;
