@@ -347,6 +347,7 @@ impl Follower {
         let steepest = point.heading().abs() + next.heading().abs();
         let scale = self.range().max(next.value().abs());
         let reach = self.branch.length_between(point, next).abs() * steepest * scale + 1e-6 * self.range();
+        let reach = reach.max(4.0 * LEAST * next.value().abs());
         let (from, to) = ((next.value() - reach).max(self.from), (next.value() + reach).min(self.to));
         let search = Search { event: Event::Pitchfork, free: self.free, from, to };
         let mut answer = locate(nearest, &search)?;
