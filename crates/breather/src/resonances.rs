@@ -1,5 +1,7 @@
 //! Where a branch meets a resonance.
 
+use std::cell::OnceCell;
+
 use vibrochain_lattice::{Model, Parameter, Resonance, Shapes, Spectrum};
 
 use crate::branch::{Branch, BranchPoint};
@@ -26,8 +28,12 @@ impl Branch {
     /// The first resonance as the parameter goes from that of a point to another value, and the value where it is: a harmonic of
     /// the orbit's frequency on a mode that it pushes.
     pub fn resonance_within(&self, point: &BranchPoint, to: f64) -> Option<(f64, Resonance)> {
-        let shapes = Shapes::new(self.origin.model().chain());
-        self.meeting(point.value(), to, |mode, harmonic| pushes(point.orbit(), &shapes, mode, harmonic))
+        // Of a lattice that is the same all along the branch but for its stiffness; most steps meet none.
+        let shapes = OnceCell::new();
+        self.meeting(point.value(), to, |mode, harmonic| {
+            let shapes = shapes.get_or_init(|| Shapes::new(self.origin.model().chain()));
+            pushes(point.orbit(), shapes, mode, harmonic)
+        })
     }
 
     /// Whether some harmonic meets some mode between two values, be it pushed or not: there the equations have a pole.

@@ -15,7 +15,7 @@ use crate::args::{BranchArgs, QuantityName};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::locate_command::{
-    Start, error_text, event, evidence_text, fixed, located_json, message, reason, start, verdict_json,
+    Start, error_text, event, evidence_text, located_json, message, reason, start, verdict_json,
 };
 use crate::orbit_command::point_value;
 use crate::which;
@@ -198,18 +198,9 @@ fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
 
 /// The answer for people. Writing to a String cannot fail.
 fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> String {
-    let (model, free) = (start.orbit.model(), course.free.name());
+    let free = course.free.name();
     let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "{} breathers, {}, {}; from solution {} of {} at {free} = {}",
-        which::name(&start.orbit),
-        model.chain().layout(),
-        fixed(model, course.free),
-        start.number,
-        start.count,
-        Number(model.get(course.free))
-    );
+    let _ = writeln!(out, "{}", start.heading(course.free));
     for (i, branch) in diagram.branches.iter().enumerate() {
         let _ = write!(out, "\nbranch {}", i + 1);
         if let Some(origin) = branch.origin

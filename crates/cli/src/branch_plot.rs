@@ -2,7 +2,6 @@
 
 use vibrochain_breather::Orbit;
 use vibrochain_floquet::{Course, Diagram, DiagramPoint, Event, FollowedBranch, Station, Verdict};
-use vibrochain_lattice::Parameter;
 use vibrochain_maps::files::Output;
 use vibrochain_plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture, open};
 
@@ -47,18 +46,6 @@ impl Plot {
         let picture = Curves { title, columns: panes.len().min(2), panes, pane: (860, 620) };
         let bytes = curves_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
         Ok(file.finish_with(&bytes)?)
-    }
-}
-
-fn symbol(parameter: Parameter) -> &'static str {
-    match parameter {
-        Parameter::Gamma1 => "γ₁",
-        Parameter::Gamma2 => "γ₂",
-        Parameter::Gamma3 => "γ₃",
-        Parameter::Omega => "ω",
-        Parameter::Asymmetry => "a",
-        Parameter::Amplitude => "A",
-        Parameter::Restitution => "e",
     }
 }
 
@@ -151,7 +138,7 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
     }
     Pane {
         caption: String::new(),
-        x: symbol(course.free).to_owned(),
+        x: course.free.symbol().to_owned(),
         y: label(quantity).to_owned(),
         x_range: None,
         scale,

@@ -211,8 +211,25 @@ pub(crate) fn message(free: Parameter, value: f64, end: &End) -> String {
     }
 }
 
+impl Start {
+    /// Which breathers, where all but the free parameter stand, and where that one starts.
+    pub(crate) fn heading(&self, free: Parameter) -> String {
+        let model = self.orbit.model();
+        format!(
+            "{} breathers, {}, {}; from solution {} of {} at {} = {}",
+            which::name(&self.orbit),
+            model.chain().layout(),
+            fixed(model, free),
+            self.number,
+            self.count,
+            free.name(),
+            Number(model.get(free))
+        )
+    }
+}
+
 /// All parameters but the free one.
-pub(crate) fn fixed(model: &Model, free: Parameter) -> String {
+fn fixed(model: &Model, free: Parameter) -> String {
     let said = |parameter: Parameter| match parameter {
         Parameter::Amplitude if model.force().cosine_amplitude().is_none() => {
             Some(format!("force = {}", model.force()))
@@ -227,19 +244,8 @@ pub(crate) fn fixed(model: &Model, free: Parameter) -> String {
 /// The answer for people. Writing to a String cannot fail.
 fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
     let mut out = String::new();
-    let model = start.orbit.model();
     let name = search.free.name();
-    let _ = writeln!(
-        out,
-        "{} of {} breathers, {}, {}; from solution {} of {} at {name} = {}",
-        search.event.name(),
-        which::name(&start.orbit),
-        model.chain().layout(),
-        fixed(model, search.free),
-        start.number,
-        start.count,
-        Number(model.get(search.free))
-    );
+    let _ = writeln!(out, "{} of {}", search.event.name(), start.heading(search.free));
     for found in &answer.located {
         located_text(&mut out, name, found);
     }

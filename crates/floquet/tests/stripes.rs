@@ -2,9 +2,13 @@
 //! functions, against what the frequencies of the modes say.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
+#[path = "support/krein.rs"]
+mod krein;
+
 use std::f64::consts::{PI, TAU};
 
 use faer::MatRef;
+use krein::{Krein, apart, growth};
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, bare_signature, even_monodromy};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
@@ -12,9 +16,6 @@ use vibrochain_testkit::Values::{Either, Even, Is};
 use vibrochain_testkit::{Random, Ranges};
 
 const BOTH: [Family; 2] = [Family::SingleSided, Family::DoubleSided];
-
-/// An eigenvalue of the even monodromy matrix and Krein's form ½i(ẋ̄·x − x̄·ẋ) on its eigenvector.
-type Krein = (Complex<f64>, f64);
 
 /// All of them.
 fn dense(orbit: &Orbit) -> Vec<Krein> {
@@ -35,11 +36,6 @@ fn dense(orbit: &Orbit) -> Vec<Krein> {
             (Complex::new(values[i].re, values[i].im), (0..half).map(form).sum())
         })
         .collect()
-}
-
-/// |μ| − 1 of the largest, the trivial pair's rounding aside.
-fn growth(values: &[Krein]) -> f64 {
-    values.iter().map(|(z, _)| z.norm() - 1.0).fold(0.0, f64::max)
 }
 
 struct Bench {
@@ -72,12 +68,6 @@ impl Bench {
     fn physical(&mut self, orbit: &Orbit) -> bool {
         self.finder.admissibility(orbit).unwrap().is_physical()
     }
-}
-
-/// Distance of two phases on the circle.
-fn apart(a: f64, b: f64) -> f64 {
-    let d = (a - b).rem_euclid(TAU);
-    d.min(TAU - d)
 }
 
 #[test]

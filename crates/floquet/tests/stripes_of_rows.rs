@@ -2,16 +2,17 @@
 //! frequencies of the modes say.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
+#[path = "support/krein.rs"]
+mod krein;
+
 use std::f64::consts::{PI, TAU};
 
 use faer::MatRef;
+use krein::{Krein, apart, growth};
 use vibrochain_breather::{Finder, Found, Orbit, Wanted};
 use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, felt_modes, full_monodromy};
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, Ranges, Values};
-
-/// An eigenvalue of the monodromy matrix and Krein's form ½i(ẋ̄·x − x̄·ẋ) on its eigenvector.
-type Krein = (Complex<f64>, f64);
 
 /// Those of perturbations that reach the site that is hit.
 fn dense(orbit: &Orbit) -> Vec<Krein> {
@@ -26,17 +27,6 @@ fn dense(orbit: &Orbit) -> Vec<Krein> {
         felt.then(|| (Complex::new(values[i].re, values[i].im), (0..half).map(form).sum()))
     });
     all.collect()
-}
-
-/// |μ| − 1 of the largest, the trivial pair's rounding aside.
-fn growth(values: &[Krein]) -> f64 {
-    values.iter().map(|(z, _)| z.norm() - 1.0).fold(0.0, f64::max)
-}
-
-/// Distance of two phases on the circle.
-fn apart(a: f64, b: f64) -> f64 {
-    let d = (a - b).rem_euclid(TAU);
-    d.min(TAU - d)
 }
 
 /// Distance of a phase from the nearest one with this sign of the form, the trivial pair aside.

@@ -2,7 +2,8 @@
 //!
 //! Two collide only if their Krein signatures differ. On the circle none passes another of the other signature without leaving it;
 //! so the signatures in the order of their pairs change only through such a stripe of instability. Where they have changed over a step
-//! at both ends of which as many pairs are on the circle, a stripe hides between, however thin: halving finds it.
+//! at both ends of which as many pairs are on the circle, a stripe hides between, however thin: where the two meet that have changed
+//! places is inside it.
 //!
 //! Inside a stripe two pairs may close and two others part before the next point. Then the place among the others has changed that
 //! those off the circle have. It does so without an event, too, where they drift past a pair that stays: so halving ends sooner.
@@ -182,8 +183,7 @@ impl Follower {
     /// Where the two meet that have changed places between two places: the least (ν₁ − ν₂)², by parabolas through three points.
     fn meeting(&mut self, point: &BranchPoint, [from, to]: [&Place; 2]) -> Result<Option<Place>, LocateError> {
         let (Some(before), Some(after)) = (&from.order, &to.order) else { return Ok(None) };
-        let on_circle = |order: &Order| order.iter().flatten().copied().collect::<Vec<_>>();
-        let swapped = on_circle(before).iter().zip(&on_circle(after)).position(|(a, b)| a != b);
+        let swapped = on_circle(before).zip(on_circle(after)).position(|(a, b)| a != b);
         let Some(first) = swapped else { return Ok(None) };
         let gap = |place: &Place| {
             let mut real: Vec<f64> =
@@ -309,13 +309,17 @@ impl Follower {
 
 /// The signatures on the circle alone are the same but stand in another order, so that a stripe must lie between.
 fn is_certain(before: &Order, after: &Order) -> bool {
-    let on_circle = |order: &Order| order.iter().flatten().copied().collect::<Vec<_>>();
-    let balanced = positive(before) == positive(after);
-    let (before, after) = (on_circle(before), on_circle(after));
-    before.len() == after.len() && before != after && balanced
+    on_circle(before).count() == on_circle(after).count()
+        && on_circle(before).ne(on_circle(after))
+        && positive(before) == positive(after)
+}
+
+/// The signatures on the circle, in order.
+fn on_circle(order: &Order) -> impl Iterator<Item = Signature> + '_ {
+    order.iter().flatten().copied()
 }
 
 /// Number of pairs of positive signature.
 fn positive(order: &Order) -> usize {
-    order.iter().flatten().filter(|one| **one == Signature::Positive).count()
+    on_circle(order).filter(|one| *one == Signature::Positive).count()
 }
