@@ -172,6 +172,9 @@ pub struct StripesArgs {
     /// Table of the lines (CSV).
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Table of the stripes, however thin (CSV): for each row of the scene where each begins and ends, its width and its growth.
+    #[arg(long, value_name = "FILE")]
+    pub widths: Option<PathBuf>,
     /// Table of the map, as `mapgen sweep` has written it for the same scene [default: the map is computed].
     #[arg(long, value_name = "FILE")]
     pub map: Option<PathBuf>,

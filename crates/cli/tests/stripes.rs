@@ -439,3 +439,48 @@ fn rows_and_layers_have_stripes_too() {
     }
     assert!(modes.iter().filter(|mode| mode["dressed"].is_f64()).count() == 3);
 }
+
+#[test]
+fn the_table_of_widths_says_where_stripes_begin_and_end() {
+    let desk = Desk::new();
+    let scene = desk.scene(&SCENE.replace("points = 40", "points = 4"));
+    let (widths, lines) = (desk.path("widths.csv"), desk.path("lines.csv"));
+    let flags = ["--widths", widths.to_str().unwrap(), "--csv", lines.to_str().unwrap()];
+    let _ = output(stripes(&desk, &scene, "stripes.png", &flags));
+    let (stripes, lines) = (table(&widths), table(&lines));
+    assert!(stripes.len() > 15, "{stripes:?}");
+    let stable = |row: &BTreeMap<String, String>, omega: f64| {
+        let omega = omega.to_string();
+        let flags = ["--family", &row["family"], "--sites", "6", "--gamma1", "0.2", "--asymmetry", "0.4"];
+        let text = output(
+            mapgen(&["orbit", "--json"]).args(flags).args(["--gamma2", &row["gamma2"], "--omega", &omega]).assert(),
+        );
+        let value: Value = serde_json::from_str(&text).unwrap();
+        let stability = &value["solutions"][0]["stability"];
+        (stability["stable"].as_bool().unwrap(), stability["spectral_radius"].as_f64().unwrap().ln())
+    };
+    let (mut checked, mut drawn) = (0, 0);
+    for row in &stripes {
+        let [centre, lower, upper, width] = ["centre", "lower", "upper", "width"].map(|column| number(row, column));
+        assert!(
+            lower <= centre && centre <= upper && (upper - lower - width).abs() < 1e-12 && row["resolved"] == "true"
+        );
+        if row["family"] != "double-sided" || row["lower_end"] != "edge" || row["upper_end"] != "edge" {
+            continue;
+        }
+        // One step of the map wide, a line is drawn through it.
+        let key = ["family", "gamma2", "mode1", "mode2", "harmonic"];
+        drawn += usize::from(lines.iter().any(|line| {
+            key.iter().all(|column| line[*column] == row[*column])
+                && (number(line, "omega") - centre).abs() < 0.01 + width
+        }));
+        let (inside, growth) = stable(row, centre);
+        assert!(!inside && growth <= number(row, "growth") * (1.0 + 1e-6), "{row:?} {growth}");
+        assert!(!stable(row, lower + 0.01 * width).0 && !stable(row, upper - 0.01 * width).0, "{row:?}");
+        if centre > 1.4 {
+            assert!(stable(row, lower - 0.01 * width).0 && stable(row, upper + 0.01 * width).0, "{row:?}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 5 && drawn > 12, "{checked} {drawn}");
+}

@@ -8,12 +8,14 @@
 //! | `lines` | the lines Ω̃_k ± Ω̃_l = jω |
 //! | `cuts` | runs of cells along a row, carried on where no such breather is |
 //! | `evidence` | shares of unstable and stable cells next to a line |
+//! | `widths` | the table of stripes |
 
 mod cells;
 mod cuts;
 mod evidence;
 mod lines;
 mod request;
+mod widths;
 
 use crate::args::StripesArgs;
 use crate::console::Console;
@@ -22,9 +24,9 @@ use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
 use crate::stripes::lines::{Line, joined, rows, table};
 use crate::stripes::request::Request;
+use crate::stripes::widths::HEADER;
 use crate::threads::threads;
-use vibrochain_maps::files::Output;
-use vibrochain_maps::files::{distinct, promises};
+use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
 use vibrochain_plot::{MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
 
 /// Runs the subcommand.
@@ -35,7 +37,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let request = Request::read(args)?;
     let taken = distinct(
         &[("the scene", Some(&args.scene)), ("--map", args.map.as_deref())],
-        &[("--out", Some(&args.out)), ("--csv", args.csv.as_deref())],
+        &[("--out", Some(&args.out)), ("--csv", args.csv.as_deref()), ("--widths", args.widths.as_deref())],
     )?;
     if let Some(table) = &args.csv {
         promises("--csv", table, "a table as plain CSV", &["csv"])?;
@@ -43,6 +45,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     // Destinations first: an impossible one should not cost a computation.
     let picture = Output::create(&args.out)?;
     let csv = args.csv.as_deref().map(Output::create).transpose()?;
+    let widths = args.widths.as_deref().map(|path| CsvFile::create("--widths", path, HEADER)).transpose()?;
     let stop = (console.interrupt)()?;
     let pool = threads(None)?;
     let tiles = cells(&request, args.map.as_deref(), &pool, &stop)?;
@@ -51,6 +54,9 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let lines = joined(&request, &rows.crossings);
     if let Some(csv) = csv {
         csv.finish_with(&table(&lines)?)?;
+    }
+    if let Some(widths) = widths {
+        widths::write(widths, &request, &pool, &stop)?;
     }
     let shown = tiles.iter().zip(0..).filter(|(_, cell)| is_shown(&request.scene, *cell));
     let shown: Vec<Tile> = shown.map(|(tile, _)| *tile).collect();

@@ -74,12 +74,29 @@ impl StripeFinder {
     ///
     /// # Errors
     /// [`NoStripe::NotConservative`], [`NoStripe::Parameter`].
-    pub fn along(&mut self, line: &StripeLine, (from, to): (f64, f64), points: usize) -> Result<StripeRow, NoStripe> {
+    pub fn along(&mut self, line: &StripeLine, range: (f64, f64), points: usize) -> Result<StripeRow, NoStripe> {
+        Ok(self.along_while(line, range, points, || true)?.unwrap_or_default())
+    }
+
+    /// The same, for as long as `going` says: `None` if it has been stopped.
+    ///
+    /// # Errors
+    /// As [`Self::along`].
+    pub fn along_while(
+        &mut self,
+        line: &StripeLine,
+        (from, to): (f64, f64),
+        points: usize,
+        going: impl Fn() -> bool,
+    ) -> Result<Option<StripeRow>, NoStripe> {
         line.check()?;
         let value = |i: usize| from + (to - from) * i as f64 / points.saturating_sub(1).max(1) as f64;
         let (mut last, mut here) = (Vec::new(), Vec::new());
         let (mut met, mut places) = (Vec::new(), Vec::new());
         for i in 0..points {
+            if !going() {
+                return Ok(None);
+            }
             let place = self.place(line, value(i))?;
             here.clear();
             let wanted = place.is_some() || places.last().is_some_and(Option::is_some);
@@ -103,6 +120,9 @@ impl StripeFinder {
         }
         let mut row = StripeRow::default();
         for (value, Passing { modes, harmonic, .. }) in met {
+            if !going() {
+                return Ok(None);
+            }
             let Ok(stripe) = self.near(line, modes, harmonic, value) else { continue };
             let same = |other: &Stripe| (other.centre - stripe.centre).abs() <= 4.0 * (other.error + stripe.error);
             if !row.stripes.iter().any(same) {
@@ -112,6 +132,9 @@ impl StripeFinder {
         let (mut edges, mut seen) = (Vec::new(), Vec::new());
         for (i, ends) in places.windows(2).enumerate() {
             let [first, last] = ends else { continue };
+            if !going() {
+                return Ok(None);
+            }
             self.unexplained(line, (value(i), first), (value(i + 1), last), &mut row, (&mut edges, &mut seen))?;
         }
         edges.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -119,7 +142,7 @@ impl StripeFinder {
         seen.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.join(line, &seen, edges, &mut row)?;
         row.stripes.sort_by(|a, b| a.centre.total_cmp(&b.centre));
-        Ok(row)
+        Ok(Some(row))
     }
 
     /// What is off the circle; `None` where there is no physical breather, or its multipliers cannot be told.
