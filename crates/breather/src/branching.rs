@@ -83,7 +83,7 @@ impl Branch {
         let border = border(size);
         let mut last_row = border.clone();
         last_row.push(0.0);
-        let bordered = branch.evaluate(&coordinates)?.matrix.bordered(&border, &last_row);
+        let bordered = branch.equations.evaluate(&coordinates)?.matrix.bordered(&border, &last_row);
         let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
         direction[size] = 0.0;
         let norm = dot(&direction, &direction).sqrt();
