@@ -33,7 +33,7 @@ pub struct SurfacePoint {
     /// Orthogonal, of unit length, in units of the coordinates.
     tangents: [Vector; 2],
     full_determinant: f64,
-    determinant: f64,
+    fold_determinant: f64,
 }
 
 impl SurfacePoint {
@@ -56,7 +56,7 @@ impl SurfacePoint {
 
     /// The same among orbits of the symmetry that the surface keeps to: 0 where the surface folds over the parameters.
     pub fn fold_determinant(&self) -> f64 {
-        self.determinant
+        self.fold_determinant
     }
 
     /// How both parameters change along a direction of the tangents' plane, in their units.
@@ -188,8 +188,8 @@ impl Surface {
     fn finish(&mut self, z: Vector, near: &[Vector; 2]) -> Result<SurfacePoint, BranchError> {
         let tangents = self.tangents(&z, near)?;
         let here = self.equations.evaluate(&z)?;
-        let (full_determinant, determinant) = (here.full_determinant, here.matrix.determinant());
-        Ok(SurfacePoint { orbit: here.orbit, coordinates: z, tangents, full_determinant, determinant })
+        let (full_determinant, fold_determinant) = (here.full_determinant, here.matrix.determinant());
+        Ok(SurfacePoint { orbit: here.orbit, coordinates: z, tangents, full_determinant, fold_determinant })
     }
 
     /// Orthogonal unit vectors along which F stays as it is, by two rows that are not orthogonal to them.

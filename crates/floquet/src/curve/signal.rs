@@ -194,8 +194,8 @@ impl Sight {
                 let mass = motion.at(site, t.rem_euclid(period));
                 let step = mass.velocity / mass.acceleration;
                 t -= step;
-                // Written so that a step that is not a number leads nowhere either.
-                if !((t - start).abs() <= FARTHEST * period) {
+                let moved = (t - start).abs();
+                if moved.is_nan() || moved > FARTHEST * period {
                     return None;
                 }
                 if step.abs() * omega <= 4.0 * f64::EPSILON {

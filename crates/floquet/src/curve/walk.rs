@@ -269,7 +269,8 @@ impl Walker {
         let (mut point, mut value) = at(self, s)?;
         for _ in 0..SECANTS {
             let step = -value.value / slope;
-            if !((s + step).abs() <= reach) {
+            let moved = (s + step).abs();
+            if moved.is_nan() || moved > reach {
                 return Err(Blind::Other);
             }
             if step == 0.0 || last <= NOISE && step.abs() >= 0.5 * last {
