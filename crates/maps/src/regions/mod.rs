@@ -8,10 +8,12 @@
 //! | `noding`, `boxes` | chords cut where they meet, in whole numbers; which of many may meet |
 //! | `triangles`, `subdivision` | triangles between them; [`Subdivision`]: the faces |
 //! | `classes`, `plane` | what lives in the faces; [`Regions`]: areas, outlines, the class at any point |
+//! | `breathers` | the regions of a scene, by its cells |
 //!
-//! None of it knows of breathers: what lives at a point is for the caller to say.
+//! But for the last none of it knows of breathers: what lives at a point is for the caller to say.
 
 mod boxes;
+mod breathers;
 mod classes;
 mod noding;
 mod plane;
