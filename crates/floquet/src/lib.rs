@@ -10,7 +10,7 @@
 //! | `saltation` | [`Saltation`]: a perturbation through an impact |
 //! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
 //! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
-//! | `stripes` | [`DressedModes`], [`Collision`]: which modes collide |
+//! | `stripes` | [`DressedModes`], [`Collision`], [`Stripe`]: which modes collide, and how wide stripes are |
 //! | `analyser`, `by_secular`, `by_partners` | [`stability`], [`Analyser`]: the path that fits an orbit |
 //! | `dense`, `reversible` | the smallest matrix that has the multipliers |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
@@ -84,5 +84,8 @@ pub use secular::{
     SecularMultipliers, SecularVerdict, Standing, multiplier_modes,
 };
 pub use square::Square;
-pub use stripes::{Collision, DressedModes, OwnMode, Signature, bare_signature, signature};
+pub use stripes::{
+    Collision, DressedModes, NoStripe, OwnMode, Passing, Signature, Stripe, StripeEnd, StripeFinder, StripeLine,
+    StripeRow, bare_signature, passings, signature,
+};
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};

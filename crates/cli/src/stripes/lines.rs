@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::{Family, Finder, Found};
-use vibrochain_floquet::{DressedModes, felt_modes};
+use vibrochain_floquet::{DressedModes, Passing, felt_modes, passings};
 
 use crate::error::CliError;
 use crate::stripes::cuts::{Carrier, Cut};
@@ -150,7 +150,7 @@ impl Worker {
                 }
                 let beyond = !(beside[column] && column > 0 && beside[column - 1]);
                 let before = all.crossings.len();
-                pairs(&last, &here, double && symmetric, |k, l, harmonic, sum, part| {
+                passings(&last, &here, double && symmetric, |Passing { modes: (k, l), harmonic, sum, part }| {
                     let key = Key { double, k, l, harmonic, sum };
                     all.crossings.push(Crossing { key, row, place: column as f64 - 1.0 + part, beyond });
                 });
@@ -183,32 +183,7 @@ impl Worker {
     }
 }
 
-/// Pairs of modes whose sum or difference passes a whole number from one list to the next: calls `found` with k ≤ l, that
-/// number, whether it is a sum, and at which part of the way.
-fn pairs(
-    from: &[Option<f64>],
-    to: &[Option<f64>],
-    even_only: bool,
-    mut found: impl FnMut(usize, usize, usize, bool, f64),
-) {
-    let modes: Vec<_> = from.iter().zip(to).enumerate().filter_map(|(k, (a, b))| Some((k, (*a)?, (*b)?))).collect();
-    for (i, &(k, k_from, k_to)) in modes.iter().enumerate() {
-        for &(l, l_from, l_to) in &modes[i..] {
-            for (sum, a, b) in [(true, k_from + l_from, k_to + l_to), (false, l_from - k_from, l_to - k_to)] {
-                let harmonic = a.max(b).floor();
-                // One and no jump of a mode; a mode against itself at an even harmonic is a resonance. (The breather's own
-                // mode stays at ω/2 while it doubles the period: both ends are passed.)
-                let passed = a.min(b) <= harmonic && a != b && harmonic >= 1.0 && (a - b).abs() < 0.5;
-                let odd = harmonic % 2.0 != 0.0;
-                if passed && !(k == l && !(sum && odd)) && !(even_only && odd) {
-                    found(k, l, harmonic as usize, sum, (harmonic - a) / (b - a));
-                }
-            }
-        }
-    }
-}
-
-/// The same for the bare lattice, whose frequencies do not depend on ω, and of which no line is drawn: which cells of a row have
+/// The places where two modes of the bare lattice meet, whose frequencies do not depend on ω, and of which no line is drawn: which cells of a row have
 /// one between the cells on either side. (As ω falls to 0 there are more and more harmonics from one cell to the next.)
 fn bare(request: &Request, row: usize) -> [Vec<bool>; 2] {
     let columns = request.omega.points;
@@ -337,22 +312,5 @@ mod tests {
         // Down to no frequency at all, in one step; a mode at rest has no harmonic.
         assert!(between(1.2, true, (-0.4, 1e-300)) && between(1.2, false, (1e-300, 1e-9)));
         assert!(between(0.3, true, (0.0, 0.4)) && !between(0.0, false, (-0.4, 0.4)));
-    }
-
-    #[test]
-    fn whole_numbers_are_passed_once_each_way() {
-        let seen = |from: &[f64], to: &[f64], even| {
-            let some = |values: &[f64]| values.iter().copied().map(Some).collect::<Vec<_>>();
-            let mut all = Vec::new();
-            pairs(&some(from), &some(to), even, |k, l, j, sum, part| all.push((k, l, j, sum, (part * 100.0).round())));
-            all
-        };
-        // 0.6 + 0.5 → 0.55 + 0.35, and 2·0.5 = 1 is met by mode 1 at its start.
-        assert_eq!(seen(&[0.6, 0.55], &[0.55, 0.35], false), [(0, 1, 1, true, 60.0), (1, 1, 1, true, 25.0)]);
-        assert_eq!(seen(&[0.55, 0.35], &[0.6, 0.55], false).len(), 2);
-        assert_eq!(seen(&[0.6, 0.55], &[0.55, 0.35], true), []);
-        // A difference; and 2Ω = 2ω is none.
-        assert_eq!(seen(&[0.3, 1.4], &[0.3, 1.2], false), [(0, 1, 1, false, 50.0)]);
-        assert_eq!(seen(&[1.1], &[0.9], false), []);
     }
 }

@@ -7,6 +7,10 @@
 //! | `own` | [`OwnMode`]: the mode that the breather has drawn out of the band |
 //! | `dressed` | [`DressedModes`]: the frequencies of the modes with the breather on the ring |
 //! | `collision` | [`Collision`]: the pair behind an unstable multiplier |
+//! | `passing` | [`passings`]: which pairs meet from one point to the next |
+//! | `reversal`, `pencil` | two modes that meet, as two oscillators that the impacts couple |
+//! | `stripe` | [`Stripe`]: where a stripe begins and ends on a line, and how strong it is |
+//! | `row` | [`StripeRow`]: all stripes on a line |
 //!
 //! A mode that swings freely over a period turns by e^{iΩT} and, its mirror image, by e^{−iΩT}. Krein's form
 //!
@@ -27,9 +31,17 @@ mod collision;
 mod dressed;
 mod form;
 mod own;
+mod passing;
+mod pencil;
+mod reversal;
+mod row;
 mod signature;
+mod stripe;
 
 pub use collision::Collision;
 pub use dressed::DressedModes;
 pub use own::OwnMode;
+pub use passing::{Passing, passings};
+pub use row::StripeRow;
 pub use signature::{Signature, bare_signature, signature};
+pub use stripe::{NoStripe, Stripe, StripeEnd, StripeFinder, StripeLine};
