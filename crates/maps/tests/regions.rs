@@ -149,7 +149,8 @@ fn areas_known_by_hand() {
             - 0.5 * apart * (4.0 * radius * radius - apart * apart).sqrt()
     };
     let (r, d) = (0.3, 0.25);
-    let cases: Vec<(&str, Vec<Shape>, Vec<(u32, f64)>, usize)> = vec![
+    type Case = (&'static str, Vec<Shape>, Vec<(u32, f64)>, usize);
+    let cases: Vec<Case> = vec![
         ("circle", vec![circle(0.5, 0.5, 0.4)], vec![(1, 0.16 * PI), (0, 1.0 - 0.16 * PI)], 2),
         (
             "lens",

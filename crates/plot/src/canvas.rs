@@ -132,7 +132,6 @@ pub fn render(drawing: &impl Drawing, format: Format, (width, height): (u32, u32
                 drawing.draw(&area)?;
                 area.present().map_err(PlotError::from)?;
             }
-            let mut text = text;
             if let Some(shapes) = drawing.shapes() {
                 let ground = text.find("/>").map_or(0, |end| end + 2);
                 text.insert_str(ground, &format!("\n{shapes}"));
