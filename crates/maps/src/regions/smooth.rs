@@ -139,7 +139,7 @@ mod tests {
         for angle in [30.0_f64, 60.0, 90.0, 120.0, 170.0] {
             let (sin, cos) = angle.to_radians().sin_cos();
             let corner: Vec<Place> =
-                (-5..=5).map(|i| f64::from(i)).map(|i| if i < 0.0 { [i, 0.0] } else { [i * cos, i * sin] }).collect();
+                (-5..=5).map(f64::from).map(|i| if i < 0.0 { [i, 0.0] } else { [i * cos, i * sin] }).collect();
             // On one of the two lines.
             let miss = |[x, y]: Place| y.abs().min((cos * y - sin * x).abs());
             let error = worst(&corner, false, miss);
