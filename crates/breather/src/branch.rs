@@ -15,11 +15,10 @@
 //! that breaks the symmetry. There the curve is followed among symmetric orbits alone ([`Reduction`]), so that it passes
 //! through regularly, while the determinant of all equations tells of the pitchfork.
 
-use thiserror::Error;
 use vibrochain_lattice::Parameter;
 
 use crate::corrector::Continuation;
-use crate::error::BreatherError;
+use crate::error::BranchError;
 use crate::linear::{Vector, dot, unit};
 use crate::orbit::Orbit;
 use crate::reduction::Reduction;
@@ -38,20 +37,6 @@ const DIFFERENCE: f64 = 1e-6;
 
 /// Newton steps at most to a fold, damped where it is far.
 const STEPS_TO_FOLD: usize = 48;
-
-/// Why a branch cannot be followed.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum BranchError {
-    /// No orbit there: a parameter out of range, a resonance.
-    #[error(transparent)]
-    Breather(#[from] BreatherError),
-    /// Newton's method found no orbit near enough.
-    #[error("Newton's method found no orbit of the branch")]
-    NoConvergence,
-    /// No way is known by which orbits leave one of this family.
-    #[error("no orbit is known to branch off one of this family")]
-    Family,
-}
 
 /// A point of a branch.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,7 +16,8 @@
 
 use vibrochain_lattice::Parameter;
 
-use crate::branch::{Branch, BranchError, BranchPoint};
+use crate::branch::{Branch, BranchPoint};
+use crate::error::BranchError;
 use crate::finder::Finder;
 use crate::linear::{Vector, dot, unit};
 use crate::orbit::{Draft, Family, Hit, Orbit, SIMULTANEOUS};

@@ -4,8 +4,8 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::Parameter;
 
-use crate::branch::BranchError;
 use crate::equations::{Equations, Errors};
+use crate::error::BranchError;
 use crate::error::BreatherError;
 use crate::finder::Finder;
 use crate::linear::{Matrix, Vector, dot, zeros};

@@ -96,12 +96,12 @@ mod word_search;
 mod worst;
 
 pub use admissibility::{Admissibility, Approach, Obstruction};
-pub use branch::{Branch, BranchError, BranchPoint};
+pub use branch::{Branch, BranchPoint};
 pub use branching::Departure;
 pub use completeness::{Completeness, Proof};
 pub use condition::{Condition, ImpactError, Together};
 pub use ended::{End, Ended};
-pub use error::{BreatherError, NoBreather, Unsearched};
+pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};

@@ -11,8 +11,9 @@
 
 use vibrochain_lattice::Parameter;
 
-use crate::branch::{BranchError, CHORD};
+use crate::branch::CHORD;
 use crate::corrector::Continuation;
+use crate::error::BranchError;
 use crate::linear::{Vector, dot, unit, zeros};
 use crate::orbit::Orbit;
 use crate::reduction::Reduction;

@@ -20,9 +20,9 @@ const ON_IT: f64 = 2.0;
 const ALIKE: f64 = 1e-3;
 
 /// The curves, and the window they are in.
-pub(crate) struct Curves {
-    pub(crate) window: Window,
-    pub(crate) list: Vec<EventCurve>,
+struct Curves {
+    window: Window,
+    list: Vec<EventCurve>,
 }
 
 /// Runs the subcommand.
@@ -72,7 +72,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     if let Some(table) = table {
         curves.write(table)?;
     }
-    plot.finish(&start, &curves)
+    plot.finish(&start, &curves.window, &curves.list)
 }
 
 /// The ranges of both parameters.
@@ -247,7 +247,7 @@ use without_plot::Plot;
 
 #[cfg(not(feature = "plot"))]
 mod without_plot {
-    use super::{CliError, CurveArgs, Curves, Start};
+    use super::{CliError, CurveArgs, EventCurve, Start, Window};
 
     pub(super) struct Plot;
 
@@ -259,7 +259,7 @@ mod without_plot {
             }
         }
 
-        pub(super) fn finish(self, _: &Start, _: &Curves) -> Result<(), CliError> {
+        pub(super) fn finish(self, _: &Start, _: &Window, _: &[EventCurve]) -> Result<(), CliError> {
             Ok(())
         }
     }

@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use vibrochain_floquet::EventCurve;
+use vibrochain_floquet::{EventCurve, Window};
 use vibrochain_maps::files::Output;
 use vibrochain_plot::{Curves as Picture, Format, Mark, Pane, Scale, Series, Stroke, curves_picture, open};
 
 use crate::args::CurveArgs;
 use crate::caption::in_common;
-use crate::curve_command::Curves;
 use crate::error::CliError;
 use crate::locate_command::Start;
 
@@ -26,17 +25,17 @@ impl Plot {
         Ok(Self { file: open(args.plot.as_deref())? })
     }
 
-    pub(crate) fn finish(self, start: &Start, curves: &Curves) -> Result<(), CliError> {
+    pub(crate) fn finish(self, start: &Start, window: &Window, curves: &[EventCurve]) -> Result<(), CliError> {
         let Some((format, file)) = self.file else { return Ok(()) };
-        let [x, y] = curves.window.parameters;
-        let event = curves.list.first().map_or(String::new(), |curve| format!("{} of breathers, ", curve.event));
+        let [x, y] = window.parameters;
+        let event = curves.first().map_or(String::new(), |curve| format!("{} of breathers, ", curve.event));
         let common = common(start, curves);
         let pane = Pane {
             caption: String::new(),
             x: format!("{} {}", x.meaning(), x.symbol()),
             y: format!("{} {}", y.meaning(), y.symbol()),
-            x_range: Some(curves.window.from[0]..curves.window.to[0]),
-            scale: Scale::Between(curves.window.from[1]..curves.window.to[1]),
+            x_range: Some(window.from[0]..window.to[0]),
+            scale: Scale::Between(window.from[1]..window.to[1]),
             levels: Vec::new(),
             round: false,
             series: series(curves),
@@ -48,18 +47,18 @@ impl Plot {
 }
 
 /// What all points of all curves have in common.
-fn common(start: &Start, curves: &Curves) -> String {
-    let ends = curves.list.iter().flat_map(|curve| [curve.points.first(), curve.points.last()]).flatten();
+fn common(start: &Start, curves: &[EventCurve]) -> String {
+    let ends = curves.iter().flat_map(|curve| [curve.points.first(), curve.points.last()]).flatten();
     let mut models: Vec<_> = ends.map(|point| point.orbit.model()).collect();
     models.push(start.orbit.model());
     in_common(&models)
 }
 
 /// The lines of each curve, physical parts and others, then marks for what is special.
-fn series(curves: &Curves) -> Vec<Series> {
+fn series(curves: &[EventCurve]) -> Vec<Series> {
     let mut all = Vec::new();
     let mut marks: BTreeMap<String, Vec<(f64, f64)>> = BTreeMap::new();
-    for (i, curve) in curves.list.iter().enumerate() {
+    for (i, curve) in curves.iter().enumerate() {
         let line = |physical: bool| part(curve, physical);
         let name = format!("curve {}", i + 1);
         let (colour, stroke) = (i % COLOURS, Stroke::Solid(2));

@@ -4,7 +4,7 @@ use vibrochain_breather::Surface;
 use vibrochain_lattice::Parameter;
 
 use super::signal::Blind;
-use super::walk::{Foot, Walker};
+use super::walker::{Foot, Walker};
 
 /// The error is worked out at every so many points; between two it is no more than this times the larger of theirs.
 const EVERY: usize = 16;

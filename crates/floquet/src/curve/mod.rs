@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `answer` | [`Window`], [`EventCurve`] with its points, its special points and its ends |
 //! | `signal` | what vanishes all along the curve |
+//! | `walker` | who walks, and what is known of a point |
 //! | `walk` | steps along it: from what lies behind to what lies ahead, and onto it |
 //! | `special` | where something else happens on it: points of codimension two |
 //! | `error` | how well its points are known |
@@ -18,6 +19,7 @@ mod error;
 mod signal;
 mod special;
 mod walk;
+mod walker;
 
 pub use answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Window};
 pub use walk::curve;

@@ -1,11 +1,10 @@
 //! Where something else happens on a curve: points of codimension two.
 
-use smallvec::SmallVec;
 use vibrochain_breather::{Obstruction, SurfacePoint};
 
 use super::answer::Special;
 use super::signal::{Blind, Signal};
-use super::walk::{Foot, Walker};
+use super::walker::{Aspects, Foot, Walker};
 use crate::bracket::zero;
 use crate::locate::Event;
 use crate::locate::spectrum_events::upper_half;
@@ -22,36 +21,6 @@ const JUMP: f64 = 1e-3;
 /// How far beside a zero its function is looked at once more, as a part of the step, and the worst case over what that shows.
 const BESIDE: f64 = 1e-4;
 const SAFETY: f64 = 4.0;
-
-/// A function that changes sign where something else happens, and which of its kind it is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Monitor {
-    special: Special,
-    which: usize,
-    value: f64,
-}
-
-/// What is seen at a foot besides the event.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Aspects {
-    monitors: SmallVec<[Monitor; 8]>,
-    /// Whether the orbit is physical, touches aside.
-    pub(super) physical: Option<bool>,
-    /// The pair is real: the curve is that of no event any more.
-    pub(super) ends: bool,
-}
-
-impl Aspects {
-    fn add(&mut self, special: Special, which: usize, value: f64) {
-        if value.is_finite() {
-            self.monitors.push(Monitor { special, which, value });
-        }
-    }
-
-    fn get(&self, of: &Monitor) -> Option<f64> {
-        self.monitors.iter().find(|one| (one.special, one.which) == (of.special, of.which)).map(|one| one.value)
-    }
-}
 
 impl Walker {
     pub(super) fn aspects(&mut self, point: &SurfacePoint, mark: f64) -> Aspects {

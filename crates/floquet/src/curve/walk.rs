@@ -5,7 +5,7 @@ use vibrochain_lattice::{Parameter, Resonance, Spectrum};
 
 use super::answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Window};
 use super::signal::{Blind, Sight, Signal, Value};
-use super::special::Aspects;
+use super::walker::{Foot, Walker};
 use crate::locate::{Event, Evidence};
 
 /// The first step, the longest and the shortest, in units: a side of the window is one unit, and so is a change of order 1 of the orbit.
@@ -58,35 +58,11 @@ const FAINT: f64 = 1e-6;
 /// A curve that is lost this near to a resonance, as a part of ω, ends there.
 const NEAR: f64 = 1e-3;
 
-/// A point on the curve.
-#[derive(Debug, Clone)]
-pub(super) struct Foot {
-    pub(super) point: SurfacePoint,
-    /// Length of the chords up to it.
-    pub(super) at: f64,
-    /// The signal's mark.
-    pub(super) mark: f64,
-    /// Of the signal across the curve, per unit of length.
-    pub(super) slope: f64,
-    /// What else is seen there.
-    pub(super) aspects: Aspects,
-}
-
 /// A way from a start.
 struct Way {
     feet: Vec<Foot>,
     special: Vec<(usize, Special, f64)>,
     end: CurveEnd,
-}
-
-/// Who walks.
-pub(super) struct Walker {
-    pub(super) surface: Surface,
-    pub(super) sight: Sight,
-    pub(super) signal: Signal,
-    pub(super) event: Event,
-    pub(super) window: Window,
-    tolerance: f64,
 }
 
 /// Follows the event at `orbit` both ways through a window of two parameters. `evidence` is what shows it
