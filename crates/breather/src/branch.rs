@@ -15,40 +15,28 @@
 //! that breaks the symmetry. There the curve is followed among symmetric orbits alone ([`Reduction`]), so that it passes
 //! through regularly, while the determinant of all equations tells of the pitchfork.
 
-use thiserror::Error;
 use vibrochain_lattice::Parameter;
 
-use crate::error::BreatherError;
-use crate::finder::Finder;
+use crate::corrector::Continuation;
+use crate::error::BranchError;
 use crate::linear::{Vector, dot, unit};
 use crate::orbit::Orbit;
-use crate::reduction::{Reduction, SYMMETRIC};
-use crate::unknowns::{Template, Unknowns};
+use crate::reduction::Reduction;
+use crate::unknowns::Unknowns;
 
 /// A chord may differ from the mean of the tangents at its ends by this part of its length: that of an arc of a quarter of a
 /// radian. One that leads to another branch does not fit the tangents.
-const CHORD: f64 = 0.01;
+pub(crate) const CHORD: f64 = 0.01;
 
-/// Step of difference quotients in the parameter, relative: error and rounding balance. Newton's method needs no more
-/// digits than that.
-pub(crate) const DIFFERENCE: f64 = 1e-6;
+/// A point may be this part of the step away from where the tangent pointed; farther is another branch or too long a
+/// step.
+const BEND: f64 = 0.35;
+
+/// Step of the difference quotients of a determinant, in units.
+const DIFFERENCE: f64 = 1e-6;
 
 /// Newton steps at most to a fold, damped where it is far.
 const STEPS_TO_FOLD: usize = 48;
-
-/// Why a branch cannot be followed.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum BranchError {
-    /// No orbit there: a parameter out of range, a resonance.
-    #[error(transparent)]
-    Breather(#[from] BreatherError),
-    /// Newton's method found no orbit near enough.
-    #[error("Newton's method found no orbit of the branch")]
-    NoConvergence,
-    /// No way is known by which orbits leave one of this family.
-    #[error("no orbit is known to branch off one of this family")]
-    Family,
-}
 
 /// A point of a branch.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,18 +106,7 @@ impl BranchPoint {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Branch {
-    pub(crate) finder: Finder,
-    pub(crate) origin: Orbit,
-    pub(crate) free: Parameter,
-    /// The origin's word, and its times in periods.
-    pub(crate) template: Template,
-    pub(crate) fractions: Vector,
-    pub(crate) unknowns: Unknowns,
-    pub(crate) reduction: Reduction,
-    /// Natural sizes of all unknowns, and of the coordinates with the parameter.
-    pub(crate) full_units: Vector,
-    pub(crate) units: Vector,
-    pub(crate) evaluations: usize,
+    pub(crate) equations: Continuation,
 }
 
 impl Branch {
@@ -140,7 +117,7 @@ impl Branch {
     /// [`BranchError::Breather`] at a resonance, which an orbit that exists has already passed.
     pub fn through(orbit: &Orbit, free: Parameter, unit: f64) -> Result<Self, BranchError> {
         let unknowns = Unknowns::of(orbit);
-        Self::with(orbit, (free, unit), unknowns, Reduction::of(orbit, free, &unknowns))
+        Self::with(orbit, (free, unit), unknowns, Reduction::of(orbit, &[free], &unknowns))
     }
 
     /// The branch of these unknowns.
@@ -150,34 +127,17 @@ impl Branch {
         unknowns: Unknowns,
         reduction: Reduction,
     ) -> Result<Self, BranchError> {
-        let model = orbit.model();
-        let mut finder = Finder::new(model.chain().sites());
-        finder.prepare(model, orbit.frequency())?;
-        let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
-        // An impact that grazes leaves the others, or what a mass of the ring's own speed would have.
-        let mut full_units = unknowns.units(orbit, &finder.response, largest.max(0.1 * model.omega()));
-        for place in unknowns.times().chain(unknowns.psi()) {
-            full_units[place] = model.period() / std::f64::consts::TAU;
-        }
-        let mut units: Vector = (0..reduction.size()).map(|i| full_units[reduction.leading(i)]).collect();
-        units.push(unit.abs().max(f64::MIN_POSITIVE));
-        let fraction = |time: f64| {
-            let fraction = time / orbit.period();
-            if (fraction - 0.5).abs() <= SYMMETRIC { 0.5 } else { fraction }
-        };
-        let fractions = orbit.impacts().iter().map(|impact| fraction(impact.time)).collect();
-        let (origin, template) = (orbit.clone(), Template::of(orbit));
-        Ok(Self { finder, origin, free, template, fractions, unknowns, reduction, full_units, units, evaluations: 0 })
+        Ok(Self { equations: Continuation::new(orbit, &[(free, unit)], unknowns, reduction)? })
     }
 
     /// Orbits assembled so far: the cost.
     pub fn evaluations(&self) -> usize {
-        self.evaluations
+        self.equations.evaluations
     }
 
     /// The free parameter.
     pub fn free(&self) -> Parameter {
-        self.free
+        self.equations.free[0]
     }
 
     /// The orbit that the branch was started from, heading towards larger parameters.
@@ -191,11 +151,60 @@ impl Branch {
 
     /// Where the orbit that the branch was started from stands.
     pub(crate) fn origin_coordinates(&mut self) -> Result<Vector, BranchError> {
-        self.finder.prepare(self.origin.model(), self.origin.frequency())?;
-        let full = self.unknowns.read(&self.origin, &self.finder.response);
-        let mut z: Vector = (0..self.reduction.size()).map(|i| full[self.reduction.leading(i)]).collect();
-        z.push(self.origin.model().get(self.free));
-        Ok(z)
+        let origin = self.equations.origin.clone();
+        self.equations.coordinates(&origin)
+    }
+
+    /// The point with τ·(z − z₀) = σ, z₀ the anchor. `known` says that this is an orbit itself.
+    fn correct(
+        &mut self,
+        anchor: &[f64],
+        tangent: &[f64],
+        length: f64,
+        known: bool,
+    ) -> Result<BranchPoint, BranchError> {
+        let ahead = anchor.iter().zip(&self.equations.units).zip(tangent);
+        let predicted: Vector = ahead.map(|((anchor, unit), tangent)| anchor + unit * tangent * length).collect();
+        let reach = if length == 0.0 { 1e-2 } else { BEND * length.abs() + 1e-9 };
+        let z = self.equations.newton(&predicted, &[tangent], reach, known)?;
+        self.finish(&z, tangent)
+    }
+
+    /// The point at `z`, with a tangent that goes the way `towards` does.
+    pub(crate) fn finish(&mut self, z: &[f64], towards: &[f64]) -> Result<BranchPoint, BranchError> {
+        let m = self.equations.reduction.size();
+        let here = self.equations.evaluate(z)?;
+        let errors = self.equations.row_errors(&here);
+        let column = self.equations.parameter_column(z, &here.rows, 0)?;
+        let last = unit(m + 1, m);
+        let tangent = here.matrix.bordered(&column, towards).solve(&last).ok_or(BranchError::NoConvergence)?;
+        let norm = dot(&tangent, &tangent).sqrt();
+        let tangent: Vector = tangent.iter().map(|x| x / norm).collect();
+        // The parameter's row of the inverse, bordered by the tangent itself.
+        let bordered = here.matrix.bordered(&column, &tangent);
+        let carried = |row: Vector| row.iter().zip(&errors).map(|(row, error)| row.abs() * error).sum::<f64>();
+        let error = bordered.transposed().solve(&last).map_or(f64::INFINITY, carried);
+        Ok(BranchPoint {
+            orbit: here.orbit,
+            coordinates: z.into(),
+            tangent,
+            full_determinant: here.full_determinant,
+            orientation: bordered.determinant().signum(),
+            parameter_error: error * self.equations.units[m],
+        })
+    }
+
+    /// `z`, an orbit, with this unit tangent.
+    pub(crate) fn point(&mut self, z: &[f64], tangent: Vector) -> Result<BranchPoint, BranchError> {
+        let here = self.equations.evaluate(z)?;
+        Ok(BranchPoint {
+            orbit: here.orbit,
+            coordinates: z.into(),
+            tangent,
+            full_determinant: here.full_determinant,
+            orientation: 0.0,
+            parameter_error: f64::INFINITY,
+        })
     }
 
     /// The point `length` along the tangent at `from`; negative lengths go back.
@@ -215,8 +224,7 @@ impl Branch {
 
     /// `to` − `from`, in units of the coordinates.
     fn chord(&self, from: &BranchPoint, to: &BranchPoint) -> Vector {
-        let ends = to.coordinates.iter().zip(&from.coordinates);
-        ends.zip(&self.units).map(|((to, from), unit)| (to - from) / unit).collect()
+        self.equations.chord(&from.coordinates, &to.coordinates)
     }
 
     /// The chord between two points agrees with the tangents at its ends.
@@ -247,15 +255,15 @@ impl Branch {
     /// # Errors
     /// [`BranchError`].
     pub fn at(&mut self, from: &BranchPoint, value: f64) -> Result<BranchPoint, BranchError> {
-        let (heading, m) = (from.heading(), self.reduction.size());
+        let (heading, m) = (from.heading(), self.equations.reduction.size());
         if heading == 0.0 {
             return Err(BranchError::NoConvergence);
         }
-        let length = (value - from.value()) / self.units[m];
+        let length = (value - from.value()) / self.equations.units[m];
         // Along the tangent to the parameter asked for, and from there at that parameter.
         let mut z = from.coordinates.clone();
         for i in 0..m {
-            z[i] += self.units[i] * from.tangent[i] * length / heading;
+            z[i] += self.equations.units[i] * from.tangent[i] * length / heading;
         }
         z[m] = value;
         let mut direction = unit(m + 1, m);
@@ -269,17 +277,17 @@ impl Branch {
     /// # Errors
     /// [`BranchError`].
     pub fn fold(&mut self, near: &BranchPoint) -> Result<BranchPoint, BranchError> {
-        let (m, mut z) = (self.reduction.size(), near.coordinates.clone());
+        let (m, mut z) = (self.equations.reduction.size(), near.coordinates.clone());
         let mut last = f64::INFINITY;
         for _ in 0..STEPS_TO_FOLD {
-            let here = self.evaluate(&z)?;
-            let column = self.parameter_column(&z, &here.rows)?;
+            let here = self.equations.evaluate(&z)?;
+            let column = self.equations.parameter_column(&z, &here.rows, 0)?;
             let mut gradient = Vector::new();
             for j in 0..=m {
                 let mut side = |sign: f64| -> Result<f64, BranchError> {
                     let mut moved = z.clone();
-                    moved[j] += sign * DIFFERENCE * self.units[j];
-                    Ok(self.evaluate(&moved)?.matrix.determinant())
+                    moved[j] += sign * DIFFERENCE * self.equations.units[j];
+                    Ok(self.equations.evaluate(&moved)?.matrix.determinant())
                 };
                 gradient.push((side(1.0)? - side(-1.0)?) / (2.0 * DIFFERENCE));
             }
@@ -291,7 +299,7 @@ impl Branch {
             // Damped while far away.
             let damping = (0.1 / size).min(1.0);
             for i in 0..=m {
-                z[i] += damping * change[i] * self.units[i];
+                z[i] += damping * change[i] * self.equations.units[i];
             }
             if size <= 4.0 * f64::EPSILON || size < 1e-10 && size >= 0.5 * last {
                 return self.finish(&z, &near.tangent);
@@ -309,7 +317,7 @@ impl Branch {
 
     /// Number of masses.
     pub fn sites(&self) -> usize {
-        self.origin.model().chain().sites()
+        self.equations.origin.model().chain().sites()
     }
 
     /// The length at which `to` lies from `from`, along the tangent there.

@@ -16,7 +16,8 @@
 
 use vibrochain_lattice::Parameter;
 
-use crate::branch::{Branch, BranchError, BranchPoint};
+use crate::branch::{Branch, BranchPoint};
+use crate::error::BranchError;
 use crate::finder::Finder;
 use crate::linear::{Vector, dot, unit};
 use crate::orbit::{Draft, Family, Hit, Orbit, SIMULTANEOUS};
@@ -83,7 +84,7 @@ impl Branch {
         let border = border(size);
         let mut last_row = border.clone();
         last_row.push(0.0);
-        let bordered = branch.evaluate(&coordinates)?.matrix.bordered(&border, &last_row);
+        let bordered = branch.equations.evaluate(&coordinates)?.matrix.bordered(&border, &last_row);
         let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
         direction[size] = 0.0;
         let norm = dot(&direction, &direction).sqrt();

@@ -1,12 +1,21 @@
-//! From near a branch onto it: F and its derivatives, and Newton's method along a tangent.
+//! What a branch and a surface of orbits share: the orbit's equations F in its unknowns x and the free parameters, their derivatives,
+//! and Newton's method from near an orbit onto it.
 
 use smallvec::SmallVec;
+use vibrochain_lattice::Parameter;
 
-use crate::branch::{Branch, BranchError, BranchPoint, DIFFERENCE};
 use crate::equations::{Equations, Errors};
+use crate::error::BranchError;
 use crate::error::BreatherError;
-use crate::linear::{Matrix, Vector, dot, unit, zeros};
+use crate::finder::Finder;
+use crate::linear::{Matrix, Vector, dot, zeros};
 use crate::orbit::Orbit;
+use crate::reduction::{Reduction, SYMMETRIC};
+use crate::unknowns::{Template, Unknowns};
+
+/// Step of difference quotients in the parameters, relative: error and rounding balance. Newton's method needs no more
+/// digits than that.
+const DIFFERENCE: f64 = 1e-6;
 
 /// Newton steps at most for one point; five are usual.
 const STEPS: usize = 12;
@@ -16,27 +25,87 @@ const STEPS: usize = 12;
 const NOISE: f64 = 1e-7;
 const ROUNDING: f64 = 8.0;
 
-/// A point may be this part of the step away from where the tangent pointed; farther is another branch or too long a
-/// step.
-const BEND: f64 = 0.35;
+/// The equations of an orbit, in its unknowns and the parameters that are free.
+#[derive(Debug, Clone)]
+pub(crate) struct Continuation {
+    pub(crate) finder: Finder,
+    pub(crate) origin: Orbit,
+    /// One along a branch, two on a surface.
+    pub(crate) free: SmallVec<[Parameter; 2]>,
+    /// The origin's word, and its times in periods.
+    template: Template,
+    fractions: Vector,
+    pub(crate) unknowns: Unknowns,
+    pub(crate) reduction: Reduction,
+    /// Natural sizes of all unknowns, and of the coordinates with the parameters.
+    full_units: Vector,
+    pub(crate) units: Vector,
+    pub(crate) evaluations: usize,
+}
 
 /// The equations and their derivatives at a point.
 pub(crate) struct Evaluation {
-    orbit: Orbit,
+    pub(crate) orbit: Orbit,
     places: Places,
     pub(crate) rows: Vector,
     /// ∂F/∂x, columns in units.
     pub(crate) matrix: Matrix,
-    full_determinant: f64,
+    pub(crate) full_determinant: f64,
 }
 
 /// Which impact of the orbit each of the word's is.
 type Places = SmallVec<[usize; 2]>;
 
-impl Branch {
+impl Continuation {
+    /// The equations of `orbit` with `free` parameters, each with its unit: the length along it that counts like a change of order 1 of
+    /// the orbit.
+    pub(crate) fn new(
+        orbit: &Orbit,
+        free: &[(Parameter, f64)],
+        unknowns: Unknowns,
+        reduction: Reduction,
+    ) -> Result<Self, BranchError> {
+        let model = orbit.model();
+        let mut finder = Finder::new(model.chain().sites());
+        finder.prepare(model, orbit.frequency())?;
+        let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
+        // An impact that grazes leaves the others, or what a mass of the ring's own speed would have.
+        let mut full_units = unknowns.units(orbit, &finder.response, largest.max(0.1 * model.omega()));
+        for place in unknowns.times().chain(unknowns.psi()) {
+            full_units[place] = model.period() / std::f64::consts::TAU;
+        }
+        let mut units: Vector = (0..reduction.size()).map(|i| full_units[reduction.leading(i)]).collect();
+        units.extend(free.iter().map(|(_, unit)| unit.abs().max(f64::MIN_POSITIVE)));
+        let fraction = |time: f64| {
+            let fraction = time / orbit.period();
+            if (fraction - 0.5).abs() <= SYMMETRIC { 0.5 } else { fraction }
+        };
+        let fractions = orbit.impacts().iter().map(|impact| fraction(impact.time)).collect();
+        let (origin, template) = (orbit.clone(), Template::of(orbit));
+        let free = free.iter().map(|(parameter, _)| *parameter).collect();
+        Ok(Self { finder, origin, free, template, fractions, unknowns, reduction, full_units, units, evaluations: 0 })
+    }
+
+    /// Where an orbit of the origin's word stands.
+    pub(crate) fn coordinates(&mut self, orbit: &Orbit) -> Result<Vector, BranchError> {
+        self.finder.prepare(orbit.model(), orbit.frequency())?;
+        let full = self.unknowns.read(orbit, &self.finder.response);
+        let mut z: Vector = (0..self.reduction.size()).map(|i| full[self.reduction.leading(i)]).collect();
+        z.extend(self.free.iter().map(|&parameter| orbit.model().get(parameter)));
+        Ok(z)
+    }
+
+    /// `to` − `from`, in units of the coordinates.
+    pub(crate) fn chord(&self, from: &[f64], to: &[f64]) -> Vector {
+        to.iter().zip(from).zip(&self.units).map(|((to, from), unit)| (to - from) / unit).collect()
+    }
+
     /// The orbit with these coordinates, whatever its residual, and its impulse response in the finder.
     fn assemble(&mut self, z: &[f64]) -> Result<(Orbit, Places), BranchError> {
-        let model = self.origin.model().with(self.free, z[self.reduction.size()]).map_err(BreatherError::from)?;
+        let mut model = *self.origin.model();
+        for (&parameter, &value) in self.free.iter().zip(&z[self.reduction.size()..]) {
+            model = model.with(parameter, value).map_err(BreatherError::from)?;
+        }
         self.evaluations += 1;
         self.finder.prepare(&model, model.omega() / f64::from(self.template.force_periods()))?;
         let (response, motion) = (&self.finder.response, &mut self.finder.motion);
@@ -83,22 +152,9 @@ impl Branch {
         Ok(Evaluation { orbit, places, rows, matrix, full_determinant })
     }
 
-    /// `z`, an orbit, with this unit tangent.
-    pub(crate) fn point(&mut self, z: &[f64], tangent: Vector) -> Result<BranchPoint, BranchError> {
-        let here = self.evaluate(z)?;
-        Ok(BranchPoint {
-            orbit: here.orbit,
-            coordinates: z.into(),
-            tangent,
-            full_determinant: here.full_determinant,
-            orientation: 0.0,
-            parameter_error: f64::INFINITY,
-        })
-    }
-
-    /// ∂F/∂λ in units, by differences; one-sided at the end of the parameter's range.
-    pub(crate) fn parameter_column(&mut self, z: &[f64], here: &[f64]) -> Result<Vector, BranchError> {
-        let m = self.reduction.size();
+    /// ∂F/∂λ in units, one of the free parameters, by differences; one-sided at the end of the parameter's range.
+    pub(crate) fn parameter_column(&mut self, z: &[f64], here: &[f64], which: usize) -> Result<Vector, BranchError> {
+        let m = self.reduction.size() + which;
         let step = DIFFERENCE * z[m].abs().max(1e-2 * self.units[m]);
         let mut side = |sign: f64| {
             let mut moved = Vector::from(z);
@@ -115,36 +171,45 @@ impl Branch {
         Ok(high.iter().zip(&low).map(|(high, low)| (high - low) * scale).collect())
     }
 
-    /// Newton's method for F(z) = 0, τ·(z − z₀) = σ. `known` says that z₀ itself is an orbit.
-    pub(crate) fn correct(
+    /// ∂F/∂z at `z` above as many rows as parameters are free.
+    pub(crate) fn bordered(&mut self, z: &[f64], here: &Evaluation, rows: &[&[f64]]) -> Result<Matrix, BranchError> {
+        let (mut matrix, m) = (here.matrix.clone(), self.reduction.size());
+        for (which, row) in rows.iter().enumerate() {
+            let mut column = self.parameter_column(z, &here.rows, which)?;
+            column.extend(rows[..which].iter().map(|above| above[m + which]));
+            matrix = matrix.bordered(&column, row);
+        }
+        Ok(matrix)
+    }
+
+    /// Newton's method for F(z) = 0, ρ·(z − z₀) = 0 for each of the rows ρ, in units, from z₀ = `predicted`; the orbit is no farther than
+    /// `reach` from there. `known` says that z₀ itself is an orbit.
+    pub(crate) fn newton(
         &mut self,
-        anchor: &[f64],
-        tangent: &[f64],
-        length: f64,
+        predicted: &[f64],
+        rows: &[&[f64]],
+        reach: f64,
         known: bool,
-    ) -> Result<BranchPoint, BranchError> {
-        let units = self.units.clone();
-        let predicted: Vector = (0..units.len()).map(|i| anchor[i] + units[i] * tangent[i] * length).collect();
-        let mut z = predicted.clone();
+    ) -> Result<Vector, BranchError> {
+        let mut z = Vector::from(predicted);
         let mut last = f64::INFINITY;
         for _ in 0..STEPS {
             let here = self.evaluate(&z)?;
             let exact = last < NOISE && self.holds(&here);
-            let column = self.parameter_column(&z, &here.rows)?;
+            let bordered = self.bordered(&z, &here, rows)?;
             let mut right: Vector = here.rows.iter().map(|x| -x).collect();
-            right.push(length - (0..units.len()).map(|i| tangent[i] * (z[i] - anchor[i]) / units[i]).sum::<f64>());
-            let bordered = here.matrix.bordered(&column, tangent);
+            let moved = self.chord(predicted, &z);
+            right.extend(rows.iter().map(|row| -dot(row, &moved)));
             let change = bordered.solve(&right).ok_or(BranchError::NoConvergence)?;
             let size = change.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-            (0..units.len()).for_each(|i| z[i] += change[i] * units[i]);
-            let moved = (0..units.len()).map(|i| ((z[i] - predicted[i]) / units[i]).abs()).fold(0.0, f64::max);
-            let farthest = if length == 0.0 { 1e-2 } else { BEND * length.abs() + 1e-9 };
-            if moved.is_nan() || moved > farthest {
+            z.iter_mut().zip(&change).zip(&self.units).for_each(|((z, change), unit)| *z += change * unit);
+            let moved = self.chord(predicted, &z).iter().map(|x| x.abs()).fold(0.0, f64::max);
+            if moved.is_nan() || moved > reach {
                 return Err(BranchError::NoConvergence);
             }
             // Far from rounding a step is the square of the last one; next to a bifurcation rounding is as large as this.
             if size <= 4.0 * f64::EPSILON || size >= 0.25 * last && exact || known && size < 1e-9 {
-                return self.finish(&z, tangent);
+                return Ok(z);
             }
             last = size;
         }
@@ -152,36 +217,12 @@ impl Branch {
     }
 
     /// Rounding of F; right after the orbit was worked out.
-    fn row_errors(&self, here: &Evaluation) -> Vector {
+    pub(crate) fn row_errors(&self, here: &Evaluation) -> Vector {
         self.reduction.rows(&self.equations(&here.orbit, &here.places).row_errors(Errors::Evaluated))
     }
 
     /// Whether the equations hold but for rounding; right after they were worked out.
     fn holds(&self, here: &Evaluation) -> bool {
         here.rows.iter().zip(self.row_errors(here)).all(|(row, error)| row.abs() <= ROUNDING * error)
-    }
-
-    /// The point at `z`, with a tangent that goes the way `towards` does.
-    pub(crate) fn finish(&mut self, z: &[f64], towards: &[f64]) -> Result<BranchPoint, BranchError> {
-        let m = self.reduction.size();
-        let here = self.evaluate(z)?;
-        let errors = self.row_errors(&here);
-        let column = self.parameter_column(z, &here.rows)?;
-        let last = unit(m + 1, m);
-        let tangent = here.matrix.bordered(&column, towards).solve(&last).ok_or(BranchError::NoConvergence)?;
-        let norm = dot(&tangent, &tangent).sqrt();
-        let tangent: Vector = tangent.iter().map(|x| x / norm).collect();
-        // The parameter's row of the inverse, bordered by the tangent itself.
-        let bordered = here.matrix.bordered(&column, &tangent);
-        let carried = |row: Vector| row.iter().zip(&errors).map(|(row, error)| row.abs() * error).sum::<f64>();
-        let error = bordered.transposed().solve(&last).map_or(f64::INFINITY, carried);
-        Ok(BranchPoint {
-            orbit: here.orbit,
-            coordinates: z.into(),
-            tangent,
-            full_determinant: here.full_determinant,
-            orientation: bordered.determinant().signum(),
-            parameter_error: error * self.units[m],
-        })
     }
 }

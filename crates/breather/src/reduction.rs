@@ -29,13 +29,13 @@ pub(crate) struct Reduction {
 }
 
 impl Reduction {
-    pub(crate) fn of(orbit: &Orbit, free: Parameter, unknowns: &Unknowns) -> Self {
+    pub(crate) fn of(orbit: &Orbit, free: &[Parameter], unknowns: &Unknowns) -> Self {
         let model = orbit.model();
         let half = 0.5 * orbit.period();
         let centred = orbit.phi().is_some_and(|phi| (phi - half).abs() <= SYMMETRIC * half);
         let one = |i: usize| -> Moves { smallvec![(i, 1.0)] };
         if orbit.family() == Family::DoubleSided && unknowns.size() == 5 && centred {
-            let fixed = |parameter: Parameter, value: f64| model.get(parameter) == value && free != parameter;
+            let fixed = |parameter: Parameter, value: f64| model.get(parameter) == value && !free.contains(&parameter);
             let phase = 2.0 * orbit.psi_or_zero() / model.period();
             if fixed(Parameter::Asymmetry, 0.0) || fixed(Parameter::Gamma1, 0.0) {
                 let columns = smallvec![smallvec![(0, 1.0), (1, -1.0)], one(2), one(4)];

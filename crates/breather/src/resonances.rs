@@ -31,7 +31,7 @@ impl Branch {
         // Of a lattice that is the same all along the branch but for its stiffness; most steps meet none.
         let shapes = OnceCell::new();
         self.meeting(point.value(), to, |mode, harmonic| {
-            let shapes = shapes.get_or_init(|| Shapes::new(self.origin.model().chain()));
+            let shapes = shapes.get_or_init(|| Shapes::new(self.equations.origin.model().chain()));
             pushes(point.orbit(), shapes, mode, harmonic)
         })
     }
@@ -42,12 +42,12 @@ impl Branch {
     }
 
     fn meeting(&self, from: f64, to: f64, counts: impl Fn(usize, f64) -> bool) -> Option<(f64, Resonance)> {
-        if !matches!(self.free, Parameter::Gamma1 | Parameter::Gamma2 | Parameter::Gamma3 | Parameter::Omega) {
+        if !matches!(self.free(), Parameter::Gamma1 | Parameter::Gamma2 | Parameter::Gamma3 | Parameter::Omega) {
             return None;
         }
-        let periods = f64::from(self.origin.force_periods());
+        let periods = f64::from(self.equations.origin.force_periods());
         let of = |model: &Model| (Spectrum::new(*model.chain()), model.omega() / periods);
-        let model = |value: f64| self.origin.model().with(self.free, value).ok();
+        let model = |value: f64| self.equations.origin.model().with(self.free(), value).ok();
         let ((first, omega), (last, last_omega)) = (of(&model(from)?), of(&model(to)?));
         let mut nearest: Option<(f64, Resonance)> = None;
         for (mode, (start, end)) in first.frequencies().iter().zip(last.frequencies()).enumerate() {

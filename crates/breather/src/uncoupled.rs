@@ -5,10 +5,11 @@
 
 use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
 
-use crate::branch::{Branch, BranchError, BranchPoint};
+use crate::branch::{Branch, BranchPoint};
 use crate::completeness::Completeness;
 use crate::ended::{End, Ended};
 use crate::enumeration::combinations;
+use crate::error::BranchError;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found, Wanted};
 use crate::forced_single;

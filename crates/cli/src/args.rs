@@ -56,6 +56,8 @@ pub enum Command {
     Locate(LocateArgs),
     /// A branch of breathers as one parameter varies, through folds, with all events on it and what branches off.
     Branch(BranchArgs),
+    /// The curve on which a breather bifurcates or grazes as two parameters vary, with its points of codimension two.
+    Curve(CurveArgs),
     /// Simulate event by event, from a breather or from any state.
     Simulate(SimulateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
@@ -488,6 +490,44 @@ pub struct BranchArgs {
     /// What the picture shows, a list with commas.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "impulse,spectral-radius", requires = "plot")]
     pub show: Vec<QuantityName>,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `mapgen curve`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The flags of the model give the start, both varied parameters included. From there the event is looked for along the \
+                  first, as `mapgen locate` does; every one that is found is followed both ways in the window of both, round turning \
+                  points, to the window's edge or its own end. Errors, and how far a straight line between neighbouring points may be \
+                  from the curve, are parts of the window's sides. Multipliers come from dense matrices."
+)]
+pub struct CurveArgs {
+    /// What to look for and to follow.
+    #[arg(long, value_enum)]
+    pub event: EventName,
+    /// Where, along what, how far.
+    #[command(flatten)]
+    pub along: AlongArgs,
+    /// The second parameter that varies.
+    #[arg(long, value_enum)]
+    pub and: FreeName,
+    /// Least value of the second parameter [default: as of the first].
+    #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
+    pub and_from: Option<f64>,
+    /// Largest value of the second parameter [default: as of the first].
+    #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
+    pub and_to: Option<f64>,
+    /// How far a straight line between two neighbouring points may be from the curve, as a part of the window's sides.
+    #[arg(long, value_name = "PART", default_value_t = 1e-6, value_parser = real, allow_negative_numbers = true)]
+    pub tolerance: f64,
+    /// Points of all curves as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Picture of the curves, .png or .svg: solid where the orbit is physical.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 use vibrochain_breather::{BranchError, BreatherError};
-use vibrochain_floquet::{FloquetError, LocateError};
+use vibrochain_floquet::{CurveError, FloquetError, LocateError};
 use vibrochain_lattice::{ParameterError, Resonance};
 use vibrochain_maps::error::MapError;
 
@@ -110,6 +110,19 @@ impl From<FloquetError> for CliError {
             FloquetError::NotConverged { .. } | FloquetError::InDoubt { .. } | FloquetError::TooLarge { .. } => {
                 Self::Computation(error.to_string())
             }
+        }
+    }
+}
+
+impl From<CurveError> for CliError {
+    fn from(error: CurveError) -> Self {
+        match error {
+            CurveError::Outside { .. } | CurveError::Same(_) | CurveError::NoForce(_) | CurveError::Tolerance(_) => {
+                Self::Request(error.to_string())
+            }
+            CurveError::Floquet(floquet) => floquet.into(),
+            CurveError::Branch(BranchError::Breather(breather)) => breather.into(),
+            CurveError::NotThere(_) | CurveError::Branch(_) => Self::Computation(error.to_string()),
         }
     }
 }

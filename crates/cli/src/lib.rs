@@ -7,12 +7,12 @@
 //! | `threads` | threads to compute on |
 //! | `pictures` | pictures of a table that is being written |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
-//! | `branch_plot` | the picture of a bifurcation diagram (feature `plot`) |
+//! | `branch_plot`, `curve_plot` | the pictures of a bifurcation diagram and of curves in two parameters (feature `plot`) |
 //! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
 //! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
-//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `simulate_command`, `words_command` | the subcommands |
+//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `simulate_command`, `words_command` | the subcommands |
 
 pub mod args;
 pub mod branch_command;
@@ -21,6 +21,9 @@ mod branch_plot;
 #[cfg(feature = "plot")]
 pub mod caption;
 pub mod console;
+pub mod curve_command;
+#[cfg(feature = "plot")]
+mod curve_plot;
 pub mod entry;
 pub mod error;
 mod estimate;

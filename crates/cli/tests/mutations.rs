@@ -376,6 +376,8 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             }
             Err(_) => Plan::Whole,
         },
+        // As many, of each curve.
+        Ok(Command::Curve(_)) => Plan::Parameters,
         Ok(Command::Simulate(args)) => {
             let Ok(model) = model(&args.model) else { return Plan::Whole };
             let sites = model.chain().sites() as f64;

@@ -44,6 +44,7 @@ mod by_inertia;
 mod by_partners;
 mod by_secular;
 mod certainty;
+mod curve;
 mod dense;
 mod eigen;
 mod eigenvectors;
@@ -65,6 +66,7 @@ mod symmetry;
 mod verdict;
 
 pub use analyser::{Analyser, Stability, stability};
+pub use curve::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Window, curve};
 pub use eigen::eigenvalues;
 pub use eigenvectors::{FloquetMode, leading_modes};
 pub use error::FloquetError;

@@ -21,6 +21,7 @@ mod lines;
 pub mod manifest;
 pub mod numbers;
 pub mod point;
+pub mod regions;
 pub mod scene;
 pub mod summary;
 pub mod sweep;

@@ -87,6 +87,11 @@ pub fn open(path: Option<&Path>) -> Result<Option<(Format, Output)>, MapError> {
 pub trait Drawing {
     /// Draws on an area of the size that was asked for.
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError>;
+
+    /// Elements of an SVG that lie under all that is drawn, on the ground that is filled first.
+    fn shapes(&self) -> Option<String> {
+        None
+    }
 }
 
 /// DejaVu Sans, which has the Greek letters and subscripts of the model's symbols; its licence lies beside it.
@@ -126,6 +131,10 @@ pub fn render(drawing: &impl Drawing, format: Format, (width, height): (u32, u32
                 let area = SVGBackend::with_string(&mut text, (width, height)).into_drawing_area();
                 drawing.draw(&area)?;
                 area.present().map_err(PlotError::from)?;
+            }
+            if let Some(shapes) = drawing.shapes() {
+                let ground = text.find("/>").map_or(0, |end| end + 2);
+                text.insert_str(ground, &format!("\n{shapes}"));
             }
             // Cells keep their edges at any magnification.
             let text = text.replace("<image ", "<image image-rendering=\"pixelated\" ");

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
 //! | `map`, `lines`, `palette` | the picture of a map, lines over it, its colours and textures |
+//! | `regions`, `coverage` | the picture of a map by its regions: shapes, or pixels by exact area |
 //! | `curves`, `axes`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
 //! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
 //! | `field` | all masses of a run in space and time, thinned while it runs |
@@ -20,6 +21,7 @@
 
 pub mod axes;
 pub mod canvas;
+mod coverage;
 mod curves;
 pub mod decades;
 pub mod field;
@@ -28,6 +30,7 @@ mod map;
 pub mod markers;
 mod orbit;
 pub mod palette;
+mod regions;
 mod run;
 mod spacetime;
 mod words;
@@ -37,5 +40,6 @@ pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 pub use map::{MapLine, MapPicture, is_shown, map_picture, map_with_lines};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};
 pub use palette::{Palette, Tile};
+pub use regions::{RegionsPicture, regions_picture};
 pub use run::{RunPicture, run_picture};
 pub use spacetime::{Spacetime, spacetime_picture};

@@ -4,6 +4,7 @@ use plotters::coord::Shift;
 use plotters::element::{BitMapElement, PathElement, Rectangle, Text};
 use plotters::prelude::{BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, RGBColor, WHITE};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
 use vibrochain_floquet::Mechanism;
 
 use crate::canvas::{Drawing, Format, PlotError, render};
@@ -16,7 +17,7 @@ use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
 
 /// About this many pixels wide and high the map itself becomes.
-const TARGET: usize = 900;
+pub(crate) const TARGET: usize = 900;
 
 /// A map wider or higher than this in cells shows every second (third …) one only.
 const MOST: usize = 6000;
@@ -74,14 +75,49 @@ pub fn map_with_lines(picture: &MapPicture<'_>, lines: &[MapLine], format: Forma
     let Some([x, y]) = picture.scene.plane() else {
         return Err(PlotError("a map has two axes".to_owned()));
     };
-    let layout = Layout { columns: Grid::new(x.points()), rows: Grid::new(y.points()) };
-    let width = layout.columns.pixels() + LEFT + RIGHT;
-    let scene = picture.scene;
-    let headings = [(scene.heading(), HEADINGS[0]), (fixed(scene), HEADINGS[1])];
-    let headings = headings.map(|(text, size)| Heading::new(&text, width - LEFT - EDGE, size));
-    let top = TOP.0 + headings.iter().map(Heading::height).sum::<u32>() + TOP.1;
-    let size = (width, layout.rows.pixels().max(MOST_LEGEND) + top + BOTTOM);
-    render(&Sheet { picture, lines, x, y, layout, headings, top }, format, size)
+    let grids = [Grid::new(x.points()), Grid::new(y.points())];
+    // A cell covers half a step on either side of its value.
+    let span = |axis: &Axis, grid: Grid| {
+        let (from, step) = places(axis);
+        from - 0.5 * step..from - 0.5 * step + step * (grid.shown * grid.stride) as f64
+    };
+    let spans = [span(x, grids[0]), span(y, grids[1])];
+    let mut tiles: Vec<Tile> = Vec::new();
+    for tile in picture.tiles {
+        if !tiles.contains(tile) {
+            tiles.push(*tile);
+        }
+    }
+    let ground = Ground::Raster(raster(picture, grids));
+    let size = grids.map(|grid| grid.pixels());
+    let sheet = Sheet {
+        scene: picture.scene,
+        palette: picture.palette,
+        axes: [x, y],
+        tiles,
+        lines,
+        key: &[],
+        spans,
+        size,
+        ground,
+    };
+    sheet.bytes(format)
+}
+
+/// The pixels of a map's cells.
+fn raster(picture: &MapPicture<'_>, [columns, rows]: [Grid; 2]) -> Vec<u8> {
+    let (width, height) = (columns.pixels(), rows.pixels());
+    let mut pixels = Vec::with_capacity(3 * (width * height) as usize);
+    for py in 0..height {
+        let row = (rows.shown as u32 - 1 - py / rows.cell) as usize;
+        for px in 0..width {
+            let column = (px / columns.cell) as usize;
+            let unknown = Tile { class: None, mechanism: None };
+            let tile = picture.tiles.get(row * columns.shown + column).copied().unwrap_or(unknown);
+            pixels.extend(picture.palette.pixel(tile, px, py));
+        }
+    }
+    pixels
 }
 
 /// Cells along one axis.
@@ -104,21 +140,29 @@ impl Grid {
     }
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Layout {
-    columns: Grid,
-    rows: Grid,
+/// What lies under lines and frame.
+pub(crate) enum Ground {
+    /// Pixels, three bytes each.
+    Raster(Vec<u8>),
+    /// Elements of an SVG, from the upper left corner of the map.
+    Shapes(String),
 }
 
-struct Sheet<'a> {
-    picture: &'a MapPicture<'a>,
-    lines: &'a [MapLine],
-    x: &'a Axis,
-    y: &'a Axis,
-    layout: Layout,
-    headings: [Heading; 2],
-    /// Where the map begins.
-    top: u32,
+/// A map with all that stands about it.
+pub(crate) struct Sheet<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) axes: [&'a Axis; 2],
+    pub(crate) palette: Palette,
+    /// What occurs on it.
+    pub(crate) tiles: Vec<Tile>,
+    pub(crate) lines: &'a [MapLine],
+    /// Kinds of borders that are drawn, and their colours.
+    pub(crate) key: &'a [(&'a str, [u8; 3])],
+    /// What the map spans of each axis.
+    pub(crate) spans: [Range<f64>; 2],
+    /// Its pixels.
+    pub(crate) size: [u32; 2],
+    pub(crate) ground: Ground,
 }
 
 fn label(axis: &Axis) -> String {
@@ -142,83 +186,88 @@ fn fixed(scene: &Scene) -> String {
 }
 
 impl Sheet<'_> {
-    fn raster(&self) -> (u32, u32, Vec<u8>) {
-        let (columns, rows) = (self.layout.columns, self.layout.rows);
-        let (width, height) = (columns.pixels(), rows.pixels());
-        let mut pixels = Vec::with_capacity(3 * (width * height) as usize);
-        for py in 0..height {
-            let row = (rows.shown as u32 - 1 - py / rows.cell) as usize;
-            for px in 0..width {
-                let column = (px / columns.cell) as usize;
-                let unknown = Tile { class: None, mechanism: None };
-                let tile = self.picture.tiles.get(row * columns.shown + column).copied().unwrap_or(unknown);
-                pixels.extend(self.picture.palette.pixel(tile, px, py));
-            }
-        }
-        (width, height, pixels)
+    pub(crate) fn bytes(self, format: Format) -> Result<Vec<u8>, PlotError> {
+        let width = self.size[0] + LEFT + RIGHT;
+        let headings = [(self.scene.heading(), HEADINGS[0]), (fixed(self.scene), HEADINGS[1])];
+        let headings = headings.map(|(text, size)| Heading::new(&text, width - LEFT - EDGE, size));
+        let top = TOP.0 + headings.iter().map(Heading::height).sum::<u32>() + TOP.1;
+        let size = (width, self.size[1].max(MOST_LEGEND) + top + BOTTOM);
+        render(&Headed { sheet: self, headings, top }, format, size)
     }
 
     /// Legend entries that occur on this map.
-    fn legend(&self) -> Vec<(Tile, String)> {
-        let tiles = self.picture.tiles;
-        let mut entries = Vec::new();
+    fn legend(&self) -> Vec<(Tile, &'static str)> {
+        let classes = Class::ALL.into_iter().map(Some).chain([None]);
+        let occurs = |class: &Option<Class>| self.tiles.iter().any(|tile| tile.class == *class);
+        classes.filter(occurs).map(|class| (Tile { class, mechanism: None }, self.words(class))).collect()
+    }
+
+    /// A class as a legend has it.
+    pub(crate) fn words(&self, class: Option<Class>) -> &'static str {
         let words = [Class::StableWord, Class::UnstableWord, Class::Word];
-        let only_words = tiles.iter().filter_map(|tile| tile.class).all(|c| c == Class::None || words.contains(&c));
-        for class in Class::ALL {
-            let text = match class {
-                Class::None => "no physical breather",
-                Class::StableDouble => "stable double-sided",
-                Class::StableSingle => "stable single-sided",
-                Class::UnstableDouble => "unstable double-sided",
-                Class::UnstableSingle => "unstable single-sided",
-                Class::Double => "double-sided",
-                Class::Single => "single-sided",
-                // The title names the words.
-                Class::StableWord if only_words => "stable breather",
-                Class::UnstableWord if only_words => "unstable breather",
-                Class::Word if only_words => "breather",
-                Class::StableWord => "stable, other words",
-                Class::UnstableWord => "unstable, other words",
-                Class::Word => "other words",
-            };
-            if tiles.iter().any(|tile| tile.class == Some(class)) {
-                entries.push((Tile { class: Some(class), mechanism: None }, text.to_owned()));
-            }
+        let only_words =
+            self.tiles.iter().filter_map(|tile| tile.class).all(|c| c == Class::None || words.contains(&c));
+        let Some(class) = class else { return "not computed (see status)" };
+        match class {
+            Class::None => "no physical breather",
+            Class::StableDouble => "stable double-sided",
+            Class::StableSingle => "stable single-sided",
+            Class::UnstableDouble => "unstable double-sided",
+            Class::UnstableSingle => "unstable single-sided",
+            Class::Double => "double-sided",
+            Class::Single => "single-sided",
+            // The title names the words.
+            Class::StableWord if only_words => "stable breather",
+            Class::UnstableWord if only_words => "unstable breather",
+            Class::Word if only_words => "breather",
+            Class::StableWord => "stable, other words",
+            Class::UnstableWord => "unstable, other words",
+            Class::Word => "other words",
         }
-        if tiles.iter().any(|tile| tile.class.is_none()) {
-            entries.push((Tile { class: None, mechanism: None }, "not computed (see status)".to_owned()));
-        }
-        entries
     }
 
     /// Textures that occur.
     fn textures(&self) -> Vec<(Mechanism, &'static str)> {
-        let all = [
-            (Mechanism::NeimarkSacker, "Neimark–Sacker"),
-            (Mechanism::PeriodDoubling, "period doubling"),
-            (Mechanism::PlusOne, "through +1"),
-            (Mechanism::Pitchfork, "pitchfork"),
-        ];
-        let occurs = |mechanism| self.picture.tiles.iter().any(|tile| tile.mechanism == Some(mechanism));
-        all.into_iter().filter(|(mechanism, _)| occurs(*mechanism)).collect()
+        let all = [Mechanism::NeimarkSacker, Mechanism::PeriodDoubling, Mechanism::PlusOne, Mechanism::Pitchfork];
+        let occurs = |mechanism: &Mechanism| self.tiles.iter().any(|tile| tile.mechanism == Some(*mechanism));
+        all.into_iter().filter(occurs).map(|mechanism| (mechanism, loss(mechanism))).collect()
     }
 }
 
-impl Drawing for Sheet<'_> {
+/// A mechanism as a legend has it.
+pub(crate) fn loss(mechanism: Mechanism) -> &'static str {
+    match mechanism {
+        Mechanism::NeimarkSacker => "Neimark–Sacker",
+        Mechanism::PeriodDoubling => "period doubling",
+        Mechanism::PlusOne => "through +1",
+        Mechanism::Pitchfork => "pitchfork",
+    }
+}
+
+/// A sheet and its headings in lines.
+struct Headed<'a> {
+    sheet: Sheet<'a>,
+    headings: [Heading; 2],
+    /// Where the map begins.
+    top: u32,
+}
+
+impl Drawing for Headed<'_> {
+    fn shapes(&self) -> Option<String> {
+        let Ground::Shapes(shapes) = &self.sheet.ground else { return None };
+        Some(format!("<g transform=\"translate({LEFT} {})\">\n{shapes}</g>\n", self.top))
+    }
+
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
         area.fill(&WHITE).map_err(PlotError::from)?;
-        let (width, height, pixels) = self.raster();
+        let Sheet { palette, lines, axes: [x_axis, y_axis], spans, size: [width, height], .. } = &self.sheet;
+        let (width, height) = (*width, *height);
         let (left, top) = (LEFT as i32, self.top as i32);
         let grey = RGBColor(60, 60, 60);
         let [title, parameters] = &self.headings;
         title.draw(area, (left, TOP.0 as i32), BLACK)?;
         parameters.draw(area, (left, (TOP.0 + title.height()) as i32), grey)?;
 
-        // Axes: a cell covers half a step on either side of its value.
-        let span = |axis: &Axis, grid: Grid| {
-            let (from, step) = places(axis);
-            from - 0.5 * step..from - 0.5 * step + step * (grid.shown * grid.stride) as f64
-        };
         let (total_width, total_height) = area.dim_in_pixel();
         let mut chart = ChartBuilder::on(area)
             .margin_top(self.top)
@@ -227,36 +276,38 @@ impl Drawing for Sheet<'_> {
             .x_label_area_size(BOTTOM)
             .margin_left(EDGE)
             .y_label_area_size(LEFT - EDGE)
-            .build_cartesian_2d(span(self.x, self.layout.columns), span(self.y, self.layout.rows))
+            .build_cartesian_2d(spans[0].clone(), spans[1].clone())
             .map_err(PlotError::from)?;
         chart
             .configure_mesh()
             .disable_mesh()
-            .x_desc(label(self.x))
-            .y_desc(label(self.y))
+            .x_desc(label(x_axis))
+            .y_desc(label(y_axis))
             .axis_desc_style(("sans-serif", 20))
             .label_style(("sans-serif", 16))
             .x_labels(8)
             .y_labels(8)
-            .x_label_formatter(&|place| tick_at(self.x, *place))
-            .y_label_formatter(&|place| tick_at(self.y, *place))
+            .x_label_formatter(&|place| tick_at(x_axis, *place))
+            .y_label_formatter(&|place| tick_at(y_axis, *place))
             .draw()
             .map_err(PlotError::from)?;
-        let raster = BitMapElement::with_ref((left, top), (width, height), pixels.as_slice())
-            .ok_or_else(|| PlotError("the raster does not fit its frame".to_owned()))?;
-        area.draw(&raster).map_err(PlotError::from)?;
+        if let Ground::Raster(pixels) = &self.sheet.ground {
+            let raster = BitMapElement::with_ref((left, top), (width, height), pixels.as_slice())
+                .ok_or_else(|| PlotError("the raster does not fit its frame".to_owned()))?;
+            area.draw(&raster).map_err(PlotError::from)?;
+        }
         let frame = [(left - 1, top - 1), (left + width as i32, top + height as i32)];
         area.draw(&Rectangle::new(frame, BLACK)).map_err(PlotError::from)?;
 
         let x = left + width as i32 + 24;
         let mut y = top;
         let text = ("sans-serif", 17).into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
-        for (tile, entry) in self.legend() {
-            swatch(area, |px, py| self.picture.palette.pixel(tile, px, py), (x, y))?;
+        for (tile, entry) in self.sheet.legend() {
+            swatch(area, |px, py| palette.pixel(tile, px, py), (x, y))?;
             area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
             y += 34;
         }
-        let textures = self.textures();
+        let textures = self.sheet.textures();
         if !textures.is_empty() {
             y += 16;
             let small = ("sans-serif", 16).into_font().color(&grey);
@@ -268,11 +319,23 @@ impl Drawing for Sheet<'_> {
             area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
             y += 34;
         }
-        if !self.lines.is_empty() {
-            let across = (span(self.x, self.layout.columns), span(self.y, self.layout.rows));
-            let frame = Frame { left, top, width, height, x: across.0, y: across.1, raster: &pixels };
-            draw_lines(area, &frame, self.lines)?;
-            draw_key(area, self.lines, (x, y + 16))?;
+        if !self.sheet.key.is_empty() {
+            y += 16;
+            let small = ("sans-serif", 16).into_font().color(&grey);
+            area.draw(&Text::new("borders", (x, y), small)).map_err(PlotError::from)?;
+            y += 28;
+        }
+        for &(kind, [r, g, b]) in self.sheet.key {
+            let sample = PathElement::new(vec![(x, y + 12), (x + 34, y + 12)], RGBColor(r, g, b).stroke_width(2));
+            area.draw(&sample).map_err(PlotError::from)?;
+            area.draw(&Text::new(kind.to_owned(), (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
+            y += 26;
+        }
+        if let (false, Ground::Raster(raster)) = (lines.is_empty(), &self.sheet.ground) {
+            let [x_span, y_span] = spans.clone();
+            let frame = Frame { left, top, width, height, x: x_span, y: y_span, raster };
+            draw_lines(area, &frame, lines)?;
+            draw_key(area, lines, (x, y + 16))?;
         }
         Ok(())
     }
@@ -297,7 +360,7 @@ fn swatch<B: DrawingBackend>(
 
 /// Where the first value of an axis lies on the picture, and the distance of neighbours: their logarithms where the ratio is
 /// constant, their numbers in a list.
-fn places(axis: &Axis) -> (f64, f64) {
+pub(crate) fn places(axis: &Axis) -> (f64, f64) {
     let part = |from: f64, to: f64, points: usize| (from, (to - from) / (points - 1) as f64);
     match &axis.values {
         Values::Linear { from, to, points } => part(*from, *to, *points),

@@ -30,7 +30,7 @@ mod follow;
 mod follower;
 mod polish;
 mod settle;
-mod spectrum_events;
+pub(crate) mod spectrum_events;
 mod switch;
 mod watch;
 
@@ -38,3 +38,4 @@ pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateE
 pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station};
 pub use diagram::diagram;
 pub use follow::locate;
+pub(crate) use polish::Polisher;

@@ -25,10 +25,10 @@ const MERGED: f64 = 1e-2;
 const DIFFERENCE: f64 = 1e-5;
 
 /// The equations of an orbit that polish its multipliers.
-pub(super) struct Polisher(ImpactMatrix);
+pub(crate) struct Polisher(ImpactMatrix);
 
 impl Polisher {
-    pub(super) fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
+    pub(crate) fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
         let _ = saltations(orbit)?;
         let mut matrix = ImpactMatrix::default();
         matrix.set(finder.prepared(orbit)?);
@@ -36,7 +36,7 @@ impl Polisher {
     }
 
     /// The multiplier next to `start`, within `slack`; `None` where Newton's method leads elsewhere.
-    pub(super) fn polished(&mut self, start: C, slack: f64) -> Option<C> {
+    pub(crate) fn polished(&mut self, start: C, slack: f64) -> Option<C> {
         let last_reach = MOST_MOVE * self.0.nearest_poles(start);
         let (mut z, mut last) = (start, f64::INFINITY);
         for _ in 0..STEPS {

@@ -245,7 +245,7 @@ impl StripeFinder {
     ) -> Result<Stripe, NoStripe> {
         line.check()?;
         let omega = self.dress(line, value)?.omega();
-        if self.dressed.is_symmetric() && harmonic % 2 != 0 {
+        if self.dressed.is_symmetric() && !harmonic.is_multiple_of(2) {
             return Err(NoStripe::Passes);
         }
         let [low, high] = [modes.0, modes.1].map(|mode| self.dressed.frequency(mode).ok_or(NoStripe::NoMode { mode }));

@@ -203,6 +203,12 @@ impl Scene {
         point
     }
 
+    /// The point at these values along its axes, the first axes' values; what lies between the ends of an axis is a valid model.
+    pub fn at(&self, values: &[f64]) -> Point {
+        let pairs = self.axes.iter().zip(values);
+        pairs.fold(self.base, |point, (axis, &value)| point.with(axis.parameter, value))
+    }
+
     /// The axes x and y of a sweep over just two.
     pub fn plane(&self) -> Option<[&Axis; 2]> {
         match self.axes.as_slice() {

@@ -1,0 +1,266 @@
+//! `mapgen curve`: the curve of an event as two parameters vary.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_floquet::{CurvePoint, EventCurve, Located, Search, SpecialPoint, Window, curve, locate};
+use vibrochain_lattice::{Parameter, Short};
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::numbers::Number;
+
+use crate::args::CurveArgs;
+use crate::console::Console;
+use crate::error::CliError;
+use crate::locate_command::{Start, event, message, start};
+use crate::orbit_command::point_value;
+use crate::which;
+
+/// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
+const ON_IT: f64 = 2.0;
+const ALIKE: f64 = 1e-3;
+
+/// The curves, and the window they are in.
+struct Curves {
+    window: Window,
+    list: Vec<EventCurve>,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
+    let taken = distinct(&[], &files)?;
+    let [first, second] = [args.along.free, args.and].map(Parameter::from);
+    let header = [
+        "curve",
+        "event",
+        first.name(),
+        second.name(),
+        "error",
+        "special",
+        "special_error",
+        "angle",
+        "physical",
+        "impulses",
+        "phi",
+        "psi",
+    ];
+    if first == second {
+        return Err(CliError::Request(format!("--free and --and are both {}: give two parameters", first.name())));
+    }
+    let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
+    let plot = Plot::open(args)?;
+    let start = start(&args.along)?;
+    let window = window(args, &start)?;
+    let search = Search { event: event(args.event), free: first, from: window.from[0], to: window.to[0] };
+    let answer = locate(&start.orbit, &search)?;
+    let mut curves = Curves { window, list: Vec::new() };
+    for located in &answer.located {
+        if !curves.holds(located, args.tolerance) {
+            let curve = curve(&located.orbit, located.event, located.evidence, &window, args.tolerance)?;
+            curves.list.push(curve);
+        }
+    }
+    let text = if args.json {
+        format!("{:#}\n", curves.as_json(&start))
+    } else {
+        curves.as_text(&start, &search, &answer.ends)
+    };
+    console.answer(&text, taken)?;
+    if let Some(table) = table {
+        curves.write(table)?;
+    }
+    plot.finish(&start, &curves.window, &curves.list)
+}
+
+/// The ranges of both parameters.
+fn window(args: &CurveArgs, start: &Start) -> Result<Window, CliError> {
+    let parameters = [args.along.free, args.and].map(Parameter::from);
+    let asked = [(args.along.from, args.along.to), (args.and_from, args.and_to)];
+    let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
+    for i in 0..2 {
+        let usual = Search::new(&start.orbit, event(args.event), parameters[i]);
+        (from[i], to[i]) = (asked[i].0.unwrap_or(usual.from), asked[i].1.unwrap_or(usual.to));
+    }
+    for (flag, value) in [("--and-from", args.and_from), ("--and-to", args.and_to)] {
+        let Some(value) = value else { continue };
+        let model = start.orbit.model().with(parameters[1], value);
+        let _ = model.map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
+    }
+    let value = start.orbit.model().get(parameters[1]);
+    if !(from[1] <= value && value <= to[1] && from[1] < to[1]) {
+        let here = format!("{} = {}, where the search starts", parameters[1].name(), Short(value));
+        let message = format!(
+            "--and-from {} and --and-to {} are no range around {here}: give one that holds it",
+            Short(from[1]),
+            Short(to[1])
+        );
+        return Err(CliError::Request(message));
+    }
+    Ok(Window { parameters, from, to })
+}
+
+impl Curves {
+    /// Whether an event lies on one of the curves that were followed already.
+    fn holds(&self, located: &Located, tolerance: f64) -> bool {
+        let place = self.window.parts(self.window.place(located.orbit.model()));
+        let impulses = |orbit: &vibrochain_breather::Orbit| -> Vec<f64> {
+            orbit.impacts().iter().map(|impact| impact.impulse).collect()
+        };
+        let own = impulses(&located.orbit);
+        let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
+        self.list.iter().any(|curve| {
+            curve.points.windows(2).any(|pair| {
+                let [from, to] = [&pair[0], &pair[1]].map(|point| self.window.parts(point.values));
+                let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
+                let square = chord[0] * chord[0] + chord[1] * chord[1];
+                let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
+                let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
+                let (a, b) = (impulses(&pair[0].orbit), impulses(&pair[1].orbit));
+                apart <= ON_IT * tolerance
+                    && own.len() == a.len()
+                    && own.len() == b.len()
+                    && own
+                        .iter()
+                        .zip(a.iter().zip(&b))
+                        .all(|(own, (a, b))| (a + share * (b - a) - own).abs() <= ALIKE * strongest)
+            })
+        })
+    }
+
+    fn write(&self, mut table: CsvFile) -> Result<(), CliError> {
+        let number = |value: Option<f64>| value.filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string());
+        for (i, curve) in self.list.iter().enumerate() {
+            for (k, point) in curve.points.iter().enumerate() {
+                let special: Vec<&SpecialPoint> = curve.special.iter().filter(|one| one.point == k).collect();
+                let names: Vec<String> = special.iter().map(|one| one.special.to_string()).collect();
+                let impulses: Vec<String> =
+                    point.orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
+                table.row([
+                    (i + 1).to_string(),
+                    curve.event.to_string(),
+                    point.values[0].to_string(),
+                    point.values[1].to_string(),
+                    number(Some(point.error)),
+                    names.join(" "),
+                    number(special.first().map(|one| one.error)),
+                    number(point.angle),
+                    point.physical.map_or(String::new(), |physical| physical.to_string()),
+                    impulses.join(" "),
+                    number(point.orbit.phi()),
+                    number(point.orbit.psi()),
+                ])?;
+            }
+        }
+        Ok(table.finish()?)
+    }
+
+    fn as_json(&self, start: &Start) -> Value {
+        let point = |point: &CurvePoint| {
+            json!({
+                "values": point.values,
+                "error": point.error.is_finite().then_some(point.error),
+                "angle": point.angle,
+                "physical": point.physical,
+                "impulses": point.orbit.impacts().iter().map(|impact| impact.impulse).collect::<Vec<_>>(),
+                "phi": point.orbit.phi(),
+                "psi": point.orbit.psi(),
+            })
+        };
+        let special = |curve: &EventCurve, one: &SpecialPoint| {
+            json!({
+                "special": one.special.to_string(),
+                "point": one.point,
+                "values": curve.points[one.point].values,
+                "error": one.error,
+            })
+        };
+        let list: Vec<Value> = self
+            .list
+            .iter()
+            .map(|curve| {
+                json!({
+                    "event": curve.event.name(),
+                    "points": curve.points.iter().map(point).collect::<Vec<_>>(),
+                    "special": curve.special.iter().map(|one| special(curve, one)).collect::<Vec<_>>(),
+                    "ends": curve.ends.iter().map(ToString::to_string).collect::<Vec<_>>(),
+                    "evaluations": curve.evaluations,
+                    "spectra": curve.spectra,
+                })
+            })
+            .collect();
+        json!({
+            "parameters": point_value(start.orbit.model()),
+            "family": which::name(&start.orbit),
+            "solution": start.number,
+            "free": self.window.parameters.map(Parameter::name),
+            "from": self.window.from,
+            "to": self.window.to,
+            "curves": list,
+        })
+    }
+
+    /// The answer for people. Writing to a String cannot fail.
+    fn as_text(&self, start: &Start, search: &Search, ends: &[(f64, vibrochain_floquet::End); 2]) -> String {
+        let [first, second] = self.window.parameters.map(Parameter::name);
+        let mut out = String::new();
+        let _ = writeln!(out, "{} of {}", search.event, start.heading(search.free));
+        if self.list.is_empty() {
+            let _ = writeln!(out, "\nno {} along {first}: nothing to follow", search.event);
+            for (way, (value, end)) in ["down", "up"].into_iter().zip(ends) {
+                let _ = writeln!(out, "{way}: {}", message(search.free, *value, end));
+            }
+        }
+        let place = |point: &CurvePoint| {
+            format!("{first} = {}, {second} = {}", Number(point.values[0]), Number(point.values[1]))
+        };
+        for (i, curve) in self.list.iter().enumerate() {
+            let worst = curve.points.iter().map(|point| point.error).fold(0.0, f64::max);
+            let _ = writeln!(
+                out,
+                "\ncurve {}: {} points, known to {worst:.0e} of the window or better",
+                i + 1,
+                curve.points.len()
+            );
+            for one in &curve.special {
+                let at = &curve.points[one.point];
+                let aside = if at.physical == Some(false) { "; not physical" } else { "" };
+                let _ = writeln!(out, "  {} ± {:.0e}  {}{aside}", place(at), one.error, one.special);
+            }
+            for (point, end) in [curve.points.first(), curve.points.last()].into_iter().zip(&curve.ends) {
+                let Some(point) = point else { continue };
+                let _ = writeln!(out, "  end: {}, {end}", place(point));
+            }
+        }
+        let (orbits, spectra) = self.list.iter().fold((0, 0), |(a, b), one| (a + one.evaluations, b + one.spectra));
+        let _ = writeln!(out, "\n{orbits} orbits assembled, {spectra} eigenvalue problems");
+        out
+    }
+}
+
+#[cfg(feature = "plot")]
+use crate::curve_plot::Plot;
+#[cfg(not(feature = "plot"))]
+use without_plot::Plot;
+
+#[cfg(not(feature = "plot"))]
+mod without_plot {
+    use super::{CliError, CurveArgs, EventCurve, Start, Window};
+
+    pub(super) struct Plot;
+
+    impl Plot {
+        pub(super) fn open(args: &CurveArgs) -> Result<Self, CliError> {
+            match args.plot {
+                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
+                None => Ok(Self),
+            }
+        }
+
+        pub(super) fn finish(self, _: &Start, _: &Window, _: &[EventCurve]) -> Result<(), CliError> {
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! What is asked of a curve, and what it holds.
+
+use std::fmt;
+
+use thiserror::Error;
+use vibrochain_breather::{BranchError, Orbit};
+use vibrochain_lattice::{Model, Parameter, Resonance, Short};
+
+use crate::error::FloquetError;
+use crate::locate::{Event, Evidence};
+
+/// A rectangle in the plane of two parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Window {
+    /// The two.
+    pub parameters: [Parameter; 2],
+    /// Least values.
+    pub from: [f64; 2],
+    /// Largest values.
+    pub to: [f64; 2],
+}
+
+impl Window {
+    /// The lengths of its sides.
+    pub fn sides(&self) -> [f64; 2] {
+        [0, 1].map(|i| self.to[i] - self.from[i])
+    }
+
+    /// A place as parts of both sides.
+    pub fn parts(&self, values: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| (values[i] - self.from[i]) / (self.to[i] - self.from[i]))
+    }
+
+    /// Where a model stands.
+    pub fn place(&self, model: &Model) -> [f64; 2] {
+        self.parameters.map(|parameter| model.get(parameter))
+    }
+
+    /// Whether a place is in it.
+    pub fn holds(&self, values: [f64; 2]) -> bool {
+        (0..2).all(|i| (self.from[i]..=self.to[i]).contains(&values[i]))
+    }
+}
+
+/// A point of a curve.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CurvePoint {
+    /// Values of both parameters.
+    pub values: [f64; 2],
+    /// Estimated error: how far the curve may pass from it, as a part of the window's sides.
+    pub error: f64,
+    /// The orbit there.
+    pub orbit: Orbit,
+    /// The angle, over π, of the pair of multipliers that meets the circle, at a Neimark–Sacker point.
+    pub angle: Option<f64>,
+    /// Whether the orbit is physical, touches of the event itself aside; `None` where that cannot be told.
+    pub physical: Option<bool>,
+}
+
+/// What else happens at a point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
+pub enum Special {
+    /// Two multipliers +1.
+    #[cfg_attr(feature = "serde", serde(rename = "1:1"))]
+    OneToOne,
+    /// Two multipliers −1.
+    #[cfg_attr(feature = "serde", serde(rename = "1:2"))]
+    OneToTwo,
+    /// A pair e^{±2πi/3}.
+    #[cfg_attr(feature = "serde", serde(rename = "1:3"))]
+    OneToThree,
+    /// A pair ±i.
+    #[cfg_attr(feature = "serde", serde(rename = "1:4"))]
+    OneToFour,
+    /// Two folds meet; the curve stands still in both parameters.
+    Cusp,
+    /// Another event happens at the same orbit.
+    With(Event),
+}
+
+impl fmt::Display for Special {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::OneToOne => "1:1",
+            Self::OneToTwo => "1:2",
+            Self::OneToThree => "1:3",
+            Self::OneToFour => "1:4",
+            Self::Cusp => "cusp",
+            Self::With(event) => event.name(),
+        })
+    }
+}
+
+/// A point of codimension two.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct SpecialPoint {
+    /// What happens there besides.
+    pub special: Special,
+    /// Which of the curve's points it is.
+    pub point: usize,
+    /// Between which two lengths of the curve it was enclosed, as a part of the window's sides.
+    pub error: f64,
+}
+
+/// How a curve ends.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(tag = "reason", content = "detail", rename_all = "kebab-case")
+)]
+pub enum CurveEnd {
+    /// At the edge of the window.
+    Edge,
+    /// At the edge of the window where masses are not coupled, γ₂ = 0.
+    Uncoupled,
+    /// Where it began: a closed curve.
+    Closed,
+    /// At a point of codimension two, beyond which no such event is: the pair of multipliers becomes real.
+    Special(Special),
+    /// A harmonic of the orbit meets a mode.
+    Resonance(Resonance),
+    /// Both edges of a stripe are so near to each other that they cannot be told apart.
+    Thin,
+    /// All impulses vanish.
+    ImpulsesVanish,
+    /// The impulses grow without bound.
+    Unbounded,
+    /// It is followed no farther than so many points.
+    Long,
+    /// Newton's method lost the orbit.
+    Lost(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] BranchError),
+    /// What vanishes at the event could not be computed any further.
+    Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] FloquetError),
+}
+
+impl fmt::Display for CurveEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Edge => f.write_str("at the edge of the window"),
+            Self::Uncoupled => f.write_str("where masses are not coupled"),
+            Self::Closed => f.write_str("where it began: it is closed"),
+            Self::Special(special) => write!(f, "where the pair becomes real ({special})"),
+            Self::Resonance(resonance) => write!(f, "at a resonance: {resonance}"),
+            Self::Thin => f.write_str("where the stripe is too thin for its edges to be told apart"),
+            Self::ImpulsesVanish => f.write_str("where all impulses vanish"),
+            Self::Unbounded => f.write_str("where impulses grow without bound"),
+            Self::Long => f.write_str("unfinished: it is too long"),
+            Self::Lost(error) => write!(f, "lost: {error}"),
+            Self::Unwatched(error) => write!(f, "not to be computed any further: {error}"),
+        }
+    }
+}
+
+/// The curve of an event in a window.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
+pub struct EventCurve {
+    /// Which event.
+    pub event: Event,
+    /// What showed it where the curve was taken up.
+    #[cfg_attr(feature = "serde", serde(rename = "sign"))]
+    pub evidence: Evidence,
+    /// Points in their order; a closed curve has its first one once more at the end.
+    pub points: Vec<CurvePoint>,
+    /// Points of codimension two among them, in their order.
+    pub special: Vec<SpecialPoint>,
+    /// How it ends before the first and behind the last point.
+    pub ends: [CurveEnd; 2],
+    /// Orbits assembled.
+    pub evaluations: usize,
+    /// Eigenvalue problems solved.
+    pub spectra: usize,
+}
+
+/// Why a curve could not be followed at all.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CurveError {
+    /// The event is not in the window.
+    #[error("{} = {} is not in the window from {} to {}: give one around the start", parameter.name(), Short(*value), Short(*from), Short(*to))]
+    Outside {
+        /// The parameter that is not.
+        parameter: Parameter,
+        /// Its value.
+        value: f64,
+        /// Least value of the window.
+        from: f64,
+        /// Largest value.
+        to: f64,
+    },
+    /// Both axes have the same parameter.
+    #[error("both parameters are {}: a curve needs two", .0.name())]
+    Same(Parameter),
+    /// A parameter that the orbit does not depend on or must not have.
+    #[error("a conservative orbit has no {}: vary gamma1, gamma2, omega or asymmetry, or start under a force", .0.name())]
+    NoForce(Parameter),
+    /// The tolerance is no number that steps could keep to.
+    #[error("a tolerance of {0} is out of range: give one from 1e-12 to 0.01 of the window's sides")]
+    Tolerance(f64),
+    /// The start is not on the curve.
+    #[error("no {} could be found next to the start", .0.name())]
+    NotThere(Event),
+    /// The surface of orbits could not be laid.
+    #[error(transparent)]
+    Branch(#[from] BranchError),
+    /// The multipliers could not be computed.
+    #[error(transparent)]
+    Floquet(#[from] FloquetError),
+}

@@ -1,0 +1,370 @@
+//! The picture of a map by its regions: shapes with what they are when one hovers over them, or pixels that show each region by
+//! its share, however thin it is.
+
+use std::fmt::Write;
+
+use vibrochain_maps::regions::{Region, Regions};
+use vibrochain_maps::scene::Scene;
+
+use crate::canvas::{Format, PlotError};
+use crate::coverage::{Coverage, Place};
+use crate::map::{Ground, Sheet, TARGET, loss, places};
+use crate::palette::{BORDERS, Palette, Tile};
+
+/// What is drawn.
+#[derive(Debug)]
+pub struct RegionsPicture<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The regions of its window.
+    pub regions: &'a Regions<Tile>,
+    /// What happens on each border, by the number of the border; one without a name is not drawn, and no more those beyond the end
+    /// of the list.
+    pub borders: &'a [&'a str],
+    /// The colours.
+    pub palette: Palette,
+}
+
+/// Pixels of the map along each axis.
+const SIZE: [u32; 2] = [TARGET as u32; 2];
+
+/// Width of borders, in pixels.
+const STROKE: f64 = 1.0;
+
+/// Points of shapes and strokes may be so many pixels off: no eye, and no print, sees less.
+const FINE: f64 = 0.005;
+
+/// All textures come again after so many pixels.
+const TEXTURE: u32 = 12;
+
+/// The bytes of a map's picture by its regions. Of borders the parts are drawn that separate something.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn regions_picture(picture: &RegionsPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
+    let Some(axes) = picture.scene.plane() else {
+        return Err(PlotError("a map has two axes".to_owned()));
+    };
+    let spans = axes.map(|axis| {
+        let (from, step) = places(axis);
+        from..from + step * (axis.points() - 1) as f64
+    });
+    let mut tiles: Vec<Tile> = picture.regions.regions().iter().map(|region| region.class).collect();
+    tiles.dedup();
+    let strokes = strokes(picture);
+    let key: Vec<(&str, [u8; 3])> = strokes.iter().map(|stroke| (stroke.kind, stroke.colour)).collect();
+    let (scene, palette) = (picture.scene, picture.palette);
+    let ground = Ground::Shapes(String::new());
+    let mut sheet = Sheet { scene, axes, palette, tiles, lines: &[], key: &key, spans, size: SIZE, ground };
+    sheet.ground = match format {
+        Format::Png => Ground::Raster(pixels(picture, &strokes)),
+        Format::Svg => Ground::Shapes(shapes(picture, &strokes, &sheet)),
+    };
+    sheet.bytes(format)
+}
+
+/// Borders of one kind: the lines that separate something.
+struct Stroke<'a> {
+    kind: &'a str,
+    colour: [u8; 3],
+    lines: Vec<Vec<Place>>,
+}
+
+fn pixel([x, y]: [f64; 2]) -> Place {
+    [x * f64::from(SIZE[0]), (1.0 - y) * f64::from(SIZE[1])]
+}
+
+fn strokes<'a>(picture: &RegionsPicture<'a>) -> Vec<Stroke<'a>> {
+    let mut strokes: Vec<Stroke<'a>> = Vec::new();
+    for (border, &kind) in picture.borders.iter().enumerate().take(picture.regions.borders()) {
+        let parts = picture.regions.border(border).iter().filter(|part| part.separates);
+        let lines: Vec<Vec<Place>> =
+            parts.map(|part| thinned(&part.points.iter().copied().map(pixel).collect::<Vec<_>>())).collect();
+        if kind.is_empty() || lines.is_empty() {
+            continue;
+        }
+        match strokes.iter_mut().find(|stroke| stroke.kind == kind) {
+            Some(stroke) => stroke.lines.extend(lines),
+            None => strokes.push(Stroke { kind, colour: BORDERS[strokes.len() % BORDERS.len()], lines }),
+        }
+    }
+    strokes
+}
+
+/// A line without the points that it passes anyway.
+fn thinned(line: &[Place]) -> Vec<Place> {
+    if line.len() < 3 {
+        return line.to_vec();
+    }
+    let mut kept = vec![false; line.len()];
+    let mut ranges = vec![(0, line.len() - 1)];
+    while let Some((first, last)) = ranges.pop() {
+        (kept[first], kept[last]) = (true, true);
+        let [ax, ay] = line[first];
+        let [dx, dy] = [line[last][0] - ax, line[last][1] - ay];
+        let chord = dx.hypot(dy);
+        let off = |i: usize| {
+            let [x, y] = [line[i][0] - ax, line[i][1] - ay];
+            if chord > FINE { (dx * y - dy * x).abs() / chord } else { x.hypot(y) }
+        };
+        let farthest = (first + 1..last).map(|i| (off(i), i)).max_by(|one, two| one.0.total_cmp(&two.0));
+        if let Some((distance, i)) = farthest
+            && distance > FINE
+        {
+            ranges.extend([(first, i), (i, last)]);
+        }
+    }
+    line.iter().zip(kept).filter_map(|(place, kept)| kept.then_some(*place)).collect()
+}
+
+/// The pixels of the map: of each the mean of what lies in it, by area.
+fn pixels(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>]) -> Vec<u8> {
+    let mut mean = vec![[0.0; 3]; (SIZE[0] * SIZE[1]) as usize];
+    let place = |i: usize| (i as u32 % SIZE[0], i as u32 / SIZE[0]);
+    let mut done: Vec<Tile> = Vec::new();
+    let regions = picture.regions.regions();
+    for Region { class: tile, .. } in regions {
+        if done.contains(tile) {
+            continue;
+        }
+        done.push(*tile);
+        let shares = covered(regions.iter().filter(|region| region.class == *tile));
+        for (i, (share, mean)) in shares.into_iter().zip(&mut mean).enumerate() {
+            if share != 0.0 {
+                let (x, y) = place(i);
+                let colour = picture.palette.pixel(*tile, x, y);
+                *mean = [0, 1, 2].map(|k| mean[k] + share * f64::from(colour[k]));
+            }
+        }
+    }
+    for stroke in strokes {
+        let mut coverage = Coverage::new(SIZE);
+        for pair in stroke.lines.iter().flat_map(|line| line.windows(2)) {
+            let [dx, dy] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+            let length = dx.hypot(dy);
+            if length > 0.0 {
+                let [nx, ny] = [0.5 * STROKE * dy / length, -0.5 * STROKE * dx / length];
+                let beside = |[x, y]: Place, side: f64| [x + side * nx, y + side * ny];
+                coverage.add([
+                    beside(pair[0], 1.0),
+                    beside(pair[0], -1.0),
+                    beside(pair[1], -1.0),
+                    beside(pair[1], 1.0),
+                ]);
+            }
+        }
+        for (share, mean) in coverage.shares().into_iter().zip(&mut mean) {
+            // Pieces overlap where a line bends.
+            let share = share.clamp(0.0, 1.0);
+            *mean = [0, 1, 2].map(|k| mean[k] + share * (f64::from(stroke.colour[k]) - mean[k]));
+        }
+    }
+    mean.into_iter().flatten().map(|part: f64| part.round().clamp(0.0, 255.0) as u8).collect()
+}
+
+/// The share of each pixel that regions cover.
+fn covered<'a>(regions: impl Iterator<Item = &'a Region<Tile>>) -> Vec<f64> {
+    let mut coverage = Coverage::new(SIZE);
+    for outline in regions.flat_map(|region| &region.outlines) {
+        coverage.add(outline.iter().copied().map(pixel));
+    }
+    coverage.shares()
+}
+
+/// The elements of the map, from its upper left corner.
+fn shapes(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>], sheet: &Sheet<'_>) -> String {
+    let mut text = String::new();
+    let mut fills: Vec<(Tile, String)> = Vec::new();
+    for &tile in &sheet.tiles {
+        if fills.iter().all(|(other, _)| *other != tile) {
+            let fill = fill(&mut text, picture.palette, tile, fills.len());
+            fills.push((tile, fill));
+        }
+    }
+    for Region { class: tile, share, outlines } in picture.regions.regions() {
+        let d: String = outlines.iter().map(|outline| path(outline.iter().copied().map(pixel), true)).collect();
+        let fill = fills.iter().find(|(other, _)| other == tile).map_or("none", |(_, fill)| fill);
+        if !d.is_empty() {
+            let mechanism = tile.mechanism.map_or(String::new(), |mechanism| format!(", {}", loss(mechanism)));
+            let title = format!("{}{mechanism}: {} of the window", sheet.words(tile.class), percent(*share));
+            let _ = writeln!(text, "<path fill=\"{fill}\" d=\"{d}\"><title>{title}</title></path>");
+        }
+    }
+    for stroke in strokes {
+        let [r, g, b] = stroke.colour;
+        let d: String = stroke.lines.iter().map(|line| path(line.iter().copied(), false)).collect();
+        let style = format!("fill=\"none\" stroke=\"#{r:02x}{g:02x}{b:02x}\" stroke-width=\"{STROKE}\"");
+        // Hovering asks the regions.
+        let _ = writeln!(text, "<path {style} stroke-linejoin=\"round\" pointer-events=\"none\" d=\"{d}\"/>");
+    }
+    text
+}
+
+/// A part of the window in as many digits as it needs.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent >= 0.01 { format!("{percent:.2} %") } else { format!("{percent:.1e} %") }
+}
+
+/// The commands of a line, in thousandths of a pixel; none if it is no longer than that.
+fn path(line: impl Iterator<Item = Place>, closed: bool) -> String {
+    let mut line: Vec<Place> = line.collect();
+    if closed {
+        line.extend(line.first().copied());
+    }
+    let mut places: Vec<String> = thinned(&line).iter().map(|[x, y]| format!("{x:.3} {y:.3}")).collect();
+    places.dedup();
+    if closed {
+        places.pop();
+    }
+    if places.len() < if closed { 3 } else { 2 } {
+        return String::new();
+    }
+    format!("M{}{}", places.join("L"), if closed { "Z" } else { "" })
+}
+
+/// What fills the shapes of a tile: a colour, or a pattern that is written first, pixel for pixel that of a raster.
+fn fill(text: &mut String, palette: Palette, tile: Tile, number: usize) -> String {
+    let colour = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
+    let pixel = |x: u32, y: u32| palette.pixel(tile, x, y);
+    let places = || (0..TEXTURE).flat_map(|y| (0..TEXTURE).map(move |x| (x, y)));
+    // The lighter one is the ground.
+    let Some(ground) = places().map(|(x, y)| pixel(x, y)).max() else { return "none".to_owned() };
+    let marks: Vec<(u32, u32)> = places().filter(|&(x, y)| pixel(x, y) != ground).collect();
+    let Some(&(x, y)) = marks.first() else { return colour(ground) };
+    let d: String = marks.iter().map(|(x, y)| format!("M{x} {y}h1v1h-1z")).collect();
+    let size = format!("width=\"{TEXTURE}\" height=\"{TEXTURE}\"");
+    let _ = writeln!(
+        text,
+        "<pattern id=\"texture{number}\" patternUnits=\"userSpaceOnUse\" {size}>\
+         <rect {size} fill=\"{}\"/><path shape-rendering=\"crispEdges\" fill=\"{}\" d=\"{d}\"/></pattern>",
+        colour(ground),
+        colour(pixel(x, y))
+    );
+    format!("url(#texture{number})")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use vibrochain_floquet::Mechanism;
+    use vibrochain_maps::cell::Class;
+    use vibrochain_maps::regions::{Subdivision, Window};
+
+    use super::*;
+
+    fn scene() -> Scene {
+        let text = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
+                    x = { parameter = \"omega\", from = 1, to = 3, points = 3 }\n\
+                    y = { parameter = \"gamma2\", from = 0, to = 1, points = 3 }\n\
+                    [compute]\nfamilies = [\"double-sided\"]\n";
+        Scene::parse(Path::new("scene.toml"), text).unwrap()
+    }
+
+    const PLAIN: Tile = Tile { class: Some(Class::StableDouble), mechanism: None };
+    const HATCHED: Tile = Tile { class: Some(Class::UnstableDouble), mechanism: Some(Mechanism::PeriodDoubling) };
+    const EMPTY: Tile = Tile { class: Some(Class::None), mechanism: None };
+
+    /// A disc in the middle, and a slanted stripe so wide on the left.
+    fn regions(width: f64) -> Regions<Tile> {
+        let angle = |i: i32| f64::from(i % 720).to_radians() / 2.0;
+        let disc = (0..=720).map(|i| [2.0 + 0.4 * angle(i).cos(), 0.5 + 0.2 * angle(i).sin()]).collect();
+        let edge = |x: f64| vec![[x, 0.0], [x + 0.2, 1.0]];
+        let borders = [disc, edge(1.1), edge(1.1 + width)];
+        let subdivision = Subdivision::new(Window::of(&scene()).unwrap(), &borders, 1e-7).unwrap();
+        subdivision.classified(
+            100,
+            || (),
+            move |(), [x, y]| {
+                let off = x - 1.1 - 0.2 * y;
+                if ((x - 2.0) / 0.4).hypot((y - 0.5) / 0.2) < 1.0 {
+                    HATCHED
+                } else if off > 0.0 && off < width {
+                    EMPTY
+                } else {
+                    PLAIN
+                }
+            },
+        )
+    }
+
+    fn picture(regions: &Regions<Tile>, format: Format) -> Vec<u8> {
+        let (scene, borders, palette) = (scene(), ["period doubling", "grazing", "grazing"], Palette::Colour);
+        regions_picture(&RegionsPicture { scene: &scene, regions, borders: &borders, palette }, format).unwrap()
+    }
+
+    #[test]
+    fn a_region_is_a_shape_with_a_title_and_its_own_area() {
+        let svg = String::from_utf8(picture(&regions(0.05), Format::Svg)).unwrap();
+        assert!(svg.contains("<title>unstable double-sided, period doubling: 12.57 % of the window</title>"));
+        assert!(svg.contains("<title>no physical breather: 2.50 % of the window</title>"));
+        assert_eq!(svg.matches("<title>stable double-sided").count(), 2);
+        assert_eq!((svg.matches("<pattern").count(), svg.matches("</pattern>").count()), (1, 1));
+        assert!(svg.contains(">grazing</text>") || svg.contains("grazing\n</text>"), "no key");
+        // The area of each shape from its commands, in pixels.
+        let mut areas = Vec::new();
+        for shape in svg.split("<path fill=\"").skip(1).filter(|shape| shape.contains("<title>")) {
+            let d = shape.split(" d=\"").nth(1).unwrap().split('"').next().unwrap();
+            let loops = d.split('M').skip(1).map(|part| {
+                let places: Vec<Place> = part
+                    .trim_end_matches('Z')
+                    .split('L')
+                    .map(|place| place.split_once(' ').unwrap())
+                    .map(|(x, y)| [x.parse().unwrap(), y.parse().unwrap()])
+                    .collect();
+                let next = places.iter().cycle().skip(1);
+                -0.5 * places.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
+            });
+            areas.push(loops.sum::<f64>() / f64::from(SIZE[0] * SIZE[1]));
+        }
+        let expected = [0.0, 0.04 * std::f64::consts::PI, 0.1, 0.025];
+        assert_eq!(areas.len(), 4);
+        // The largest first; what is left is its own.
+        let largest = 1.0 - expected.iter().sum::<f64>();
+        for (area, expected) in areas.iter().zip([largest, expected[1], expected[2], expected[3]]) {
+            assert!((area - expected).abs() < 3e-5, "{areas:?}");
+        }
+    }
+
+    #[test]
+    fn a_stripe_is_drawn_by_its_share_however_thin() {
+        for width in [0.05, 1e-4, 1e-7] {
+            let regions = regions(width);
+            let stripe = |region: &&Region<Tile>| region.class == EMPTY;
+            let shares = covered(regions.regions().iter().filter(stripe));
+            let pixels = f64::from(SIZE[0] * SIZE[1]);
+            assert!((shares.iter().sum::<f64>() / pixels / (0.5 * width) - 1.0).abs() < 1e-4, "{width}");
+            let all = covered(regions.regions().iter());
+            assert!(all.iter().all(|share| (share - 1.0).abs() < 1e-9));
+        }
+        // A tenth of a pixel wide, white on dark blue: each pixel it passes is a little lighter.
+        let thin = regions(0.1 * 2.0 / f64::from(SIZE[0]));
+        let (scene, palette) = (scene(), Palette::Colour);
+        let all = pixels(&RegionsPicture { scene: &scene, regions: &thin, borders: &[], palette }, &[]);
+        let [dark, white] = [PLAIN, EMPTY].map(|tile| f64::from(palette.pixel(tile, 0, 0)[0]));
+        let row = &all[3 * 100 * SIZE[0] as usize..3 * 101 * SIZE[0] as usize];
+        let light: f64 = row.chunks(3).map(|pixel| (f64::from(pixel[0]) - dark) / (white - dark)).sum();
+        assert!((light - 0.1).abs() < 0.01, "{light}");
+        assert!(row.chunks(3).all(|pixel| f64::from(pixel[0]) < 0.2 * white));
+    }
+
+    #[test]
+    fn what_is_thinned_stays_within_a_hundredth_of_a_pixel() {
+        let wave: Vec<Place> =
+            (0..20_000).map(|i| f64::from(i) / 20.0).map(|x| [x, 300.0 + 200.0 * (x / 40.0).sin()]).collect();
+        let thin = thinned(&wave);
+        assert!(thin.len() < 3000 && thin.first() == wave.first() && thin.last() == wave.last(), "{}", thin.len());
+        let mut checked = 0;
+        for pair in thin.windows(2) {
+            for [x, y] in wave.iter().filter(|place| place[0] > pair[0][0] && place[0] < pair[1][0]) {
+                let part = (x - pair[0][0]) / (pair[1][0] - pair[0][0]);
+                let slope = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+                assert!((pair[0][1] + part * (pair[1][1] - pair[0][1]) - y).abs() / slope.hypot(1.0) < 2.0 * FINE);
+                checked += 1;
+            }
+        }
+        assert!(checked > 10_000);
+        assert!(picture(&regions(0.05), Format::Png).starts_with(b"\x89PNG"));
+    }
+}
