@@ -2,7 +2,7 @@
 #![cfg(feature = "plot")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -10,6 +10,8 @@ use assert_cmd::Command;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
+#[cfg(unix)]
+use vibrochain_testkit::signal;
 use vibrochain_testkit::{Desk, mapgen};
 
 const SCENE: &str = r#"
@@ -446,9 +448,23 @@ fn the_table_of_widths_says_where_stripes_begin_and_end() {
     let scene = desk.scene(&SCENE.replace("points = 40", "points = 4"));
     let (widths, lines) = (desk.path("widths.csv"), desk.path("lines.csv"));
     let flags = ["--widths", widths.to_str().unwrap(), "--csv", lines.to_str().unwrap()];
-    let _ = output(stripes(&desk, &scene, "stripes.png", &flags));
+    let text = output(stripes(&desk, &scene, "stripes.png", &flags));
     let (stripes, lines) = (table(&widths), table(&lines));
     assert!(stripes.len() > 15, "{stripes:?}");
+    // The summary is that of the table.
+    let of: Vec<_> = stripes.iter().filter(|row| row["family"] == "double-sided").collect();
+    let whole = of.iter().filter(|row| row["lower_end"] == "edge" && row["upper_end"] == "edge");
+    let mut whole: Vec<f64> = whole.map(|row| number(row, "width")).collect();
+    whole.sort_by(f64::total_cmp);
+    let growth = of.iter().map(|row| number(row, "growth")).fold(0.0, f64::max);
+    let rows: BTreeSet<&str> = of.iter().map(|row| row["gamma2"].as_str()).collect();
+    let told = printed(&text, "stripes", "double-sided");
+    let cells = whole.iter().filter(|width| **width < 1.2 / 149.0).count();
+    assert_eq!(told[..3], [rows.len(), of.len(), cells].map(|count| count as f64));
+    for (told, value) in told[3..6].iter().zip([whole[0], whole[whole.len() - 1], growth]) {
+        assert!((told / value - 1.0).abs() < 6e-3, "{told} {value}");
+    }
+    assert_eq!(told[6..], [0.0]);
     let stable = |row: &BTreeMap<String, String>, omega: f64| {
         let omega = omega.to_string();
         let flags = ["--family", &row["family"], "--sites", "6", "--gamma1", "0.2", "--asymmetry", "0.4"];
@@ -483,4 +499,15 @@ fn the_table_of_widths_says_where_stripes_begin_and_end() {
         }
     }
     assert!(checked > 5 && drawn > 12, "{checked} {drawn}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_table_of_widths_leaves_no_file() {
+    let desk = Desk::with_scene(&SCENE.replace("points = 40", "points = 4000").replace("points = 150", "points = 20"));
+    let child = desk.start("stripes scene.toml --out map.png --csv lines.csv --widths widths.csv");
+    // Lines take a second, widths two minutes.
+    std::thread::sleep(std::time::Duration::from_secs(3));
+    signal(child, "TERM").with(130, &["interrupted"]);
+    assert_eq!(desk.names("."), ["scene.toml"]);
 }

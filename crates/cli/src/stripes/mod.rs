@@ -50,13 +50,14 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let pool = threads(None)?;
     let tiles = cells(&request, args.map.as_deref(), &pool, &stop)?;
     let rows = rows(&request, &tiles, &pool, &stop)?;
-    let text = evidence(&request, &tiles, &rows);
+    let mut text = evidence(&request, &tiles, &rows);
     let lines = joined(&request, &rows.crossings);
+    // What takes long first: interrupted, it leaves no file behind.
+    if let Some(widths) = widths {
+        text += &widths::write(widths, &request, &pool, &stop)?;
+    }
     if let Some(csv) = csv {
         csv.finish_with(&table(&lines)?)?;
-    }
-    if let Some(widths) = widths {
-        widths::write(widths, &request, &pool, &stop)?;
     }
     let shown = tiles.iter().zip(0..).filter(|(_, cell)| is_shown(&request.scene, *cell));
     let shown: Vec<Tile> = shown.map(|(tile, _)| *tile).collect();

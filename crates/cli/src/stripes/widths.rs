@@ -1,5 +1,6 @@
 //! The table of stripes: where each begins and ends in each row of the map, and how strong it is.
 
+use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::ThreadPool;
@@ -7,6 +8,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::Family;
 use vibrochain_floquet::{NoStripe, Stripe, StripeEnd, StripeFinder, StripeLine, StripeRow};
 use vibrochain_maps::files::CsvFile;
+use vibrochain_maps::numbers::Number;
 use vibrochain_maps::point::Parameter;
 
 use crate::error::CliError;
@@ -37,7 +39,55 @@ const IN_A_CELL: usize = 2;
 /// Rows computed before they are written, for each thread.
 const ROWS: usize = 4;
 
-/// Writes the stripes of all rows, row by row.
+/// What is told of the stripes of a family.
+#[derive(Debug, Clone, Copy)]
+struct Summary {
+    family: Family,
+    rows: usize,
+    stripes: usize,
+    below_a_cell: usize,
+    /// Of those with both edges.
+    widths: [f64; 2],
+    growth: f64,
+    untold: usize,
+}
+
+impl Summary {
+    fn add(&mut self, row: &StripeRow, cell: f64) {
+        self.rows += usize::from(!row.stripes.is_empty());
+        self.stripes += row.stripes.len();
+        self.untold += row.unresolved.len();
+        for stripe in &row.stripes {
+            self.growth = self.growth.max(stripe.growth);
+            if stripe.ends == [StripeEnd::Edge; 2] {
+                let width = 2.0 * stripe.half_width;
+                self.below_a_cell += usize::from(width < cell);
+                self.widths = [self.widths[0].min(width), self.widths[1].max(width)];
+            }
+        }
+    }
+}
+
+/// The table that is printed.
+fn text(all: &[Summary]) -> String {
+    let mut text = format!(
+        "\nstripes       {:>12} {:>16} {:>16} {:>16} {:>16} {:>16} {:>16}\n",
+        "rows", "in all", "below a cell", "narrowest", "widest", "largest growth", "not told"
+    );
+    for Summary { family, rows, stripes, below_a_cell, widths: [least, most], growth, untold } in all {
+        let told =
+            |value: &f64| if value.is_finite() && *value > 0.0 { format!("{value:.2e}") } else { "-".to_owned() };
+        let [least, most, growth] = [least, most, growth].map(told);
+        let _ = writeln!(
+            text,
+            "  {:<12}{rows:>12} {stripes:>16} {below_a_cell:>16} {least:>16} {most:>16} {growth:>16} {untold:>16}",
+            family.name()
+        );
+    }
+    text
+}
+
+/// Writes the stripes of all rows, row by row, and sums them up.
 ///
 /// # Errors
 /// [`CliError::Interrupted`], and what a full disk makes.
@@ -46,19 +96,27 @@ pub(super) fn write(
     request: &Request,
     pool: &ThreadPool,
     stop: &AtomicBool,
-) -> Result<(), CliError> {
+) -> Result<String, CliError> {
+    let mut all: Vec<Summary> = Vec::new();
     let rows: Vec<usize> = (0..request.gamma2.points).collect();
     for some in rows.chunks(ROWS * pool.current_num_threads()) {
         let found: Result<Vec<_>, CliError> =
             pool.install(|| some.into_par_iter().map(|row| of_row(request, *row, stop)).collect());
         for (row, families) in some.iter().zip(found?) {
-            let gamma2 = request.gamma2.value(*row as f64).to_string();
-            for (family, StripeRow { stripes, unresolved }) in families {
-                for stripe in &stripes {
+            let gamma2 = Number(request.gamma2.value(*row as f64)).to_string();
+            for (family, row) in families {
+                if !all.iter().any(|summary| summary.family == family) {
+                    let widths = [f64::INFINITY, 0.0];
+                    all.push(Summary { family, rows: 0, stripes: 0, below_a_cell: 0, widths, growth: 0.0, untold: 0 });
+                }
+                all.iter_mut()
+                    .filter(|summary| summary.family == family)
+                    .for_each(|summary| summary.add(&row, request.omega.step.abs()));
+                for stripe in &row.stripes {
                     table.row(of_stripe(family, &gamma2, stripe))?;
                 }
-                for [low, high] in unresolved {
-                    let [low, high, empty] = [low.to_string(), high.to_string(), String::new()];
+                for [low, high] in row.unresolved {
+                    let [low, high, empty] = [Number(low).to_string(), Number(high).to_string(), String::new()];
                     let mut fields = vec![family.name().to_owned(), gamma2.clone()];
                     fields.extend(std::iter::repeat_n(empty.clone(), 5).chain([low, high]));
                     fields.extend(std::iter::repeat_n(empty, 4).chain(["false".to_owned()]));
@@ -67,7 +125,8 @@ pub(super) fn write(
             }
         }
     }
-    Ok(table.finish()?)
+    table.finish()?;
+    Ok(text(&all))
 }
 
 fn of_row(request: &Request, row: usize, stop: &AtomicBool) -> Result<Vec<(Family, StripeRow)>, CliError> {
@@ -99,14 +158,14 @@ fn of_stripe(family: Family, gamma2: &str, stripe: &Stripe) -> Vec<String> {
         Some(((k, l), j)) => [k, l, j].map(|number| number.to_string()),
         None => [(); 3].map(|()| String::new()),
     };
-    let [low, high] = stripe.edges.map(|edge| edge.to_string());
+    let [low, high] = stripe.edges.map(|edge| Number(edge).to_string());
     let [low_end, high_end] = stripe.ends.map(|end| match end {
         StripeEnd::Edge => "edge".to_owned(),
         StripeEnd::Open => "open".to_owned(),
     });
-    let (centre, error, width) = (stripe.centre, stripe.error, 2.0 * stripe.half_width);
-    let mut fields = vec![family.name().to_owned(), gamma2.to_owned(), k, l, j, centre.to_string(), error.to_string()];
-    fields.extend([low, high, low_end, high_end, width.to_string(), stripe.growth.to_string()]);
-    fields.push(stripe.resolved.to_string());
+    let [centre, error, width, growth] =
+        [stripe.centre, stripe.error, 2.0 * stripe.half_width, stripe.growth].map(|value| Number(value).to_string());
+    let mut fields = vec![family.name().to_owned(), gamma2.to_owned(), k, l, j, centre, error];
+    fields.extend([low, high, low_end, high_end, width, growth, stripe.resolved.to_string()]);
     fields
 }

@@ -10,6 +10,7 @@
 //! | `passing` | [`passings`]: which pairs meet from one point to the next |
 //! | `reversal`, `pencil` | two modes that meet, as two oscillators that the impacts couple |
 //! | `stripe` | [`Stripe`]: where a stripe begins and ends on a line, and how strong it is |
+//! | `place` | what is off the circle at a point of a line |
 //! | `row` | [`StripeRow`]: all stripes on a line |
 //!
 //! A mode that swings freely over a period turns by e^{iΩT} and, its mirror image, by e^{−iΩT}. Krein's form
@@ -33,6 +34,7 @@ mod form;
 mod own;
 mod passing;
 mod pencil;
+mod place;
 mod reversal;
 mod row;
 mod signature;

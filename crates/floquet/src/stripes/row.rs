@@ -9,16 +9,17 @@ use std::f64::consts::PI;
 use nalgebra::Complex;
 
 use super::passing::{Passing, passings};
+use super::place::{MIDDLES, Place, STARTS};
 use super::stripe::{NoStripe, Pair, Side, Stripe, StripeEnd, StripeFinder, StripeLine};
 
 /// Halvings of the distance of two points: until an event is taken as alone, and until what is between them is given up.
 const ALONE: u32 = 12;
 const DEEPEST: u32 = 30;
 
-/// A part of its distance from the circle by which a multiplier may move from point to point without doubt that it stays off.
-const CALM: f64 = 0.5;
+/// Edges as near as this, relatively, are one.
+const SAME: f64 = 1e-12;
 
-/// The stripes along a line.
+/// The stripes along a line. A multiplier that is off the circle wherever there is a breather has no edge, and no stripe.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[must_use]
 pub struct StripeRow {
@@ -28,14 +29,8 @@ pub struct StripeRow {
     pub unresolved: Vec<[f64; 2]>,
 }
 
-/// How many ν are off the circle: pairs of complex ones, and real ones below −1.
-#[derive(Debug, Clone, PartialEq)]
-struct Place {
-    value: f64,
-    sheet: f64,
-    complex: Vec<Complex<f64>>,
-    below: Vec<Complex<f64>>,
-}
+/// A part of a line: its two ends, and how often it has been halved.
+type Part = ((f64, Option<Place>), (f64, Option<Place>), u32);
 
 /// An edge that the lines did not tell.
 #[derive(Debug, Clone, Copy)]
@@ -49,23 +44,9 @@ struct Edge {
     nu: Complex<f64>,
 }
 
-impl Stripe {
-    fn is_doubling(&self) -> bool {
-        self.pair.is_some_and(|((k, l), _)| k == l)
-    }
-}
-
-impl Place {
-    /// Each ν off the circle has moved by less than its distance from there, so that none has come back in between.
-    fn leads_to(&self, other: &Self) -> bool {
-        let lists = [(&self.complex, &other.complex), (&self.below, &other.below)];
-        lists.into_iter().all(|(from, to)| {
-            let height = |nu: &Complex<f64>| if nu.im > 0.0 { nu.im } else { -1.0 - nu.re };
-            from.len() == to.len()
-                && from
-                    .iter()
-                    .all(|nu| to.iter().any(|other| (other - nu).norm() < CALM * height(nu).min(height(other))))
-        })
+impl Edge {
+    fn is_inside(&self, stripe: &Stripe) -> bool {
+        self.doubling == stripe.is_doubling() && stripe.is_about(self.value)
     }
 }
 
@@ -97,7 +78,8 @@ impl StripeFinder {
             if !going() {
                 return Ok(None);
             }
-            let place = self.place(line, value(i))?;
+            let next = value(if i + 1 < points { i + 1 } else { i.saturating_sub(1) });
+            let place = self.place_between(line, (value(i), next), &STARTS)?;
             here.clear();
             let wanted = place.is_some() || places.last().is_some_and(Option::is_some);
             if wanted && let Ok(model) = self.dress(line, value(i)) {
@@ -129,68 +111,87 @@ impl StripeFinder {
                 row.stripes.push(stripe);
             }
         }
+        let places = places.into_iter().enumerate();
+        let mut places: Vec<_> =
+            places.map(|(i, place)| (place.as_ref().map_or(value(i), |place| place.value), place)).collect();
         let (mut edges, mut seen) = (Vec::new(), Vec::new());
-        for (i, ends) in places.windows(2).enumerate() {
-            let [first, last] = ends else { continue };
-            if !going() {
-                return Ok(None);
+        loop {
+            for ends in places.windows(2) {
+                let [first, last] = ends else { continue };
+                if !going() {
+                    return Ok(None);
+                }
+                self.unexplained(line, (first.clone(), last.clone(), 0), &mut row, (&mut edges, &mut seen))?;
             }
-            self.unexplained(line, (value(i), first), (value(i + 1), last), &mut row, (&mut edges, &mut seen))?;
+            // A wide one may have been told to end where another does: then counts have to tell both.
+            let seen_at = places.iter().filter_map(|(_, place)| place.as_ref());
+            let over: Vec<f64> = seen_at.filter(|place| place.is_over(&row.stripes)).map(|place| place.value).collect();
+            let wrong = |stripe: &mut Stripe| {
+                edges.iter().any(|edge: &Edge| edge.is_inside(stripe))
+                    || over.iter().any(|value| stripe.is_about(*value))
+            };
+            let wrong: Vec<Stripe> = row.stripes.extract_if(.., wrong).collect();
+            if wrong.is_empty() {
+                break;
+            }
+            self.look_about(line, wrong.iter().flat_map(|stripe| stripe.edges), &mut places)?;
+            row.unresolved.clear();
+            edges.clear();
         }
         edges.sort_by(|a, b| a.value.total_cmp(&b.value));
-        seen.extend(places.iter().flatten().map(|place| (place.value, place.sheet)));
+        seen.extend(places.iter().filter_map(|(_, place)| place.as_ref()).map(|place| (place.value, place.sheet)));
         seen.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.join(line, &seen, edges, &mut row)?;
         row.stripes.sort_by(|a, b| a.centre.total_cmp(&b.centre));
         Ok(Some(row))
     }
 
-    /// What is off the circle; `None` where there is no physical breather, or its multipliers cannot be told.
-    fn place(&mut self, line: &StripeLine, value: f64) -> Result<Option<Place>, NoStripe> {
-        match self.set(line, value) {
-            Err(error @ NoStripe::Parameter(_)) => return Err(error),
-            Err(_) => return Ok(None),
-            Ok(_) => {}
-        }
-        let Some(orbit) = self.found.orbits.first() else { return Ok(None) };
-        let physical = self.finder.quick_admissibility(orbit).is_ok_and(|answer| answer.is_physical());
-        if !physical || self.secular.replace(self.finder.prepared(orbit)?).is_err() {
-            return Ok(None);
-        }
-        let Ok(all) = self.secular.all_nu() else { return Ok(None) };
-        let mut place = Place { value, sheet: self.reversal.sheet(), complex: Vec::new(), below: Vec::new() };
-        for (nu, _) in all {
-            if nu.im > 0.0 {
-                place.complex.push(nu.complex());
-            } else if nu.im == 0.0 && nu.above < 0.0 {
-                place.below.push(nu.complex());
+    /// More points, between these values and what is next to each.
+    fn look_about(
+        &mut self,
+        line: &StripeLine,
+        values: impl Iterator<Item = f64>,
+        places: &mut Vec<(f64, Option<Place>)>,
+    ) -> Result<(), NoStripe> {
+        let (Some(from), Some(to)) = (places.first().map(|(at, _)| *at), places.last().map(|(at, _)| *at)) else {
+            return Ok(());
+        };
+        let values: Vec<f64> = values.filter(|value| from < *value && *value < to).collect();
+        let mut all: Vec<f64> = places.iter().map(|(at, _)| *at).chain(values.iter().copied()).collect();
+        all.sort_by(f64::total_cmp);
+        for ends in all.windows(2) {
+            let [low, high] = ends else { continue };
+            if low < high && values.iter().any(|value| value == low || value == high) {
+                let place = self.place_between(line, (*low, *high), &MIDDLES)?;
+                places.push((place.as_ref().map_or(0.5 * (low + high), |place| place.value), place));
             }
         }
-        Ok(Some(place))
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(())
     }
 
     /// What between two points the stripes found so far do not explain.
     fn unexplained(
         &mut self,
         line: &StripeLine,
-        (from, first): (f64, &Option<Place>),
-        (to, last): (f64, &Option<Place>),
+        part: Part,
         row: &mut StripeRow,
         (edges, seen): (&mut Vec<Edge>, &mut Vec<(f64, f64)>),
     ) -> Result<(), NoStripe> {
-        let mut parts = vec![((from, first.clone()), (to, last.clone()), 0)];
-        while let Some((low, high, depth)) = parts.pop() {
+        let mut parts = vec![part];
+        while let Some(part) = parts.pop() {
+            let (low, high, depth) = &part;
             seen.extend([&low.1, &high.1].into_iter().flatten().map(|place| (place.value, place.sheet)));
             let (Some(before), Some(after)) = (&low.1, &high.1) else {
                 // On to where physical breathers end.
-                if (low.1.is_some() || high.1.is_some()) && depth < ALONE {
-                    self.halve(line, low, high, depth, &mut parts)?;
+                if (low.1.is_some() || high.1.is_some()) && *depth < ALONE {
+                    self.halve(line, &part, &mut parts)?;
                 }
                 continue;
             };
             if before.sheet != after.sheet {
-                if depth < ALONE {
-                    self.halve(line, low, high, depth, &mut parts)?;
+                if *depth < ALONE {
+                    self.halve(line, &part, &mut parts)?;
                 }
                 continue;
             }
@@ -205,44 +206,49 @@ impl StripeFinder {
                     }
                 }
             }
-            // Two beyond −1 may turn complex: nothing happens on the circle.
             let still = complex == 0 && below == 0;
-            if still && (depth >= ALONE || before.leads_to(after))
-                || depth >= ALONE && (complex.abs(), below) == (1, -2 * complex)
+            if still && before.leads_to(after) || *depth < ALONE && self.halve(line, &part, &mut parts)? {
+                continue;
+            }
+            // Two beyond −1, or beyond 1, may turn complex: nothing happens on the circle.
+            let turned = complex.abs() == 1 && below + after.above - before.above == -2 * complex;
+            if still || turned {
+                continue;
+            }
+            let edge = match complex.abs() + below.abs() {
+                1 => self.edge_between(line, before, after)?,
+                _ => None,
+            };
+            if edge.is_none_or(|edge| edge.error >= high.0 - low.0)
+                && *depth < DEEPEST
+                && self.halve(line, &part, &mut parts)?
             {
                 continue;
             }
-            if depth >= ALONE
-                && complex.abs() + below.abs() == 1
-                && let Some(edge) = self.edge_between(line, before, after)?
-                && (edge.error < high.0 - low.0 || depth == DEEPEST)
-            {
-                edges.push(edge);
+            let (value, error) = edge.map_or((0.5 * (low.0 + high.0), 0.0), |edge| (edge.value, edge.error));
+            // Next to an edge rounding decides how many are off the circle.
+            let known = |other: f64| (value - other).abs() <= error + SAME * other.abs();
+            if row.stripes.iter().flat_map(|stripe| stripe.edges).any(known) {
                 continue;
             }
-            if depth < DEEPEST {
-                self.halve(line, low, high, depth, &mut parts)?;
-            } else {
-                row.unresolved.push([low.0, high.0]);
+            match edge {
+                Some(edge) => edges.push(edge),
+                None => row.unresolved.push([low.0, high.0]),
             }
         }
         Ok(())
     }
 
-    #[allow(clippy::type_complexity, reason = "a part of a line: its two ends and its depth")]
-    fn halve(
-        &mut self,
-        line: &StripeLine,
-        low: (f64, Option<Place>),
-        high: (f64, Option<Place>),
-        depth: u32,
-        parts: &mut Vec<((f64, Option<Place>), (f64, Option<Place>), u32)>,
-    ) -> Result<(), NoStripe> {
-        let value = 0.5 * (low.0 + high.0);
-        let middle = (value, self.place(line, value)?);
-        parts.push((middle.clone(), high, depth + 1));
-        parts.push((low, middle, depth + 1));
-        Ok(())
+    /// Both halves of a part; false if all between its ends is in doubt.
+    fn halve(&mut self, line: &StripeLine, (low, high, depth): &Part, parts: &mut Vec<Part>) -> Result<bool, NoStripe> {
+        let place = self.place_between(line, (low.0, high.0), &MIDDLES)?;
+        if place.as_ref().is_some_and(|place| place.doubtful) {
+            return Ok(false);
+        }
+        let middle = (place.as_ref().map_or(0.5 * (low.0 + high.0), |place| place.value), place);
+        parts.push((middle.clone(), high.clone(), depth + 1));
+        parts.push((low.clone(), middle, depth + 1));
+        Ok(true)
     }
 
     /// The one edge between two points: to the rounding of the parameter, or their middle.

@@ -420,6 +420,15 @@ impl StripeFinder {
 }
 
 impl Stripe {
+    /// A mode against itself.
+    pub(super) fn is_doubling(&self) -> bool {
+        self.pair.is_some_and(|((k, l), _)| k == l)
+    }
+
+    pub(super) fn is_about(&self, value: f64) -> bool {
+        self.edges[0] < value && value < self.edges[1]
+    }
+
     /// Takes over both edges.
     pub(super) fn set_edges(&mut self, edges: [f64; 2]) {
         self.edges = edges;
