@@ -115,6 +115,11 @@ impl DressedModes {
         self.form.omega()
     }
 
+    /// The waves.
+    pub(super) fn form(&self) -> &Form {
+        &self.form
+    }
+
     /// The orbit is its own mirror image half a period later: its multipliers are squares, and modes that meet at an odd
     /// harmonic have opposite roots and do not collide.
     pub fn is_symmetric(&self) -> bool {
@@ -221,7 +226,7 @@ impl DressedModes {
     }
 
     /// The coefficient of reflection. Its modulus is not 1 where waves are turned into others, at w_j in the band.
-    fn reflection(&self, w: f64) -> C {
+    pub(super) fn reflection(&self, w: f64) -> C {
         // Linear in G₀.
         let [without, with] = self.form.without_and_with(w);
         let green = -without / (with - without);

@@ -11,6 +11,7 @@
 //! | `reversal`, `pencil` | two modes that meet, as two oscillators that the impacts couple |
 //! | `stripe` | [`Stripe`]: where a stripe begins and ends on a line, and how strong it is |
 //! | `place` | what is off the circle at a point of a line |
+//! | `law` | how strong a stripe is, without looking for it |
 //! | `row` | [`StripeRow`]: all stripes on a line |
 //!
 //! A mode that swings freely over a period turns by e^{iΩT} and, its mirror image, by e^{−iΩT}. Krein's form
@@ -31,6 +32,7 @@
 mod collision;
 mod dressed;
 mod form;
+mod law;
 mod own;
 mod passing;
 mod pencil;

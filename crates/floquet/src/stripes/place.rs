@@ -19,7 +19,7 @@ pub(super) struct Place {
     pub(super) complex: Vec<Complex<f64>>,
     pub(super) below: Vec<Complex<f64>>,
     /// How many are above 1, where two may turn complex, too.
-    pub(super) above: isize,
+    pub(super) above: usize,
     /// Rounding leaves open whether two real ones are real.
     pub(super) doubtful: bool,
 }
@@ -29,7 +29,7 @@ impl Place {
     pub(super) fn is_over(&self, stripes: &[Stripe]) -> bool {
         let about = stripes.iter().filter(|stripe| stripe.is_about(self.value));
         let told: usize = about.map(|stripe| if stripe.is_doubling() { 1 } else { 2 }).sum();
-        told > 2 * self.complex.len() + self.below.len() && self.above == 0 && !self.doubtful
+        told > 2 * self.complex.len() + self.below.len() + self.above && !self.doubtful
     }
 
     /// Each ν off the circle has moved by less than its distance from there, so that none has come back in between.
@@ -72,7 +72,7 @@ impl StripeFinder {
                 if nu.above < 0.0 {
                     place.below.push(here);
                 }
-                place.above += isize::from(nu.below > 0.0);
+                place.above += usize::from(nu.below > 0.0);
             }
             last = Some(here);
         }

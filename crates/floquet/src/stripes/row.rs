@@ -44,12 +44,6 @@ struct Edge {
     nu: Complex<f64>,
 }
 
-impl Edge {
-    fn is_inside(&self, stripe: &Stripe) -> bool {
-        self.doubling == stripe.is_doubling() && stripe.is_about(self.value)
-    }
-}
-
 impl StripeFinder {
     /// All stripes of physical breathers between two values of the parameter, of which so many points are looked at.
     ///
@@ -124,12 +118,11 @@ impl StripeFinder {
                 self.unexplained(line, (first.clone(), last.clone(), 0), &mut row, (&mut edges, &mut seen))?;
             }
             // A wide one may have been told to end where another does: then counts have to tell both.
-            let seen_at = places.iter().filter_map(|(_, place)| place.as_ref());
-            let over: Vec<f64> = seen_at.filter(|place| place.is_over(&row.stripes)).map(|place| place.value).collect();
-            let wrong = |stripe: &mut Stripe| {
-                edges.iter().any(|edge: &Edge| edge.is_inside(stripe))
-                    || over.iter().any(|value| stripe.is_about(*value))
-            };
+            self.look_about(line, edges.iter().map(|edge: &Edge| edge.value), &mut places)?;
+            let over =
+                places.iter().filter_map(|(_, place)| place.as_ref()).filter(|place| place.is_over(&row.stripes));
+            let over: Vec<f64> = over.map(|place| place.value).collect();
+            let wrong = |stripe: &mut Stripe| over.iter().any(|value| stripe.is_about(*value));
             let wrong: Vec<Stripe> = row.stripes.extract_if(.., wrong).collect();
             if wrong.is_empty() {
                 break;
@@ -211,7 +204,7 @@ impl StripeFinder {
                 continue;
             }
             // Two beyond −1, or beyond 1, may turn complex: nothing happens on the circle.
-            let turned = complex.abs() == 1 && below + after.above - before.above == -2 * complex;
+            let turned = complex.abs() == 1 && below + after.above as isize - before.above as isize == -2 * complex;
             if still || turned {
                 continue;
             }
@@ -270,7 +263,8 @@ impl StripeFinder {
         let time = self.reversal.time();
         // Which of the two impacts' poles they are next to, whatever modes they are named by.
         let starts = match (doubling, self.reversal.is_double()) {
-            (true, _) => vec![(1, self.minus_one())],
+            (true, false) => vec![(1, PI)],
+            (true, true) => vec![(1, self.minus_one(1)), (3, self.minus_one(3))],
             (false, false) => vec![(1, turn)],
             (false, true) => vec![(1, 0.5 * turn), (2, 0.5 * turn), (2, 0.5 * turn + PI)],
         };

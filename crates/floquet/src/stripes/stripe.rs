@@ -250,7 +250,7 @@ impl StripeFinder {
         }
         let [low, high] = [modes.0, modes.1].map(|mode| self.dressed.frequency(mode).ok_or(NoStripe::NoMode { mode }));
         let (time, both, itself) = (self.reversal.time(), harmonic as f64 * omega, modes.0 == modes.1);
-        let start = if itself { self.minus_one() } else { 0.5 * time * (low? + both - high?) };
+        let start = if itself { self.minus_one(harmonic) } else { 0.5 * time * (low? + both - high?) };
         let kept = self.reversal.kept([start / time, both - start / time]).ok_or(NoStripe::NoBreather)?;
         let pair = Pair { itself, harmonic, kept, spacing: self.dressed.spacing() };
         let stripe = self.settle(line, &pair, value, start)?;
@@ -261,9 +261,9 @@ impl StripeFinder {
         Ok(Stripe { pair: Some((modes, harmonic)), ..stripe })
     }
 
-    /// ϑ of a multiplier −1.
-    pub(super) fn minus_one(&self) -> f64 {
-        if self.reversal.is_double() { FRAC_PI_2 } else { PI }
+    /// ϑ of a mode that meets itself at an odd harmonic: with two impacts −1 has two roots.
+    pub(super) fn minus_one(&self, harmonic: usize) -> f64 {
+        harmonic as f64 * if self.reversal.is_double() { FRAC_PI_2 } else { PI }
     }
 
     fn settle(&mut self, line: &StripeLine, pair: &Pair, value: f64, start: f64) -> Result<Stripe, NoStripe> {
