@@ -30,6 +30,8 @@ pub enum Command {
     Errata(ErrataArgs),
     /// Measure error against run time, this program's methods beside others (docs/accuracy).
     Accuracy(AccuracyArgs),
+    /// Print how wide stripes of instability are and how strong, beside the law they follow (docs/stripes.md).
+    Stripes(StripesArgs),
 }
 
 /// Arguments of `studies validate`.
@@ -63,6 +65,17 @@ pub struct ErrataArgs {
     /// File to write instead of standard output (Markdown).
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `studies stripes`.
+#[derive(Debug, Args)]
+pub struct StripesArgs {
+    /// File to write instead of standard output (Markdown).
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Picture of their growth over ω in rings of all lengths, .png or .svg.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
 }
 
 /// Suites of `studies accuracy`.

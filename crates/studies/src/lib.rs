@@ -6,6 +6,7 @@
 //! | `figures` | every figure of the paper, with the numbers behind it |
 //! | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
 //! | `validate` | closed forms against simulation |
+//! | `stripes` | width and growth of stripes of instability against a law |
 //! | `accuracy` | error against run time |
 
 pub mod accuracy;
@@ -14,4 +15,5 @@ pub mod errata;
 pub mod figures;
 mod forms;
 pub mod program;
+pub mod stripes;
 pub mod validate;
