@@ -54,7 +54,8 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let lines = joined(&request, &rows.crossings);
     // What takes long first: interrupted, it leaves no file behind.
     if let Some(widths) = widths {
-        text += &widths::write(widths, &request, &pool, &stop)?;
+        let bar = widths::progress(&request, console.progress);
+        text += &widths::write(widths, &request, &pool, &stop, &bar)?;
     }
     if let Some(csv) = csv {
         csv.finish_with(&table(&lines)?)?;

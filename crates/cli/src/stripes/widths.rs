@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::Family;
@@ -87,6 +89,19 @@ fn text(all: &[Summary]) -> String {
     text
 }
 
+/// How many rows are done, for people.
+pub(super) fn progress(request: &Request, wanted: bool) -> ProgressBar {
+    if !wanted {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(request.gamma2.points as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3}%  {pos}/{len} rows  {eta} left") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
 /// Writes the stripes of all rows, row by row, and sums them up.
 ///
 /// # Errors
@@ -96,12 +111,15 @@ pub(super) fn write(
     request: &Request,
     pool: &ThreadPool,
     stop: &AtomicBool,
+    bar: &ProgressBar,
 ) -> Result<String, CliError> {
     let mut all: Vec<Summary> = Vec::new();
     let rows: Vec<usize> = (0..request.gamma2.points).collect();
     for some in rows.chunks(ROWS * pool.current_num_threads()) {
-        let found: Result<Vec<_>, CliError> =
-            pool.install(|| some.into_par_iter().map(|row| of_row(request, *row, stop)).collect());
+        let found: Result<Vec<_>, CliError> = pool.install(|| {
+            let one = |row: &usize| of_row(request, *row, stop).inspect(|_| bar.inc(1));
+            some.into_par_iter().map(one).collect()
+        });
         for (row, families) in some.iter().zip(found?) {
             let gamma2 = Number(request.gamma2.value(*row as f64)).to_string();
             for (family, row) in families {
@@ -125,6 +143,7 @@ pub(super) fn write(
             }
         }
     }
+    bar.finish_and_clear();
     table.finish()?;
     Ok(text(&all))
 }
