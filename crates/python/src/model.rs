@@ -142,7 +142,7 @@ impl PyModel {
     /// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
     /// >>> found = model.breathers("double-sided")
     /// >>> len(found.orbits), str(found.completeness)
-    /// (1, 'complete, by enclosures on 1 intervals')
+    /// (1, 'complete, by closed form')
     /// >>> pair = model.replace(asymmetry=0.2, gamma2=0.05).breathers("0+3-,0-3+")
     /// >>> pair.name
     /// '0+3-,0-3+'

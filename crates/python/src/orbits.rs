@@ -483,7 +483,7 @@ impl PyOrbit {
     /// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
     /// >>> orbit = model.breathers("double-sided").orbits[0]
     /// >>> error = orbit.velocity(0.0, 0) - orbit.impacts[0].velocity_after
-    /// >>> abs(error) < 1e-12
+    /// >>> bool(abs(error) < 1e-12)
     /// True
     #[pyo3(signature = (t, sites = None))]
     fn velocity<'py>(
@@ -589,8 +589,9 @@ impl PyOrbit {
         part: Part,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let mut shape = t.shape().to_vec();
-        let times: Vec<f64> = t.as_array().iter().copied().collect();
-        if let Some(time) = times.iter().find(|time| !time.is_finite()) {
+        let mut times = room(Some(t.len()))?;
+        times.extend(t.as_array().iter().copied());
+        if let Some(time) = times.iter().find(|time: &&f64| !time.is_finite()) {
             return Err(Failure::request(format!("t = {time} is out of range: give finite times")).into());
         }
         let masses = self.0.model().chain().sites();
@@ -643,7 +644,7 @@ fn sites(sites: &Bound<'_, PyAny>, masses: usize, shape: &mut Vec<usize>) -> PyR
 }
 
 /// Room for so many numbers.
-pub(crate) fn room(count: Option<usize>) -> Result<Vec<f64>, Failure> {
+pub(crate) fn room<T>(count: Option<usize>) -> Result<Vec<T>, Failure> {
     let mut values = Vec::new();
     match count {
         Some(count) if count <= MOST_NUMBERS && values.try_reserve_exact(count).is_ok() => Ok(values),
