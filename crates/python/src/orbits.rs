@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{AllowTypeChange, IntoPyArray, IxDyn, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PySequence;
+use pyo3::types::{PyIterator, PySequence};
 use vibrochain_breather::{
     Completeness, Family, Finder, Found, Hit, Impact, Motion, Orbit, Proof, Word, admissibility, condition,
 };
@@ -135,6 +135,10 @@ impl PyBreathers {
             let message = format!("orbit {index} of {}", self.orbits.len());
             pyo3::exceptions::PyIndexError::new_err(message)
         })
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        self.orbits().into_pyobject(py)?.try_iter()
     }
 
     fn __repr__(&self) -> String {

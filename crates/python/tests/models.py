@@ -20,7 +20,9 @@ def random_models(count, seed=20240717):
         if i % 3:
             forced["restitution"] = random_.uniform(0.3, 1.0)
             if i % 11 == 4:
-                forced["force"] = vc.Force([(1, random_.uniform(0.05, 0.5)), (3, random_.uniform(-0.1, 0.1), random_.uniform(-3, 3))])
+                forced["force"] = vc.Force(
+                    [(1, random_.uniform(0.05, 0.5)), (3, random_.uniform(-0.1, 0.1), random_.uniform(-3, 3))]
+                )
             else:
                 forced["amplitude"] = random_.uniform(0.01, 1.0)
         yield vc.Model(chain, omega, asymmetry, **forced)

@@ -57,7 +57,7 @@ def test_example(name, monkeypatch):
 def test_attributes_are_described(name):
     """Properties say their type before a colon."""
     thing = ALL[name]
-    properties = {key: value for key, value in vars(thing).items() if inspect.isgetsetdescriptor(value)}
+    properties = {key: value for key, value in vars(thing).items() if inspect.isdatadescriptor(value)}
     for key, value in properties.items():
         if not key.startswith("__"):
             assert value.__doc__ and " : " in value.__doc__, f"{name}.{key}: {value.__doc__}"

@@ -1,5 +1,7 @@
 """Why there is no answer."""
 
+from __future__ import annotations
+
 
 class VibrochainError(Exception):
     """Base of all errors of this package; raised itself only where no other fits."""
@@ -28,12 +30,19 @@ class ResonanceError(VibrochainError):
         How far the harmonic is from it, as far as that can be resolved.
     """
 
-    def __init__(self, message, harmonic=None, mode=None, frequency=None, distance=None):
+    def __init__(
+        self,
+        message: str,
+        harmonic: int | None = None,
+        mode: int | None = None,
+        frequency: float | None = None,
+        distance: float | None = None,
+    ) -> None:
         super().__init__(message, harmonic, mode, frequency, distance)
         self.harmonic, self.mode, self.frequency, self.distance = harmonic, mode, frequency, distance
 
-    def __str__(self):
-        return self.args[0]
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class NotConvergedError(VibrochainError):

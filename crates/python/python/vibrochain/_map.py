@@ -1,13 +1,24 @@
 """Maps of breathers over parameters."""
 
+from __future__ import annotations
+
+import importlib
 import json
 import os
 import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _vibrochain
 from ._errors import RequestError
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.axes import Axes
 
 # The colours of mapgen's pictures: blues for stable, orange and yellow for unstable.
 _COLOURS = {
@@ -27,7 +38,7 @@ _UNKNOWN = (204, 121, 167)
 _PARTS = ("title", "model", "sweep", "compute")
 
 
-def read_scene(path):
+def read_scene(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Reads a scene file, or the manifest of a table, as a dictionary.
 
     Parameters
@@ -53,15 +64,16 @@ def read_scene(path):
     {'sites': 21, 'gamma1': 0.2, 'asymmetry': 0.4, 'amplitude': 0.0, 'restitution': 1.0}
     >>> scene["sweep"]["x"]["points"] = 40
     """
-    return json.loads(_vibrochain._scene(os.fspath(path)))
+    scene: dict[str, Any] = json.loads(_vibrochain._scene(os.fspath(path)))
+    return scene
 
 
-def _as_text(scene):
+def _as_text(scene: dict[str, Any]) -> str:
     unknown = [key for key in scene if key not in _PARTS] if "program" not in scene else []
     if unknown:
         raise RequestError(f"scene: {unknown[0]!r} is unknown: give {', '.join(_PARTS)}")
 
-    def plain(value):
+    def plain(value: Any) -> Any:
         # Numbers and arrays of NumPy.
         if hasattr(value, "tolist"):
             return value.tolist()
@@ -75,7 +87,12 @@ def _as_text(scene):
         raise RequestError(f"scene: {error}: give finite numbers") from None
 
 
-def sweep(scene, *, threads=None, progress=False):
+def sweep(
+    scene: str | os.PathLike[str] | dict[str, Any],
+    *,
+    threads: SupportsIndex | None = None,
+    progress: bool | Callable[[int, int], object] = False,
+) -> Map:
     """Computes the map of a scene, as ``mapgen sweep`` does, in memory.
 
     Parameters
@@ -111,31 +128,30 @@ def sweep(scene, *, threads=None, progress=False):
     >>> table["spectral_radius"].shape
     (30, 40)
     """
-    text = _as_text(scene) if isinstance(scene, dict) else None
-    path = "scene" if text is not None else os.fspath(scene)
-    tell = _Progress() if progress is True else progress or None
+    text, path = (_as_text(scene), "scene") if isinstance(scene, dict) else (None, os.fspath(scene))
+    if progress is not True:
+        return Map(_vibrochain._sweep(text, path, threads, progress or None))
+    line = _Progress()
     try:
-        parts = _vibrochain._sweep(text, path, threads, tell)
+        return Map(_vibrochain._sweep(text, path, threads, line))
     finally:
-        if progress is True:
-            tell.close()
-    return Map(parts)
+        line.close()
 
 
 class _Progress:
     """A line that is written over and over."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.told = ""
 
-    def __call__(self, done, cells):
+    def __call__(self, done: int, cells: int) -> None:
         line = f"\r{100 * done // cells:3} %  {done}/{cells} cells"
         if line != self.told:
             self.told = line
             sys.stderr.write(line)
             sys.stderr.flush()
 
-    def close(self):
+    def close(self) -> None:
         if self.told:
             sys.stderr.write("\r" + " " * len(self.told) + "\r")
             sys.stderr.flush()
@@ -176,15 +192,17 @@ class Map:
     True
     """
 
-    def __init__(self, parts):
-        self.scene = json.loads(parts["scene"])
-        self.coords = dict(parts["axes"])
+    def __init__(self, parts: dict[str, Any]) -> None:
+        self.scene: dict[str, Any] = json.loads(parts["scene"])
+        self.coords: dict[str, NDArray[np.float64]] = dict(parts["axes"])
         self.dims = tuple(self.coords)
         self.shape = tuple(len(values) for values in self.coords.values())
-        self.classes, self.statuses = parts["classes"], parts["statuses"]
-        self.worst_residual = parts["worst_residual"]
-        self._places = dict(parts["parameters"])
-        self._numbers, self._words = {}, {}
+        self.classes: dict[str, int] = parts["classes"]
+        self.statuses: dict[str, int] = parts["statuses"]
+        self.worst_residual: float = parts["worst_residual"]
+        self._places: dict[str, float] = dict(parts["parameters"])
+        self._numbers: dict[str, NDArray[Any]] = {}
+        self._words: dict[str, tuple[NDArray[np.int8], tuple[str, ...]]] = {}
         for name, values in parts["columns"]:
             if isinstance(values, tuple):
                 codes, words = values
@@ -193,7 +211,7 @@ class Map:
                 self._numbers[name] = values.reshape(self.shape)
         self.columns = (*self._places, *(name for name, _ in parts["columns"]))
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> NDArray[Any]:
         if name in self._numbers:
             return self._numbers[name]
         if name in self._words:
@@ -208,17 +226,17 @@ class Map:
             return np.broadcast_to(self._places[name], self.shape)
         raise KeyError(f"{name!r} is no column of this map: it has {', '.join(self.columns)}")
 
-    def __contains__(self, name):
+    def __contains__(self, name: object) -> bool:
         return name in self.columns
 
-    def __len__(self):
+    def __len__(self) -> int:
         return int(np.prod(self.shape))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         axes = " × ".join(f"{name} ({len(values)})" for name, values in self.coords.items())
         return f"<Map of {len(self)} cells: {axes}>"
 
-    def codes(self, name):
+    def codes(self, name: str) -> tuple[NDArray[np.int8], tuple[str, ...]]:
         """A column of words as numbers.
 
         Parameters
@@ -245,7 +263,7 @@ class Map:
             raise KeyError(f"{name!r} is no column of words: those are {', '.join(self._words)}")
         return self._words[name]
 
-    def to_pandas(self):
+    def to_pandas(self) -> pandas.DataFrame:
         """The map as a table, one row a cell, as in ``mapgen``'s CSV.
 
         Returns
@@ -266,17 +284,18 @@ class Map:
         >>> vc.sweep(scene).to_pandas().shape  # doctest: +PANDAS
         (12, 8)
         """
-        pandas = _needed("pandas", "to_pandas")
+        library = _needed("pandas", "to_pandas")
 
-        def column(name):
+        def column(name: str) -> Any:
             if name in self._words:
                 codes, words = self._words[name]
-                return pandas.Categorical.from_codes(codes.reshape(-1), categories=list(words))
+                return library.Categorical.from_codes(codes.reshape(-1), categories=list(words))
             return self[name].reshape(-1)
 
-        return pandas.DataFrame({name: column(name) for name in self.columns}, copy=False)
+        frame: pandas.DataFrame = library.DataFrame({name: column(name) for name in self.columns}, copy=False)
+        return frame
 
-    def to_xarray(self):
+    def to_xarray(self) -> xarray.Dataset:
         """The map as a labelled array for each column.
 
         Returns
@@ -296,12 +315,13 @@ class Map:
         >>> dict(vc.sweep(scene).to_xarray().sizes)  # doctest: +XARRAY
         {'gamma2': 3, 'omega': 4}
         """
-        xarray = _needed("xarray", "to_xarray")
+        library = _needed("xarray", "to_xarray")
         data = {name: (self.dims, self[name]) for name in (*self._words, *self._numbers)}
         fixed = {name: value for name, value in self._places.items() if name not in self.coords}
-        return xarray.Dataset(data, coords={**self.coords, **fixed})
+        dataset: xarray.Dataset = library.Dataset(data, coords={**self.coords, **fixed})
+        return dataset
 
-    def plot(self, column="class", ax=None):
+    def plot(self, column: str = "class", ax: Axes | None = None) -> Axes:
         """Draws the map: coloured by class, or by a column of numbers. A sweep over one parameter is a curve.
 
         Parameters
@@ -362,7 +382,7 @@ class Map:
             return ax
         codes, words = self._words["class"]
         names = [*words, "unknown"]
-        colours = [tuple(part / 255 for part in _COLOURS.get(name, _UNKNOWN)) for name in names]
+        colours = [(r / 255, g / 255, b / 255) for r, g, b in (_COLOURS.get(name, _UNKNOWN) for name in names)]
         shown = np.where(codes < 0, len(words), codes)
         ax.pcolormesh(x, y, shown, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) - 0.5, shading="nearest")
         there = [i for i in range(len(names)) if i < len(words) or (codes < 0).any()]
@@ -370,9 +390,7 @@ class Map:
         return ax
 
 
-def _needed(package, method):
-    import importlib
-
+def _needed(package: str, method: str) -> Any:
     try:
         return importlib.import_module(package)
     except ImportError as error:

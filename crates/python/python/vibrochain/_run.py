@@ -1,6 +1,11 @@
 """What becomes of a state, event by event."""
 
+from __future__ import annotations
+
+from typing import Any, SupportsIndex
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _vibrochain
 from ._errors import RequestError
@@ -49,7 +54,7 @@ class Run:
     (['impact'], 0.523598775598)
     """
 
-    def __init__(self, parts):
+    def __init__(self, parts: dict[str, Any]) -> None:
         columns = parts["events"]
         self.events = np.empty(len(columns["time"]), dtype=_EVENT)
         for name, values in columns.items():
@@ -59,29 +64,31 @@ class Run:
             elif name == "barrier":
                 values = np.where(values, "upper", "lower")
             self.events[name] = values
-        self.times = parts["times"]
-        self.state = parts["last"]
+        self.times: NDArray[np.float64] = parts["times"]
+        self.state: tuple[NDArray[np.float64], NDArray[np.float64]] = parts["last"]
         masses = len(self.state[0])
-        self.displacement = parts["displacement"].reshape(-1, masses)
-        self.velocity = parts["velocity"].reshape(-1, masses)
-        self.end, self.complete, self.impacts = parts["end"], parts["complete"], parts["impacts"]
+        self.displacement: NDArray[np.float64] = parts["displacement"].reshape(-1, masses)
+        self.velocity: NDArray[np.float64] = parts["velocity"].reshape(-1, masses)
+        self.end: float = parts["end"]
+        self.complete: bool = parts["complete"]
+        self.impacts: int = parts["impacts"]
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Run to t = {self.end}: {len(self.events)} events, {len(self.times)} samples>"
 
 
 def simulate(
-    start,
+    start: Orbit | Model,
     *,
-    displacement=None,
-    velocity=None,
-    psi=0.0,
-    perturbation=None,
-    periods=None,
-    samples=0,
-    times=None,
-    max_impacts=None,
-):
+    displacement: ArrayLike | None = None,
+    velocity: ArrayLike | None = None,
+    psi: float = 0.0,
+    perturbation: tuple[ArrayLike, ArrayLike] | None = None,
+    periods: float | None = None,
+    samples: SupportsIndex = 0,
+    times: ArrayLike | None = None,
+    max_impacts: SupportsIndex | None = None,
+) -> Run:
     """Simulates a chain from an orbit or from any state, event by event, without any knowledge of orbits.
 
     Parameters
@@ -132,21 +139,21 @@ def simulate(
         if displacement is not None or velocity is not None or psi != 0.0:
             raise RequestError("displacement, velocity and psi are those of the orbit: give a Model to start from a state")
         model = start.model
-        time, *state, psi = _vibrochain._start(start)
+        time, u, v, psi = _vibrochain._start(start)
         if perturbation is not None:
-            du, dv = perturbation
-            state = [part + np.broadcast_to(np.asarray(change, dtype=float), part.shape) for part, change in zip(state, (du, dv))]
+            du, dv = (np.asarray(change, dtype=float) for change in perturbation)
+            u, v = np.broadcast_to(u + du, u.shape), np.broadcast_to(v + dv, v.shape)
     elif isinstance(start, Model):
         if displacement is None or velocity is None:
             raise RequestError("a run from a Model needs a state: give displacement and velocity, one number a mass in each")
         if perturbation is not None:
             raise RequestError("perturbation is of a run from an Orbit: add it to displacement and velocity")
         model, time = start, 0.0
-        state = [np.asarray(part, dtype=float).reshape(-1) for part in (displacement, velocity)]
+        u, v = (np.asarray(part, dtype=float).reshape(-1) for part in (displacement, velocity))
     else:
         raise TypeError(f"start is {start!r}: give an Orbit or a Model")
     if times is not None:
         if periods is not None or samples:
             raise RequestError("times are given, and periods or samples as well: give either")
         times = np.asarray(times, dtype=float).reshape(-1)
-    return Run(_vibrochain._simulate(model, time, tuple(state), float(psi), periods, samples, times, max_impacts))
+    return Run(_vibrochain._simulate(model, time, (u, v), float(psi), periods, samples, times, max_impacts))
