@@ -3,17 +3,20 @@
 //! | module | holds |
 //! |---|---|
 //! | `params`, `model` | `Chain`, `Force`, `Model` |
-//! | `orbits` | `Breathers`, `Orbit`, `Impact` |
+//! | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are |
 //! | `answers` | `Admissibility`, `Condition`, `Stability` |
-//! | `sweep` | maps: the columns of a scene's cells |
-//! | `along` | events, branches and curves as parameters vary |
 //! | `simulation` | event-driven runs |
+//! | `sweep` | maps: the columns of a scene's cells |
+//! | `events`, `branches`, `curves` | what happens as parameters vary |
 //! | `call` | long calls: without the interpreter's lock, interruptible |
 //! | `failure` | errors as exceptions |
 
-mod along;
 mod answers;
+mod branches;
+mod breathers;
 mod call;
+mod curves;
+mod events;
 mod failure;
 mod model;
 mod orbits;
@@ -27,15 +30,19 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _vibrochain {
     #[pymodule_export]
-    use crate::along::{
-        PyBranch, PyBranchPoint, PyDiagram, PyEnd, PyEventCurve, PyEvents, PyLocated, branch, curve, locate,
-    };
-    #[pymodule_export]
     use crate::answers::{PyAdmissibility, PyCondition, PyObstruction, PyStability, PyVerdict};
+    #[pymodule_export]
+    use crate::branches::{PyBranch, PyDiagram, branch};
+    #[pymodule_export]
+    use crate::breathers::{PyBreathers, PyCompleteness};
+    #[pymodule_export]
+    use crate::curves::{PyEventCurve, curve};
+    #[pymodule_export]
+    use crate::events::{PyBranchPoint, PyEnd, PyEvents, PyLocated, locate};
     #[pymodule_export]
     use crate::model::model;
     #[pymodule_export]
-    use crate::orbits::{PyBreathers, PyCompleteness, PyImpact, PyOrbit};
+    use crate::orbits::{PyImpact, PyOrbit};
     #[pymodule_export]
     use crate::params::{PyChain, PyForce, PyModel, chain};
     #[pymodule_export]

@@ -8,9 +8,9 @@ use pyo3::types::PyDict;
 use vibrochain_breather::{BreatherError, Family, Finder, Found, Wanted, Word, breathers};
 use vibrochain_lattice::{Model, Short};
 
+use crate::breathers::PyBreathers;
 use crate::call::{call, long};
 use crate::failure::Failure;
-use crate::orbits::PyBreathers;
 use crate::params::{PyChain, PyForce, PyModel, parameter};
 
 #[pymethods]
