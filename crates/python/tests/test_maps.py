@@ -123,6 +123,8 @@ def test_to_pandas(table):
     assert all(counts[name] == count for name, count in table.classes.items())
     assert frame["mechanism"].isna().sum() == (table["mechanism"] == "").sum()
     assert np.array_equal(frame["margin"], table["margin"].ravel(), equal_nan=True)
+    # Numbers are the map's own memory still.
+    assert np.shares_memory(frame["margin"].to_numpy(), table["margin"])
 
 
 def test_to_xarray():
@@ -134,6 +136,7 @@ def test_to_xarray():
     data = table.to_xarray()
     assert dict(data.sizes) == {"asymmetry": 2, "gamma2": 5, "omega": 7} and table.shape == (2, 5, 7)
     point = data.sel(asymmetry=0.1, gamma2=table.coords["gamma2"][3], omega=table.coords["omega"][6])
+    assert np.shares_memory(data["margin"].values, table["margin"])
     assert point["margin"].item() == table["margin"][1, 3, 6] and str(point["class"].item()) == table["class"][1, 3, 6]
 
 
