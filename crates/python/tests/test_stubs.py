@@ -3,6 +3,9 @@
 import ast
 import inspect
 import pathlib
+import sys
+
+import pytest
 
 import vibrochain as vc
 from vibrochain import _vibrochain
@@ -34,6 +37,7 @@ def signature(thing):
     return [each for each in listed if each[0] != "self"]
 
 
+@pytest.mark.skipif(sys.version_info < (3, 10), reason="Python tells no signatures of such classes yet")
 def test_every_name_is_in_the_stub_and_no_other():
     told = {node.name: node for node in TREE.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
     assert set(told) == {name for name in vars(_vibrochain) if not name.startswith("__")}
