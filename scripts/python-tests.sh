@@ -12,12 +12,12 @@ if ! python3 -m venv "$work/venv" 2>/dev/null; then
     exit 0
 fi
 python=$work/venv/bin/python
-if ! "$python" -m pip install --quiet 'maturin>=1.9.4,<2' numpy pytest; then
+if ! "$python" -m pip install --quiet --no-compile --disable-pip-version-check 'maturin>=1.9.4,<2' numpy pytest; then
     echo "the Python package: not tested here, NumPy and pytest cannot be had"
     exit 0
 fi
 # What maps are handed on to; tests that need what is not there say so and are skipped.
-"$python" -m pip install --quiet pandas xarray matplotlib || true
+"$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib || true
 
 # The features are those of the workspace's tests, so that all but the last crate is built already.
 cargo build --workspace --lib --bin mapgen --test imports
