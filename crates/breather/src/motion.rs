@@ -382,10 +382,15 @@ impl Motion {
 
     /// Displacements of all masses at time `t`.
     pub fn displacements(&mut self, t: f64) -> Vec<f64> {
+        self.state(t).0
+    }
+
+    /// Displacements and velocities of all masses at time `t`; in O(M log M) for a large ring.
+    pub fn state(&mut self, t: f64) -> (Vec<f64>, Vec<f64>) {
         self.at(0, t);
         let mut all = Vec::new();
         self.all_sites(&mut all);
-        all.into_iter().map(|value| value.re).collect()
+        all.into_iter().map(|value| (value.re, value.im)).unzip()
     }
 
     /// Moves just after impact `i`, where interval `i` starts; the state of `site` there, and v̈ from the equation of motion,

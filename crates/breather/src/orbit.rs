@@ -221,6 +221,12 @@ impl Orbit {
         self.model.omega() / f64::from(self.force_periods)
     }
 
+    /// A time before 0 when every mass has room: the middle of the last flight.
+    pub fn time_in_last_flight(&self) -> f64 {
+        let last = self.impacts.last().map_or(0.0, |impact| impact.time);
+        0.5 * (last - self.period())
+    }
+
     /// Phase ψ of the force at t = 0, as a time, 0 ≤ ψ < T. `None` without force.
     pub fn psi(&self) -> Option<f64> {
         // No −0.

@@ -14,9 +14,7 @@ use vibrochain_maps::scene::tolerance_from;
 use crate::args::{BranchArgs, QuantityName};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::locate_command::{
-    Start, error_text, event, evidence_text, located_json, message, reason, start, verdict_json,
-};
+use crate::locate_command::{Start, error_text, event, evidence_text, located_json, message, start, verdict_json};
 use crate::orbit_command::point_value;
 use crate::which;
 
@@ -159,7 +157,7 @@ fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> V
     let ends: Vec<Value> = branch
         .ends
         .iter()
-        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": ending(branch, course, *value, end) }))
+        .map(|(value, end)| json!({ "value": value, "reason": end.name(), "message": ending(branch, course, *value, end) }))
         .collect();
     json!({
         "generation": branch.generation,

@@ -159,7 +159,7 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
     let ends: Vec<Value> = answer
         .ends
         .iter()
-        .map(|(value, end)| json!({ "value": value, "reason": reason(end), "message": message(search.free, *value, end) }))
+        .map(|(value, end)| json!({ "value": value, "reason": end.name(), "message": message(search.free, *value, end) }))
         .collect();
     json!({
         "event": search.event.name(),
@@ -174,21 +174,6 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
         "evaluations": answer.evaluations,
         "spectra": answer.spectra,
     })
-}
-
-/// One word for an end.
-pub(crate) fn reason(end: &End) -> &'static str {
-    match end {
-        End::Range => "range",
-        End::Fold { .. } => "fold",
-        End::Closed => "closed",
-        End::Pitchfork => "symmetric",
-        End::Resonance(_) => "resonance",
-        End::Unbounded => "unbounded",
-        End::ImpulsesVanish => "impulses-vanish",
-        End::Lost(_) => "lost",
-        End::Unwatched(_) => "unwatched",
-    }
 }
 
 /// How the way in one direction ended, as a sentence.

@@ -40,8 +40,7 @@ impl Start {
     /// [`CliError::IllPosed`] if the orbit's motion is not defined.
     pub fn on(orbit: &Orbit) -> Result<Self, CliError> {
         let mut motion = Motion::of(orbit)?;
-        let last = orbit.impacts().last().map_or(0.0, |impact| impact.time);
-        let time = 0.5 * (last - orbit.period());
+        let time = orbit.time_in_last_flight();
         motion.at(0, time);
         let masses = (0..motion.sites()).map(|n| motion.site(n));
         let (displacement, velocity) = masses.map(|mass| (mass.displacement, mass.velocity)).unzip();

@@ -186,6 +186,24 @@ pub enum End {
     Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] FloquetError),
 }
 
+impl End {
+    /// The name used in files: `range`, `fold`, `closed`, `symmetric`, `resonance`, `unbounded`, `impulses-vanish`, `lost` or
+    /// `unwatched`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Range => "range",
+            Self::Fold { .. } => "fold",
+            Self::Closed => "closed",
+            Self::Pitchfork => "symmetric",
+            Self::Resonance(_) => "resonance",
+            Self::Unbounded => "unbounded",
+            Self::ImpulsesVanish => "impulses-vanish",
+            Self::Lost(_) => "lost",
+            Self::Unwatched(_) => "unwatched",
+        }
+    }
+}
+
 /// The answer to a search.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

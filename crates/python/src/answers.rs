@@ -1,0 +1,321 @@
+//! What is said of an orbit: physical or not, how well known, stable or not.
+
+use numpy::{Complex64, PyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyComplex;
+use vibrochain_breather::{Admissibility, Condition, Obstruction, Orbit};
+use vibrochain_floquet::{Mechanism, Verdict};
+use vibrochain_lattice::Layout;
+
+/// A complex number of Python.
+pub(crate) fn complex(py: Python<'_>, value: Complex64) -> Bound<'_, PyComplex> {
+    PyComplex::from_doubles(py, value.re, value.im)
+}
+
+/// Whether an orbit is physical, and what is in the way.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=0.3, asymmetry=0.4)
+/// >>> answer = model.breathers("double-sided").orbits[0].admissibility()
+/// >>> answer.physical, answer.obstruction.kind
+/// (False, 'crossing')
+#[pyclass(frozen, eq, name = "Admissibility", module = "vibrochain")]
+#[derive(PartialEq)]
+pub(crate) struct PyAdmissibility {
+    answer: Admissibility,
+    layout: Layout,
+}
+
+impl PyAdmissibility {
+    pub(crate) fn new(answer: Admissibility, layout: Layout) -> Self {
+        Self { answer, layout }
+    }
+}
+
+#[pymethods]
+impl PyAdmissibility {
+    /// bool : nothing is in the way.
+    #[getter]
+    fn physical(&self) -> bool {
+        self.answer.is_physical()
+    }
+
+    /// float or None : smallest distance of any mass to a barrier at a turning point, negative if a mass crosses; None if an
+    /// impact has the wrong sign, which makes distances moot.
+    #[getter]
+    fn margin(&self) -> Option<f64> {
+        self.answer.margin
+    }
+
+    /// Obstruction or None : what is in the way.
+    #[getter]
+    fn obstruction(&self) -> Option<PyObstruction> {
+        self.answer.obstruction.map(|found| PyObstruction { found, layout: self.layout })
+    }
+
+    fn __bool__(&self) -> bool {
+        self.physical()
+    }
+
+    fn __str__(&self) -> String {
+        self.answer.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Admissibility: {}>", self.answer)
+    }
+}
+
+/// What keeps a solution from being an orbit of the real chain.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=0.3, asymmetry=0.4)
+/// >>> obstruction = model.breathers("double-sided").orbits[0].admissibility().obstruction
+/// >>> obstruction.excess > 0
+/// True
+#[pyclass(frozen, eq, name = "Obstruction", module = "vibrochain")]
+#[derive(PartialEq)]
+pub(crate) struct PyObstruction {
+    found: Obstruction,
+    layout: Layout,
+}
+
+impl PyObstruction {
+    fn index(&self) -> usize {
+        match self.found {
+            Obstruction::WrongSign { site, .. } | Obstruction::Crossing { site, .. } => site,
+        }
+    }
+}
+
+#[pymethods]
+impl PyObstruction {
+    /// str : "crossing" (a mass beyond a barrier) or "wrong-sign" (an impact from behind).
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.found {
+            Obstruction::WrongSign { .. } => "wrong-sign",
+            Obstruction::Crossing { .. } => "crossing",
+        }
+    }
+
+    /// int : the mass, in its layer.
+    #[getter]
+    fn site(&self) -> usize {
+        self.layout.place(self.index()).0
+    }
+
+    /// int : its layer.
+    #[getter]
+    fn layer(&self) -> usize {
+        self.layout.place(self.index()).1
+    }
+
+    /// float : when, within the period.
+    #[getter]
+    fn time(&self) -> f64 {
+        match self.found {
+            Obstruction::WrongSign { time, .. } | Obstruction::Crossing { time, .. } => time,
+        }
+    }
+
+    /// str or None : the barrier that is crossed.
+    #[getter]
+    fn barrier(&self) -> Option<&'static str> {
+        match self.found {
+            Obstruction::WrongSign { .. } => None,
+            Obstruction::Crossing { barrier, .. } => Some(barrier.name()),
+        }
+    }
+
+    /// float or None : how far beyond the barrier the mass is.
+    #[getter]
+    fn excess(&self) -> Option<f64> {
+        match self.found {
+            Obstruction::WrongSign { .. } => None,
+            Obstruction::Crossing { excess, .. } => Some(excess),
+        }
+    }
+
+    /// int or None : index of the impact of the wrong sign.
+    #[getter]
+    fn impact(&self) -> Option<usize> {
+        match self.found {
+            Obstruction::WrongSign { impact, .. } => Some(impact),
+            Obstruction::Crossing { .. } => None,
+        }
+    }
+
+    /// float or None : the velocity before that impact.
+    #[getter]
+    fn velocity_before(&self) -> Option<f64> {
+        match self.found {
+            Obstruction::WrongSign { velocity_before, .. } => Some(velocity_before),
+            Obstruction::Crossing { .. } => None,
+        }
+    }
+
+    fn __str__(&self) -> String {
+        self.found.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Obstruction: {}>", self.found)
+    }
+}
+
+/// How far an orbit can be trusted.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4, amplitude=0.1, restitution=0.9)
+/// >>> condition = model.breathers("double-sided").orbits[0].condition()
+/// >>> condition.resonance > 1e-3, condition.time_error < 1e-13
+/// (True, True)
+#[pyclass(frozen, eq, name = "Condition", module = "vibrochain")]
+#[derive(PartialEq)]
+pub(crate) struct PyCondition {
+    /// float : distance to resonance, the smallest relative one of a mode to a harmonic, at most 1.
+    #[pyo3(get)]
+    resonance: f64,
+    /// float : distance to grazing, the smallest velocity before an impact over omega.
+    #[pyo3(get)]
+    grazing: f64,
+    /// float : distance to a fold, the reciprocal condition number of the orbit's equations.
+    #[pyo3(get)]
+    fold: f64,
+    /// float : estimated error of the impulses, relative to the largest; inf where no bound is known.
+    #[pyo3(get)]
+    impulse_error: f64,
+    /// float : estimated error of the times, relative to the period; inf where no bound is known.
+    #[pyo3(get)]
+    time_error: f64,
+    text: String,
+}
+
+impl PyCondition {
+    pub(crate) fn new(condition: &Condition, orbit: &Orbit) -> Self {
+        let Condition { resonance, grazing, fold, .. } = *condition;
+        let (impulse_error, time_error) = (condition.impulse_error(orbit), condition.time_error(orbit));
+        Self { resonance, grazing, fold, impulse_error, time_error, text: condition.to_string() }
+    }
+}
+
+#[pymethods]
+impl PyCondition {
+    fn __str__(&self) -> &str {
+        &self.text
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Condition: {}>", self.text)
+    }
+}
+
+/// The verdict on an orbit: stable, unstable, or too close to the border to be told (marginal).
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=0.8, asymmetry=0.4)
+/// >>> isinstance(model.breathers("single-sided").orbits[0].stability(), vc.Verdict)
+/// True
+#[pyclass(frozen, subclass, eq, name = "Verdict", module = "vibrochain")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct PyVerdict(pub(crate) Verdict);
+
+#[pymethods]
+impl PyVerdict {
+    /// bool : no perturbation grows by more than the threshold, errors allowed for.
+    #[getter]
+    fn stable(&self) -> bool {
+        self.0.stable
+    }
+
+    /// bool : the growth is closer to the threshold than its own error.
+    #[getter]
+    fn marginal(&self) -> bool {
+        self.0.marginal
+    }
+
+    /// str or None : how stability is lost: "plus-one", "pitchfork", "period-doubling" or "neimark-sacker".
+    #[getter]
+    fn mechanism(&self) -> Option<&'static str> {
+        self.0.mechanism.map(Mechanism::name)
+    }
+
+    /// float : largest modulus of the multipliers that feel the impacts, per period of the orbit.
+    #[getter]
+    fn spectral_radius(&self) -> f64 {
+        self.0.spectral_radius
+    }
+
+    /// complex : the multiplier of that modulus.
+    #[getter]
+    fn leading<'py>(&self, py: Python<'py>) -> Bound<'py, PyComplex> {
+        complex(py, self.0.leading)
+    }
+
+    /// float : spectral_radius - 1, with its own relative accuracy.
+    #[getter]
+    fn growth(&self) -> f64 {
+        self.0.growth()
+    }
+
+    /// float : estimated error of the spectral radius; 0 where structure decides.
+    #[getter]
+    fn resolution(&self) -> f64 {
+        self.0.resolution
+    }
+
+    /// str : "secular" or "dense", where the answer comes from.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.0.method.name()
+    }
+
+    /// str or None : why it is a dense matrix, where the secular function was tried.
+    #[getter]
+    fn doubt(&self) -> Option<String> {
+        self.0.method.doubt().map(|doubt| doubt.to_string())
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<{}>", self.0)
+    }
+}
+
+/// A verdict with all multipliers.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np, vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4, amplitude=0.1, restitution=0.9)
+/// >>> answer = model.breathers("double-sided").orbits[0].stability()
+/// >>> answer.multipliers.dtype, bool(np.isclose(abs(answer.multipliers).max(), answer.spectral_radius))
+/// (dtype('complex128'), True)
+#[pyclass(frozen, extends = PyVerdict, name = "Stability", module = "vibrochain")]
+pub(crate) struct PyStability {
+    /// numpy.ndarray of complex128, shape (2 * masses,) : the multipliers by falling modulus, then by argument. Empty of words of
+    /// several sites on lattices so large that they are counted only.
+    #[pyo3(get)]
+    pub(crate) multipliers: Py<PyArray1<Complex64>>,
+}
+
+#[pymethods]
+impl PyStability {
+    /// Verdict : the verdict alone.
+    #[getter]
+    fn verdict(self_: PyRef<'_, Self>) -> PyVerdict {
+        self_.into_super().clone()
+    }
+}

@@ -1,0 +1,195 @@
+//! The list of breathers at a point, and what is known of how complete it is.
+
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+use pyo3::types::PyIterator;
+use vibrochain_breather::{Completeness, Finder, Found, Proof};
+
+use crate::call::call;
+use crate::failure::Failure;
+use crate::orbits::PyOrbit;
+
+/// All breathers of a family or word at a point: a sequence of orbits.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4, restitution=0.9)
+/// >>> found = model.breathers("single-sided")
+/// >>> found.orbits, found.completeness.established
+/// ([], True)
+/// >>> found.reason
+/// 'impacts lose energy (restitution < 1) and no force restores it: give an amplitude or restitution 1'
+#[pyclass(frozen, sequence, name = "Breathers", module = "vibrochain")]
+pub(crate) struct PyBreathers {
+    name: String,
+    orbits: Vec<PyOrbit>,
+    completeness: Completeness,
+    ended: Vec<String>,
+}
+
+impl PyBreathers {
+    pub(crate) fn new(name: String, found: Found) -> Self {
+        let ended = found.ended.iter().map(ToString::to_string).collect();
+        let orbits = found.orbits.into_iter().map(PyOrbit::new).collect();
+        Self { name, orbits, completeness: found.completeness, ended }
+    }
+}
+
+#[pymethods]
+impl PyBreathers {
+    /// str : the family, or the word in the form that is the same for all words that mean the same.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// list of Orbit : the orbits, physical or not, in order of phi.
+    #[getter]
+    fn orbits(&self) -> Vec<PyOrbit> {
+        self.orbits.clone()
+    }
+
+    /// Completeness : whether these are all, and how that is known.
+    #[getter]
+    fn completeness(&self) -> PyCompleteness {
+        PyCompleteness(self.completeness)
+    }
+
+    /// str or None : why there are none, where there are none.
+    #[getter]
+    fn reason(&self) -> Option<String> {
+        self.completeness.reason().map(|reason| reason.to_string())
+    }
+
+    /// list of str : where branches of a word ended that were followed from masses without coupling.
+    #[getter]
+    fn ended(&self) -> Vec<String> {
+        self.ended.clone()
+    }
+
+    /// The first orbit that is physical.
+    ///
+    /// Returns
+    /// -------
+    /// Orbit
+    ///
+    /// Raises
+    /// ------
+    /// NoBreatherError
+    ///     If none is; the message says why.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import vibrochain as vc
+    /// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
+    /// >>> model.breathers("double-sided").physical().admissibility().physical
+    /// True
+    /// >>> model.breathers("period-doubled").physical()
+    /// Traceback (most recent call last):
+    ///     ...
+    /// vibrochain._errors.NoBreatherError: this family exists under a force only: give amplitude and restitution
+    fn physical(&self, py: Python<'_>) -> PyResult<PyOrbit> {
+        if let Some(reason) = self.reason() {
+            return Err(Failure::NoBreather(reason).into());
+        }
+        let (orbits, name) = (self.orbits.clone(), self.name.clone());
+        let Some(first) = orbits.first().cloned() else {
+            return Err(
+                Failure::NoBreather(format!("no {name} orbit was found; the list is {}", self.completeness)).into()
+            );
+        };
+        call(py, first.0.model(), move || {
+            let count = orbits.len();
+            for orbit in orbits {
+                let mut finder = Finder::new(orbit.0.model().chain().sites());
+                if finder.quick_admissibility(&orbit.0)?.is_physical() {
+                    return Ok(orbit);
+                }
+            }
+            let message = format!(
+                "none of the {count} {name} orbits is physical; admissibility() of each tells what is in its way"
+            );
+            Err(Failure::NoBreather(message))
+        })
+    }
+
+    fn __len__(&self) -> usize {
+        self.orbits.len()
+    }
+
+    fn __getitem__(&self, index: usize) -> PyResult<PyOrbit> {
+        self.orbits.get(index).cloned().ok_or_else(|| {
+            let message = format!("orbit {index} of {}", self.orbits.len());
+            PyIndexError::new_err(message)
+        })
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        self.orbits().into_pyobject(py)?.try_iter()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<{} {} breathers, {}>", self.orbits.len(), self.name, self.completeness)
+    }
+}
+
+/// What is known of a list of breathers: that it is complete, and how, or what it may lack.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
+/// >>> known = model.breathers("single-sided").completeness
+/// >>> known.established, known.by
+/// (True, 'closed-form')
+#[pyclass(frozen, name = "Completeness", module = "vibrochain")]
+pub(crate) struct PyCompleteness(Completeness);
+
+#[pymethods]
+impl PyCompleteness {
+    /// bool : the list is known to hold all orbits.
+    #[getter]
+    fn established(&self) -> bool {
+        self.0.is_established()
+    }
+
+    /// str or None : "closed-form", "enclosures", "branch-and-prune", "reversible" or "followed".
+    #[getter]
+    fn by(&self) -> Option<&'static str> {
+        match self.0 {
+            Completeness::Followed { .. } => Some("followed"),
+            completeness => completeness.proof().map(Proof::name),
+        }
+    }
+
+    /// int or None : intervals or boxes enclosed, or branches followed.
+    #[getter]
+    fn effort(&self) -> Option<usize> {
+        match (self.0, self.0.proof()) {
+            (Completeness::Followed { starts, .. }, _) => Some(starts),
+            (_, Some(Proof::Enclosures { intervals: count } | Proof::BranchAndPrune { boxes: count })) => Some(count),
+            _ => None,
+        }
+    }
+
+    /// int : places where two orbits may have merged closer than rounding can tell.
+    #[getter]
+    fn unresolved(&self) -> usize {
+        self.0.open().0
+    }
+
+    /// int : places that were not searched because there are too many.
+    #[getter]
+    fn exhausted(&self) -> usize {
+        self.0.open().1
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Completeness: {}>", self.0)
+    }
+}

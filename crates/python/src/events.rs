@@ -1,0 +1,315 @@
+//! Events on the branch of a breather as one parameter varies.
+
+use pyo3::prelude::*;
+use pyo3::types::PyComplex;
+use vibrochain_breather::Approach;
+use vibrochain_floquet::{BranchedOrbit, Branching, DiagramPoint, End, Event, Evidence, Located, Search};
+use vibrochain_lattice::Parameter;
+
+use crate::answers::{PyVerdict, complex};
+use crate::call::long;
+use crate::failure::{Failure, named};
+use crate::orbits::PyOrbit;
+use crate::params::parameter;
+
+/// The event of that name.
+pub(crate) fn event(name: &str) -> Result<Event, Failure> {
+    named("event", name, Event::ALL.map(|event| (event.name(), event)))
+}
+
+/// How a way ended: a value of the parameter, and why there.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
+/// >>> orbit = model.breathers("double-sided").physical()
+/// >>> [end.reason for end in vc.locate(orbit, "grazing", "asymmetry", from_=0.3, to=0.5).ends]
+/// ['range', 'range']
+#[pyclass(frozen, eq, name = "End", module = "vibrochain")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct PyEnd {
+    /// float : value of the parameter.
+    #[pyo3(get)]
+    value: f64,
+    /// str : "range", "fold", "closed", "symmetric" (it meets its own mirror image), "resonance", "unbounded", "impulses-vanish",
+    /// "lost" or "unwatched".
+    #[pyo3(get)]
+    reason: &'static str,
+    /// str or None : what there is to say besides.
+    #[pyo3(get)]
+    detail: Option<String>,
+}
+
+#[pymethods]
+impl PyEnd {
+    fn __repr__(&self) -> String {
+        let detail = self.detail.as_ref().map_or_else(String::new, |detail| format!(": {detail}"));
+        format!("<{} at {}{detail}>", self.reason, self.value)
+    }
+}
+
+impl From<&(f64, End)> for PyEnd {
+    fn from((value, end): &(f64, End)) -> Self {
+        let detail = match end {
+            End::Fold { error } => Some(format!("known to {error:.0e}")),
+            End::Resonance(resonance) => Some(resonance.to_string()),
+            End::Lost(error) => Some(error.to_string()),
+            End::Unwatched(error) => Some(error.to_string()),
+            End::Range | End::Closed | End::Pitchfork | End::Unbounded | End::ImpulsesVanish => None,
+        };
+        Self { value: *value, reason: end.name(), detail }
+    }
+}
+
+/// An event on a branch: a grazing, pitchfork, period doubling, Neimark-Sacker or fold.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.07, asymmetry=0.8, amplitude=0.165, restitution=0.25)
+/// >>> orbit = model.breathers("single-sided").physical()
+/// >>> point = vc.locate(orbit, "period-doubling", "amplitude").points[0]
+/// >>> point.event, round(point.value, 6), abs(point.multiplier + 1) < 1e-9
+/// ('period-doubling', 0.158908, True)
+/// >>> point.branching[0].orbit.family
+/// 'period-doubled'
+#[pyclass(frozen, name = "Located", module = "vibrochain")]
+#[derive(Clone)]
+pub(crate) struct PyLocated {
+    pub(crate) located: Located,
+    pub(crate) free: Parameter,
+}
+
+#[pymethods]
+impl PyLocated {
+    /// str : "grazing", "pitchfork", "period-doubling", "neimark-sacker" or "fold".
+    #[getter]
+    fn event(&self) -> &'static str {
+        self.located.event.name()
+    }
+
+    /// str : the parameter that varies.
+    #[getter]
+    fn free(&self) -> &'static str {
+        self.free.name()
+    }
+
+    /// float : its value.
+    #[getter]
+    fn value(&self) -> f64 {
+        self.located.value
+    }
+
+    /// float : its estimated error; inf where no bound is known.
+    #[getter]
+    fn error(&self) -> f64 {
+        self.located.error
+    }
+
+    /// Orbit : the orbit there.
+    #[getter]
+    fn orbit(&self) -> PyOrbit {
+        PyOrbit::new(self.located.orbit.clone())
+    }
+
+    /// bool or None : whether it is physical, where that can be told; at grazing a matter of rounding.
+    #[getter]
+    fn physical(&self) -> Option<bool> {
+        self.located.physical
+    }
+
+    /// complex or None : the multiplier that meets the circle.
+    #[getter]
+    fn multiplier<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyComplex>> {
+        match self.located.evidence {
+            Evidence::Multiplier(multiplier) => Some(complex(py, multiplier)),
+            Evidence::Touch(_) | Evidence::Impact(_) => None,
+        }
+    }
+
+    /// tuple of (int, str, float), or None : mass, barrier and time of a touch, at grazing.
+    #[getter]
+    fn touch(&self) -> Option<(usize, &'static str, f64)> {
+        match self.located.evidence {
+            Evidence::Touch(Approach { site, barrier, time }) => Some((site, barrier.name(), time)),
+            Evidence::Multiplier(_) | Evidence::Impact(_) => None,
+        }
+    }
+
+    /// int or None : index of the impact that has lost its velocity, at grazing.
+    #[getter]
+    fn impact(&self) -> Option<usize> {
+        match self.located.evidence {
+            Evidence::Impact(impact) => Some(impact),
+            Evidence::Multiplier(_) | Evidence::Touch(_) => None,
+        }
+    }
+
+    /// list of (float, Verdict) : the verdict a small step away on either side, as far as the orbit exists there.
+    #[getter]
+    fn sides(&self) -> Vec<(f64, PyVerdict)> {
+        self.located.verdicts.iter().map(|(value, verdict)| (*value, PyVerdict(*verdict))).collect()
+    }
+
+    /// list of BranchPoint : the orbits that branch off, a small step from the event.
+    #[getter]
+    fn branching(&self) -> Vec<PyBranchPoint> {
+        let orbits = |Branching { value, orbits, .. }: &Branching| {
+            let point = |BranchedOrbit { orbit, physical, verdict }: &BranchedOrbit| PyBranchPoint {
+                value: *value,
+                orbit: PyOrbit::new(orbit.clone()),
+                margin: None,
+                physical: *physical,
+                verdict: verdict.map(PyVerdict),
+            };
+            orbits.iter().map(point).collect()
+        };
+        self.located.branching.as_ref().map_or_else(Vec::new, orbits)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<{} at {} = {}>", self.located.event, self.free, self.located.value)
+    }
+}
+
+/// The answer of `locate`: all events of a kind on a branch.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
+/// >>> orbit = model.breathers("double-sided").physical()
+/// >>> vc.locate(orbit, "grazing", "asymmetry", from_=0.3, to=0.5).points
+/// []
+#[pyclass(frozen, name = "Events", module = "vibrochain")]
+pub(crate) struct PyEvents {
+    points: Vec<PyLocated>,
+    /// list of (float, float) : ranges of the parameter in which rounding may hide more.
+    #[pyo3(get)]
+    unresolved: Vec<(f64, f64)>,
+    /// list of End : how the ways down and up ended.
+    #[pyo3(get)]
+    ends: Vec<PyEnd>,
+    /// tuple of (float, float) : the range that was searched.
+    #[pyo3(get)]
+    range: (f64, f64),
+    /// int : orbits assembled.
+    #[pyo3(get)]
+    evaluations: usize,
+    /// int : eigenvalue problems solved.
+    #[pyo3(get)]
+    spectra: usize,
+}
+
+#[pymethods]
+impl PyEvents {
+    /// list of Located : the events, the one nearest to the start first.
+    #[getter]
+    fn points(&self) -> Vec<PyLocated> {
+        self.points.clone()
+    }
+
+    fn __repr__(&self) -> String {
+        let points: Vec<String> = self.points.iter().map(PyLocated::__repr__).collect();
+        format!("<Events between {} and {}: [{}]>", self.range.0, self.range.1, points.join(", "))
+    }
+}
+
+/// Where a breather bifurcates or grazes as one parameter varies.
+///
+/// Parameters
+/// ----------
+/// orbit : Orbit
+///     Where to start.
+/// event : str
+///     "grazing", "pitchfork", "period-doubling", "neimark-sacker" or "fold".
+/// free : str
+///     The parameter that varies: "gamma1", "gamma2", "gamma3", "omega", "asymmetry", "amplitude" or "restitution".
+/// from_, to : float, optional
+///     The range; half to twice the start if not given (asymmetry 0 to 0.99, restitution 0.05 to 1).
+///
+/// Returns
+/// -------
+/// Events
+///     That there is none is an answer.
+///
+/// Raises
+/// ------
+/// RequestError
+///     For a range that does not hold the start, or a parameter that the orbit does not have.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.07, asymmetry=0.8, amplitude=0.165, restitution=0.25)
+/// >>> orbit = model.breathers("single-sided").physical()
+/// >>> vc.locate(orbit, "fold", "amplitude").points[0].error < 1e-9
+/// True
+#[pyfunction]
+#[pyo3(signature = (orbit, event, free, *, from_ = None, to = None))]
+pub(crate) fn locate(
+    py: Python<'_>,
+    orbit: PyRef<'_, PyOrbit>,
+    event: &str,
+    free: &str,
+    from_: Option<f64>,
+    to: Option<f64>,
+) -> PyResult<PyEvents> {
+    let (orbit, event, free) = (orbit.0.clone(), self::event(event)?, parameter("free", free)?);
+    let usual = Search::new(&orbit, event, free);
+    let search = Search { from: from_.unwrap_or(usual.from), to: to.unwrap_or(usual.to), ..usual };
+    let answer = long(py, |_| Ok(()), move |_| vibrochain_floquet::locate(&orbit, &search))?;
+    Ok(PyEvents {
+        points: answer.located.into_iter().map(|located| PyLocated { located, free }).collect(),
+        unresolved: answer.unresolved.iter().map(|place| (place.from, place.to)).collect(),
+        ends: answer.ends.iter().map(PyEnd::from).collect(),
+        range: (search.from, search.to),
+        evaluations: answer.evaluations,
+        spectra: answer.spectra,
+    })
+}
+
+/// A point of a branch.
+///
+/// Examples
+/// --------
+/// >>> import vibrochain as vc
+/// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
+/// >>> orbit = model.breathers("double-sided").physical()
+/// >>> diagram = vc.branch(orbit, "asymmetry", from_=0.39, to=0.41, events=["grazing"])
+/// >>> point = diagram.branches[0].points[0]
+/// >>> point.orbit.model.asymmetry == point.value, point.physical
+/// (True, True)
+#[pyclass(frozen, name = "BranchPoint", module = "vibrochain")]
+#[derive(Clone)]
+pub(crate) struct PyBranchPoint {
+    /// float : value of the parameter.
+    #[pyo3(get)]
+    pub(crate) value: f64,
+    /// Orbit : the orbit.
+    #[pyo3(get)]
+    pub(crate) orbit: PyOrbit,
+    /// float or None : smallest distance of any mass to a barrier.
+    #[pyo3(get)]
+    pub(crate) margin: Option<f64>,
+    /// bool or None : whether it is physical, where that can be told.
+    #[pyo3(get)]
+    pub(crate) physical: Option<bool>,
+    /// Verdict or None : its stability, where it can be judged.
+    #[pyo3(get)]
+    pub(crate) verdict: Option<PyVerdict>,
+}
+
+impl From<DiagramPoint> for PyBranchPoint {
+    fn from(DiagramPoint { value, orbit, margin, physical, verdict }: DiagramPoint) -> Self {
+        Self { value, orbit: PyOrbit::new(orbit), margin, physical, verdict: verdict.map(PyVerdict) }
+    }
+}
+
+#[pymethods]
+impl PyBranchPoint {
+    fn __repr__(&self) -> String {
+        format!("<BranchPoint at {}: {}>", self.value, self.orbit.0)
+    }
+}

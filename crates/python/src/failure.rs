@@ -1,0 +1,180 @@
+//! What cannot be answered, as an exception of its kind.
+
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use vibrochain_breather::{BranchError, BreatherError, WordError};
+use vibrochain_eventsim::StateError;
+use vibrochain_floquet::{CurveError, FloquetError, LocateError};
+use vibrochain_lattice::{ParameterError, Resonance};
+use vibrochain_maps::error::MapError;
+
+mod raised {
+    use pyo3::import_exception;
+
+    import_exception!(vibrochain._errors, IllConditionedError);
+    import_exception!(vibrochain._errors, NoBreatherError);
+    import_exception!(vibrochain._errors, NotConvergedError);
+    import_exception!(vibrochain._errors, RequestError);
+    import_exception!(vibrochain._errors, ResonanceError);
+    import_exception!(vibrochain._errors, TooLargeError);
+    import_exception!(vibrochain._errors, VibrochainError);
+}
+
+/// A failure, away from Python until it is raised.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    Request(String),
+    Resonance(Resonance),
+    NoBreather(String),
+    NotConverged(String),
+    IllConditioned(String),
+    TooLarge(String),
+    Other(String),
+}
+
+impl Failure {
+    pub(crate) fn request(message: impl Into<String>) -> Self {
+        Self::Request(message.into())
+    }
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Request(message) => raised::RequestError::new_err(message),
+            Failure::Resonance(resonance) => raised::ResonanceError::new_err((
+                resonance.to_string(),
+                resonance.harmonic,
+                resonance.mode,
+                resonance.frequency,
+                resonance.distance,
+            )),
+            Failure::NoBreather(message) => raised::NoBreatherError::new_err(message),
+            Failure::NotConverged(message) => raised::NotConvergedError::new_err(message),
+            Failure::IllConditioned(message) => raised::IllConditionedError::new_err(message),
+            Failure::TooLarge(message) => raised::TooLargeError::new_err(message),
+            Failure::Other(message) => raised::VibrochainError::new_err(message),
+        }
+    }
+}
+
+impl From<ParameterError> for Failure {
+    fn from(error: ParameterError) -> Self {
+        Self::Request(error.to_string())
+    }
+}
+
+impl From<Resonance> for Failure {
+    fn from(error: Resonance) -> Self {
+        Self::Resonance(error)
+    }
+}
+
+impl From<WordError> for Failure {
+    fn from(error: WordError) -> Self {
+        Self::Request(error.to_string())
+    }
+}
+
+impl From<StateError> for Failure {
+    fn from(error: StateError) -> Self {
+        Self::Request(error.to_string())
+    }
+}
+
+impl From<BreatherError> for Failure {
+    fn from(error: BreatherError) -> Self {
+        let message = error.to_string();
+        match error {
+            BreatherError::Resonance(resonance) => resonance.into(),
+            BreatherError::Parameter(_) | BreatherError::Word(_) | BreatherError::Impact { .. } => {
+                Self::Request(message)
+            }
+            BreatherError::TooStiff { .. } => Self::TooLarge(message),
+            BreatherError::NotConverged { .. } => Self::NotConverged(message),
+        }
+    }
+}
+
+impl From<FloquetError> for Failure {
+    fn from(error: FloquetError) -> Self {
+        let message = error.to_string();
+        match error {
+            FloquetError::Breather(breather) => breather.into(),
+            FloquetError::Grazing { .. } => Self::IllConditioned(message),
+            FloquetError::NotConverged { .. } => Self::NotConverged(message),
+            FloquetError::InDoubt { .. } | FloquetError::TooLarge { .. } => Self::TooLarge(message),
+        }
+    }
+}
+
+impl From<BranchError> for Failure {
+    fn from(error: BranchError) -> Self {
+        match error {
+            BranchError::Breather(breather) => breather.into(),
+            BranchError::NoConvergence | BranchError::Family => Self::NotConverged(error.to_string()),
+        }
+    }
+}
+
+impl From<LocateError> for Failure {
+    fn from(error: LocateError) -> Self {
+        match error {
+            LocateError::Floquet(floquet) => floquet.into(),
+            LocateError::Branch(branch) => branch.into(),
+            LocateError::Range { .. }
+            | LocateError::Short { .. }
+            | LocateError::NoForce { .. }
+            | LocateError::NoMultiplier => Self::Request(error.to_string()),
+        }
+    }
+}
+
+impl From<CurveError> for Failure {
+    fn from(error: CurveError) -> Self {
+        match error {
+            CurveError::Floquet(floquet) => floquet.into(),
+            CurveError::Branch(branch) => branch.into(),
+            CurveError::NotThere(_) => Self::NotConverged(error.to_string()),
+            CurveError::Outside { .. } | CurveError::Same(_) | CurveError::NoForce(_) | CurveError::Tolerance(_) => {
+                Self::Request(error.to_string())
+            }
+        }
+    }
+}
+
+impl From<MapError> for Failure {
+    fn from(error: MapError) -> Self {
+        match error {
+            MapError::Request(message) => Self::Request(message),
+            other => Self::Other(other.to_string()),
+        }
+    }
+}
+
+/// A whole number that fits none of ours is out of range like any other; what is no number at all is for Python to say.
+pub(crate) fn whole(name: &str, value: &Bound<'_, PyAny>, least: i64, most: i64) -> PyResult<i64> {
+    let number = match value.extract::<i64>() {
+        Ok(number) => Some(number),
+        Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => return Err(error),
+        Err(_) => None,
+    };
+    number.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
+        let value = value.str().map_or_else(|_| "it".to_owned(), |text| text.to_string());
+        let message = format!("{name} = {value} is out of range: give a whole number from {least} to {most}");
+        Failure::request(message).into()
+    })
+}
+
+/// The thing of that name among `known`.
+pub(crate) fn named<T: Copy>(
+    what: &str,
+    text: &str,
+    known: impl IntoIterator<Item = (&'static str, T)>,
+) -> Result<T, Failure> {
+    let known: Vec<_> = known.into_iter().collect();
+    known.iter().find(|(name, _)| *name == text).map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<String> = known.iter().map(|(name, _)| format!("{name:?}")).collect();
+        Failure::request(format!("{what} = {text:?} is unknown: give one of {}", names.join(", ")))
+    })
+}

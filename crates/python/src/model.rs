@@ -1,0 +1,221 @@
+//! What can be asked of a model: its parameters, and its breathers. (Orbits know their model and models their orbits; the type is in
+//! `params`, below both.)
+
+use std::fmt::Write as _;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use vibrochain_breather::{BreatherError, Family, Finder, Found, Wanted, Word, breathers};
+use vibrochain_lattice::{Model, Short};
+
+use crate::breathers::PyBreathers;
+use crate::call::{call, long};
+use crate::failure::Failure;
+use crate::params::{PyChain, PyForce, PyModel, parameter};
+
+#[pymethods]
+impl PyModel {
+    #[new]
+    #[pyo3(signature = (chain, omega, asymmetry, *, amplitude = None, force = None, restitution = 1.0))]
+    fn new(
+        chain: PyRef<'_, PyChain>,
+        omega: f64,
+        asymmetry: f64,
+        amplitude: Option<f64>,
+        force: Option<PyRef<'_, PyForce>>,
+        restitution: f64,
+    ) -> PyResult<Self> {
+        let model = match (amplitude, force) {
+            (Some(amplitude), Some(_)) => {
+                let message = format!(
+                    "amplitude = {} and force are both given, but a force has amplitudes of its own: remove one of the two",
+                    Short(amplitude)
+                );
+                return Err(Failure::request(message).into());
+            }
+            (None, Some(force)) => Model::with_force(chain.0, omega, asymmetry, &force.0, restitution),
+            (amplitude, None) => Model::forced(chain.0, omega, asymmetry, amplitude.unwrap_or(0.0), restitution),
+        };
+        Ok(Self(model.map_err(Failure::from)?))
+    }
+
+    /// Chain : the lattice.
+    #[getter]
+    fn chain(&self) -> PyChain {
+        PyChain(*self.0.chain())
+    }
+
+    /// float : frequency of the force.
+    #[getter]
+    fn omega(&self) -> f64 {
+        self.0.omega()
+    }
+
+    /// float : period of the force, 2 pi / omega.
+    #[getter]
+    fn period(&self) -> f64 {
+        self.0.period()
+    }
+
+    /// float : centre of the gap.
+    #[getter]
+    fn asymmetry(&self) -> f64 {
+        self.0.asymmetry()
+    }
+
+    /// float : amplitude of the force; of several harmonics the sum of the moduli of theirs.
+    #[getter]
+    fn amplitude(&self) -> f64 {
+        self.0.amplitude()
+    }
+
+    /// Force : the force.
+    #[getter]
+    fn force(&self) -> PyForce {
+        PyForce(*self.0.force())
+    }
+
+    /// float : coefficient of restitution.
+    #[getter]
+    fn restitution(&self) -> f64 {
+        self.0.restitution()
+    }
+
+    /// bool : no force and elastic impacts.
+    #[getter]
+    fn conservative(&self) -> bool {
+        self.0.is_conservative()
+    }
+
+    /// The same model with some parameters changed.
+    ///
+    /// Parameters
+    /// ----------
+    /// **values : float
+    ///     Any of gamma1, gamma2, gamma3, omega, asymmetry, amplitude, restitution. The amplitude of a force of several harmonics
+    ///     is the sum of their moduli: all are scaled alike.
+    ///
+    /// Returns
+    /// -------
+    /// Model
+    ///
+    /// Examples
+    /// --------
+    /// >>> import vibrochain as vc
+    /// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
+    /// >>> model.replace(gamma2=0.05, asymmetry=0)
+    /// Model(Chain(21, 0.2, 0.05), omega=1.5, asymmetry=0)
+    #[pyo3(signature = (**values))]
+    fn replace(&self, values: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut model = self.0;
+        for (name, value) in values.into_iter().flatten() {
+            let parameter = parameter("parameter", &name.extract::<String>()?)?;
+            model = model.with(parameter, value.extract()?).map_err(Failure::from)?;
+        }
+        Ok(Self(model))
+    }
+
+    /// All breathers of a family, or of an impact word.
+    ///
+    /// Parameters
+    /// ----------
+    /// which : str
+    ///     "double-sided" (one impact on each barrier a period), "single-sided" (one on the nearer barrier), "period-doubled", or
+    ///     a word of impacts: instants separated by commas or spaces, in each the sites that hit the upper (+) or lower (-)
+    ///     barrier, as in "0+3+,0-3-"; SITE:LAYER where there are layers.
+    ///
+    /// Returns
+    /// -------
+    /// Breathers
+    ///     The orbits, physical or not, and what is known of how complete the list is. That there are none is an answer.
+    ///
+    /// Raises
+    /// ------
+    /// RequestError
+    ///     For a name that is none, or a word with a site that the chain does not have.
+    /// ResonanceError
+    ///     Where a harmonic of omega meets a mode: no periodic motion is defined there.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import vibrochain as vc
+    /// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4)
+    /// >>> found = model.breathers("double-sided")
+    /// >>> len(found.orbits), str(found.completeness)
+    /// (1, 'complete, by closed form')
+    /// >>> pair = model.replace(asymmetry=0.2, gamma2=0.05).breathers("0+3-,0-3+")
+    /// >>> pair.name
+    /// '0+3-,0-3+'
+    fn breathers(&self, py: Python<'_>, which: &str) -> PyResult<PyBreathers> {
+        let model = self.0;
+        let families = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
+        let (name, found) = match families.into_iter().find(|family| family.name() == which) {
+            Some(family) => (which.to_owned(), call(py, &model, move || breathers(&model, family))?),
+            None => {
+                let word = word(which, &model)?;
+                let name = word.to_string();
+                let search = move |_: &_| {
+                    let mut found = Found::default();
+                    Finder::new(model.chain().sites()).find_word(&model, &word, Wanted::All, &mut found)?;
+                    Ok::<_, BreatherError>(found)
+                };
+                (name, long(py, |_| Ok(()), search)?)
+            }
+        };
+        Ok(PyBreathers::new(name, found))
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        let model = &self.0;
+        let (omega, asymmetry) = (Short(model.omega()), Short(model.asymmetry()));
+        let mut text = format!("Model({}, omega={omega}, asymmetry={asymmetry}", self.chain().__repr__());
+        // Writing to a String cannot fail.
+        let _ = match model.force().cosine_amplitude() {
+            Some(0.0) => Ok(()),
+            Some(amplitude) => write!(text, ", amplitude={}", Short(amplitude)),
+            None => write!(text, ", force={}", self.force().__repr__()),
+        };
+        if model.restitution() != 1.0 {
+            let _ = write!(text, ", restitution={}", Short(model.restitution()));
+        }
+        text + ")"
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        (self.chain(), self.0.omega(), self.0.asymmetry(), self.force(), self.0.restitution()).into_pyobject(py)?.hash()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PyChain, f64, f64, PyForce, f64))> {
+        let model = &self.0;
+        let parts = (self.chain(), model.omega(), model.asymmetry(), self.force(), model.restitution());
+        Ok((py.import("vibrochain._vibrochain")?.getattr("_model")?, parts))
+    }
+}
+
+/// A model from its parts in order, as pickles have them.
+#[pyfunction]
+#[pyo3(name = "_model")]
+pub(crate) fn model(
+    chain: PyRef<'_, PyChain>,
+    omega: f64,
+    asymmetry: f64,
+    force: PyRef<'_, PyForce>,
+    restitution: f64,
+) -> PyResult<PyModel> {
+    PyModel::new(chain, omega, asymmetry, None, Some(force), restitution)
+}
+
+/// The word of that text, the smallest that says the same of the model.
+fn word(text: &str, model: &Model) -> Result<Word, Failure> {
+    let word: Word = text.parse().map_err(|error| {
+        Failure::request(format!(
+            "{text:?} is no family and no impact word ({error}): give \"double-sided\", \"single-sided\", \"period-doubled\" or a word"
+        ))
+    })?;
+    word.check(&model.chain().layout())?;
+    Ok(word.canonical(model))
+}

@@ -1,0 +1,63 @@
+"""Every public name has a docstring with an example, and every example does what it says."""
+
+import doctest
+import importlib.util
+import inspect
+
+import pytest
+
+import vibrochain as vc
+
+NEEDS = {doctest.register_optionflag(name.upper()): name for name in ["pandas", "xarray", "matplotlib"]}
+
+
+def public():
+    """All public functions, classes and methods by name."""
+    for name in vc.__all__:
+        thing = getattr(vc, name)
+        yield name, thing
+        if inspect.isclass(thing) and not issubclass(thing, Exception):
+            for inner in vars(thing):
+                method = getattr(thing, inner)
+                if not inner.startswith("_") and callable(method):
+                    yield f"{name}.{inner}", method
+
+
+ALL = dict(public())
+
+
+def test_all_is_all():
+    assert len(ALL) > 40
+    shown = {name for name, value in vars(vc).items() if not name.startswith("_") and not inspect.ismodule(value)}
+    assert shown == set(vc.__all__)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_example(name, monkeypatch):
+    thing = ALL[name]
+    text = inspect.getdoc(thing)
+    assert text, f"{name} has no docstring"
+    if inspect.isclass(thing) and issubclass(thing, Exception):
+        return
+    if importlib.util.find_spec("matplotlib"):
+        monkeypatch.setenv("MPLBACKEND", "Agg")
+    test = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
+    assert test.examples, f"{name} has no example"
+    missing = {need for flag, need in NEEDS.items() if not importlib.util.find_spec(need)}
+    kept = [each for each in test.examples if not any(NEEDS.get(flag) in missing for flag in each.options)]
+    if kept != test.examples:
+        print(f"{name}: part of its example is left out, {', '.join(sorted(missing))} not installed")
+    test.examples = kept
+    said = []
+    results = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test, out=said.append)
+    assert results.attempted == len(kept) and not results.failed, "".join(said)
+
+
+@pytest.mark.parametrize("name", [name for name, thing in ALL.items() if inspect.isclass(thing)])
+def test_attributes_are_described(name):
+    """Properties say their type before a colon."""
+    thing = ALL[name]
+    properties = {key: value for key, value in vars(thing).items() if inspect.isdatadescriptor(value)}
+    for key, value in properties.items():
+        if not key.startswith("__"):
+            assert value.__doc__ and " : " in value.__doc__, f"{name}.{key}: {value.__doc__}"
