@@ -1,0 +1,494 @@
+//! All borders of a scene.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+use vibrochain_breather::Family;
+use vibrochain_floquet::{CurveEnd, Located, StripeFinder, Walk, curve_along};
+
+use super::border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
+use super::change::trace;
+use super::grid::{Edge, Grid};
+use super::known::Known;
+use super::lanes::{Lane, Liner, Row};
+use super::meet::{detuning, meet};
+use super::part::{Eye, Part, parts};
+use crate::cell::Class;
+use crate::error::MapError;
+use crate::regions::{Subdivision, Window};
+use crate::scene::{Scene, Values};
+
+/// The most places of the coarse look. A finer scene is looked at through a coarser grid.
+const MOST_PLACES: f64 = 160_000.0;
+
+/// Rows in which stripes are looked for by themselves, and points of one.
+const ROWS: usize = 12;
+const ROW_POINTS: usize = 800;
+
+/// Changes that are looked at side by side, at least so many places of the grid from one another: one border each, as far as can be.
+const BATCH: usize = 16;
+const APART: usize = 12;
+
+/// How often the window is cut by all borders to look for what is left, and how many places are looked at in it, and faces at most.
+const CUTS: usize = 4;
+const SAMPLES: usize = 40_000;
+const MOST_FACES: usize = 64;
+
+/// A curve lies on a border that is known if it does so for this many points and this part of the window.
+const POINTS_ALIKE: u32 = 4;
+const ALIKE: f64 = 1e-3;
+
+/// A curve of orbits that are not physical is followed this far: it may come back.
+const BEYOND: f64 = 0.02;
+
+/// What is under way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// The coarse look: places.
+    Places,
+    /// Stripes by themselves: rows.
+    Rows,
+    /// Changes between places: those explained.
+    Changes,
+    /// What is left in the faces between borders: faces.
+    Faces,
+}
+
+/// What is asked of borders.
+#[derive(Clone, Copy)]
+pub struct Asked<'a> {
+    /// How far a straight line between neighbouring points may be from the border, as a part of the window's sides.
+    pub tolerance: f64,
+    /// Whether points of codimension two are wanted.
+    pub special: bool,
+    /// Raised to end the search; what is found by then is told.
+    pub stop: &'a AtomicBool,
+    /// Told of the family, the stage, and how much of it is done.
+    pub told: &'a (dyn Fn(&str, Stage, usize, usize) + Sync),
+}
+
+/// The search among the breathers of one part.
+struct Search<'a> {
+    scene: &'a Scene,
+    asked: Asked<'a>,
+    window: Window,
+    plane: vibrochain_floquet::Window,
+    part: &'a Part,
+    known: Known,
+    grid: Grid,
+    found: Borders,
+}
+
+/// What was found at a change.
+#[derive(Debug, Default)]
+struct Outcome {
+    borders: Vec<Border>,
+    explained: bool,
+}
+
+impl Borders {
+    /// All borders in the window of a scene. Threads are those of the pool of `rayon` that this is called in.
+    ///
+    /// # Errors
+    /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges, a tolerance out of range.
+    pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<Self, MapError> {
+        let window = Window::of(scene)?;
+        let mut ends = [[0.0; 2]; 2];
+        for (end, axis) in ends.iter_mut().zip(&scene.axes) {
+            let Values::Linear { from, to, .. } = axis.values else {
+                let message = "borders are followed along equally spaced axes: give both by from, to and points";
+                return Err(MapError::Request(message.to_owned()));
+            };
+            *end = [from, to];
+        }
+        if !(1e-9..=1e-2).contains(&asked.tolerance) {
+            let advice = "give a part of the window from 1e-9 to 0.01";
+            return Err(MapError::Request(format!("a tolerance of {} is out of range: {advice}", asked.tolerance)));
+        }
+        let parameters = [scene.axes[0].parameter, scene.axes[1].parameter];
+        let plane =
+            vibrochain_floquet::Window { parameters, from: [ends[0][0], ends[1][0]], to: [ends[0][1], ends[1][1]] };
+        let empty = Self {
+            parameters,
+            borders: Vec::new(),
+            unexplained: Vec::new(),
+            unresolved: Vec::new(),
+            places: 0,
+            interrupted: false,
+        };
+        let mut all = empty.clone();
+        for part in &parts(&scene.task) {
+            let grid = Grid::new([0, 0], Vec::new());
+            let (asked, found, known) = (*asked, empty.clone(), Known::default());
+            let mut search = Search { scene, asked, window, plane, part, known, grid, found };
+            search.look();
+            search.stripes();
+            search.changes();
+            search.faces()?;
+            let Self { borders, unexplained, unresolved, places, interrupted, .. } = search.found;
+            all.borders.extend(borders);
+            all.unexplained.extend(unexplained);
+            all.unresolved.extend(unresolved);
+            all.places += places;
+            all.interrupted |= interrupted;
+        }
+        Ok(all)
+    }
+}
+
+impl Search<'_> {
+    fn stopped(&mut self) -> bool {
+        self.found.interrupted |= self.asked.stop.load(Ordering::Relaxed);
+        self.found.interrupted
+    }
+
+    fn told(&self, stage: Stage, done: usize, all: usize) {
+        eprintln!(
+            "DBG {:?} {stage:?} {done} {all}",
+            std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_millis() % 1000000
+        );
+        (self.asked.told)(&self.part.name, stage, done, all);
+    }
+
+    fn eye(&self) -> Eye<'_> {
+        Eye::new(self.scene, self.window)
+    }
+
+    fn parts_of(&self, border: &Border) -> Vec<[f64; 2]> {
+        border.points.iter().map(|point| self.window.part(point.values)).collect()
+    }
+
+    fn add(&mut self, border: Border) {
+        let line = self.parts_of(&border);
+        self.grid.mark(&line);
+        self.known.add(&line);
+        self.found.borders.push(border);
+    }
+
+    /// The coarse look.
+    fn look(&mut self) {
+        let points = [0, 1].map(|i| self.scene.axes[i].points().max(2) as f64);
+        let share = (MOST_PLACES / (points[0] * points[1])).sqrt().min(1.0);
+        let size = points.map(|points| ((points * share) as usize).max(2));
+        let places: Vec<[f64; 2]> = Grid::places(size).collect();
+        self.told(Stage::Places, 0, places.len());
+        let part = self.part;
+        let stop = self.asked.stop;
+        let classes: Vec<Option<Class>> = places
+            .par_iter()
+            .map_init(
+                || self.eye(),
+                |eye, &place| if stop.load(Ordering::Relaxed) { None } else { eye.class(part, place) },
+            )
+            .collect();
+        self.found.places = places.len();
+        self.grid = Grid::new(size, classes);
+    }
+
+    /// Stripes by themselves.
+    fn stripes(&mut self) {
+        let task = &self.part.task;
+        let family = match task.families.first() {
+            Some(&family @ (Family::DoubleSided | Family::SingleSided)) => family,
+            _ => return,
+        };
+        if !self.scene.is_conservative() || !task.stability || self.stopped() {
+            return;
+        }
+        let (part, tolerance, stop) = (self.part, self.asked.tolerance, self.asked.stop);
+        // Not at the sides: where γ₂ = 0 all modes are one.
+        let rows: Vec<f64> = (0..ROWS).map(|row| (row as f64 + 0.5) / ROWS as f64).collect();
+        self.told(Stage::Rows, 0, rows.len());
+        let workers = || (self.eye(), StripeFinder::default());
+        let rows: Vec<Row> = rows
+            .par_iter()
+            .map_init(workers, |(eye, finder), &y| {
+                if stop.load(Ordering::Relaxed) {
+                    return Row::default();
+                }
+                Liner { eye, part, finder, family, tolerance }.row(y, ROW_POINTS)
+            })
+            .collect();
+        let (mut lanes, mut unresolved): (Vec<Lane>, Vec<_>) = (Vec::new(), Vec::new());
+        for (done, row) in rows.iter().enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+            self.told(Stage::Rows, done, rows.len());
+            let sides = self.plane.sides();
+            let part_of = |value: f64| (value - self.plane.from[0]) / sides[0];
+            let new = row.stripes.iter().filter(|stripe| {
+                let place = [part_of(stripe.centre), row.y];
+                let same = |lane: &Lane| stripe.pair == Some((lane.modes, lane.harmonic));
+                !lanes.iter().any(|lane| same(lane) && lane.holds(place, 10.0 * tolerance))
+            });
+            let new: Vec<_> = new.collect();
+            let more: Vec<Option<Lane>> = new
+                .par_iter()
+                .map_init(workers, |(eye, finder), stripe| {
+                    Liner { eye, part, finder, family, tolerance }.lane(row.y, stripe)
+                })
+                .collect();
+            lanes.extend(more.into_iter().flatten());
+            let value = self.window.point([0.0, row.y])[1];
+            unresolved.extend(row.unresolved.iter().map(|&range| (part.name.clone(), range, value)));
+        }
+        self.found.unresolved = unresolved;
+        for lane in &lanes {
+            for upper in [false, true] {
+                self.add(self.edge(lane, upper));
+            }
+        }
+    }
+
+    fn edge(&self, lane: &Lane, upper: bool) -> Border {
+        let Lane { modes, harmonic, points, ends } = lane;
+        let kind = if modes.0 == modes.1 { BorderKind::PeriodDoubling } else { BorderKind::NeimarkSacker };
+        let line = lane.line(upper);
+        let point = |(place, point): (&[f64; 2], &super::lanes::LanePoint)| BorderPoint {
+            values: self.window.point(*place),
+            error: point.error,
+            half_width: Some(point.half_width),
+        };
+        Border {
+            family: self.part.name.clone(),
+            kind,
+            stripe: Some(StripeEdge { modes: *modes, harmonic: *harmonic, upper }),
+            points: line.iter().zip(points).map(point).collect(),
+            special: Vec::new(),
+            ends: ends.map(str::to_owned),
+        }
+    }
+
+    /// What the coarse look shows, one border after the other.
+    fn changes(&mut self) {
+        loop {
+            let runs = self.grid.unexplained();
+            let left: usize = runs.iter().map(Vec::len).sum();
+            self.told(Stage::Changes, self.found.borders.len(), self.found.borders.len() + left);
+            if runs.is_empty() || self.stopped() {
+                return;
+            }
+            let mut chosen: Vec<Edge> = Vec::new();
+            // One of a run: it may be one border's.
+            for edge in runs.iter().map(|run| run[run.len() / 2]) {
+                let far =
+                    |other: &Edge| other.column.abs_diff(edge.column) >= APART || other.row.abs_diff(edge.row) >= APART;
+                if chosen.len() < BATCH && chosen.iter().all(far) {
+                    chosen.push(edge);
+                }
+            }
+            let outcomes: Vec<Outcome> = chosen
+                .par_iter()
+                .map_init(
+                    || self.eye(),
+                    |eye, &edge| self.explain(eye, usize::from(!edge.across), self.grid.ends(edge)),
+                )
+                .collect();
+            for (edge, outcome) in chosen.into_iter().zip(outcomes) {
+                // Looked at once: what is not explained now will not be later.
+                let ends = self.grid.ends(edge);
+                self.grid.pass(edge);
+                self.take(outcome, ends);
+            }
+        }
+    }
+
+    /// Adds what was found at a change.
+    fn take(&mut self, outcome: Outcome, ends: [[f64; 2]; 2]) {
+        if !outcome.explained {
+            let ends = ends.map(|place| self.window.point(place));
+            self.found.unexplained.push((self.part.name.clone(), ends));
+        }
+        for border in outcome.borders {
+            // Two changes looked at side by side may be one border's.
+            let line = self.parts_of(&border);
+            let reach = 2.0 * self.asked.tolerance;
+            let known = line.iter().filter(|place| self.known.holds(**place, reach)).count();
+            // What is new of one that is known for the most part shows again by itself.
+            if 10 * known < 9 * line.len() {
+                self.add(border);
+            }
+        }
+    }
+
+    /// The borders between two places along one parameter.
+    fn explain(&self, eye: &mut Eye<'_>, axis: usize, ends: [[f64; 2]; 2]) -> Outcome {
+        let t0 = std::time::Instant::now();
+        let Some(met) = meet(eye, self.part, axis, ends) else {
+            eprintln!("DBG nomeet {:?} {:?}", t0.elapsed(), ends);
+            return Outcome::default();
+        };
+        eprintln!(
+            "DBG meet {:?} {:?} {:?} {:?}",
+            t0.elapsed(),
+            self.window.point(met.ends[0]),
+            met.events
+                .iter()
+                .map(|l| (
+                    l.event,
+                    self.known.holds(self.window.part(self.plane.place(l.orbit.model())), 2.0 * self.asked.tolerance)
+                ))
+                .collect::<Vec<_>>(),
+            met.end
+        );
+        let reach = 2.0 * self.asked.tolerance;
+        let mut outcome = Outcome::default();
+        for located in &met.events {
+            let place = self.window.part(self.plane.place(located.orbit.model()));
+            if self.known.holds(place, reach) {
+                outcome.explained = true;
+            } else if let Some(border) = self.follow(located) {
+                outcome.borders.push(border);
+                outcome.explained = true;
+            }
+        }
+        if outcome.explained {
+            return outcome;
+        }
+        let tolerance = self.asked.tolerance;
+        let traced = match met.resonance {
+            Some(resonance) if self.known.holds(met.ends[0], reach) => {
+                let _ = resonance;
+                outcome.explained = true;
+                return outcome;
+            }
+            Some(resonance) => {
+                trace(&mut |place| detuning(eye, resonance, place).map(|x| x > 0.0), met.ends, tolerance)
+            }
+            None => trace(&mut |place| eye.class(self.part, place), met.ends, tolerance),
+        };
+        if let Some(traced) = traced {
+            eprintln!("DBG trace {:?} {} {:?}", t0.elapsed(), traced.points.len(), traced.ends);
+            let point = |&(place, error): &([f64; 2], f64)| BorderPoint {
+                values: self.window.point(place),
+                error,
+                half_width: None,
+            };
+            outcome.explained = true;
+            outcome.borders.push(Border {
+                family: self.part.name.clone(),
+                kind: met.end,
+                stripe: None,
+                points: traced.points.iter().map(point).collect(),
+                special: Vec::new(),
+                ends: traced.ends.map(str::to_owned),
+            });
+        }
+        outcome
+    }
+
+    /// The curve of an event.
+    fn follow(&self, located: &Located) -> Option<Border> {
+        let t0 = std::time::Instant::now();
+        let alike: Cell<(u32, Option<[f64; 2]>)> = Cell::new((0, None));
+        let beyond: Cell<Option<[f64; 2]>> = Cell::new(None);
+        let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let until = |values: [f64; 2], physical: Option<bool>| {
+            let place = self.window.part(values);
+            let (mut count, mut first) = alike.get();
+            if self.known.holds(place, 2.0 * self.asked.tolerance) {
+                count += 1;
+                first = first.or(Some(place));
+            } else {
+                (count, first) = (0, None);
+            }
+            let same = count >= POINTS_ALIKE && first.is_some_and(|first| apart(first, place) > ALIKE);
+            let outside = match (physical, beyond.get()) {
+                (Some(false), None) => Some(place),
+                (Some(false), first) => first,
+                _ => None,
+            };
+            let gone = outside.is_some_and(|first| apart(first, place) > BEYOND);
+            let enough = same || gone || self.asked.stop.load(Ordering::Relaxed);
+            alike.set(if enough { (0, None) } else { (count, first) });
+            beyond.set(if enough { None } else { outside });
+            enough
+        };
+        let walk =
+            Walk { window: self.plane, tolerance: self.asked.tolerance, special: self.asked.special, until: &until };
+        let curve = curve_along(&located.orbit, located.event, located.evidence, &walk).ok()?;
+        let point = |point: &vibrochain_floquet::CurvePoint| BorderPoint {
+            values: point.values,
+            error: point.error,
+            half_width: None,
+        };
+        let end = |end: &CurveEnd| match end {
+            CurveEnd::Halted => "where it is known, or not physical".to_owned(),
+            end => end.to_string(),
+        };
+        eprintln!(
+            "DBG follow {:?} {} points {} orbits {} spectra {:?}",
+            t0.elapsed(),
+            curve.points.len(),
+            curve.evaluations,
+            curve.spectra,
+            curve.ends
+        );
+        let border = Border {
+            family: self.part.name.clone(),
+            kind: curve.event.into(),
+            stripe: None,
+            points: curve.points.iter().map(point).collect(),
+            special: curve.special.iter().map(|one| (one.special, one.point, one.error)).collect(),
+            ends: [end(&curve.ends[0]), end(&curve.ends[1])],
+        };
+        (border.points.len() > 1).then_some(border)
+    }
+
+    /// What is left in the faces between all borders.
+    fn faces(&mut self) -> Result<(), MapError> {
+        for cut in 0..CUTS {
+            if self.stopped() {
+                return Ok(());
+            }
+            self.told(Stage::Faces, cut, CUTS);
+            let subdivision = Subdivision::new(self.window, &self.found.lines(), self.asked.tolerance)?;
+            let part = self.part;
+            let class = |eye: &mut Eye<'_>, point: [f64; 2]| eye.class(part, self.window.part(point));
+            let regions = subdivision.classified(SAMPLES, || self.eye(), class);
+            // The nearest two places that differ, along one parameter after the other.
+            let mut changes = Vec::new();
+            for face in regions.unexplained() {
+                let places: Vec<([f64; 2], Class)> = face
+                    .points
+                    .iter()
+                    .filter_map(|(point, class)| class.map(|class| (self.window.part(*point), class)))
+                    .collect();
+                let pairs =
+                    places.iter().enumerate().flat_map(|(i, one)| places[..i].iter().map(move |other| (one, other)));
+                let differing = pairs.filter(|(one, other)| one.1 != other.1);
+                let apart = |one: [f64; 2], other: [f64; 2]| (one[0] - other[0]).hypot(one[1] - other[1]);
+                let nearest = differing.min_by(|a, b| apart(a.0.0, a.1.0).total_cmp(&apart(b.0.0, b.1.0)));
+                if let Some((one, other)) = nearest {
+                    changes.push((one.0, other.0));
+                }
+            }
+            if changes.is_empty() {
+                return Ok(());
+            }
+            changes.truncate(MOST_FACES);
+            let outcomes: Vec<(Outcome, [[f64; 2]; 2])> = changes
+                .par_iter()
+                .map_init(
+                    || self.eye(),
+                    |eye, &(one, other)| {
+                        let corner = [other[0], one[1]];
+                        let along_x = eye.class(part, corner) != eye.class(part, one);
+                        let (axis, ends) = if along_x { (0, [one, corner]) } else { (1, [corner, other]) };
+                        (self.explain(eye, axis, ends), ends)
+                    },
+                )
+                .collect();
+            let before = self.found.borders.len();
+            for (outcome, ends) in outcomes {
+                self.take(outcome, ends);
+            }
+            if self.found.borders.len() == before {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+}
