@@ -22,6 +22,9 @@ use crate::threads::threads;
 /// Places of the window that are asked what lives there, to tell areas, by area.
 const SAMPLES: usize = 100_000;
 
+/// So many of what is left unexplained are told to people.
+const SHOWN: usize = 8;
+
 /// What lives in a region.
 pub(crate) type Lives = Option<Class>;
 
@@ -217,6 +220,15 @@ impl Answer<'_> {
         for area in self.areas() {
             let _ = writeln!(out, "  {:<16} {:.9} ± {:.0e}", class_name(area.class), area.share, area.error);
         }
+        let closed = self.regions.closed();
+        if !closed.is_empty() {
+            let widest = closed.iter().map(|(_, width)| *width).fold(0.0, f64::max);
+            let _ = writeln!(
+                out,
+                "\n{} gaps between ends of borders were closed, the widest {widest:.0e} of the window",
+                closed.len()
+            );
+        }
         let left = self.borders.unexplained.len();
         let faces = self.regions.unexplained();
         if left > 0 || !faces.is_empty() {
@@ -226,8 +238,14 @@ impl Answer<'_> {
                 "\n{left} changes without a border, {} faces in which places differ, {share:.1e} of the window",
                 faces.len()
             );
-            for (family, [one, other]) in self.borders.unexplained.iter().take(8) {
-                let place = |[a, b]: [f64; 2]| format!("{x} = {}, {y} = {}", Number(a), Number(b));
+            let place = |[a, b]: [f64; 2]| format!("{x} = {}, {y} = {}", Number(a), Number(b));
+            for face in faces.iter().take(40) {
+                let first = &face.points[0];
+                let other = face.points.iter().find(|point| point.1 != first.1).unwrap_or(first);
+                let (one, two) = (class_name(first.1), class_name(other.1));
+                let _ = writeln!(out, "  {one} at {}, {two} at {}", place(first.0), place(other.0));
+            }
+            for (family, [one, other]) in self.borders.unexplained.iter().take(SHOWN) {
                 let _ = writeln!(out, "  {family}: between {} and {}", place(*one), place(*other));
             }
         }

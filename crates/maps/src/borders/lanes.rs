@@ -7,8 +7,8 @@ use super::change::{lagrange, next_step, sagitta};
 use super::part::{Eye, Part};
 use crate::cell::Class;
 
-/// The first step along y, the longest and the shortest, as parts of the window's side.
-const FIRST: f64 = 2e-3;
+/// The first step along y, short against the distance of two stripes, the longest and the shortest, as parts of the window's side.
+const FIRST: f64 = 2e-5;
 const LONGEST: f64 = 0.05;
 const SHORTEST: f64 = 2e-6;
 
@@ -52,22 +52,15 @@ pub(super) struct Liner<'a, 'b> {
 }
 
 impl Lane {
-    /// Whether an edge of it, or what is between them, is at a place.
-    pub(super) fn holds(&self, [x, y]: [f64; 2], reach: f64) -> bool {
+    /// Whether these are its edges at a place along y, as far as chords tell them.
+    pub(super) fn has(&self, y: f64, edges: [f64; 2], reach: f64) -> bool {
         let after = self.points.partition_point(|point| point.y < y);
-        let Some([low, high]) = after
-            .checked_sub(1)
-            .and_then(|i| self.points.get(i..i + 2))
-            .and_then(|pair| <&[LanePoint; 2]>::try_from(pair).ok())
-        else {
-            return self
-                .points
-                .iter()
-                .any(|point| point.y == y && point.edges[0] - reach <= x && x <= point.edges[1] + reach);
-        };
-        let share = (y - low.y) / (high.y - low.y);
-        let edge = |i: usize| low.edges[i] + share * (high.edges[i] - low.edges[i]);
-        edge(0) - reach <= x && x <= edge(1) + reach
+        let (Some(high), low) = (self.points.get(after), &self.points[after.saturating_sub(1)]) else { return false };
+        if after == 0 && high.y > y {
+            return false;
+        }
+        let share = if high.y > low.y { (y - low.y) / (high.y - low.y) } else { 0.0 };
+        (0..2).all(|i| (low.edges[i] + share * (high.edges[i] - low.edges[i]) - edges[i]).abs() <= reach)
     }
 
     /// One of its edges.

@@ -22,6 +22,8 @@ pub(super) struct Met {
     pub(super) ends: [[f64; 2]; 2],
     /// The events that happen there.
     pub(super) events: Vec<Located>,
+    /// A border that is known passes there.
+    pub(super) known: bool,
     /// Mode and harmonic of the resonance between the two places.
     pub(super) resonance: Option<(usize, f64)>,
     /// What else may make it, if a branch ends there.
@@ -96,9 +98,17 @@ fn resonance(eye: &Eye<'_>, ends: [[f64; 2]; 2]) -> Option<(usize, f64)> {
 }
 
 /// Looks for the events that make a change.
-pub(super) fn meet(eye: &mut Eye<'_>, part: &Part, axis: usize, ends: [[f64; 2]; 2]) -> Option<Met> {
+pub(super) fn meet(
+    eye: &mut Eye<'_>,
+    part: &Part,
+    (axis, ends): (usize, [[f64; 2]; 2]),
+    is_known: impl Fn([f64; 2]) -> bool,
+) -> Option<Met> {
     let (ends, classes) = enclose(&mut |place| eye.class(part, place), ends, ENCLOSED)?;
-    let mut met = Met { ends, events: Vec::new(), resonance: None, end: BorderKind::Change };
+    let mut met = Met { ends, events: Vec::new(), known: is_known(ends[0]), resonance: None, end: BorderKind::Change };
+    if met.known {
+        return Some(met);
+    }
     met.resonance = resonance(eye, ends);
     if met.resonance.is_some() {
         met.end = BorderKind::Resonance;

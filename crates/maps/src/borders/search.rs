@@ -144,10 +144,6 @@ impl Search<'_> {
     }
 
     fn told(&self, stage: Stage, done: usize, all: usize) {
-        eprintln!(
-            "DBG {:?} {stage:?} {done} {all}",
-            std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_millis() % 1000000
-        );
         (self.asked.told)(&self.part.name, stage, done, all);
     }
 
@@ -219,9 +215,13 @@ impl Search<'_> {
             let sides = self.plane.sides();
             let part_of = |value: f64| (value - self.plane.from[0]) / sides[0];
             let new = row.stripes.iter().filter(|stripe| {
-                let place = [part_of(stripe.centre), row.y];
-                let same = |lane: &Lane| stripe.pair == Some((lane.modes, lane.harmonic));
-                !lanes.iter().any(|lane| same(lane) && lane.holds(place, 10.0 * tolerance))
+                let edges = stripe.edges.map(part_of);
+                !lanes.iter().any(|lane| {
+                    let same = stripe.pair == Some((lane.modes, lane.harmonic));
+                    // One with another name is another one, unless both have their width in common.
+                    let wide = edges[1] - edges[0] > 10.0 * tolerance;
+                    (same || wide) && lane.has(row.y, edges, 3.0 * tolerance)
+                })
             });
             let new: Vec<_> = new.collect();
             let more: Vec<Option<Lane>> = new
@@ -315,26 +315,10 @@ impl Search<'_> {
 
     /// The borders between two places along one parameter.
     fn explain(&self, eye: &mut Eye<'_>, axis: usize, ends: [[f64; 2]; 2]) -> Outcome {
-        let t0 = std::time::Instant::now();
-        let Some(met) = meet(eye, self.part, axis, ends) else {
-            eprintln!("DBG nomeet {:?} {:?}", t0.elapsed(), ends);
-            return Outcome::default();
-        };
-        eprintln!(
-            "DBG meet {:?} {:?} {:?} {:?}",
-            t0.elapsed(),
-            self.window.point(met.ends[0]),
-            met.events
-                .iter()
-                .map(|l| (
-                    l.event,
-                    self.known.holds(self.window.part(self.plane.place(l.orbit.model())), 2.0 * self.asked.tolerance)
-                ))
-                .collect::<Vec<_>>(),
-            met.end
-        );
         let reach = 2.0 * self.asked.tolerance;
-        let mut outcome = Outcome::default();
+        let is_known = |place| self.known.holds(place, reach);
+        let Some(met) = meet(eye, self.part, (axis, ends), is_known) else { return Outcome::default() };
+        let mut outcome = Outcome { explained: met.known, ..Outcome::default() };
         for located in &met.events {
             let place = self.window.part(self.plane.place(located.orbit.model()));
             if self.known.holds(place, reach) {
@@ -349,18 +333,12 @@ impl Search<'_> {
         }
         let tolerance = self.asked.tolerance;
         let traced = match met.resonance {
-            Some(resonance) if self.known.holds(met.ends[0], reach) => {
-                let _ = resonance;
-                outcome.explained = true;
-                return outcome;
-            }
             Some(resonance) => {
                 trace(&mut |place| detuning(eye, resonance, place).map(|x| x > 0.0), met.ends, tolerance)
             }
             None => trace(&mut |place| eye.class(self.part, place), met.ends, tolerance),
         };
         if let Some(traced) = traced {
-            eprintln!("DBG trace {:?} {} {:?}", t0.elapsed(), traced.points.len(), traced.ends);
             let point = |&(place, error): &([f64; 2], f64)| BorderPoint {
                 values: self.window.point(place),
                 error,
@@ -381,7 +359,6 @@ impl Search<'_> {
 
     /// The curve of an event.
     fn follow(&self, located: &Located) -> Option<Border> {
-        let t0 = std::time::Instant::now();
         let alike: Cell<(u32, Option<[f64; 2]>)> = Cell::new((0, None));
         let beyond: Cell<Option<[f64; 2]>> = Cell::new(None);
         let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
@@ -418,14 +395,6 @@ impl Search<'_> {
             CurveEnd::Halted => "where it is known, or not physical".to_owned(),
             end => end.to_string(),
         };
-        eprintln!(
-            "DBG follow {:?} {} points {} orbits {} spectra {:?}",
-            t0.elapsed(),
-            curve.points.len(),
-            curve.evaluations,
-            curve.spectra,
-            curve.ends
-        );
         let border = Border {
             family: self.part.name.clone(),
             kind: curve.event.into(),
@@ -448,23 +417,9 @@ impl Search<'_> {
             let part = self.part;
             let class = |eye: &mut Eye<'_>, point: [f64; 2]| eye.class(part, self.window.part(point));
             let regions = subdivision.classified(SAMPLES, || self.eye(), class);
-            // The nearest two places that differ, along one parameter after the other.
-            let mut changes = Vec::new();
-            for face in regions.unexplained() {
-                let places: Vec<([f64; 2], Class)> = face
-                    .points
-                    .iter()
-                    .filter_map(|(point, class)| class.map(|class| (self.window.part(*point), class)))
-                    .collect();
-                let pairs =
-                    places.iter().enumerate().flat_map(|(i, one)| places[..i].iter().map(move |other| (one, other)));
-                let differing = pairs.filter(|(one, other)| one.1 != other.1);
-                let apart = |one: [f64; 2], other: [f64; 2]| (one[0] - other[0]).hypot(one[1] - other[1]);
-                let nearest = differing.min_by(|a, b| apart(a.0.0, a.1.0).total_cmp(&apart(b.0.0, b.1.0)));
-                if let Some((one, other)) = nearest {
-                    changes.push((one.0, other.0));
-                }
-            }
+            // Along one parameter after the other.
+            let changes = regions.unexplained().iter().filter_map(|face| face.change);
+            let mut changes: Vec<_> = changes.map(|ends| ends.map(|point| self.window.part(point))).collect();
             if changes.is_empty() {
                 return Ok(());
             }
@@ -473,7 +428,7 @@ impl Search<'_> {
                 .par_iter()
                 .map_init(
                     || self.eye(),
-                    |eye, &(one, other)| {
+                    |eye, &[one, other]| {
                         let corner = [other[0], one[1]];
                         let along_x = eye.class(part, corner) != eye.class(part, one);
                         let (axis, ends) = if along_x { (0, [one, corner]) } else { (1, [corner, other]) };

@@ -1,83 +1,128 @@
 //! What lives in the faces of a window cut by borders.
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
+use crate::regions::gaps::{GAP, Neck};
 use crate::regions::plane::{Regions, Unexplained};
 use crate::regions::smooth::Place;
 use crate::regions::subdivision::{Face, OUTSIDE, Subdivision, THIN};
 use crate::regions::triangles::Triangle;
 
+/// Gaps between borders that are closed at most.
+const MOST_GAPS: usize = 1000;
+
+/// A place to ask about: its face, a triangle of it, the point in units of the axes.
+#[derive(Debug, Clone, Copy)]
+struct Question {
+    face: usize,
+    triangle: u32,
+    point: [f64; 2],
+}
+
+fn bits(point: [f64; 2]) -> [u64; 2] {
+    point.map(f64::to_bits)
+}
+
 impl Subdivision {
     /// Asks `class` what lives at a point, in units of the axes, of each face. In all faces but the thinnest a few more points are
     /// looked at, `samples` over the whole window by area and at least two a face; where they differ the face is
-    /// [unexplained](Regions::unexplained), and what most of its points say holds. `worker` makes what a thread computes with.
+    /// [unexplained](Regions::unexplained), and what most of its points say holds, unless it reaches through a gap between ends of
+    /// borders: one narrower than 1e-4 of the window is [closed](Regions::closed). `worker` makes what a thread computes with.
     /// A face less than about 3e-11 of the window wide is not asked: it belongs to the neighbour along which it runs.
     ///
     /// Threads are those of the pool of `rayon` that this is called in.
     pub fn classified<W, T: Clone + Eq + Send + Sync>(
-        self,
+        mut self,
         samples: usize,
         worker: impl Fn() -> W + Send + Sync,
         class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
     ) -> Regions<T> {
-        let mut questions: Vec<(usize, [f64; 2])> = Vec::new();
-        for (number, face) in self.faces.iter().enumerate().filter(|(_, face)| !face.thin) {
-            let places = std::iter::once(face.inside).chain(self.more(face, samples));
-            questions.extend(places.map(|place| (number, self.window.point(place))));
-        }
-        let answers: Vec<T> =
-            questions.par_iter().map_init(worker, |worker, &(_, point)| class(worker, point)).collect();
-        // Few are different: numbers instead.
-        let mut classes: Vec<T> = Vec::new();
-        let numbers = answers.iter().map(|answer| {
-            classes.iter().position(|class| class == answer).unwrap_or_else(|| {
-                classes.push(answer.clone());
-                classes.len() - 1
-            })
-        });
-        let numbers: Vec<usize> = numbers.collect();
-        let mut class_of = vec![None; self.faces.len()];
-        let mut unexplained = Vec::new();
-        let mut first = 0;
-        for group in questions.chunk_by(|one, two| one.0 == two.0) {
-            let own = &numbers[first..first + group.len()];
-            first += group.len();
-            let count = |class: usize| own.iter().filter(|&&other| other == class).count();
-            let most = own.iter().map(|&class| count(class)).max().unwrap_or(0);
-            // Of classes that as many points have, that of the point well inside.
-            let face = group[0].0;
-            class_of[face] = own.iter().copied().find(|&class| count(class) == most);
-            if most < own.len() {
-                let points = group.iter().zip(own).map(|((_, point), &class)| (*point, classes[class].clone()));
-                unexplained.push(Unexplained { share: self.faces[face].share, points: points.collect() });
+        let mut known: HashMap<[u64; 2], T> = HashMap::new();
+        let mut closed = Vec::new();
+        loop {
+            let mut questions: Vec<Question> = Vec::new();
+            for (number, face) in self.faces.iter().enumerate().filter(|(_, face)| !face.thin) {
+                let places = std::iter::once((face.inside, face.fattest)).chain(self.more(face, samples));
+                let ask = |(place, triangle)| Question { face: number, triangle, point: self.window.point(place) };
+                questions.extend(places.map(ask));
             }
+            // Faces between other borders were asked before.
+            let new: Vec<[f64; 2]> =
+                questions.iter().map(|one| one.point).filter(|point| !known.contains_key(&bits(*point))).collect();
+            let answers: Vec<T> = new.par_iter().map_init(&worker, |worker, &point| class(worker, point)).collect();
+            known.extend(new.iter().map(|point| bits(*point)).zip(answers));
+            // Few are different: numbers instead.
+            let mut classes: Vec<T> = Vec::new();
+            let numbers = questions.iter().filter_map(|one| known.get(&bits(one.point))).map(|answer| {
+                classes.iter().position(|class| class == answer).unwrap_or_else(|| {
+                    classes.push(answer.clone());
+                    classes.len() - 1
+                })
+            });
+            let numbers: Vec<usize> = numbers.collect();
+            let mut class_of = vec![None; self.faces.len()];
+            let mut differing: Vec<(usize, &[Question], &[usize])> = Vec::new();
+            let mut first = 0;
+            for group in questions.chunk_by(|one, two| one.face == two.face) {
+                let own = &numbers[first..first + group.len()];
+                first += group.len();
+                let count = |class: usize| own.iter().filter(|&&other| other == class).count();
+                let most = own.iter().map(|&class| count(class)).max().unwrap_or(0);
+                // Of classes that as many points have, that of the point well inside.
+                let face = group[0].face;
+                class_of[face] = own.iter().copied().find(|&class| count(class) == most);
+                if most < own.len() {
+                    differing.push((face, group, own));
+                }
+            }
+            let necks: Vec<Option<Neck>> = differing
+                .par_iter()
+                .map_init(&worker, |worker, (_, group, own)| {
+                    let other = own.iter().position(|class| *class != own[0])?;
+                    let at = |i: usize| (group[i].triangle, classes[own[i]].clone());
+                    self.neck(at(0), at(other), |point| class(worker, point))
+                })
+                .collect();
+            let mut gaps: Vec<Neck> = necks.iter().flatten().copied().filter(|neck| neck.length <= GAP).collect();
+            gaps.sort_by_key(|neck| neck.side);
+            gaps.dedup_by_key(|neck| neck.side);
+            if gaps.is_empty() || closed.len() >= MOST_GAPS {
+                let unexplained = differing.iter().zip(&necks).map(|((face, group, own), neck)| Unexplained {
+                    share: self.faces[*face].share,
+                    points: group.iter().zip(*own).map(|(one, class)| (one.point, classes[*class].clone())).collect(),
+                    change: neck.map(|neck| neck.between.map(|place| self.window.point(place))),
+                });
+                let unexplained = unexplained.collect();
+                let class_of = self.with_thin(class_of);
+                return Regions::new(&self, &classes, &class_of, unexplained, closed);
+            }
+            closed.extend(gaps.iter().map(|neck| (self.middle(neck.side), neck.length)));
+            self.close(&gaps.iter().map(|neck| neck.side).collect::<Vec<_>>());
         }
-        let class_of = self.with_thin(class_of);
-        Regions::new(&self, &classes, &class_of, unexplained)
     }
 
     /// More points of a face: spread by area over its triangles, far enough from its borders to be on their side for certain.
-    fn more(&self, face: &Face, samples: usize) -> Vec<Place> {
+    fn more(&self, face: &Face, samples: usize) -> Vec<(Place, u32)> {
         let wanted = 2 + (samples as f64 * face.share).round() as usize;
         // In the narrow ends of a face rounding decides on which side a point lies.
-        let triangles = face.triangles.iter().map(|&side| self.triangle(side)).filter(|one| one.radius() >= THIN);
-        let triangles: Vec<Triangle> = triangles.collect();
-        let whole: f64 = triangles.iter().map(Triangle::doubled).sum();
+        let triangles = face.triangles.iter().map(|&side| (self.triangle(side), side));
+        let triangles: Vec<(Triangle, u32)> = triangles.filter(|(one, _)| one.radius() >= THIN).collect();
+        let whole: f64 = triangles.iter().map(|(triangle, _)| triangle.doubled()).sum();
         let (mut places, mut reached, mut k) = (Vec::with_capacity(wanted), 0.0, 0);
-        for triangle in &triangles {
+        for (triangle, side) in &triangles {
             reached += triangle.doubled();
             while k < wanted && (k as f64 + 0.5) / wanted as f64 * whole <= reached {
                 // Two irrational steps, which fill a square evenly.
                 let spread = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (k as f64 * step).fract());
-                places.push(triangle.point(spread, 2.0 * self.tolerance));
+                places.push((triangle.point(spread, 2.0 * self.tolerance), *side));
                 k += 1;
             }
         }
         places.dedup();
-        places.retain(|place| *place != face.inside);
+        places.retain(|(place, _)| *place != face.inside);
         places
     }
 
