@@ -538,7 +538,7 @@ pub struct CurveArgs {
     after_help = "Stripes of conservative breathers are found by the modes that meet, with both edges, however thin. What a coarse \
                   look at the window shows besides is enclosed between two neighbouring places; the event there is located and followed \
                   both ways. At last the window is cut by all borders, and what is left in the faces is asked the same question. \
-                  Stability is strict: a growth allowed by the scene has no events. Errors, and how far a straight line between \
+                  Where the scene allows some growth, stability is lost at no event: that border is traced by the growth. Errors, and how far a straight line between \
                   neighbouring points may be from its border, are parts of the window's sides."
 )]
 pub struct CurvesArgs {
@@ -559,6 +559,9 @@ pub struct CurvesArgs {
     /// How far a straight line between two neighbouring points may be from its border, as a part of the window's sides.
     #[arg(long, value_name = "PART", default_value_t = 1e-6, value_parser = real, allow_negative_numbers = true)]
     pub tolerance: f64,
+    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: that of the scene, or strict].
+    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
     /// Threads [default: all cores, or what RAYON_NUM_THREADS says].
     #[arg(long, value_name = "T", value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub threads: Option<usize>,

@@ -8,11 +8,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrochain_lattice::{Parameter, Short};
 use vibrochain_maps::borders::{Asked, Border, BorderKind, Borders, Stage};
-use vibrochain_maps::cell::{Class, Task};
+use vibrochain_maps::cell::Class;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::regions::{Area, Regions};
 use vibrochain_maps::scene::Scene;
+use vibrochain_maps::sweep::Plan;
 
 use crate::args::CurvesArgs;
 use crate::console::Console;
@@ -33,7 +34,7 @@ pub(crate) type Lives = Option<Class>;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let scene = Scene::read(&args.scene)?;
+    let scene = Plan::read(&args.scene, args.threshold)?.scene;
     let files = [("--csv", args.csv.as_deref()), ("--points", args.points.as_deref()), ("--map", args.map.as_deref())];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
     let names = match scene.axes.as_slice() {
@@ -68,19 +69,12 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     if borders.interrupted {
         return Err(CliError::Interrupted);
     }
-    let strict = strict(&scene);
     let regions =
-        pool.install(|| Regions::of_scene(&strict, &borders.lines(), args.tolerance, SAMPLES, |cell| cell.class))?;
+        pool.install(|| Regions::of_scene(&scene, &borders.lines(), args.tolerance, SAMPLES, |cell| cell.class))?;
     let answer = Answer { scene: &scene, borders: &borders, regions: &regions, time: started.elapsed() };
     let text = if args.json { format!("{:#}\n", answer.as_json()) } else { answer.as_text() };
     console.answer(&text, taken)?;
     map.finish(&scene, &borders, args.tolerance, &pool)
-}
-
-/// The scene with what its borders are those of: stability in the strict sense.
-pub(crate) fn strict(scene: &Scene) -> Scene {
-    let tolerance = vibrochain_floquet::Tolerance::Rounding;
-    Scene { task: Task { tolerance, collisions: false, ..scene.task.clone() }, ..scene.clone() }
 }
 
 fn stripe(border: &Border) -> String {
@@ -311,7 +305,7 @@ mod with_plot {
     use vibrochain_maps::scene::Scene;
     use vibrochain_plot::{Format, Palette, RegionsPicture, Tile, open, regions_picture};
 
-    use super::{CliError, CurvesArgs, SAMPLES, strict};
+    use super::{CliError, CurvesArgs, SAMPLES};
 
     pub(super) struct Map {
         file: Option<(Format, Output)>,
@@ -331,8 +325,7 @@ mod with_plot {
         ) -> Result<(), CliError> {
             let Some((format, file)) = self.file else { return Ok(()) };
             let tile = |cell: &vibrochain_maps::cell::Cell| Tile { class: cell.class, mechanism: None };
-            let regions =
-                pool.install(|| Regions::of_scene(&strict(scene), &borders.lines(), tolerance, SAMPLES, tile))?;
+            let regions = pool.install(|| Regions::of_scene(scene, &borders.lines(), tolerance, SAMPLES, tile))?;
             let picture = RegionsPicture { scene, regions: &regions, borders: &[], palette: Palette::default() };
             let bytes = regions_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
             Ok(file.finish_with(&bytes)?)

@@ -24,6 +24,8 @@ pub enum BorderKind {
     Unbounded,
     /// All impulses vanish.
     ImpulsesVanish,
+    /// The growth passes the threshold below which the scene counts as stable.
+    Threshold,
     /// What lives there changes; by which event is not known.
     Change,
 }
@@ -52,6 +54,7 @@ impl BorderKind {
             Self::Resonance => "resonance",
             Self::Unbounded => "unbounded",
             Self::ImpulsesVanish => "impulses-vanish",
+            Self::Threshold => "threshold",
             Self::Change => "change",
         }
     }

@@ -5,6 +5,7 @@ use vibrochain_lattice::Spectrum;
 
 use super::border::BorderKind;
 use super::part::{Eye, Part};
+use crate::cell::Class;
 
 /// How near a change is enclosed before its event is looked for, as a part of the window's side.
 const ENCLOSED: f64 = 1e-7;
@@ -107,6 +108,10 @@ pub(super) fn meet(
     let (ends, classes) = enclose(&mut |place| eye.class(part, place), ends, ENCLOSED)?;
     let mut met = Met { ends, events: Vec::new(), known: is_known(ends[0]), resonance: None, end: BorderKind::Change };
     if met.known {
+        return Some(met);
+    }
+    if part.task.stability && !part.is_strict() && !classes.contains(&Class::None) {
+        met.end = BorderKind::Threshold;
         return Some(met);
     }
     met.resonance = resonance(eye, ends);

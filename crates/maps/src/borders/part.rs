@@ -13,17 +13,23 @@ use crate::scene::Scene;
 pub(super) struct Part {
     /// As the scene names it.
     pub(super) name: String,
-    /// What is computed of it. Stability in the strict sense: no event happens where growth passes a threshold.
+    /// What is computed of it.
     pub(super) task: Task,
+}
+
+impl Part {
+    /// Whether stability is lost at events: with a growth allowed it is not.
+    pub(super) fn is_strict(&self) -> bool {
+        self.task.stability && self.task.tolerance == Tolerance::Rounding
+    }
 }
 
 /// All parts of a scene.
 pub(super) fn parts(task: &Task) -> Vec<Part> {
-    let strict = Task { tolerance: Tolerance::Rounding, collisions: false, ..task.clone() };
+    let plain = Task { collisions: false, ..task.clone() };
     let families =
-        task.families.iter().map(|&family| Task { families: vec![family], words: Vec::new(), ..strict.clone() });
-    let words =
-        task.words.iter().map(|word| Task { families: Vec::new(), words: vec![word.clone()], ..strict.clone() });
+        task.families.iter().map(|&family| Task { families: vec![family], words: Vec::new(), ..plain.clone() });
+    let words = task.words.iter().map(|word| Task { families: Vec::new(), words: vec![word.clone()], ..plain.clone() });
     let named = |task: Task| {
         let name = task.family_names().next().unwrap_or_default();
         Part { name, task }

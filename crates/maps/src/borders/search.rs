@@ -6,13 +6,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use vibrochain_breather::Family;
 use vibrochain_floquet::{CurveEnd, Located, StripeFinder, Walk, curve_along};
+use vibrochain_lattice::Parameter;
 
 use super::border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
 use super::change::trace;
 use super::grid::{Edge, Grid};
 use super::known::Known;
 use super::lanes::{Lane, Liner, Row};
-use super::meet::{detuning, meet};
+use super::meet::{detuning, enclose, meet};
 use super::part::{Eye, Part, parts};
 use crate::cell::Class;
 use crate::error::MapError;
@@ -31,9 +32,13 @@ const BATCH: usize = 16;
 const APART: usize = 12;
 
 /// How often the window is cut by all borders to look for what is left, and how many places are looked at in it, and faces at most.
-const CUTS: usize = 4;
-const SAMPLES: usize = 40_000;
+const CUTS: usize = 16;
+const SAMPLES: usize = 100_000;
 const MOST_FACES: usize = 64;
+
+/// How near a change in a face is enclosed, and how far from there it is looked for along one parameter.
+const NEAR: f64 = 1e-9;
+const FAR: f64 = 1e-3;
 
 /// A curve lies on a border that is known if it does so for this many points and this part of the window.
 const POINTS_ALIKE: u32 = 4;
@@ -171,11 +176,21 @@ impl Search<'_> {
         self.told(Stage::Places, 0, places.len());
         let part = self.part;
         let stop = self.asked.stop;
+        // Where nothing couples masses, multipliers stand on the circle together: no border, but an end of all of them.
+        let uncoupled = |place: [f64; 2]| {
+            (0..2).any(|i| {
+                let coupling = matches!(self.plane.parameters[i], Parameter::Gamma2 | Parameter::Gamma3);
+                coupling && place[i] == 0.0 && self.plane.from[i] == 0.0
+            })
+        };
         let classes: Vec<Option<Class>> = places
             .par_iter()
             .map_init(
                 || self.eye(),
-                |eye, &place| if stop.load(Ordering::Relaxed) { None } else { eye.class(part, place) },
+                |eye, &place| {
+                    let skipped = uncoupled(place) || stop.load(Ordering::Relaxed);
+                    if skipped { None } else { eye.class(part, place) }
+                },
             )
             .collect();
         self.found.places = places.len();
@@ -184,12 +199,11 @@ impl Search<'_> {
 
     /// Stripes by themselves.
     fn stripes(&mut self) {
-        let task = &self.part.task;
-        let family = match task.families.first() {
+        let family = match self.part.task.families.first() {
             Some(&family @ (Family::DoubleSided | Family::SingleSided)) => family,
             _ => return,
         };
-        if !self.scene.is_conservative() || !task.stability || self.stopped() {
+        if !self.scene.is_conservative() || !self.part.is_strict() || self.stopped() {
             return;
         }
         let (part, tolerance, stop) = (self.part, self.asked.tolerance, self.asked.stop);
@@ -416,7 +430,7 @@ impl Search<'_> {
             let subdivision = Subdivision::new(self.window, &self.found.lines(), self.asked.tolerance)?;
             let part = self.part;
             let class = |eye: &mut Eye<'_>, point: [f64; 2]| eye.class(part, self.window.part(point));
-            let regions = subdivision.classified(SAMPLES, || self.eye(), class);
+            let regions = subdivision.classified_but(SAMPLES, || self.eye(), class, Option::is_none);
             // Along one parameter after the other.
             let changes = regions.unexplained().iter().filter_map(|face| face.change);
             let mut changes: Vec<_> = changes.map(|ends| ends.map(|point| self.window.part(point))).collect();
@@ -428,10 +442,8 @@ impl Search<'_> {
                 .par_iter()
                 .map_init(
                     || self.eye(),
-                    |eye, &[one, other]| {
-                        let corner = [other[0], one[1]];
-                        let along_x = eye.class(part, corner) != eye.class(part, one);
-                        let (axis, ends) = if along_x { (0, [one, corner]) } else { (1, [corner, other]) };
+                    |eye, &ends| {
+                        let Some((axis, ends)) = along_one(eye, part, ends) else { return (Outcome::default(), ends) };
                         (self.explain(eye, axis, ends), ends)
                     },
                 )
@@ -446,4 +458,25 @@ impl Search<'_> {
         }
         Ok(())
     }
+}
+
+/// Two places along one parameter between which the same changes as between two others.
+fn along_one(eye: &mut Eye<'_>, part: &Part, ends: [[f64; 2]; 2]) -> Option<(usize, [[f64; 2]; 2])> {
+    let (close, _) = enclose(&mut |place| eye.class(part, place), ends, NEAR)?;
+    let middle = [0, 1].map(|i| 0.5 * (close[0][i] + close[1][i]));
+    let mut aside = NEAR;
+    while aside < FAR {
+        for axis in 0..2 {
+            let mut ends = [middle; 2];
+            ends[0][axis] = (middle[axis] - aside).max(0.0);
+            ends[1][axis] = (middle[axis] + aside).min(1.0);
+            if let [Some(one), Some(other)] = ends.map(|place| eye.class(part, place))
+                && one != other
+            {
+                return Some((axis, ends));
+            }
+        }
+        aside *= 4.0;
+    }
+    None
 }

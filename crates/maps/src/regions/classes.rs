@@ -35,10 +35,21 @@ impl Subdivision {
     ///
     /// Threads are those of the pool of `rayon` that this is called in.
     pub fn classified<W, T: Clone + Eq + Send + Sync>(
+        self,
+        samples: usize,
+        worker: impl Fn() -> W + Send + Sync,
+        class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
+    ) -> Regions<T> {
+        self.classified_but(samples, worker, class, |_| false)
+    }
+
+    /// The same where some answers are none: a face has them only if all its points do.
+    pub(crate) fn classified_but<W, T: Clone + Eq + Send + Sync>(
         mut self,
         samples: usize,
         worker: impl Fn() -> W + Send + Sync,
         class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
+        is_none: impl Fn(&T) -> bool + Sync,
     ) -> Regions<T> {
         let mut known: HashMap<[u64; 2], T> = HashMap::new();
         let mut closed = Vec::new();
@@ -69,21 +80,26 @@ impl Subdivision {
             for group in questions.chunk_by(|one, two| one.face == two.face) {
                 let own = &numbers[first..first + group.len()];
                 first += group.len();
+                let told = own.iter().filter(|&&class| !is_none(&classes[class]));
                 let count = |class: usize| own.iter().filter(|&&other| other == class).count();
-                let most = own.iter().map(|&class| count(class)).max().unwrap_or(0);
+                let most = told.clone().map(|&class| count(class)).max().unwrap_or(own.len());
                 // Of classes that as many points have, that of the point well inside.
                 let face = group[0].face;
-                class_of[face] = own.iter().copied().find(|&class| count(class) == most);
-                if most < own.len() {
+                let is_told = told.clone().next().is_some();
+                let fits = |class: &usize| count(*class) == most && !(is_told && is_none(&classes[*class]));
+                class_of[face] = own.iter().copied().find(fits);
+                if is_told && most < told.count() {
                     differing.push((face, group, own));
                 }
             }
             let necks: Vec<Option<Neck>> = differing
                 .par_iter()
                 .map_init(&worker, |worker, (_, group, own)| {
-                    let other = own.iter().position(|class| *class != own[0])?;
-                    let at = |i: usize| (group[i].triangle, classes[own[i]].clone());
-                    self.neck(at(0), at(other), |point| class(worker, point))
+                    let first = own.iter().position(|class| !is_none(&classes[*class]))?;
+                    let differs = |class: &usize| !is_none(&classes[*class]) && *class != own[first];
+                    let other = own.iter().position(differs)?;
+                    let at = |i: usize| (group[i].triangle, group[i].point, classes[own[i]].clone());
+                    self.neck(at(first), at(other), |point| Some(class(worker, point)).filter(|class| !is_none(class)))
                 })
                 .collect();
             let mut gaps: Vec<Neck> = necks.iter().flatten().copied().filter(|neck| neck.length <= GAP).collect();
@@ -93,7 +109,7 @@ impl Subdivision {
                 let unexplained = differing.iter().zip(&necks).map(|((face, group, own), neck)| Unexplained {
                     share: self.faces[*face].share,
                     points: group.iter().zip(*own).map(|(one, class)| (one.point, classes[*class].clone())).collect(),
-                    change: neck.map(|neck| neck.between.map(|place| self.window.point(place))),
+                    change: neck.map(|neck| neck.between),
                 });
                 let unexplained = unexplained.collect();
                 let class_of = self.with_thin(class_of);

@@ -7,7 +7,6 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
 use crate::regions::noding::{GRID, place};
-use crate::regions::smooth::Place;
 use crate::regions::subdivision::{Subdivision, THIN};
 
 /// A gap between ends of borders, as a part of the window, that may be closed where it is narrowest.
@@ -20,8 +19,8 @@ pub(crate) struct Neck {
     pub(crate) side: u32,
     /// Its length, as a part of the window.
     pub(crate) length: f64,
-    /// Places on either side of it.
-    pub(crate) between: [Place; 2],
+    /// Places on either side of it, in units of the axes.
+    pub(crate) between: [[f64; 2]; 2],
 }
 
 /// A triangle on a way, by how wide the way to it is.
@@ -93,36 +92,45 @@ impl Subdivision {
         sides
     }
 
-    /// Where what lives in a face changes between two triangles of it.
+    /// Where what lives in a face changes between two places in triangles of it, given in units of the axes.
     pub(crate) fn neck<T: PartialEq>(
         &self,
-        from: (u32, T),
-        to: (u32, T),
-        mut class: impl FnMut([f64; 2]) -> T,
+        from: (u32, [f64; 2], T),
+        to: (u32, [f64; 2], T),
+        mut class: impl FnMut([f64; 2]) -> Option<T>,
     ) -> Option<Neck> {
         let way = self.way(from.0, to.0);
         // Nearer to a border than its error a triangle may be on its other side.
         let clear = THIN.max(2.0 * self.tolerance * GRID as f64);
-        let mut last = (self.triangle(from.0).centre(), from.1);
+        let last = from.2;
+        let mut line = vec![from.1];
         let mut narrowest: Option<(f64, u32)> = None;
         for (i, &side) in way.iter().enumerate() {
             let length = self.length(side);
             if narrowest.is_none_or(|(other, _)| length < other) {
                 narrowest = Some((length, side));
             }
-            let twin = self.sides[side as usize].twin;
-            let triangle = self.triangle(twin);
-            let is_last = i + 1 == way.len();
-            if triangle.radius() < clear && !is_last {
+            // From triangle to triangle through the sides between, so that no border is crossed.
+            line.push(self.middle(side));
+            let triangle = self.triangle(self.sides[side as usize].twin);
+            let (point, here) = if i + 1 == way.len() {
+                (to.1, None)
+            } else if triangle.radius() < clear {
                 continue;
-            }
-            let centre = triangle.centre();
-            let here = class(self.window.point(centre));
-            if here != last.1 {
+            } else {
+                let point = self.window.point(triangle.centre());
+                let Some(here) = class(point) else { continue };
+                (point, Some(here))
+            };
+            line.push(point);
+            let here = here.as_ref().unwrap_or(&to.2);
+            if *here != last {
                 let (length, side) = narrowest?;
-                return Some(Neck { side, length, between: [last.0, centre] });
+                let changes = |point: &[f64; 2]| class(*point).is_some_and(|one| one != last);
+                let changed = line.iter().skip(1).position(changes).unwrap_or(line.len() - 2);
+                return Some(Neck { side, length, between: [line[changed], line[changed + 1]] });
             }
-            (last, narrowest) = ((centre, here), None);
+            (line, narrowest) = (vec![point], None);
         }
         None
     }
