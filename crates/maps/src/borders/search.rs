@@ -1,6 +1,7 @@
 //! All borders of a scene.
 
 use std::cell::Cell;
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
@@ -31,10 +32,12 @@ const ROW_POINTS: usize = 800;
 const BATCH: usize = 16;
 const APART: usize = 12;
 
-/// How often the window is cut by all borders to look for what is left, and how many places are looked at in it, and faces at most.
+/// How often the window is cut by all borders to look for what is left, how many places are looked at in it, changes at
+/// most, and how many of them side by side.
 const CUTS: usize = 16;
 const SAMPLES: usize = 100_000;
-const MOST_FACES: usize = 64;
+const MOST_CHANGES: usize = 256;
+const SOME: usize = 4;
 
 /// How near a change in a face is enclosed, and how far from there it is looked for along one parameter.
 const NEAR: f64 = 1e-9;
@@ -122,15 +125,21 @@ impl Borders {
             places: 0,
             interrupted: false,
         };
-        let mut all = empty.clone();
-        for part in &parts(&scene.task) {
+        let parts = parts(&scene.task);
+        let search = |part| {
             let grid = Grid::new([0, 0], Vec::new());
             let (asked, found, known) = (*asked, empty.clone(), Known::default());
-            let mut search = Search { scene, asked, window, plane, part, known, grid, found };
+            Search { scene, asked, window, plane, part, known, grid, found }
+        };
+        let mut searches: Vec<Search<'_>> = parts.iter().map(search).collect();
+        for search in &mut searches {
             search.look();
             search.stripes();
             search.changes();
-            search.faces()?;
+        }
+        faces(&mut searches)?;
+        let mut all = empty;
+        for search in searches {
             let Self { borders, unexplained, unresolved, places, interrupted, .. } = search.found;
             all.borders.extend(borders);
             all.unexplained.extend(unexplained);
@@ -317,14 +326,34 @@ impl Search<'_> {
         }
         for border in outcome.borders {
             // Two changes looked at side by side may be one border's.
-            let line = self.parts_of(&border);
             let reach = 2.0 * self.asked.tolerance;
-            let known = line.iter().filter(|place| self.known.holds(**place, reach)).count();
-            // What is new of one that is known for the most part shows again by itself.
-            if 10 * known < 9 * line.len() {
+            let new: Vec<bool> = self.parts_of(&border).iter().map(|place| !self.known.holds(*place, reach)).collect();
+            for border in pieces(border, &new) {
                 self.add(border);
             }
         }
+    }
+
+    /// The borders between pairs of places, as far as they are this part's. Whether there are any.
+    fn explain_all(&mut self, changes: &[[[f64; 2]; 2]]) -> bool {
+        let before = self.found.borders.len();
+        // A few at a time: some are one border's.
+        for some in changes.chunks(SOME) {
+            let outcomes: Vec<Option<(Outcome, [[f64; 2]; 2])>> = some
+                .par_iter()
+                .map_init(
+                    || self.eye(),
+                    |eye, &ends| {
+                        let (axis, ends) = along_one(eye, self.part, ends)?;
+                        Some((self.explain(eye, axis, ends), ends))
+                    },
+                )
+                .collect();
+            for (outcome, ends) in outcomes.into_iter().flatten() {
+                self.take(outcome, ends);
+            }
+        }
+        self.found.borders.len() > before
     }
 
     /// The borders between two places along one parameter.
@@ -419,45 +448,41 @@ impl Search<'_> {
         };
         (border.points.len() > 1).then_some(border)
     }
+}
 
-    /// What is left in the faces between all borders.
-    fn faces(&mut self) -> Result<(), MapError> {
-        for cut in 0..CUTS {
-            if self.stopped() {
-                return Ok(());
-            }
-            self.told(Stage::Faces, cut, CUTS);
-            let subdivision = Subdivision::new(self.window, &self.found.lines(), self.asked.tolerance)?;
-            let part = self.part;
-            let class = |eye: &mut Eye<'_>, point: [f64; 2]| eye.class(part, self.window.part(point));
-            let regions = subdivision.classified_but(SAMPLES, || self.eye(), class, Option::is_none);
-            // Along one parameter after the other.
-            let changes = regions.unexplained().iter().filter_map(|face| face.change);
-            let mut changes: Vec<_> = changes.map(|ends| ends.map(|point| self.window.part(point))).collect();
-            if changes.is_empty() {
-                return Ok(());
-            }
-            changes.truncate(MOST_FACES);
-            let outcomes: Vec<(Outcome, [[f64; 2]; 2])> = changes
-                .par_iter()
-                .map_init(
-                    || self.eye(),
-                    |eye, &ends| {
-                        let Some((axis, ends)) = along_one(eye, part, ends) else { return (Outcome::default(), ends) };
-                        (self.explain(eye, axis, ends), ends)
-                    },
-                )
-                .collect();
-            let before = self.found.borders.len();
-            for (outcome, ends) in outcomes {
-                self.take(outcome, ends);
-            }
-            if self.found.borders.len() == before {
+/// What is left in the faces between the borders of all parts.
+fn faces(searches: &mut [Search<'_>]) -> Result<(), MapError> {
+    let mut known = HashMap::new();
+    for cut in 0..CUTS {
+        let Some(first) = searches.first() else { return Ok(()) };
+        let (asked, scene, window) = (first.asked, first.scene, first.window);
+        for search in searches.iter_mut() {
+            if search.stopped() {
                 return Ok(());
             }
         }
-        Ok(())
+        (asked.told)("", Stage::Faces, cut, CUTS);
+        let lines: Vec<_> = searches.iter().flat_map(|search| search.found.lines()).collect();
+        let parts: Vec<&Part> = searches.iter().map(|search| search.part).collect();
+        let classes = |eye: &mut Eye<'_>, point: [f64; 2]| -> Vec<Option<Class>> {
+            let place = window.part(point);
+            parts.iter().map(|part| eye.class(part, place)).collect()
+        };
+        let is_none = |classes: &Vec<Option<Class>>| classes.contains(&None);
+        let cut = Subdivision::new(window, &lines, asked.tolerance)?;
+        let faces = cut.asked(SAMPLES, || Eye::new(scene, window), classes, is_none, &mut known);
+        let changes = faces.unexplained.iter().flat_map(|face| &face.changes);
+        let mut changes: Vec<[[f64; 2]; 2]> = changes.map(|ends| ends.map(|point| window.part(point))).collect();
+        changes.truncate(MOST_CHANGES);
+        let mut grown = false;
+        for search in searches.iter_mut() {
+            grown |= search.explain_all(&changes);
+        }
+        if !grown {
+            return Ok(());
+        }
     }
+    Ok(())
 }
 
 /// Two places along one parameter between which the same changes as between two others.
@@ -479,4 +504,30 @@ fn along_one(eye: &mut Eye<'_>, part: &Part, ends: [[f64; 2]; 2]) -> Option<(usi
         aside *= 4.0;
     }
     None
+}
+
+/// The parts of a border with points that are new, from the last that is known to the next.
+fn pieces(border: Border, new: &[bool]) -> Vec<Border> {
+    if new.iter().all(|new| *new) {
+        return vec![border];
+    }
+    let mut pieces = Vec::new();
+    let mut at = 0;
+    while let Some(first) = new[at..].iter().position(|new| *new).map(|i| at + i) {
+        let behind = new[first..].iter().position(|new| !*new).map_or(new.len(), |i| first + i);
+        at = behind;
+        let range = first.saturating_sub(1)..(behind + 1).min(new.len());
+        let known = || "where it is known".to_owned();
+        let begin = if range.start == 0 { border.ends[0].clone() } else { known() };
+        let end = if range.end == new.len() { border.ends[1].clone() } else { known() };
+        let special = border.special.iter().filter(|(_, point, _)| range.contains(point));
+        pieces.push(Border {
+            points: border.points[range.clone()].to_vec(),
+            special: special.map(|&(special, point, error)| (special, point - range.start, error)).collect(),
+            ends: [begin, end],
+            family: border.family.clone(),
+            ..border
+        });
+    }
+    pieces
 }

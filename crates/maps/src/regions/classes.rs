@@ -14,12 +14,25 @@ use crate::regions::triangles::Triangle;
 /// Gaps between borders that are closed at most.
 const MOST_GAPS: usize = 1000;
 
+/// Places of one face from which the way to where something else lives is looked at.
+const MOST_WAYS: usize = 4;
+
 /// A place to ask about: its face, a triangle of it, the point in units of the axes.
 #[derive(Debug, Clone, Copy)]
 struct Question {
     face: usize,
     triangle: u32,
     point: [f64; 2],
+}
+
+/// What lives in faces, as far as they were asked.
+pub(crate) struct Asked<T> {
+    cut: Subdivision,
+    classes: Vec<T>,
+    /// Of each face, by its number in the list.
+    class_of: Vec<Option<usize>>,
+    pub(crate) unexplained: Vec<Unexplained<T>>,
+    closed: Vec<([f64; 2], f64)>,
 }
 
 fn bits(point: [f64; 2]) -> [u64; 2] {
@@ -45,13 +58,27 @@ impl Subdivision {
 
     /// The same where some answers are none: a face has them only if all its points do.
     pub(crate) fn classified_but<W, T: Clone + Eq + Send + Sync>(
-        mut self,
+        self,
         samples: usize,
         worker: impl Fn() -> W + Send + Sync,
         class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
         is_none: impl Fn(&T) -> bool + Sync,
     ) -> Regions<T> {
-        let mut known: HashMap<[u64; 2], T> = HashMap::new();
+        let Asked { cut, classes, class_of, unexplained, closed } =
+            self.asked(samples, worker, class, is_none, &mut HashMap::new());
+        let class_of = cut.with_thin(class_of);
+        Regions::new(&cut, &classes, &class_of, unexplained, closed)
+    }
+
+    /// What lives in the faces, and which of them are unexplained. Answers are taken from those known already, and added to them.
+    pub(crate) fn asked<W, T: Clone + Eq + Send + Sync>(
+        mut self,
+        samples: usize,
+        worker: impl Fn() -> W + Send + Sync,
+        class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
+        is_none: impl Fn(&T) -> bool + Sync,
+        known: &mut HashMap<[u64; 2], T>,
+    ) -> Asked<T> {
         let mut closed = Vec::new();
         loop {
             let mut questions: Vec<Question> = Vec::new();
@@ -92,28 +119,37 @@ impl Subdivision {
                     differing.push((face, group, own));
                 }
             }
-            let necks: Vec<Option<Neck>> = differing
+            let necks: Vec<Vec<Neck>> = differing
                 .par_iter()
                 .map_init(&worker, |worker, (_, group, own)| {
-                    let first = own.iter().position(|class| !is_none(&classes[*class]))?;
-                    let differs = |class: &usize| !is_none(&classes[*class]) && *class != own[first];
-                    let other = own.iter().position(differs)?;
+                    let told = |class: &usize| !is_none(&classes[*class]);
+                    let Some(first) = own.iter().position(told) else { return Vec::new() };
                     let at = |i: usize| (group[i].triangle, group[i].point, classes[own[i]].clone());
-                    self.neck(at(first), at(other), |point| Some(class(worker, point)).filter(|class| !is_none(class)))
+                    let differs = |i: &usize| told(&own[*i]) && own[*i] != own[first];
+                    let others: Vec<usize> = (0..own.len()).filter(differs).collect();
+                    let some = others.iter().step_by(others.len().div_ceil(MOST_WAYS).max(1));
+                    some.filter_map(|&other| {
+                        self.neck(at(first), at(other), |point| Some(class(worker, point)).filter(|one| !is_none(one)))
+                    })
+                    .fold(Vec::new(), |mut necks: Vec<Neck>, neck| {
+                        if !necks.iter().any(|other| other.side == neck.side) {
+                            necks.push(neck);
+                        }
+                        necks
+                    })
                 })
                 .collect();
             let mut gaps: Vec<Neck> = necks.iter().flatten().copied().filter(|neck| neck.length <= GAP).collect();
             gaps.sort_by_key(|neck| neck.side);
             gaps.dedup_by_key(|neck| neck.side);
             if gaps.is_empty() || closed.len() >= MOST_GAPS {
-                let unexplained = differing.iter().zip(&necks).map(|((face, group, own), neck)| Unexplained {
+                let unexplained = differing.iter().zip(&necks).map(|((face, group, own), necks)| Unexplained {
                     share: self.faces[*face].share,
                     points: group.iter().zip(*own).map(|(one, class)| (one.point, classes[*class].clone())).collect(),
-                    change: neck.map(|neck| neck.between),
+                    changes: necks.iter().map(|neck| neck.between).collect(),
                 });
                 let unexplained = unexplained.collect();
-                let class_of = self.with_thin(class_of);
-                return Regions::new(&self, &classes, &class_of, unexplained, closed);
+                return Asked { cut: self, classes, class_of, unexplained, closed };
             }
             closed.extend(gaps.iter().map(|neck| (self.middle(neck.side), neck.length)));
             self.close(&gaps.iter().map(|neck| neck.side).collect::<Vec<_>>());

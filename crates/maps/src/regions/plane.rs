@@ -38,8 +38,8 @@ pub struct Unexplained<T> {
     pub share: f64,
     /// The points looked at, in units of the axes, and what lives there: at least two different classes.
     pub points: Vec<([f64; 2], T)>,
-    /// Two places of it, next to each other, between which what lives there changes.
-    pub change: Option<[[f64; 2]; 2]>,
+    /// Pairs of places of it, next to each other, between which what lives there changes: some of them.
+    pub changes: Vec<[[f64; 2]; 2]>,
 }
 
 /// A part of a border.
