@@ -58,6 +58,8 @@ pub enum Command {
     Branch(BranchArgs),
     /// The curve on which a breather bifurcates or grazes as two parameters vary, with its points of codimension two.
     Curve(CurveArgs),
+    /// All borders in a scene's window, as curves, and the area of what lives between them.
+    Curves(CurvesArgs),
     /// Simulate event by event, from a breather or from any state.
     Simulate(SimulateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
@@ -531,6 +533,41 @@ pub struct CurveArgs {
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `mapgen curves`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Stripes of conservative breathers are found by the modes that meet, with both edges, however thin. What a coarse \
+                  look at the window shows besides is enclosed between two neighbouring places; the event there is located and followed \
+                  both ways. At last the window is cut by all borders, and what is left in the faces is asked the same question. \
+                  Where the scene allows some growth, stability is lost at no event: that border is traced by the growth. Errors, and how far a straight line between \
+                  neighbouring points may be from its border, are parts of the window's sides."
+)]
+pub struct CurvesArgs {
+    /// Scene file (TOML) with two equally spaced axes.
+    pub scene: PathBuf,
+    /// Points of all borders as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Points of codimension two as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Picture of the map by its regions, .png or .svg: a stripe thinner than a pixel is drawn by its share.
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+    /// How far a straight line between two neighbouring points may be from its border, as a part of the window's sides.
+    #[arg(long, value_name = "PART", default_value_t = 1e-6, value_parser = real, allow_negative_numbers = true)]
+    pub tolerance: f64,
+    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: that of the scene, or strict].
+    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
+    /// Threads [default: all cores, or what RAYON_NUM_THREADS says].
+    #[arg(long, value_name = "T", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    pub threads: Option<usize>,
 }
 
 /// Direction of a perturbation.

@@ -12,7 +12,7 @@
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
 //! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
-//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `simulate_command`, `words_command` | the subcommands |
+//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `simulate_command`, `words_command` | the subcommands |
 
 pub mod args;
 pub mod branch_command;
@@ -24,6 +24,7 @@ pub mod console;
 pub mod curve_command;
 #[cfg(feature = "plot")]
 mod curve_plot;
+pub mod curves_command;
 pub mod entry;
 pub mod error;
 mod estimate;

@@ -6,8 +6,8 @@ use crate::args::{Cli, Command, STUDIES, read};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::{
-    branch_command, curve_command, locate_command, merge_command, orbit_command, simulate_command, sweep_command,
-    words_command,
+    branch_command, curve_command, curves_command, locate_command, merge_command, orbit_command, simulate_command,
+    sweep_command, words_command,
 };
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
@@ -35,6 +35,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Locate(args) => locate_command::run(args, console),
         Command::Branch(args) => branch_command::run(args, console),
         Command::Curve(args) => curve_command::run(args, console),
+        Command::Curves(args) => curves_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
         #[cfg(feature = "plot")]
         Command::Stripes(args) => crate::stripes::run(args, console),

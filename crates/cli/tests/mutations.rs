@@ -340,6 +340,8 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let cost = scene.cells() as f64 * scene.base.sites() as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
+        // Every border of a window.
+        Ok(Command::Curves(_)) => Plan::Stopped,
         // Each word by a dense matrix.
         Ok(Command::Words(args)) => match model(&args.model) {
             Ok(model) => {

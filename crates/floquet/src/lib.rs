@@ -66,7 +66,9 @@ mod symmetry;
 mod verdict;
 
 pub use analyser::{Analyser, Stability, stability};
-pub use curve::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Window, curve};
+pub use curve::{
+    CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window, curve, curve_along,
+};
 pub use eigen::eigenvalues;
 pub use eigenvectors::{FloquetMode, leading_modes};
 pub use error::FloquetError;

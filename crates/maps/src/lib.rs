@@ -8,11 +8,14 @@
 //! | `cell`, `summary` | one cell: a point and what lives there; the counts of many |
 //! | `table` | its columns, rows of cells written and read back, the forms of its file |
 //! | `manifest` | where a table came from |
+//! | `borders`, `regions` | the curves on which what lives in a scene's window changes; what lives between them, and how much of it
+//! | | there is |
 //! | `sweep` | all cells, in chunks that outlive the process |
 //! | `files` | files that appear whole or not at all, pipes, devices |
 //! | `text`, `lines` | text from outside, read and shown; lines of text that comes in pieces |
 //! | `error` | why there is none |
 
+pub mod borders;
 pub mod cell;
 pub mod error;
 pub mod files;

@@ -43,6 +43,35 @@ impl Window {
     }
 }
 
+/// How a curve is followed.
+#[derive(Clone, Copy)]
+#[must_use]
+pub struct Walk<'a> {
+    /// Where to.
+    pub window: Window,
+    /// How far a straight line between neighbouring points may be from the curve, as a part of the window's sides.
+    pub tolerance: f64,
+    /// Whether points of codimension two are looked for on the way. Without them a curve takes a fraction of the time.
+    pub special: bool,
+    /// Told of each point its values and whether the orbit there is physical: whether the curve need go no farther.
+    pub until: &'a dyn Fn([f64; 2], Option<bool>) -> bool,
+}
+
+impl Walk<'_> {
+    /// Through the whole window, with all points of codimension two.
+    pub fn new(window: Window, tolerance: f64) -> Self {
+        Self { window, tolerance, special: true, until: &|_, _| false }
+    }
+}
+
+impl fmt::Debug for Walk<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { window, tolerance, special, .. } = self;
+        let mut shown = f.debug_struct("Walk");
+        shown.field("window", window).field("tolerance", tolerance).field("special", special).finish_non_exhaustive()
+    }
+}
+
 /// A point of a curve.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -130,6 +159,8 @@ pub enum CurveEnd {
     ImpulsesVanish,
     /// The impulses grow without bound.
     Unbounded,
+    /// Where it need go no farther.
+    Halted,
     /// It is followed no farther than so many points.
     Long,
     /// Newton's method lost the orbit.
@@ -149,6 +180,7 @@ impl fmt::Display for CurveEnd {
             Self::Thin => f.write_str("where the stripe is too thin for its edges to be told apart"),
             Self::ImpulsesVanish => f.write_str("where all impulses vanish"),
             Self::Unbounded => f.write_str("where impulses grow without bound"),
+            Self::Halted => f.write_str("where it need go no farther"),
             Self::Long => f.write_str("unfinished: it is too long"),
             Self::Lost(error) => write!(f, "lost: {error}"),
             Self::Unwatched(error) => write!(f, "not to be computed any further: {error}"),

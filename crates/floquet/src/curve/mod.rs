@@ -2,7 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `answer` | [`Window`], [`EventCurve`] with its points, its special points and its ends |
+//! | `answer` | [`Window`], [`Walk`], [`EventCurve`] with its points, its special points and its ends |
 //! | `signal` | what vanishes all along the curve |
 //! | `walker` | who walks, and what is known of a point |
 //! | `walk` | steps along it: from what lies behind to what lies ahead, and onto it |
@@ -21,5 +21,5 @@ mod special;
 mod walk;
 mod walker;
 
-pub use answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Window};
-pub use walk::curve;
+pub use answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window};
+pub use walk::{curve, curve_along};

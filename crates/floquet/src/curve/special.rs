@@ -26,12 +26,19 @@ impl Walker {
     pub(super) fn aspects(&mut self, point: &SurfacePoint, mark: f64) -> Aspects {
         let mut seen = Aspects::default();
         self.contacts(point, &mut seen);
-        self.determinants(point, &mut seen);
-        // What cannot be computed tells nothing: the curve itself is none the worse.
-        let _ = self.multipliers(point, &mut seen);
+        if self.special {
+            self.determinants(point, &mut seen);
+            // What cannot be computed tells nothing: the curve itself is none the worse.
+            let _ = self.multipliers(point, &mut seen);
+        } else {
+            seen.monitors.clear();
+        }
         if self.signal.has_angle() {
-            seen.add(Special::OneToThree, 0, mark + 0.5);
-            seen.add(Special::OneToFour, 0, mark);
+            if self.special {
+                seen.add(Special::OneToThree, 0, mark + 0.5);
+                seen.add(Special::OneToFour, 0, mark);
+            }
+            // There the curve ends.
             seen.add(Special::OneToOne, 0, 1.0 - mark);
             seen.add(Special::OneToTwo, 0, 1.0 + mark);
             seen.ends = mark.abs() > 1.0;

@@ -3,7 +3,7 @@
 use vibrochain_breather::{BranchError, Orbit, Surface, SurfacePoint};
 use vibrochain_lattice::{Parameter, Resonance, Spectrum};
 
-use super::answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Window};
+use super::answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window};
 use super::signal::{Blind, Sight, Signal, Value};
 use super::walker::{Foot, Walker};
 use crate::locate::{Event, Evidence};
@@ -91,13 +91,22 @@ pub fn curve(
     window: &Window,
     tolerance: f64,
 ) -> Result<EventCurve, CurveError> {
-    check(orbit, window, tolerance)?;
+    curve_along(orbit, event, evidence, &Walk::new(*window, tolerance))
+}
+
+/// The same, no farther and with no more on the way than is asked for.
+///
+/// # Errors
+/// As [`curve`].
+pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<'_>) -> Result<EventCurve, CurveError> {
+    let Walk { window, tolerance, special, until } = *walk;
+    check(orbit, &window, tolerance)?;
     let (signal, mark) = Signal::of(event, evidence, orbit).ok_or(CurveError::NotThere(event))?;
     let sides = window.sides();
     let free = [0, 1].map(|i| (window.parameters[i], sides[i]));
     let sight = Sight::new(orbit.model().chain().sites());
     let mut walker =
-        Walker { surface: Surface::through(orbit, free)?, sight, signal, event, window: *window, tolerance };
+        Walker { surface: Surface::through(orbit, free)?, sight, signal, event, window, tolerance, special };
     let (start, direction) = walker.start(mark).map_err(|blind| match blind {
         Blind::Lost(error) => CurveError::Branch(error),
         Blind::Unwatched(error) => CurveError::Floquet(error),
@@ -105,10 +114,10 @@ pub fn curve(
     })?;
     // The other way, across is the other way, too.
     let turned = Foot { slope: -start.slope, ..start.clone() };
-    let behind = walker.follow(&turned, direction.map(|x| -x));
+    let behind = walker.follow(&turned, direction.map(|x| -x), until);
     let ahead = match behind.end {
         CurveEnd::Closed => Way { feet: vec![start.clone()], special: Vec::new(), end: CurveEnd::Closed },
-        _ => walker.follow(&start, direction),
+        _ => walker.follow(&start, direction, until),
     };
     Ok(walker.joined(evidence, behind, ahead))
 }
@@ -168,7 +177,8 @@ impl Walker {
     /// Who looks for the same on another surface.
     pub(super) fn beside(&self, surface: Surface) -> Self {
         let sight = Sight::new(self.sight.sites);
-        Self { surface, sight, signal: self.signal, event: self.event, window: self.window, tolerance: self.tolerance }
+        let Self { signal, event, window, tolerance, special, .. } = *self;
+        Self { surface, sight, signal, event, window, tolerance, special }
     }
 
     fn plane(&self, point: &SurfacePoint) -> [f64; 2] {
@@ -348,7 +358,7 @@ impl Walker {
     }
 
     /// Follows the curve in one direction to its end.
-    fn follow(&mut self, start: &Foot, direction: [f64; 2]) -> Way {
+    fn follow(&mut self, start: &Foot, direction: [f64; 2], until: &dyn Fn([f64; 2], Option<bool>) -> bool) -> Way {
         let mut feet = vec![start.clone()];
         let (mut h, mut special) = (FIRST, Vec::new());
         let first = strength(start.point.orbit());
@@ -410,6 +420,9 @@ impl Walker {
             if let (true, Some((_, special, _))) = (ends, special.last()) {
                 feet.pop();
                 break CurveEnd::Special(*special);
+            }
+            if feet.last().is_some_and(|last| until(last.point.values(), last.aspects.physical)) {
+                break CurveEnd::Halted;
             }
             if strength > UNBOUNDED {
                 break CurveEnd::Unbounded;

@@ -59,4 +59,6 @@ pub(super) struct Walker {
     pub(super) event: Event,
     pub(super) window: Window,
     pub(super) tolerance: f64,
+    /// Whether what else happens on the way is looked for.
+    pub(super) special: bool,
 }

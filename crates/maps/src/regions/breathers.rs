@@ -22,10 +22,13 @@ impl<T: Clone + Eq + Send + Sync> Regions<T> {
     ) -> Result<Self, MapError> {
         let subdivision = Subdivision::new(Window::of(scene)?, borders, tolerance)?;
         let worker = || Worker::new(scene.base.sites());
-        Ok(subdivision.classified(samples, worker, |worker, point| {
+        // What lives where a cell is not known; places beside it tell.
+        let unknown = Cell { class: None, status: Status::IllConditioned, ..Cell::EMPTY };
+        let none = class(&unknown);
+        let at = |worker: &mut Worker, point: [f64; 2]| {
             // The scene's corners were checked, so that every point between is a valid model.
-            let unknown = Cell { class: None, status: Status::IllConditioned, ..Cell::EMPTY };
             class(&scene.at(&point).model().map_or(unknown, |model| worker.cell(&model, &scene.task)))
-        }))
+        };
+        Ok(subdivision.classified_but(samples, worker, at, |answer| *answer == none))
     }
 }

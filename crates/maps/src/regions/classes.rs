@@ -1,19 +1,49 @@
 //! What lives in the faces of a window cut by borders.
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
+use crate::regions::gaps::{GAP, Neck};
 use crate::regions::plane::{Regions, Unexplained};
 use crate::regions::smooth::Place;
 use crate::regions::subdivision::{Face, OUTSIDE, Subdivision, THIN};
 use crate::regions::triangles::Triangle;
 
+/// Gaps between borders that are closed at most.
+const MOST_GAPS: usize = 1000;
+
+/// Places of one face from which the way to where something else lives is looked at.
+const MOST_WAYS: usize = 4;
+
+/// A place to ask about: its face, a triangle of it, the point in units of the axes.
+#[derive(Debug, Clone, Copy)]
+struct Question {
+    face: usize,
+    triangle: u32,
+    point: [f64; 2],
+}
+
+/// What lives in faces, as far as they were asked.
+pub(crate) struct Asked<T> {
+    cut: Subdivision,
+    classes: Vec<T>,
+    /// Of each face, by its number in the list.
+    class_of: Vec<Option<usize>>,
+    pub(crate) unexplained: Vec<Unexplained<T>>,
+    closed: Vec<([f64; 2], f64)>,
+}
+
+fn bits(point: [f64; 2]) -> [u64; 2] {
+    point.map(f64::to_bits)
+}
+
 impl Subdivision {
     /// Asks `class` what lives at a point, in units of the axes, of each face. In all faces but the thinnest a few more points are
     /// looked at, `samples` over the whole window by area and at least two a face; where they differ the face is
-    /// [unexplained](Regions::unexplained), and what most of its points say holds. `worker` makes what a thread computes with.
+    /// [unexplained](Regions::unexplained), and what most of its points say holds, unless it reaches through a gap between ends of
+    /// borders: one narrower than 1e-4 of the window is [closed](Regions::closed). `worker` makes what a thread computes with.
     /// A face less than about 3e-11 of the window wide is not asked: it belongs to the neighbour along which it runs.
     ///
     /// Threads are those of the pool of `rayon` that this is called in.
@@ -23,61 +53,128 @@ impl Subdivision {
         worker: impl Fn() -> W + Send + Sync,
         class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
     ) -> Regions<T> {
-        let mut questions: Vec<(usize, [f64; 2])> = Vec::new();
-        for (number, face) in self.faces.iter().enumerate().filter(|(_, face)| !face.thin) {
-            let places = std::iter::once(face.inside).chain(self.more(face, samples));
-            questions.extend(places.map(|place| (number, self.window.point(place))));
-        }
-        let answers: Vec<T> =
-            questions.par_iter().map_init(worker, |worker, &(_, point)| class(worker, point)).collect();
-        // Few are different: numbers instead.
-        let mut classes: Vec<T> = Vec::new();
-        let numbers = answers.iter().map(|answer| {
-            classes.iter().position(|class| class == answer).unwrap_or_else(|| {
-                classes.push(answer.clone());
-                classes.len() - 1
-            })
-        });
-        let numbers: Vec<usize> = numbers.collect();
-        let mut class_of = vec![None; self.faces.len()];
-        let mut unexplained = Vec::new();
-        let mut first = 0;
-        for group in questions.chunk_by(|one, two| one.0 == two.0) {
-            let own = &numbers[first..first + group.len()];
-            first += group.len();
-            let count = |class: usize| own.iter().filter(|&&other| other == class).count();
-            let most = own.iter().map(|&class| count(class)).max().unwrap_or(0);
-            // Of classes that as many points have, that of the point well inside.
-            let face = group[0].0;
-            class_of[face] = own.iter().copied().find(|&class| count(class) == most);
-            if most < own.len() {
-                let points = group.iter().zip(own).map(|((_, point), &class)| (*point, classes[class].clone()));
-                unexplained.push(Unexplained { share: self.faces[face].share, points: points.collect() });
+        self.classified_but(samples, worker, class, |_| false)
+    }
+
+    /// The same where some answers are none: a face has them only if all its points do.
+    pub(crate) fn classified_but<W, T: Clone + Eq + Send + Sync>(
+        self,
+        samples: usize,
+        worker: impl Fn() -> W + Send + Sync,
+        class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
+        is_none: impl Fn(&T) -> bool + Sync,
+    ) -> Regions<T> {
+        let Asked { cut, classes, class_of, unexplained, closed } =
+            self.asked(samples, worker, class, is_none, &mut HashMap::new());
+        let class_of = cut.with_thin(class_of);
+        Regions::new(&cut, &classes, &class_of, unexplained, closed)
+    }
+
+    /// What lives in the faces, and which of them are unexplained. Answers are taken from those known already, and added to them.
+    pub(crate) fn asked<W, T: Clone + Eq + Send + Sync>(
+        mut self,
+        samples: usize,
+        worker: impl Fn() -> W + Send + Sync,
+        class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
+        is_none: impl Fn(&T) -> bool + Sync,
+        known: &mut HashMap<[u64; 2], T>,
+    ) -> Asked<T> {
+        let mut closed = Vec::new();
+        loop {
+            let mut questions: Vec<Question> = Vec::new();
+            for (number, face) in self.faces.iter().enumerate().filter(|(_, face)| !face.thin) {
+                let places = std::iter::once((face.inside, face.fattest)).chain(self.more(face, samples));
+                let ask = |(place, triangle)| Question { face: number, triangle, point: self.window.point(place) };
+                questions.extend(places.map(ask));
             }
+            // Faces between other borders were asked before.
+            let new: Vec<[f64; 2]> =
+                questions.iter().map(|one| one.point).filter(|point| !known.contains_key(&bits(*point))).collect();
+            let answers: Vec<T> = new.par_iter().map_init(&worker, |worker, &point| class(worker, point)).collect();
+            known.extend(new.iter().map(|point| bits(*point)).zip(answers));
+            // Few are different: numbers instead.
+            let mut classes: Vec<T> = Vec::new();
+            let numbers = questions.iter().filter_map(|one| known.get(&bits(one.point))).map(|answer| {
+                classes.iter().position(|class| class == answer).unwrap_or_else(|| {
+                    classes.push(answer.clone());
+                    classes.len() - 1
+                })
+            });
+            let numbers: Vec<usize> = numbers.collect();
+            let mut class_of = vec![None; self.faces.len()];
+            let mut differing: Vec<(usize, &[Question], &[usize])> = Vec::new();
+            let mut first = 0;
+            for group in questions.chunk_by(|one, two| one.face == two.face) {
+                let own = &numbers[first..first + group.len()];
+                first += group.len();
+                let told = own.iter().filter(|&&class| !is_none(&classes[class]));
+                let count = |class: usize| own.iter().filter(|&&other| other == class).count();
+                let most = told.clone().map(|&class| count(class)).max().unwrap_or(own.len());
+                // Of classes that as many points have, that of the point well inside.
+                let face = group[0].face;
+                let is_told = told.clone().next().is_some();
+                let fits = |class: &usize| count(*class) == most && !(is_told && is_none(&classes[*class]));
+                class_of[face] = own.iter().copied().find(fits);
+                if is_told && most < told.count() {
+                    differing.push((face, group, own));
+                }
+            }
+            let necks: Vec<Vec<Neck>> = differing
+                .par_iter()
+                .map_init(&worker, |worker, (_, group, own)| {
+                    let told = |class: &usize| !is_none(&classes[*class]);
+                    let Some(first) = own.iter().position(told) else { return Vec::new() };
+                    let at = |i: usize| (group[i].triangle, group[i].point, classes[own[i]].clone());
+                    let differs = |i: &usize| told(&own[*i]) && own[*i] != own[first];
+                    let others: Vec<usize> = (0..own.len()).filter(differs).collect();
+                    let some = others.iter().step_by(others.len().div_ceil(MOST_WAYS).max(1));
+                    some.filter_map(|&other| {
+                        self.neck(at(first), at(other), |point| Some(class(worker, point)).filter(|one| !is_none(one)))
+                    })
+                    .fold(Vec::new(), |mut necks: Vec<Neck>, neck| {
+                        if !necks.iter().any(|other| other.side == neck.side) {
+                            necks.push(neck);
+                        }
+                        necks
+                    })
+                })
+                .collect();
+            let mut gaps: Vec<Neck> = necks.iter().flatten().copied().filter(|neck| neck.length <= GAP).collect();
+            gaps.sort_by_key(|neck| neck.side);
+            gaps.dedup_by_key(|neck| neck.side);
+            if gaps.is_empty() || closed.len() >= MOST_GAPS {
+                let unexplained = differing.iter().zip(&necks).map(|((face, group, own), necks)| Unexplained {
+                    share: self.faces[*face].share,
+                    points: group.iter().zip(*own).map(|(one, class)| (one.point, classes[*class].clone())).collect(),
+                    changes: necks.iter().map(|neck| neck.between).collect(),
+                });
+                let unexplained = unexplained.collect();
+                return Asked { cut: self, classes, class_of, unexplained, closed };
+            }
+            closed.extend(gaps.iter().map(|neck| (self.middle(neck.side), neck.length)));
+            self.close(&gaps.iter().map(|neck| neck.side).collect::<Vec<_>>());
         }
-        let class_of = self.with_thin(class_of);
-        Regions::new(&self, &classes, &class_of, unexplained)
     }
 
     /// More points of a face: spread by area over its triangles, far enough from its borders to be on their side for certain.
-    fn more(&self, face: &Face, samples: usize) -> Vec<Place> {
+    fn more(&self, face: &Face, samples: usize) -> Vec<(Place, u32)> {
         let wanted = 2 + (samples as f64 * face.share).round() as usize;
         // In the narrow ends of a face rounding decides on which side a point lies.
-        let triangles = face.triangles.iter().map(|&side| self.triangle(side)).filter(|one| one.radius() >= THIN);
-        let triangles: Vec<Triangle> = triangles.collect();
-        let whole: f64 = triangles.iter().map(Triangle::doubled).sum();
+        let triangles = face.triangles.iter().map(|&side| (self.triangle(side), side));
+        let triangles: Vec<(Triangle, u32)> = triangles.filter(|(one, _)| one.radius() >= THIN).collect();
+        let whole: f64 = triangles.iter().map(|(triangle, _)| triangle.doubled()).sum();
         let (mut places, mut reached, mut k) = (Vec::with_capacity(wanted), 0.0, 0);
-        for triangle in &triangles {
+        for (triangle, side) in &triangles {
             reached += triangle.doubled();
             while k < wanted && (k as f64 + 0.5) / wanted as f64 * whole <= reached {
                 // Two irrational steps, which fill a square evenly.
                 let spread = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (k as f64 * step).fract());
-                places.push(triangle.point(spread, 2.0 * self.tolerance));
+                places.push((triangle.point(spread, 2.0 * self.tolerance), *side));
                 k += 1;
             }
         }
         places.dedup();
-        places.retain(|place| *place != face.inside);
+        places.retain(|(place, _)| *place != face.inside);
         places
     }
 

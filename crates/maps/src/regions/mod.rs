@@ -7,6 +7,7 @@
 //! | `smooth`, `strands` | curves between their points; chords fine enough, matched where curves run side by side, ends joined |
 //! | `noding`, `boxes` | chords cut where they meet, in whole numbers; which of many may meet |
 //! | `triangles`, `subdivision` | triangles between them; [`Subdivision`]: the faces |
+//! | `gaps` | where a face reaches through a gap between borders |
 //! | `classes`, `plane` | what lives in the faces; [`Regions`]: areas, outlines, the class at any point |
 //! | `breathers` | the regions of a scene, by its cells |
 //!
@@ -15,6 +16,7 @@
 mod boxes;
 mod breathers;
 mod classes;
+mod gaps;
 mod noding;
 mod plane;
 mod smooth;

@@ -38,6 +38,8 @@ pub struct Unexplained<T> {
     pub share: f64,
     /// The points looked at, in units of the axes, and what lives there: at least two different classes.
     pub points: Vec<([f64; 2], T)>,
+    /// Pairs of places of it, next to each other, between which what lives there changes: some of them.
+    pub changes: Vec<[[f64; 2]; 2]>,
 }
 
 /// A part of a border.
@@ -78,6 +80,7 @@ pub struct Regions<T> {
     regions: Vec<Region<T>>,
     areas: Vec<Area<T>>,
     unexplained: Vec<Unexplained<T>>,
+    closed: Vec<([f64; 2], f64)>,
     borders: Vec<Vec<Part>>,
     walls: Vec<Wall>,
     tree: BoxTree,
@@ -100,6 +103,11 @@ impl<T> Regions<T> {
     /// The faces in which points differ, the largest first.
     pub fn unexplained(&self) -> &[Unexplained<T>] {
         &self.unexplained
+    }
+
+    /// Gaps that were closed between ends of borders: where, and how wide, as a part of the window.
+    pub fn closed(&self) -> &[([f64; 2], f64)] {
+        &self.closed
     }
 
     /// The parts of border number `border` inside the window, as it is drawn.
@@ -156,6 +164,7 @@ impl<T: Clone> Regions<T> {
         classes: &[T],
         class_of: &[usize],
         mut unexplained: Vec<Unexplained<T>>,
+        closed: Vec<([f64; 2], f64)>,
     ) -> Self {
         let region_of = joined(cut, class_of);
         let mut regions: Vec<(f64, usize)> = Vec::new();
@@ -236,7 +245,7 @@ impl<T: Clone> Regions<T> {
         // The last one is the edge of the window.
         let borders = cut.paths.iter().take(cut.paths.len() - 1).map(|paths| paths.iter().flat_map(parts).collect());
         let borders = borders.collect();
-        Self { window: cut.window, regions: named.collect(), areas, unexplained, borders, walls, tree }
+        Self { window: cut.window, regions: named.collect(), areas, unexplained, closed, borders, walls, tree }
     }
 }
 

@@ -37,6 +37,8 @@ pub(crate) struct Face {
     pub(crate) triangles: Vec<u32>,
     /// A point well inside: the centre of the largest circle in a triangle.
     pub(crate) inside: Place,
+    /// That triangle.
+    pub(crate) fattest: u32,
     /// Too thin to be told from the error of its borders.
     pub(crate) thin: bool,
 }
@@ -96,6 +98,11 @@ impl Subdivision {
         self.faces.len()
     }
 
+    /// Joins triangles once more, after borders were added.
+    pub(crate) fn find_faces(&mut self) {
+        (self.face_of, self.faces) = faces(&self.nodes, &self.sides);
+    }
+
     /// The triangle on the left of a side.
     pub(crate) fn triangle(&self, side: u32) -> Triangle {
         triangle(&self.nodes, &self.sides, side)
@@ -132,7 +139,7 @@ fn faces(nodes: &[Node], sides: &[Side]) -> (Vec<u32>, Vec<Face>) {
             continue;
         }
         let number = faces.len() as u32;
-        let mut face = Face { share: 0.0, triangles: Vec::new(), inside: [0.0; 2], thin: true };
+        let mut face = Face { share: 0.0, triangles: Vec::new(), inside: [0.0; 2], fattest: start as u32, thin: true };
         let mut fattest = 0.0;
         waiting.push(start as u32);
         while let Some(first) = waiting.pop() {
@@ -143,7 +150,7 @@ fn faces(nodes: &[Node], sides: &[Side]) -> (Vec<u32>, Vec<Face>) {
             face.triangles.push(first);
             face.share += triangle.doubled() / whole;
             if triangle.radius() > fattest {
-                (fattest, face.inside) = (triangle.radius(), triangle.centre());
+                (fattest, face.inside, face.fattest) = (triangle.radius(), triangle.centre(), first);
             }
             let mut side = first;
             for _ in 0..3 {

@@ -1,0 +1,358 @@
+//! `mapgen curves`: all borders in a scene's window, and the area of what lives between them.
+
+use std::fmt::Write as _;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
+use vibrochain_lattice::{Parameter, Short};
+use vibrochain_maps::borders::{Asked, Border, BorderKind, Borders, Stage};
+use vibrochain_maps::cell::Class;
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::regions::{Area, Regions};
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::sweep::Plan;
+
+use crate::args::CurvesArgs;
+use crate::console::Console;
+use crate::error::CliError;
+use crate::threads::threads;
+
+/// Places of the window that are asked what lives there, to tell areas, by area.
+const SAMPLES: usize = 100_000;
+
+/// So many of what is left unexplained are told to people.
+const SHOWN: usize = 8;
+
+/// What lives in a region.
+pub(crate) type Lives = Option<Class>;
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`].
+pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let scene = Plan::read(&args.scene, args.threshold)?.scene;
+    let files = [("--csv", args.csv.as_deref()), ("--points", args.points.as_deref()), ("--map", args.map.as_deref())];
+    let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
+    let names = match scene.axes.as_slice() {
+        [x, y] => [x, y].map(|axis| axis.parameter.name()),
+        _ => ["x", "y"],
+    };
+    let header = ["border", "family", "event", names[0], names[1], "error", "stripe", "half_width"];
+    // Destinations first: an impossible one should not cost a computation.
+    let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
+    let header = ["border", "family", "event", "special", names[0], names[1], "error"];
+    let points = args.points.as_deref().map(|path| CsvFile::create("--points", path, header)).transpose()?;
+    let map = Map::open(args)?;
+    let stop = (console.interrupt)()?;
+    let pool = threads(args.threads)?;
+    let started = Instant::now();
+    let bar = Bar::new(console.progress && !taken);
+    let asked = Asked {
+        tolerance: args.tolerance,
+        special: args.points.is_some() || args.json,
+        stop: &stop,
+        told: &|family, stage, done, all| bar.told(family, stage, done, all),
+    };
+    let borders = pool.install(|| Borders::of_scene(&scene, &asked));
+    bar.finish();
+    let borders = borders?;
+    if let Some(table) = table {
+        write_borders(&borders, table)?;
+    }
+    if let Some(points) = points {
+        write_points(&borders, points)?;
+    }
+    if borders.interrupted {
+        return Err(CliError::Interrupted);
+    }
+    let regions =
+        pool.install(|| Regions::of_scene(&scene, &borders.lines(), args.tolerance, SAMPLES, |cell| cell.class))?;
+    let answer = Answer { scene: &scene, borders: &borders, regions: &regions, time: started.elapsed() };
+    let text = if args.json { format!("{:#}\n", answer.as_json()) } else { answer.as_text() };
+    console.answer(&text, taken)?;
+    map.finish(&scene, &borders, args.tolerance, &pool)
+}
+
+fn stripe(border: &Border) -> String {
+    border.stripe.map_or(String::new(), |stripe| {
+        let (k, l) = stripe.modes;
+        format!("{k},{l},{}", stripe.harmonic)
+    })
+}
+
+fn write_borders(borders: &Borders, mut table: CsvFile) -> Result<(), CliError> {
+    let number = |value: f64| if value.is_finite() { value.to_string() } else { String::new() };
+    for (i, border) in borders.borders.iter().enumerate() {
+        for point in &border.points {
+            table.row([
+                (i + 1).to_string(),
+                border.family.clone(),
+                border.kind.to_string(),
+                point.values[0].to_string(),
+                point.values[1].to_string(),
+                number(point.error),
+                stripe(border),
+                point.half_width.map_or(String::new(), number),
+            ])?;
+        }
+    }
+    Ok(table.finish()?)
+}
+
+fn write_points(borders: &Borders, mut table: CsvFile) -> Result<(), CliError> {
+    for (i, border) in borders.borders.iter().enumerate() {
+        for (special, point, error) in &border.special {
+            let [x, y] = border.points[*point].values;
+            table.row([
+                (i + 1).to_string(),
+                border.family.clone(),
+                border.kind.to_string(),
+                special.to_string(),
+                x.to_string(),
+                y.to_string(),
+                error.to_string(),
+            ])?;
+        }
+    }
+    Ok(table.finish()?)
+}
+
+/// What is told.
+struct Answer<'a> {
+    scene: &'a Scene,
+    borders: &'a Borders,
+    regions: &'a Regions<Lives>,
+    time: Duration,
+}
+
+fn class_name(class: Lives) -> &'static str {
+    class.map_or("unknown", Class::name)
+}
+
+impl Answer<'_> {
+    /// Number of borders of each family and kind, in the order in which they come.
+    fn counts(&self) -> Vec<(&str, BorderKind, usize)> {
+        let mut counts: Vec<(&str, BorderKind, usize)> = Vec::new();
+        for border in self.borders.borders.iter().filter(|border| border.stripe.is_none()) {
+            match counts.iter_mut().find(|(family, kind, _)| (*family, *kind) == (&border.family, border.kind)) {
+                Some((_, _, count)) => *count += 1,
+                None => counts.push((&border.family, border.kind, 1)),
+            }
+        }
+        counts
+    }
+
+    /// Number of stripes of each family.
+    fn stripes(&self) -> Vec<(&str, usize)> {
+        let mut counts: Vec<(&str, usize)> = Vec::new();
+        for border in self.borders.borders.iter().filter(|border| border.stripe.is_some_and(|stripe| stripe.upper)) {
+            match counts.iter_mut().find(|(family, _)| *family == border.family) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((&border.family, 1)),
+            }
+        }
+        counts
+    }
+
+    fn areas(&self) -> impl Iterator<Item = &Area<Lives>> {
+        self.regions.areas().iter()
+    }
+
+    fn as_json(&self) -> Value {
+        let Borders { parameters, borders, unexplained, unresolved, .. } = self.borders;
+        let finite = |value: f64| value.is_finite().then_some(value);
+        let border = |border: &Border| {
+            json!({
+                "family": border.family,
+                "event": border.kind.name(),
+                "stripe": border.stripe.map(|one| json!({
+                    "modes": [one.modes.0, one.modes.1], "harmonic": one.harmonic, "upper": one.upper,
+                })),
+                "points": border.points.iter().map(|point| json!({
+                    "values": point.values, "error": finite(point.error), "half_width": point.half_width,
+                })).collect::<Vec<_>>(),
+                "special": border.special.iter().map(|(special, point, error)| json!({
+                    "special": special.to_string(), "point": point, "values": border.points[*point].values, "error": finite(*error),
+                })).collect::<Vec<_>>(),
+                "ends": border.ends,
+            })
+        };
+        json!({
+            "parameters": parameters.map(Parameter::name),
+            "borders": borders.iter().map(border).collect::<Vec<_>>(),
+            "areas": self.areas().map(|area| json!({
+                "class": area.class.map(Class::name), "share": area.share, "error": area.error,
+            })).collect::<Vec<_>>(),
+            "unexplained": unexplained.iter().map(|(family, places)| json!({ "family": family, "between": places })).collect::<Vec<_>>(),
+            "unresolved": unresolved.iter().map(|(family, range, at)| json!({ "family": family, "range": range, "at": at })).collect::<Vec<_>>(),
+        })
+    }
+
+    /// The answer for people. Writing to a String cannot fail.
+    fn as_text(&self) -> String {
+        let mut out = String::new();
+        let [x, y] = self.borders.parameters.map(Parameter::name);
+        let [from_x, to_x] = self.scene.axes[0].limits().map(Short);
+        let [from_y, to_y] = self.scene.axes[1].limits().map(Short);
+        let points: usize = self.borders.borders.iter().map(|border| border.points.len()).sum();
+        let _ = writeln!(
+            out,
+            "{} borders of {points} points over {x} from {from_x} to {to_x}, {y} from {from_y} to {to_y}",
+            self.borders.borders.len()
+        );
+        for (family, count) in self.stripes() {
+            let _ = writeln!(out, "  {family}: {count} stripes, two edges each");
+        }
+        for (family, kind, count) in self.counts() {
+            let _ = writeln!(out, "  {family}: {count} {kind}");
+        }
+        let _ = writeln!(out, "\nshare of the window");
+        for area in self.areas() {
+            let _ = writeln!(out, "  {:<16} {:.9} ± {:.0e}", class_name(area.class), area.share, area.error);
+        }
+        let closed = self.regions.closed();
+        if !closed.is_empty() {
+            let widest = closed.iter().map(|(_, width)| *width).fold(0.0, f64::max);
+            let _ = writeln!(
+                out,
+                "\n{} gaps between ends of borders were closed, the widest {widest:.0e} of the window",
+                closed.len()
+            );
+        }
+        let left = self.borders.unexplained.len();
+        let faces = self.regions.unexplained();
+        if left > 0 || !faces.is_empty() {
+            let share: f64 = faces.iter().map(|face| face.share).sum();
+            let _ = writeln!(
+                out,
+                "\n{left} changes without a border, {} faces in which places differ, {share:.1e} of the window",
+                faces.len()
+            );
+            let place = |[a, b]: [f64; 2]| format!("{x} = {}, {y} = {}", Number(a), Number(b));
+            for face in faces.iter().take(40) {
+                let first = &face.points[0];
+                let other = face.points.iter().find(|point| point.1 != first.1).unwrap_or(first);
+                let (one, two) = (class_name(first.1), class_name(other.1));
+                let _ = writeln!(out, "  {one} at {}, {two} at {}", place(first.0), place(other.0));
+            }
+            for (family, [one, other]) in self.borders.unexplained.iter().take(SHOWN) {
+                let _ = writeln!(out, "  {family}: between {} and {}", place(*one), place(*other));
+            }
+        }
+        if !self.borders.unresolved.is_empty() {
+            let _ =
+                writeln!(out, "\n{} places in rows where stripes cannot be told apart", self.borders.unresolved.len());
+        }
+        let _ = writeln!(out, "\n{} places looked at, {:.1} s", self.borders.places, self.time.as_secs_f64());
+        out
+    }
+}
+
+/// How far the search is.
+struct Bar {
+    bar: ProgressBar,
+    shown: Mutex<Option<(String, Stage)>>,
+}
+
+impl Bar {
+    fn new(wanted: bool) -> Self {
+        let bar = if wanted { ProgressBar::new(1) } else { ProgressBar::hidden() };
+        if let Ok(style) = ProgressStyle::with_template("{bar:32} {pos}/{len} {msg}") {
+            bar.set_style(style);
+        }
+        if wanted {
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
+        Self { bar, shown: Mutex::new(None) }
+    }
+
+    fn told(&self, family: &str, stage: Stage, done: usize, all: usize) {
+        self.bar.set_length(all as u64);
+        self.bar.set_position(done as u64);
+        let Ok(mut shown) = self.shown.lock() else { return };
+        if shown.as_ref().is_none_or(|(other, at)| other != family || *at != stage) {
+            let what = match stage {
+                Stage::Places => "places looked at",
+                Stage::Rows => "rows searched for stripes",
+                Stage::Changes => "changes explained",
+                Stage::Faces => "looks at what is left",
+            };
+            self.bar.set_message(format!("{what}, {family}"));
+            *shown = Some((family.to_owned(), stage));
+        }
+    }
+
+    fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(feature = "plot")]
+use with_plot::Map;
+#[cfg(not(feature = "plot"))]
+use without_plot::Map;
+
+#[cfg(feature = "plot")]
+mod with_plot {
+    use rayon::ThreadPool;
+    use vibrochain_maps::borders::Borders;
+    use vibrochain_maps::files::Output;
+    use vibrochain_maps::regions::Regions;
+    use vibrochain_maps::scene::Scene;
+    use vibrochain_plot::{Format, Palette, RegionsPicture, Tile, open, regions_picture};
+
+    use super::{CliError, CurvesArgs, SAMPLES};
+
+    pub(super) struct Map {
+        file: Option<(Format, Output)>,
+    }
+
+    impl Map {
+        pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
+            Ok(Self { file: open(args.map.as_deref())? })
+        }
+
+        pub(super) fn finish(
+            self,
+            scene: &Scene,
+            borders: &Borders,
+            tolerance: f64,
+            pool: &ThreadPool,
+        ) -> Result<(), CliError> {
+            let Some((format, file)) = self.file else { return Ok(()) };
+            let tile = |cell: &vibrochain_maps::cell::Cell| Tile { class: cell.class, mechanism: None };
+            let regions = pool.install(|| Regions::of_scene(scene, &borders.lines(), tolerance, SAMPLES, tile))?;
+            let picture = RegionsPicture { scene, regions: &regions, borders: &[], palette: Palette::default() };
+            let bytes = regions_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
+            Ok(file.finish_with(&bytes)?)
+        }
+    }
+}
+
+#[cfg(not(feature = "plot"))]
+mod without_plot {
+    use rayon::ThreadPool;
+    use vibrochain_maps::borders::Borders;
+    use vibrochain_maps::scene::Scene;
+
+    use super::{CliError, CurvesArgs};
+
+    pub(super) struct Map;
+
+    impl Map {
+        pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
+            match args.map {
+                Some(_) => Err(CliError::Request("--map needs a build with the feature `plot`".to_owned())),
+                None => Ok(Self),
+            }
+        }
+
+        pub(super) fn finish(self, _: &Scene, _: &Borders, _: f64, _: &ThreadPool) -> Result<(), CliError> {
+            Ok(())
+        }
+    }
+}

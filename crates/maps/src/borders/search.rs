@@ -1,0 +1,533 @@
+//! All borders of a scene.
+
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+use vibrochain_breather::Family;
+use vibrochain_floquet::{CurveEnd, Located, StripeFinder, Walk, curve_along};
+use vibrochain_lattice::Parameter;
+
+use super::border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
+use super::change::trace;
+use super::grid::{Edge, Grid};
+use super::known::Known;
+use super::lanes::{Lane, Liner, Row};
+use super::meet::{detuning, enclose, meet};
+use super::part::{Eye, Part, parts};
+use crate::cell::Class;
+use crate::error::MapError;
+use crate::regions::{Subdivision, Window};
+use crate::scene::{Scene, Values};
+
+/// The most places of the coarse look. A finer scene is looked at through a coarser grid.
+const MOST_PLACES: f64 = 160_000.0;
+
+/// Rows in which stripes are looked for by themselves, and points of one.
+const ROWS: usize = 12;
+const ROW_POINTS: usize = 800;
+
+/// Changes that are looked at side by side, at least so many places of the grid from one another: one border each, as far as can be.
+const BATCH: usize = 16;
+const APART: usize = 12;
+
+/// How often the window is cut by all borders to look for what is left, how many places are looked at in it, changes at
+/// most, and how many of them side by side.
+const CUTS: usize = 16;
+const SAMPLES: usize = 100_000;
+const MOST_CHANGES: usize = 256;
+const SOME: usize = 4;
+
+/// How near a change in a face is enclosed, and how far from there it is looked for along one parameter.
+const NEAR: f64 = 1e-9;
+const FAR: f64 = 1e-3;
+
+/// A curve lies on a border that is known if it does so for this many points and this part of the window.
+const POINTS_ALIKE: u32 = 4;
+const ALIKE: f64 = 1e-3;
+
+/// A curve of orbits that are not physical is followed this far: it may come back.
+const BEYOND: f64 = 0.02;
+
+/// What is under way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// The coarse look: places.
+    Places,
+    /// Stripes by themselves: rows.
+    Rows,
+    /// Changes between places: those explained.
+    Changes,
+    /// What is left in the faces between borders: faces.
+    Faces,
+}
+
+/// What is asked of borders.
+#[derive(Clone, Copy)]
+pub struct Asked<'a> {
+    /// How far a straight line between neighbouring points may be from the border, as a part of the window's sides.
+    pub tolerance: f64,
+    /// Whether points of codimension two are wanted.
+    pub special: bool,
+    /// Raised to end the search; what is found by then is told.
+    pub stop: &'a AtomicBool,
+    /// Told of the family, the stage, and how much of it is done.
+    pub told: &'a (dyn Fn(&str, Stage, usize, usize) + Sync),
+}
+
+/// The search among the breathers of one part.
+struct Search<'a> {
+    scene: &'a Scene,
+    asked: Asked<'a>,
+    window: Window,
+    plane: vibrochain_floquet::Window,
+    part: &'a Part,
+    known: Known,
+    grid: Grid,
+    found: Borders,
+}
+
+/// What was found at a change.
+#[derive(Debug, Default)]
+struct Outcome {
+    borders: Vec<Border>,
+    explained: bool,
+}
+
+impl Borders {
+    /// All borders in the window of a scene. Threads are those of the pool of `rayon` that this is called in.
+    ///
+    /// # Errors
+    /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges, a tolerance out of range.
+    pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<Self, MapError> {
+        let window = Window::of(scene)?;
+        let mut ends = [[0.0; 2]; 2];
+        for (end, axis) in ends.iter_mut().zip(&scene.axes) {
+            let Values::Linear { from, to, .. } = axis.values else {
+                let message = "borders are followed along equally spaced axes: give both by from, to and points";
+                return Err(MapError::Request(message.to_owned()));
+            };
+            *end = [from, to];
+        }
+        if !(1e-9..=1e-2).contains(&asked.tolerance) {
+            let advice = "give a part of the window from 1e-9 to 0.01";
+            return Err(MapError::Request(format!("a tolerance of {} is out of range: {advice}", asked.tolerance)));
+        }
+        let parameters = [scene.axes[0].parameter, scene.axes[1].parameter];
+        let plane =
+            vibrochain_floquet::Window { parameters, from: [ends[0][0], ends[1][0]], to: [ends[0][1], ends[1][1]] };
+        let empty = Self {
+            parameters,
+            borders: Vec::new(),
+            unexplained: Vec::new(),
+            unresolved: Vec::new(),
+            places: 0,
+            interrupted: false,
+        };
+        let parts = parts(&scene.task);
+        let search = |part| {
+            let grid = Grid::new([0, 0], Vec::new());
+            let (asked, found, known) = (*asked, empty.clone(), Known::default());
+            Search { scene, asked, window, plane, part, known, grid, found }
+        };
+        let mut searches: Vec<Search<'_>> = parts.iter().map(search).collect();
+        for search in &mut searches {
+            search.look();
+            search.stripes();
+            search.changes();
+        }
+        faces(&mut searches)?;
+        let mut all = empty;
+        for search in searches {
+            let Self { borders, unexplained, unresolved, places, interrupted, .. } = search.found;
+            all.borders.extend(borders);
+            all.unexplained.extend(unexplained);
+            all.unresolved.extend(unresolved);
+            all.places += places;
+            all.interrupted |= interrupted;
+        }
+        Ok(all)
+    }
+}
+
+impl Search<'_> {
+    fn stopped(&mut self) -> bool {
+        self.found.interrupted |= self.asked.stop.load(Ordering::Relaxed);
+        self.found.interrupted
+    }
+
+    fn told(&self, stage: Stage, done: usize, all: usize) {
+        (self.asked.told)(&self.part.name, stage, done, all);
+    }
+
+    fn eye(&self) -> Eye<'_> {
+        Eye::new(self.scene, self.window)
+    }
+
+    fn parts_of(&self, border: &Border) -> Vec<[f64; 2]> {
+        border.points.iter().map(|point| self.window.part(point.values)).collect()
+    }
+
+    fn add(&mut self, border: Border) {
+        let line = self.parts_of(&border);
+        self.grid.mark(&line);
+        self.known.add(&line);
+        self.found.borders.push(border);
+    }
+
+    /// The coarse look.
+    fn look(&mut self) {
+        let points = [0, 1].map(|i| self.scene.axes[i].points().max(2) as f64);
+        let share = (MOST_PLACES / (points[0] * points[1])).sqrt().min(1.0);
+        let size = points.map(|points| ((points * share) as usize).max(2));
+        let places: Vec<[f64; 2]> = Grid::places(size).collect();
+        self.told(Stage::Places, 0, places.len());
+        let part = self.part;
+        let stop = self.asked.stop;
+        // Where nothing couples masses, multipliers stand on the circle together: no border, but an end of all of them.
+        let uncoupled = |place: [f64; 2]| {
+            (0..2).any(|i| {
+                let coupling = matches!(self.plane.parameters[i], Parameter::Gamma2 | Parameter::Gamma3);
+                coupling && place[i] == 0.0 && self.plane.from[i] == 0.0
+            })
+        };
+        let classes: Vec<Option<Class>> = places
+            .par_iter()
+            .map_init(
+                || self.eye(),
+                |eye, &place| {
+                    let skipped = uncoupled(place) || stop.load(Ordering::Relaxed);
+                    if skipped { None } else { eye.class(part, place) }
+                },
+            )
+            .collect();
+        self.found.places = places.len();
+        self.grid = Grid::new(size, classes);
+    }
+
+    /// Stripes by themselves.
+    fn stripes(&mut self) {
+        let family = match self.part.task.families.first() {
+            Some(&family @ (Family::DoubleSided | Family::SingleSided)) => family,
+            _ => return,
+        };
+        if !self.scene.is_conservative() || !self.part.is_strict() || self.stopped() {
+            return;
+        }
+        let (part, tolerance, stop) = (self.part, self.asked.tolerance, self.asked.stop);
+        // Not at the sides: where γ₂ = 0 all modes are one.
+        let rows: Vec<f64> = (0..ROWS).map(|row| (row as f64 + 0.5) / ROWS as f64).collect();
+        self.told(Stage::Rows, 0, rows.len());
+        let workers = || (self.eye(), StripeFinder::default());
+        let rows: Vec<Row> = rows
+            .par_iter()
+            .map_init(workers, |(eye, finder), &y| {
+                if stop.load(Ordering::Relaxed) {
+                    return Row::default();
+                }
+                Liner { eye, part, finder, family, tolerance }.row(y, ROW_POINTS)
+            })
+            .collect();
+        let (mut lanes, mut unresolved): (Vec<Lane>, Vec<_>) = (Vec::new(), Vec::new());
+        for (done, row) in rows.iter().enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+            self.told(Stage::Rows, done, rows.len());
+            let sides = self.plane.sides();
+            let part_of = |value: f64| (value - self.plane.from[0]) / sides[0];
+            let new = row.stripes.iter().filter(|stripe| {
+                let edges = stripe.edges.map(part_of);
+                !lanes.iter().any(|lane| {
+                    let same = stripe.pair == Some((lane.modes, lane.harmonic));
+                    // One with another name is another one, unless both have their width in common.
+                    let wide = edges[1] - edges[0] > 10.0 * tolerance;
+                    (same || wide) && lane.has(row.y, edges, 3.0 * tolerance)
+                })
+            });
+            let new: Vec<_> = new.collect();
+            let more: Vec<Option<Lane>> = new
+                .par_iter()
+                .map_init(workers, |(eye, finder), stripe| {
+                    Liner { eye, part, finder, family, tolerance }.lane(row.y, stripe)
+                })
+                .collect();
+            lanes.extend(more.into_iter().flatten());
+            let value = self.window.point([0.0, row.y])[1];
+            unresolved.extend(row.unresolved.iter().map(|&range| (part.name.clone(), range, value)));
+        }
+        self.found.unresolved = unresolved;
+        for lane in &lanes {
+            for upper in [false, true] {
+                self.add(self.edge(lane, upper));
+            }
+        }
+    }
+
+    fn edge(&self, lane: &Lane, upper: bool) -> Border {
+        let Lane { modes, harmonic, points, ends } = lane;
+        let kind = if modes.0 == modes.1 { BorderKind::PeriodDoubling } else { BorderKind::NeimarkSacker };
+        let line = lane.line(upper);
+        let point = |(place, point): (&[f64; 2], &super::lanes::LanePoint)| BorderPoint {
+            values: self.window.point(*place),
+            error: point.error,
+            half_width: Some(point.half_width),
+        };
+        Border {
+            family: self.part.name.clone(),
+            kind,
+            stripe: Some(StripeEdge { modes: *modes, harmonic: *harmonic, upper }),
+            points: line.iter().zip(points).map(point).collect(),
+            special: Vec::new(),
+            ends: ends.map(str::to_owned),
+        }
+    }
+
+    /// What the coarse look shows, one border after the other.
+    fn changes(&mut self) {
+        loop {
+            let runs = self.grid.unexplained();
+            let left: usize = runs.iter().map(Vec::len).sum();
+            self.told(Stage::Changes, self.found.borders.len(), self.found.borders.len() + left);
+            if runs.is_empty() || self.stopped() {
+                return;
+            }
+            let mut chosen: Vec<Edge> = Vec::new();
+            // One of a run: it may be one border's.
+            for edge in runs.iter().map(|run| run[run.len() / 2]) {
+                let far =
+                    |other: &Edge| other.column.abs_diff(edge.column) >= APART || other.row.abs_diff(edge.row) >= APART;
+                if chosen.len() < BATCH && chosen.iter().all(far) {
+                    chosen.push(edge);
+                }
+            }
+            let outcomes: Vec<Outcome> = chosen
+                .par_iter()
+                .map_init(
+                    || self.eye(),
+                    |eye, &edge| self.explain(eye, usize::from(!edge.across), self.grid.ends(edge)),
+                )
+                .collect();
+            for (edge, outcome) in chosen.into_iter().zip(outcomes) {
+                // Looked at once: what is not explained now will not be later.
+                let ends = self.grid.ends(edge);
+                self.grid.pass(edge);
+                self.take(outcome, ends);
+            }
+        }
+    }
+
+    /// Adds what was found at a change.
+    fn take(&mut self, outcome: Outcome, ends: [[f64; 2]; 2]) {
+        if !outcome.explained {
+            let ends = ends.map(|place| self.window.point(place));
+            self.found.unexplained.push((self.part.name.clone(), ends));
+        }
+        for border in outcome.borders {
+            // Two changes looked at side by side may be one border's.
+            let reach = 2.0 * self.asked.tolerance;
+            let new: Vec<bool> = self.parts_of(&border).iter().map(|place| !self.known.holds(*place, reach)).collect();
+            for border in pieces(border, &new) {
+                self.add(border);
+            }
+        }
+    }
+
+    /// The borders between pairs of places, as far as they are this part's. Whether there are any.
+    fn explain_all(&mut self, changes: &[[[f64; 2]; 2]]) -> bool {
+        let before = self.found.borders.len();
+        // A few at a time: some are one border's.
+        for some in changes.chunks(SOME) {
+            let outcomes: Vec<Option<(Outcome, [[f64; 2]; 2])>> = some
+                .par_iter()
+                .map_init(
+                    || self.eye(),
+                    |eye, &ends| {
+                        let (axis, ends) = along_one(eye, self.part, ends)?;
+                        Some((self.explain(eye, axis, ends), ends))
+                    },
+                )
+                .collect();
+            for (outcome, ends) in outcomes.into_iter().flatten() {
+                self.take(outcome, ends);
+            }
+        }
+        self.found.borders.len() > before
+    }
+
+    /// The borders between two places along one parameter.
+    fn explain(&self, eye: &mut Eye<'_>, axis: usize, ends: [[f64; 2]; 2]) -> Outcome {
+        let reach = 2.0 * self.asked.tolerance;
+        let is_known = |place| self.known.holds(place, reach);
+        let Some(met) = meet(eye, self.part, (axis, ends), is_known) else { return Outcome::default() };
+        let mut outcome = Outcome { explained: met.known, ..Outcome::default() };
+        for located in &met.events {
+            let place = self.window.part(self.plane.place(located.orbit.model()));
+            if self.known.holds(place, reach) {
+                outcome.explained = true;
+            } else if let Some(border) = self.follow(located) {
+                outcome.borders.push(border);
+                outcome.explained = true;
+            }
+        }
+        if outcome.explained {
+            return outcome;
+        }
+        let tolerance = self.asked.tolerance;
+        let traced = match met.resonance {
+            Some(resonance) => {
+                trace(&mut |place| detuning(eye, resonance, place).map(|x| x > 0.0), met.ends, tolerance)
+            }
+            None => trace(&mut |place| eye.class(self.part, place), met.ends, tolerance),
+        };
+        if let Some(traced) = traced {
+            let point = |&(place, error): &([f64; 2], f64)| BorderPoint {
+                values: self.window.point(place),
+                error,
+                half_width: None,
+            };
+            outcome.explained = true;
+            outcome.borders.push(Border {
+                family: self.part.name.clone(),
+                kind: met.end,
+                stripe: None,
+                points: traced.points.iter().map(point).collect(),
+                special: Vec::new(),
+                ends: traced.ends.map(str::to_owned),
+            });
+        }
+        outcome
+    }
+
+    /// The curve of an event.
+    fn follow(&self, located: &Located) -> Option<Border> {
+        let alike: Cell<(u32, Option<[f64; 2]>)> = Cell::new((0, None));
+        let beyond: Cell<Option<[f64; 2]>> = Cell::new(None);
+        let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let until = |values: [f64; 2], physical: Option<bool>| {
+            let place = self.window.part(values);
+            let (mut count, mut first) = alike.get();
+            if self.known.holds(place, 2.0 * self.asked.tolerance) {
+                count += 1;
+                first = first.or(Some(place));
+            } else {
+                (count, first) = (0, None);
+            }
+            let same = count >= POINTS_ALIKE && first.is_some_and(|first| apart(first, place) > ALIKE);
+            let outside = match (physical, beyond.get()) {
+                (Some(false), None) => Some(place),
+                (Some(false), first) => first,
+                _ => None,
+            };
+            let gone = outside.is_some_and(|first| apart(first, place) > BEYOND);
+            let enough = same || gone || self.asked.stop.load(Ordering::Relaxed);
+            alike.set(if enough { (0, None) } else { (count, first) });
+            beyond.set(if enough { None } else { outside });
+            enough
+        };
+        let walk =
+            Walk { window: self.plane, tolerance: self.asked.tolerance, special: self.asked.special, until: &until };
+        let curve = curve_along(&located.orbit, located.event, located.evidence, &walk).ok()?;
+        let point = |point: &vibrochain_floquet::CurvePoint| BorderPoint {
+            values: point.values,
+            error: point.error,
+            half_width: None,
+        };
+        let end = |end: &CurveEnd| match end {
+            CurveEnd::Halted => "where it is known, or not physical".to_owned(),
+            end => end.to_string(),
+        };
+        let border = Border {
+            family: self.part.name.clone(),
+            kind: curve.event.into(),
+            stripe: None,
+            points: curve.points.iter().map(point).collect(),
+            special: curve.special.iter().map(|one| (one.special, one.point, one.error)).collect(),
+            ends: [end(&curve.ends[0]), end(&curve.ends[1])],
+        };
+        (border.points.len() > 1).then_some(border)
+    }
+}
+
+/// What is left in the faces between the borders of all parts.
+fn faces(searches: &mut [Search<'_>]) -> Result<(), MapError> {
+    let mut known = HashMap::new();
+    for cut in 0..CUTS {
+        let Some(first) = searches.first() else { return Ok(()) };
+        let (asked, scene, window) = (first.asked, first.scene, first.window);
+        for search in searches.iter_mut() {
+            if search.stopped() {
+                return Ok(());
+            }
+        }
+        (asked.told)("", Stage::Faces, cut, CUTS);
+        let lines: Vec<_> = searches.iter().flat_map(|search| search.found.lines()).collect();
+        let parts: Vec<&Part> = searches.iter().map(|search| search.part).collect();
+        let classes = |eye: &mut Eye<'_>, point: [f64; 2]| -> Vec<Option<Class>> {
+            let place = window.part(point);
+            parts.iter().map(|part| eye.class(part, place)).collect()
+        };
+        let is_none = |classes: &Vec<Option<Class>>| classes.contains(&None);
+        let cut = Subdivision::new(window, &lines, asked.tolerance)?;
+        let faces = cut.asked(SAMPLES, || Eye::new(scene, window), classes, is_none, &mut known);
+        let changes = faces.unexplained.iter().flat_map(|face| &face.changes);
+        let mut changes: Vec<[[f64; 2]; 2]> = changes.map(|ends| ends.map(|point| window.part(point))).collect();
+        changes.truncate(MOST_CHANGES);
+        let mut grown = false;
+        for search in searches.iter_mut() {
+            grown |= search.explain_all(&changes);
+        }
+        if !grown {
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+/// Two places along one parameter between which the same changes as between two others.
+fn along_one(eye: &mut Eye<'_>, part: &Part, ends: [[f64; 2]; 2]) -> Option<(usize, [[f64; 2]; 2])> {
+    let (close, _) = enclose(&mut |place| eye.class(part, place), ends, NEAR)?;
+    let middle = [0, 1].map(|i| 0.5 * (close[0][i] + close[1][i]));
+    let mut aside = NEAR;
+    while aside < FAR {
+        for axis in 0..2 {
+            let mut ends = [middle; 2];
+            ends[0][axis] = (middle[axis] - aside).max(0.0);
+            ends[1][axis] = (middle[axis] + aside).min(1.0);
+            if let [Some(one), Some(other)] = ends.map(|place| eye.class(part, place))
+                && one != other
+            {
+                return Some((axis, ends));
+            }
+        }
+        aside *= 4.0;
+    }
+    None
+}
+
+/// The parts of a border with points that are new, from the last that is known to the next.
+fn pieces(border: Border, new: &[bool]) -> Vec<Border> {
+    if new.iter().all(|new| *new) {
+        return vec![border];
+    }
+    let mut pieces = Vec::new();
+    let mut at = 0;
+    while let Some(first) = new[at..].iter().position(|new| *new).map(|i| at + i) {
+        let behind = new[first..].iter().position(|new| !*new).map_or(new.len(), |i| first + i);
+        at = behind;
+        let range = first.saturating_sub(1)..(behind + 1).min(new.len());
+        let known = || "where it is known".to_owned();
+        let begin = if range.start == 0 { border.ends[0].clone() } else { known() };
+        let end = if range.end == new.len() { border.ends[1].clone() } else { known() };
+        let special = border.special.iter().filter(|(_, point, _)| range.contains(point));
+        pieces.push(Border {
+            points: border.points[range.clone()].to_vec(),
+            special: special.map(|&(special, point, error)| (special, point - range.start, error)).collect(),
+            ends: [begin, end],
+            family: border.family.clone(),
+            ..border
+        });
+    }
+    pieces
+}
