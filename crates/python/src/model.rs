@@ -189,6 +189,7 @@ impl PyModel {
         (self.chain(), self.0.omega(), self.0.asymmetry(), self.force(), self.0.restitution()).into_pyobject(py)?.hash()
     }
 
+    #[allow(clippy::type_complexity, reason = "what pickle asks for: a callable and its arguments")]
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PyChain, f64, f64, PyForce, f64))> {
         let model = &self.0;
         let parts = (self.chain(), model.omega(), model.asymmetry(), self.force(), model.restitution());

@@ -267,6 +267,7 @@ impl PyForce {
         PyTuple::new(py, self.harmonics())?.hash()
     }
 
+    #[allow(clippy::type_complexity, reason = "what pickle asks for: a callable and its arguments")]
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (Vec<(u32, f64, f64)>,)) {
         (py.get_type::<Self>().into_any(), (self.harmonics(),))
     }

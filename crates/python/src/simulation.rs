@@ -115,7 +115,7 @@ impl Course {
         let (mut events, mut times) = (Events::default(), Vec::new());
         let (mut now, mut speed) = (vec![0.0; sites], vec![0.0; sites]);
         let flights = (FLIGHTS / sites).max(1) as u64;
-        let watched = |time: Time| looks.iter().any(|look| *look == time);
+        let watched = |time: Time| looks.contains(&time);
         let mut report = None;
         for (place, &target) in looks.iter().chain((!watched(end)).then_some(&end)).enumerate() {
             // In portions of work, so that Ctrl-C is heard however long a period takes.

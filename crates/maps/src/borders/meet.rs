@@ -89,13 +89,12 @@ fn resonance(eye: &Eye<'_>, ends: [[f64; 2]; 2]) -> Option<(usize, f64)> {
     let one = eye.model(ends[0])?;
     let frequencies = Spectrum::new(*one.chain());
     let mut places = frequencies.frequencies().iter().enumerate();
-    let found = places.find_map(|(mode, frequency)| {
+    places.find_map(|(mode, frequency)| {
         let multiple = (frequency / one.omega()).round();
         let there = detuning(eye, (mode, multiple), ends[1])?;
         let here = (-multiple).mul_add(one.omega(), *frequency);
         (multiple >= 1.0 && here * there <= 0.0).then_some((mode, multiple))
-    });
-    found
+    })
 }
 
 /// Looks for the events that make a change.
