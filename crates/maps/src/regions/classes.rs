@@ -107,15 +107,17 @@ impl Subdivision {
             for group in questions.chunk_by(|one, two| one.face == two.face) {
                 let own = &numbers[first..first + group.len()];
                 first += group.len();
-                let told = own.iter().filter(|&&class| !is_none(&classes[class]));
-                let count = |class: usize| own.iter().filter(|&&other| other == class).count();
-                let most = told.clone().map(|&class| count(class)).max().unwrap_or(own.len());
+                let mut counts = vec![0; classes.len()];
+                for &class in own {
+                    counts[class] += 1;
+                }
+                let is_told = own.iter().any(|&class| !is_none(&classes[class]));
+                let counted = |class: usize| if is_told && is_none(&classes[class]) { 0 } else { counts[class] };
+                let most = (0..classes.len()).map(counted).max().unwrap_or(0);
                 // Of classes that as many points have, that of the point well inside.
                 let face = group[0].face;
-                let is_told = told.clone().next().is_some();
-                let fits = |class: &usize| count(*class) == most && !(is_told && is_none(&classes[*class]));
-                class_of[face] = own.iter().copied().find(fits);
-                if is_told && most < told.count() {
+                class_of[face] = own.iter().copied().find(|&class| counted(class) == most);
+                if is_told && most < (0..classes.len()).map(counted).sum() {
                     differing.push((face, group, own));
                 }
             }
