@@ -562,6 +562,10 @@ pub struct CurvesArgs {
     /// How far a straight line between two neighbouring points may be from its border, as a part of the window's sides.
     #[arg(long, value_name = "PART", default_value_t = 1e-6, value_parser = real, allow_negative_numbers = true)]
     pub tolerance: f64,
+    /// Places of the window, spread by area, that are asked what lives there once all borders are known: none of N falls into a piece of
+    /// share 3/N that a border is missing around in one of twenty cases.
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = whole::<usize>, allow_negative_numbers = true)]
+    pub places: usize,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: that of the scene, or strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,

@@ -20,9 +20,6 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::threads::threads;
 
-/// Places of the window that are asked what lives there, to tell areas, by area.
-const SAMPLES: usize = 100_000;
-
 /// So many of what is left unexplained are told to people.
 const SHOWN: usize = 8;
 
@@ -53,6 +50,7 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let bar = Bar::new(console.progress && !taken);
     let asked = Asked {
         tolerance: args.tolerance,
+        places: args.places,
         special: args.points.is_some() || args.json,
         stop: &stop,
         told: &|family, stage, done, all| bar.told(family, stage, done, all),
@@ -70,11 +68,12 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
         return Err(CliError::Interrupted);
     }
     let regions =
-        pool.install(|| Regions::of_scene(&scene, &borders.lines(), args.tolerance, SAMPLES, |cell| cell.class))?;
-    let answer = Answer { scene: &scene, borders: &borders, regions: &regions, time: started.elapsed() };
+        pool.install(|| Regions::of_scene(&scene, &borders.lines(), args.tolerance, args.places, |cell| cell.class))?;
+    let answer =
+        Answer { scene: &scene, borders: &borders, regions: &regions, places: args.places, time: started.elapsed() };
     let text = if args.json { format!("{:#}\n", answer.as_json()) } else { answer.as_text() };
     console.answer(&text, taken)?;
-    map.finish(&scene, &borders, args.tolerance, &pool)
+    map.finish(args, &scene, &borders, &pool)
 }
 
 fn stripe(border: &Border) -> String {
@@ -126,6 +125,7 @@ struct Answer<'a> {
     scene: &'a Scene,
     borders: &'a Borders,
     regions: &'a Regions<Lives>,
+    places: usize,
     time: Duration,
 }
 
@@ -213,6 +213,13 @@ impl Answer<'_> {
         let _ = writeln!(out, "\nshare of the window");
         for area in self.areas() {
             let _ = writeln!(out, "  {:<16} {:.9} ± {:.0e}", class_name(area.class), area.share, area.error);
+        }
+        if self.places > 0 {
+            let missed = 3.0 / self.places as f64;
+            let _ = writeln!(
+                out,
+                "of pieces of {missed:.0e} of the window that lack a border one in twenty escapes"
+            );
         }
         let closed = self.regions.closed();
         if !closed.is_empty() {
@@ -305,7 +312,7 @@ mod with_plot {
     use vibrochain_maps::scene::Scene;
     use vibrochain_plot::{Format, Palette, RegionsPicture, Tile, open, regions_picture};
 
-    use super::{CliError, CurvesArgs, SAMPLES};
+    use super::{CliError, CurvesArgs};
 
     pub(super) struct Map {
         file: Option<(Format, Output)>,
@@ -318,14 +325,15 @@ mod with_plot {
 
         pub(super) fn finish(
             self,
+            args: &CurvesArgs,
             scene: &Scene,
             borders: &Borders,
-            tolerance: f64,
             pool: &ThreadPool,
         ) -> Result<(), CliError> {
             let Some((format, file)) = self.file else { return Ok(()) };
             let tile = |cell: &vibrochain_maps::cell::Cell| Tile { class: cell.class, mechanism: None };
-            let regions = pool.install(|| Regions::of_scene(scene, &borders.lines(), tolerance, SAMPLES, tile))?;
+            let regions =
+                pool.install(|| Regions::of_scene(scene, &borders.lines(), args.tolerance, args.places, tile))?;
             let picture = RegionsPicture { scene, regions: &regions, borders: &[], palette: Palette::default() };
             let bytes = regions_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
             Ok(file.finish_with(&bytes)?)
@@ -351,7 +359,7 @@ mod without_plot {
             }
         }
 
-        pub(super) fn finish(self, _: &Scene, _: &Borders, _: f64, _: &ThreadPool) -> Result<(), CliError> {
+        pub(super) fn finish(self, _: &CurvesArgs, _: &Scene, _: &Borders, _: &ThreadPool) -> Result<(), CliError> {
             Ok(())
         }
     }

@@ -385,8 +385,9 @@ fn the_document_quotes_what_its_commands_print() {
         let command = command.replace("\\\n", " ").replace('"', "");
         let mut words = command.split_whitespace().skip(1);
         let mut run = mapgen(&[]);
+        run.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
         while let Some(word) = words.next() {
-            if ["--plot", "--show"].contains(&word) {
+            if ["--plot", "--show", "--map"].contains(&word) {
                 words.next();
             } else {
                 run.arg(word);

@@ -30,7 +30,7 @@ const BOTH: &str = "\"double-sided\", \"single-sided\"";
 
 fn borders(scene: &Scene) -> Borders {
     let stop = AtomicBool::new(false);
-    let asked = Asked { tolerance: TOLERANCE, special: false, stop: &stop, told: &|_, _, _, _| {} };
+    let asked = Asked { tolerance: TOLERANCE, places: 100_000, special: false, stop: &stop, told: &|_, _, _, _| {} };
     Borders::of_scene(scene, &asked).unwrap()
 }
 
@@ -151,7 +151,7 @@ fn a_search_that_is_stopped_says_so() {
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let asked = Asked { tolerance: TOLERANCE, special: false, stop: &stop, told: &told };
+    let asked = Asked { tolerance: TOLERANCE, places: 100_000, special: false, stop: &stop, told: &told };
     let found = Borders::of_scene(&scene, &asked).unwrap();
     assert!(found.interrupted && !found.borders.is_empty());
 }
@@ -161,7 +161,7 @@ fn windows_without_borders_to_follow_are_refused() {
     let stop = AtomicBool::new(false);
     let refused = |text: &str, tolerance: f64| {
         let scene = Scene::parse(Path::new("scene.toml"), text).unwrap();
-        let asked = Asked { tolerance, special: false, stop: &stop, told: &|_, _, _, _| {} };
+        let asked = Asked { tolerance, places: 1000, special: false, stop: &stop, told: &|_, _, _, _| {} };
         Borders::of_scene(&scene, &asked).unwrap_err().to_string()
     };
     let model = "[model]\nsites = 6\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\n[compute]\nfamilies = [\"double-sided\"]\n[sweep]\n";

@@ -24,6 +24,9 @@ use crate::scene::{Scene, Values};
 /// The most places of the coarse look. A finer scene is looked at through a coarser grid.
 const MOST_PLACES: f64 = 160_000.0;
 
+/// Places that are asked at most: a hundred bytes each.
+const MOST_ASKED: usize = 10_000_000;
+
 /// Rows in which stripes are looked for by themselves, and points of one.
 const ROWS: usize = 12;
 const ROW_POINTS: usize = 800;
@@ -32,10 +35,8 @@ const ROW_POINTS: usize = 800;
 const BATCH: usize = 16;
 const APART: usize = 12;
 
-/// How often the window is cut by all borders to look for what is left, how many places are looked at in it, changes at
-/// most, and how many of them side by side.
+/// How often the window is cut by all borders to look for what is left, changes in it at most, and how many of them side by side.
 const CUTS: usize = 16;
-const SAMPLES: usize = 100_000;
 const MOST_CHANGES: usize = 256;
 const SOME: usize = 4;
 
@@ -68,6 +69,8 @@ pub enum Stage {
 pub struct Asked<'a> {
     /// How far a straight line between neighbouring points may be from the border, as a part of the window's sides.
     pub tolerance: f64,
+    /// Places of the window, spread by area, that are asked what lives there to find what is missing.
+    pub places: usize,
     /// Whether points of codimension two are wanted.
     pub special: bool,
     /// Raised to end the search; what is found by then is told.
@@ -113,6 +116,10 @@ impl Borders {
         if !(1e-9..=1e-2).contains(&asked.tolerance) {
             let advice = "give a part of the window from 1e-9 to 0.01";
             return Err(MapError::Request(format!("a tolerance of {} is out of range: {advice}", asked.tolerance)));
+        }
+        if asked.places > MOST_ASKED {
+            let message = format!("{} places are out of range: give at most {MOST_ASKED}", asked.places);
+            return Err(MapError::Request(message));
         }
         let parameters = [scene.axes[0].parameter, scene.axes[1].parameter];
         let plane =
@@ -470,7 +477,7 @@ fn faces(searches: &mut [Search<'_>]) -> Result<(), MapError> {
         };
         let is_none = |classes: &Vec<Option<Class>>| classes.contains(&None);
         let cut = Subdivision::new(window, &lines, asked.tolerance)?;
-        let faces = cut.asked(SAMPLES, || Eye::new(scene, window), classes, is_none, &mut known);
+        let faces = cut.asked(asked.places, || Eye::new(scene, window), classes, is_none, &mut known);
         let changes = faces.unexplained.iter().flat_map(|face| &face.changes);
         let mut changes: Vec<[[f64; 2]; 2]> = changes.map(|ends| ends.map(|point| window.part(point))).collect();
         changes.truncate(MOST_CHANGES);
