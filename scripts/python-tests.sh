@@ -13,8 +13,8 @@ if ! python3 -m venv "$work/venv" 2>/dev/null; then
 fi
 python=$work/venv/bin/python
 if ! "$python" -m pip install --quiet --no-compile --disable-pip-version-check 'maturin>=1.9.4,<2' numpy pytest; then
-    echo "the Python package: not tested here, NumPy and pytest cannot be had"
-    exit 0
+    echo "the Python package: not tested, NumPy and pytest cannot be had" >&2
+    exit 1
 fi
 # What maps are handed on to; tests that need what is not there say so and are skipped.
 "$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib || true

@@ -36,7 +36,7 @@ pub(crate) struct Plot {
 
 impl Plot {
     pub(crate) fn open(args: &BranchArgs) -> Result<Self, CliError> {
-        Ok(Self { file: open(args.plot.as_deref())?, shown: args.show.clone(), all: args.all })
+        Ok(Self { file: open("--plot", args.plot.as_deref())?, shown: args.show.clone(), all: args.all })
     }
 
     pub(crate) fn finish(self, start: &Start, course: &Course, diagram: &Diagram) -> Result<(), CliError> {

@@ -22,7 +22,7 @@ pub(crate) struct Plot {
 
 impl Plot {
     pub(crate) fn open(args: &CurveArgs) -> Result<Self, CliError> {
-        Ok(Self { file: open(args.plot.as_deref())? })
+        Ok(Self { file: open("--plot", args.plot.as_deref())? })
     }
 
     pub(crate) fn finish(self, start: &Start, window: &Window, curves: &[EventCurve]) -> Result<(), CliError> {

@@ -55,25 +55,23 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
         stop: &stop,
         told: &|family, stage, done, all| bar.told(family, stage, done, all),
     };
-    let borders = pool.install(|| Borders::of_scene(&scene, &asked));
+    let found = pool.install(|| Borders::of_scene(&scene, &asked));
     bar.finish();
-    let borders = borders?;
+    let (borders, regions) = found?;
+    if borders.interrupted {
+        return Err(CliError::Interrupted);
+    }
     if let Some(table) = table {
         write_borders(&borders, table)?;
     }
     if let Some(points) = points {
         write_points(&borders, points)?;
     }
-    if borders.interrupted {
-        return Err(CliError::Interrupted);
-    }
-    let regions =
-        pool.install(|| Regions::of_scene(&scene, &borders.lines(), args.tolerance, args.places, |cell| cell.class))?;
-    let answer =
-        Answer { scene: &scene, borders: &borders, regions: &regions, places: args.places, time: started.elapsed() };
+    let (places, time) = (args.places, started.elapsed());
+    let answer = Answer { scene: &scene, borders: &borders, regions: &regions, places, time };
     let text = if args.json { format!("{:#}\n", answer.as_json()) } else { answer.as_text() };
     console.answer(&text, taken)?;
-    map.finish(args, &scene, &borders, &pool)
+    map.finish(&scene, &regions)
 }
 
 fn stripe(border: &Border) -> String {
@@ -216,10 +214,7 @@ impl Answer<'_> {
         }
         if self.places > 0 {
             let missed = 3.0 / self.places as f64;
-            let _ = writeln!(
-                out,
-                "of pieces of {missed:.0e} of the window that lack a border one in twenty escapes"
-            );
+            let _ = writeln!(out, "of pieces of {missed:.0e} of the window that lack a border one in twenty escapes");
         }
         let closed = self.regions.closed();
         if !closed.is_empty() {
@@ -240,7 +235,7 @@ impl Answer<'_> {
                 faces.len()
             );
             let place = |[a, b]: [f64; 2]| format!("{x} = {}, {y} = {}", Number(a), Number(b));
-            for face in faces.iter().take(40) {
+            for face in faces.iter().take(SHOWN) {
                 let first = &face.points[0];
                 let other = face.points.iter().find(|point| point.1 != first.1).unwrap_or(first);
                 let (one, two) = (class_name(first.1), class_name(other.1));
@@ -305,14 +300,12 @@ use without_plot::Map;
 
 #[cfg(feature = "plot")]
 mod with_plot {
-    use rayon::ThreadPool;
-    use vibrochain_maps::borders::Borders;
     use vibrochain_maps::files::Output;
     use vibrochain_maps::regions::Regions;
     use vibrochain_maps::scene::Scene;
     use vibrochain_plot::{Format, Palette, RegionsPicture, Tile, open, regions_picture};
 
-    use super::{CliError, CurvesArgs};
+    use super::{CliError, CurvesArgs, Lives};
 
     pub(super) struct Map {
         file: Option<(Format, Output)>,
@@ -320,20 +313,12 @@ mod with_plot {
 
     impl Map {
         pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
-            Ok(Self { file: open(args.map.as_deref())? })
+            Ok(Self { file: open("--map", args.map.as_deref())? })
         }
 
-        pub(super) fn finish(
-            self,
-            args: &CurvesArgs,
-            scene: &Scene,
-            borders: &Borders,
-            pool: &ThreadPool,
-        ) -> Result<(), CliError> {
+        pub(super) fn finish(self, scene: &Scene, regions: &Regions<Lives>) -> Result<(), CliError> {
             let Some((format, file)) = self.file else { return Ok(()) };
-            let tile = |cell: &vibrochain_maps::cell::Cell| Tile { class: cell.class, mechanism: None };
-            let regions =
-                pool.install(|| Regions::of_scene(scene, &borders.lines(), args.tolerance, args.places, tile))?;
+            let regions = regions.named(|class| Tile { class: *class, mechanism: None });
             let picture = RegionsPicture { scene, regions: &regions, borders: &[], palette: Palette::default() };
             let bytes = regions_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
             Ok(file.finish_with(&bytes)?)
@@ -343,11 +328,10 @@ mod with_plot {
 
 #[cfg(not(feature = "plot"))]
 mod without_plot {
-    use rayon::ThreadPool;
-    use vibrochain_maps::borders::Borders;
+    use vibrochain_maps::regions::Regions;
     use vibrochain_maps::scene::Scene;
 
-    use super::{CliError, CurvesArgs};
+    use super::{CliError, CurvesArgs, Lives};
 
     pub(super) struct Map;
 
@@ -359,7 +343,7 @@ mod without_plot {
             }
         }
 
-        pub(super) fn finish(self, _: &CurvesArgs, _: &Scene, _: &Borders, _: &ThreadPool) -> Result<(), CliError> {
+        pub(super) fn finish(self, _: &Scene, _: &Regions<Lives>) -> Result<(), CliError> {
             Ok(())
         }
     }

@@ -446,7 +446,7 @@ mod with_plot {
                     .map_err(|error| CliError::file("cannot make folder", folder, &error))?;
                 Ok::<_, CliError>((format, folder.to_owned()))
             });
-            Ok(Self { one: open(args.plot.as_deref())?, all: all.transpose()? })
+            Ok(Self { one: open("--plot", args.plot.as_deref())?, all: all.transpose()? })
         }
 
         pub(super) fn finish(self, solutions: &[Solution], console: &mut Console<'_>) -> Result<(), CliError> {

@@ -138,7 +138,7 @@ mod with_plot {
             orbit: Option<&Orbit>,
             start: &Start,
         ) -> Result<Self, CliError> {
-            let Some((format, file)) = open(args.plot.as_deref())? else { return Ok(Self(None)) };
+            let Some((format, file)) = open("--plot", args.plot.as_deref())? else { return Ok(Self(None)) };
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
             let sites = model.chain().sites();
             let title = crate::caption::describe(model);

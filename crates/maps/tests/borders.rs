@@ -28,16 +28,20 @@ fn scene(sites: usize, model: &str, families: &str, points: [usize; 2]) -> Scene
 
 const BOTH: &str = "\"double-sided\", \"single-sided\"";
 
-fn borders(scene: &Scene) -> Borders {
+fn borders(scene: &Scene) -> (Borders, Regions<Option<Class>>) {
     let stop = AtomicBool::new(false);
     let asked = Asked { tolerance: TOLERANCE, places: 100_000, special: false, stop: &stop, told: &|_, _, _, _| {} };
     Borders::of_scene(scene, &asked).unwrap()
 }
 
+/// The regions between borders, to what is known of their points.
+fn fine(scene: &Scene, found: &Borders) -> Regions<Option<Class>> {
+    Regions::of_scene(scene, &found.lines(), 1e-8, 100_000, |cell| cell.class).unwrap()
+}
+
 /// Random points whose class is another one than that of their region, though it is the same all around them as far as `near`,
 /// a part of the window; and how many were compared.
-fn exceptions(scene: &Scene, found: &Borders, near: f64, points: usize) -> (Vec<[f64; 2]>, usize) {
-    let regions = Regions::of_scene(scene, &found.lines(), 1e-8, 100_000, |cell| cell.class).unwrap();
+fn exceptions(scene: &Scene, regions: &Regions<Option<Class>>, near: f64, points: usize) -> (Vec<[f64; 2]>, usize) {
     let unexplained: f64 = regions.unexplained().iter().map(|face| face.share).sum();
     assert!(unexplained < 1e-12, "{:?}", regions.unexplained().first().map(|face| (face.share, face.changes.clone())));
     let window = Window::of(scene).unwrap();
@@ -71,9 +75,10 @@ fn count(found: &Borders, kind: BorderKind) -> usize {
 #[test]
 fn regions_have_the_class_of_their_cells() {
     let scene = scene(6, "", BOTH, [100, 75]);
-    let found = borders(&scene);
+    let (found, _) = borders(&scene);
+    let regions = fine(&scene, &found);
     assert!(found.unexplained.is_empty() && !found.interrupted, "{:?}", found.unexplained);
-    let (differing, compared) = exceptions(&scene, &found, 1e-8, 20_000);
+    let (differing, compared) = exceptions(&scene, &regions, 1e-8, 20_000);
     assert!(differing.is_empty() && compared > 19_900, "{compared}: {differing:?}");
     // What organises the map: each of these is there.
     for kind in [
@@ -99,9 +104,10 @@ fn forced_borders_and_thresholds_are_those_of_cells() {
     let mut patient = strict.clone();
     patient.task.tolerance = vibrochain_floquet::Tolerance::Growth(0.01);
     for (scene, kind) in [(strict, BorderKind::Fold), (patient, BorderKind::Threshold)] {
-        let found = borders(&scene);
+        let (found, _) = borders(&scene);
+        let regions = fine(&scene, &found);
         assert!(count(&found, kind) > 0 && found.unexplained.is_empty(), "{kind}: {:?}", found.unexplained);
-        let (differing, compared) = exceptions(&scene, &found, 1e-7, 3000);
+        let (differing, compared) = exceptions(&scene, &regions, 1e-7, 3000);
         assert!(differing.is_empty() && compared > 2900, "{kind} {compared}: {differing:?}");
     }
 }
@@ -109,7 +115,7 @@ fn forced_borders_and_thresholds_are_those_of_cells() {
 #[test]
 fn stripes_of_rows_are_between_borders() {
     let scene = scene(11, "", "\"double-sided\"", [80, 60]);
-    let found = borders(&scene);
+    let (found, _) = borders(&scene);
     assert!(found.stripes() >= 15, "{}", found.stripes());
     let mut random = Rng::with_seed(5);
     let mut checked = 0;
@@ -143,17 +149,46 @@ fn crossings(found: &Borders, row: f64) -> Vec<f64> {
 }
 
 #[test]
+fn axes_may_be_exchanged() {
+    // Next to the bottom of the fan, between rows of a coarse look: thin stripes, steep one way and flat the other.
+    let scene = |x: &str, y: &str| {
+        let text = format!(
+            "[model]\nsites = 21\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = {{ parameter = {x}, points = 30 }}\n\
+             y = {{ parameter = {y}, points = 20 }}\n[compute]\nfamilies = [\"double-sided\"]\nstability = true\n"
+        );
+        Scene::parse(Path::new("scene.toml"), &text).unwrap()
+    };
+    let ranges = ["\"omega\", from = 1.3, to = 1.35", "\"gamma2\", from = 0.03, to = 0.07"];
+    let [one, other] = [[0, 1], [1, 0]].map(|[x, y]| borders(&scene(ranges[x], ranges[y])));
+    assert!(one.0.stripes() >= 4 && one.0.unexplained.is_empty() && other.0.unexplained.is_empty());
+    let area = |(_, regions): &(Borders, Regions<Option<Class>>), class: Class| {
+        regions
+            .areas()
+            .iter()
+            .find(|area| area.class == Some(class))
+            .map_or((0.0, 0.0), |area| (area.share, area.error))
+    };
+    for class in [Class::StableDouble, Class::UnstableDouble] {
+        let (a, b) = (area(&one, class), area(&other, class));
+        assert!(a.0 > 0.01 && (a.0 - b.0).abs() <= a.1 + b.1, "{class:?}: {a:?} {b:?}");
+    }
+}
+
+#[test]
 fn a_search_that_is_stopped_says_so() {
     let scene = scene(6, "", BOTH, [60, 45]);
     let stop = AtomicBool::new(false);
-    let told = |_: &str, stage: Stage, done: usize, _: usize| {
-        if stage == Stage::Changes && done > 0 {
-            stop.store(true, Ordering::Relaxed);
-        }
-    };
-    let asked = Asked { tolerance: TOLERANCE, places: 100_000, special: false, stop: &stop, told: &told };
-    let found = Borders::of_scene(&scene, &asked).unwrap();
-    assert!(found.interrupted && !found.borders.is_empty());
+    for last in [Stage::Changes, Stage::Faces] {
+        stop.store(false, Ordering::Relaxed);
+        let told = |_: &str, stage: Stage, done: usize, _: usize| {
+            if stage == last && (done > 0 || stage == Stage::Faces) {
+                stop.store(true, Ordering::Relaxed);
+            }
+        };
+        let asked = Asked { tolerance: TOLERANCE, places: 100_000, special: false, stop: &stop, told: &told };
+        let (found, _) = Borders::of_scene(&scene, &asked).unwrap();
+        assert!(found.interrupted && !found.borders.is_empty());
+    }
 }
 
 #[test]
@@ -182,9 +217,10 @@ fn windows_without_borders_to_follow_are_refused() {
 fn slow_a_hundred_thousand_points_have_the_class_of_their_region() {
     for sites in [6, 11, 21] {
         let scene = scene(sites, "", BOTH, [400, 300]);
-        let found = borders(&scene);
+        let (found, _) = borders(&scene);
+        let regions = fine(&scene, &found);
         assert!(found.unexplained.is_empty(), "{sites}: {:?}", found.unexplained);
-        let (differing, compared) = exceptions(&scene, &found, 1e-8, 100_000);
+        let (differing, compared) = exceptions(&scene, &regions, 1e-8, 100_000);
         assert!(differing.is_empty() && compared > 99_900, "{sites} {compared}: {differing:?}");
     }
 }

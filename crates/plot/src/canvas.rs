@@ -74,13 +74,13 @@ impl Format {
     }
 }
 
-/// Opens the file of a picture that was asked for with --plot; its ending says what kind it is.
+/// Opens the file of a picture that was asked for with `flag`; its ending says what kind it is.
 ///
 /// # Errors
 /// [`MapError::Request`] for another ending, or a place that cannot be written.
-pub fn open(path: Option<&Path>) -> Result<Option<(Format, Output)>, MapError> {
+pub fn open(flag: &str, path: Option<&Path>) -> Result<Option<(Format, Output)>, MapError> {
     let Some(path) = path else { return Ok(None) };
-    Ok(Some((Format::asked("--plot", path)?, Output::create(path)?)))
+    Ok(Some((Format::asked(flag, path)?, Output::create(path)?)))
 }
 
 /// A drawing that does not care which kind of file it ends up in.

@@ -413,13 +413,20 @@ impl Walker {
             let next = if closed { Foot { at: feet[feet.len() - 1].at + taken, ..start.clone() } } else { next };
             let ends = next.aspects.ends;
             let strength = strength(next.point.orbit()) / first;
+            let (told, mark) = (special.len(), next.mark);
             self.mark_special(&mut feet, &mut special, direction, next);
             if closed {
                 break CurveEnd::Closed;
             }
-            if let (true, Some((_, special, _))) = (ends, special.last()) {
-                feet.pop();
-                break CurveEnd::Special(*special);
+            if ends {
+                let real = |(_, one, _): &&(usize, Special, f64)| matches!(one, Special::OneToOne | Special::OneToTwo);
+                let passed = special[told..].iter().rfind(real).map(|&(place, special, _)| (place, special));
+                // Where rounding hides the place itself the curve ends beside it.
+                let other = if mark > 0.0 { Special::OneToOne } else { Special::OneToTwo };
+                let (place, kind) = passed.unwrap_or((feet.len().saturating_sub(2), other));
+                feet.truncate(place + 1);
+                special.retain(|(other, ..)| *other <= place);
+                break CurveEnd::Special(kind);
             }
             if feet.last().is_some_and(|last| until(last.point.values(), last.aspects.physical)) {
                 break CurveEnd::Halted;

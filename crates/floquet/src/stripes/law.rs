@@ -73,7 +73,7 @@ impl StripeLine {
     /// `None` for even harmonics, off a ring, and for families other than the two.
     pub fn weak_growth(&self, (k, l): (usize, usize), harmonic: usize) -> Option<f64> {
         let (chain, a) = (self.model.chain(), self.model.asymmetry());
-        if !chain.is_ring() || harmonic.is_multiple_of(2) {
+        if !chain.is_ring() || harmonic.is_multiple_of(2) || chain.gamma1() == 0.0 {
             return None;
         }
         let strength = match self.family {

@@ -23,6 +23,9 @@ const DIRECTIONS: usize = 32;
 /// The straight line between two points may err by this part of the tolerance: what is foreseen is not quite what comes.
 const ROOM: f64 = 0.6;
 
+/// Cosine of the angle between the directions in which a closed border leaves its start and comes back.
+const ALONG: f64 = 0.5;
+
 /// Points at most, one way.
 const MOST_POINTS: usize = 20_000;
 
@@ -49,16 +52,18 @@ pub(super) fn next_step(step: f64, error: f64, tolerance: f64) -> f64 {
     step * wanted.clamp(0.4, 1.5)
 }
 
-/// Follows the border between two places both ways. `class` says what lives at a place, if that is known.
+/// Follows the border between two places both ways. `class` says what lives at a place, if that is known; `until` is told each place
+/// and says whether the border need go no farther.
 pub(super) fn trace<C: Copy + PartialEq>(
     class: &mut impl FnMut([f64; 2]) -> Option<C>,
     ends: [[f64; 2]; 2],
     tolerance: f64,
+    until: &dyn Fn([f64; 2]) -> bool,
 ) -> Option<Traced> {
     let (ends, classes) = enclose(class, ends, FINE)?;
     let start = middle(ends);
     let headings = headings(class, start, classes);
-    let mut tracer = Tracer { class, classes, tolerance };
+    let mut tracer = Tracer { class, classes, tolerance, until };
     let ways: Vec<_> = headings.into_iter().map(|heading| tracer.follow(start, heading)).collect();
     let mut ways = ways.into_iter();
     let (ahead, end) = ways.next()?;
@@ -72,6 +77,7 @@ pub(super) fn trace<C: Copy + PartialEq>(
 const CLOSED: &str = "where it began: it is closed";
 const EDGE: &str = "at the edge of the window";
 const OTHER: &str = "where something else begins";
+const KNOWN: &str = "where it is known";
 const LONG: &str = "unfinished: it is too long";
 
 fn middle([a, b]: [[f64; 2]; 2]) -> [f64; 2] {
@@ -126,6 +132,7 @@ struct Tracer<'a, C, F> {
     class: &'a mut F,
     classes: [C; 2],
     tolerance: f64,
+    until: &'a dyn Fn([f64; 2]) -> bool,
 }
 
 impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Tracer<'_, C, F> {
@@ -196,6 +203,8 @@ impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Tracer<'_, C, F> {
             }
             let closed = places.len() > 3
                 && distance(place, start) < h
+                // Not back on the other side of a finger.
+                && direction[0] * heading[0] + direction[1] * heading[1] > ALONG
                 && (start[0] - last[0]) * direction[0] + (start[1] - last[1]) * direction[1] > 0.0;
             if closed {
                 points.push((start, error));
@@ -204,6 +213,9 @@ impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Tracer<'_, C, F> {
             h = next_step(h, bend, self.tolerance).min(LONGEST);
             places.push(place);
             points.push((place, error));
+            if (self.until)(place) {
+                return (points, KNOWN);
+            }
         }
     }
 }

@@ -75,13 +75,13 @@ impl Liner<'_, '_> {
         Some(StripeLine { model, family: self.family, free: self.eye.scene.axes[0].parameter })
     }
 
-    /// All stripes of a row, of which so many points are looked at.
-    pub(super) fn row(&mut self, y: f64, points: usize) -> Row {
-        let (from, to) = (self.eye.window.point([0.0, y])[0], self.eye.window.point([1.0, y])[0]);
-        let Some(line) = self.line(y) else { return Row::default() };
-        match self.finder.along(&line, (from, to), points) {
-            Ok(row) => Row { y, stripes: row.stripes, unresolved: row.unresolved },
-            Err(_) => Row { y, ..Row::default() },
+    /// All stripes of a part of a row, of which so many points are looked at.
+    pub(super) fn row(&mut self, y: f64, (from, to): (f64, f64), points: usize) -> Row {
+        let [from, to] = [from, to].map(|x| self.eye.window.point([x, y])[0]);
+        let found = self.line(y).and_then(|line| self.finder.along(&line, (from, to), points).ok());
+        match found {
+            Some(row) => Row { y, stripes: row.stripes, unresolved: row.unresolved },
+            None => Row { y, stripes: Vec::new(), unresolved: vec![[from, to]] },
         }
     }
 
@@ -126,12 +126,12 @@ impl Liner<'_, '_> {
         let mut points = vec![start];
         let mut h = FIRST;
         let end = loop {
-            if h < SHORTEST {
-                break "where it is no stripe of two modes alone any more";
-            }
             let last = points[points.len() - 1];
             if last.y <= 0.0 && way < 0.0 || last.y >= 1.0 && way > 0.0 {
                 break "at the edge of the window";
+            }
+            if h < SHORTEST {
+                break "where it is no stripe of two modes alone any more";
             }
             let y = (last.y + way * h).clamp(0.0, 1.0);
             let through = &points[points.len().saturating_sub(4)..];

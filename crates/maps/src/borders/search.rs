@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use vibrochain_breather::Family;
-use vibrochain_floquet::{CurveEnd, Located, StripeFinder, Walk, curve_along};
+use vibrochain_floquet::{CurveEnd, Event, Located, StripeFinder, Walk, curve_along};
 use vibrochain_lattice::Parameter;
 
 use super::border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
@@ -18,7 +18,7 @@ use super::meet::{detuning, enclose, meet};
 use super::part::{Eye, Part, parts};
 use crate::cell::Class;
 use crate::error::MapError;
-use crate::regions::{Subdivision, Window};
+use crate::regions::{Faces, Regions, Subdivision, Window};
 use crate::scene::{Scene, Values};
 
 /// The most places of the coarse look. A finer scene is looked at through a coarser grid.
@@ -28,8 +28,12 @@ const MOST_PLACES: f64 = 160_000.0;
 const MOST_ASKED: usize = 10_000_000;
 
 /// Rows in which stripes are looked for by themselves, and points of one.
-const ROWS: usize = 12;
+const ROWS: usize = 16;
 const ROW_POINTS: usize = 800;
+
+/// How far on either side of a change a stripe is looked for, and at how many points.
+const BESIDE: f64 = 2e-3;
+const BESIDE_POINTS: usize = 9;
 
 /// Changes that are looked at side by side, at least so many places of the grid from one another: one border each, as far as can be.
 const BATCH: usize = 16;
@@ -99,11 +103,11 @@ struct Outcome {
 }
 
 impl Borders {
-    /// All borders in the window of a scene. Threads are those of the pool of `rayon` that this is called in.
+    /// All borders in the window of a scene, and its regions between them; what lives where no place could tell is `None`. Threads are those of the pool of `rayon` that this is called in.
     ///
     /// # Errors
     /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges, a tolerance out of range.
-    pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<Self, MapError> {
+    pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<(Self, Regions<Option<Class>>), MapError> {
         let window = Window::of(scene)?;
         let mut ends = [[0.0; 2]; 2];
         for (end, axis) in ends.iter_mut().zip(&scene.axes) {
@@ -113,8 +117,8 @@ impl Borders {
             };
             *end = [from, to];
         }
-        if !(1e-9..=1e-2).contains(&asked.tolerance) {
-            let advice = "give a part of the window from 1e-9 to 0.01";
+        if !(1e-9..=1e-3).contains(&asked.tolerance) {
+            let advice = "give a part of the window from 1e-9 to 0.001";
             return Err(MapError::Request(format!("a tolerance of {} is out of range: {advice}", asked.tolerance)));
         }
         if asked.places > MOST_ASKED {
@@ -144,9 +148,10 @@ impl Borders {
             search.stripes();
             search.changes();
         }
-        faces(&mut searches)?;
+        let faces = faces(&mut searches)?;
         let mut all = empty;
-        for search in searches {
+        for mut search in searches {
+            search.settle();
             let Self { borders, unexplained, unresolved, places, interrupted, .. } = search.found;
             all.borders.extend(borders);
             all.unexplained.extend(unexplained);
@@ -154,7 +159,7 @@ impl Borders {
             all.places += places;
             all.interrupted |= interrupted;
         }
-        Ok(all)
+        Ok((all, faces.seen(|classes| merged(classes)).regions()))
     }
 }
 
@@ -166,6 +171,23 @@ impl Search<'_> {
 
     fn told(&self, stage: Stage, done: usize, all: usize) {
         (self.asked.told)(&self.part.name, stage, done, all);
+    }
+
+    /// Where nothing couples masses, multipliers stand on the circle together: no border, but an end of all of them.
+    fn is_uncoupled(&self, place: [f64; 2]) -> bool {
+        (0..2).any(|i| {
+            let coupling = matches!(self.plane.parameters[i], Parameter::Gamma2 | Parameter::Gamma3);
+            coupling && place[i] == 0.0 && self.plane.from[i] == 0.0
+        })
+    }
+
+    /// The family whose stripes are known by their modes.
+    fn striped(&self) -> Option<Family> {
+        let family = match self.part.task.families.first() {
+            Some(&family @ (Family::DoubleSided | Family::SingleSided)) => family,
+            _ => return None,
+        };
+        (self.scene.is_conservative() && self.part.is_strict()).then_some(family)
     }
 
     fn eye(&self) -> Eye<'_> {
@@ -192,19 +214,12 @@ impl Search<'_> {
         self.told(Stage::Places, 0, places.len());
         let part = self.part;
         let stop = self.asked.stop;
-        // Where nothing couples masses, multipliers stand on the circle together: no border, but an end of all of them.
-        let uncoupled = |place: [f64; 2]| {
-            (0..2).any(|i| {
-                let coupling = matches!(self.plane.parameters[i], Parameter::Gamma2 | Parameter::Gamma3);
-                coupling && place[i] == 0.0 && self.plane.from[i] == 0.0
-            })
-        };
         let classes: Vec<Option<Class>> = places
             .par_iter()
             .map_init(
                 || self.eye(),
                 |eye, &place| {
-                    let skipped = uncoupled(place) || stop.load(Ordering::Relaxed);
+                    let skipped = self.is_uncoupled(place) || stop.load(Ordering::Relaxed);
                     if skipped { None } else { eye.class(part, place) }
                 },
             )
@@ -215,16 +230,14 @@ impl Search<'_> {
 
     /// Stripes by themselves.
     fn stripes(&mut self) {
-        let family = match self.part.task.families.first() {
-            Some(&family @ (Family::DoubleSided | Family::SingleSided)) => family,
-            _ => return,
-        };
-        if !self.scene.is_conservative() || !self.part.is_strict() || self.stopped() {
+        let Some(family) = self.striped() else { return };
+        if self.stopped() {
             return;
         }
         let (part, tolerance, stop) = (self.part, self.asked.tolerance, self.asked.stop);
-        // Not at the sides: where γ₂ = 0 all modes are one.
-        let rows: Vec<f64> = (0..ROWS).map(|row| (row as f64 + 0.5) / ROWS as f64).collect();
+        // Both sides, too, but not where nothing couples masses: all modes are one there.
+        let rows = (0..=ROWS).map(|row| row as f64 / ROWS as f64);
+        let rows: Vec<f64> = rows.filter(|&y| !self.is_uncoupled([0.5, y])).collect();
         self.told(Stage::Rows, 0, rows.len());
         let workers = || (self.eye(), StripeFinder::default());
         let rows: Vec<Row> = rows
@@ -233,7 +246,7 @@ impl Search<'_> {
                 if stop.load(Ordering::Relaxed) {
                     return Row::default();
                 }
-                Liner { eye, part, finder, family, tolerance }.row(y, ROW_POINTS)
+                Liner { eye, part, finder, family, tolerance }.row(y, (0.0, 1.0), ROW_POINTS)
             })
             .collect();
         let (mut lanes, mut unresolved): (Vec<Lane>, Vec<_>) = (Vec::new(), Vec::new());
@@ -341,6 +354,21 @@ impl Search<'_> {
         }
     }
 
+    /// At the end: whether it was stopped, and no change is told twice, nor one that has a border by now.
+    fn settle(&mut self) {
+        let _ = self.stopped();
+        let reach = 2.0 * self.asked.tolerance;
+        let (window, known) = (self.window, &self.known);
+        let place = |ends: &[[f64; 2]; 2]| window.part([0, 1].map(|i| 0.5 * (ends[0][i] + ends[1][i])));
+        let mut told: Vec<[f64; 2]> = Vec::new();
+        self.found.unexplained.retain(|(_, ends)| {
+            let place = place(ends);
+            let new = !known.holds(place, reach) && !told.contains(&place);
+            told.push(place);
+            new
+        });
+    }
+
     /// The borders between pairs of places, as far as they are this part's. Whether there are any.
     fn explain_all(&mut self, changes: &[[[f64; 2]; 2]]) -> bool {
         let before = self.found.borders.len();
@@ -365,10 +393,25 @@ impl Search<'_> {
 
     /// The borders between two places along one parameter.
     fn explain(&self, eye: &mut Eye<'_>, axis: usize, ends: [[f64; 2]; 2]) -> Outcome {
+        if self.asked.stop.load(Ordering::Relaxed) {
+            return Outcome::default();
+        }
         let reach = 2.0 * self.asked.tolerance;
         let is_known = |place| self.known.holds(place, reach);
         let Some(met) = meet(eye, self.part, (axis, ends), is_known) else { return Outcome::default() };
         let mut outcome = Outcome { explained: met.known, ..Outcome::default() };
+        if met.known {
+            return outcome;
+        }
+        let spectral = |located: &Located| matches!(located.event, Event::NeimarkSacker | Event::PeriodDoubling);
+        // A stripe that no row has shown: by its modes it is known to its end, however thin.
+        if met.resonance.is_none() && met.events.iter().all(spectral) {
+            outcome.borders = self.stripe_at(eye, met.ends[0]);
+            outcome.explained = !outcome.borders.is_empty();
+            if outcome.explained {
+                return outcome;
+            }
+        }
         for located in &met.events {
             let place = self.window.part(self.plane.place(located.orbit.model()));
             if self.known.holds(place, reach) {
@@ -382,11 +425,21 @@ impl Search<'_> {
             return outcome;
         }
         let tolerance = self.asked.tolerance;
+        let alike: Cell<u32> = Cell::new(0);
+        let stopped = |_| self.asked.stop.load(Ordering::Relaxed);
+        let until = |place| {
+            alike.set(if self.known.holds(place, reach) { alike.get() + 1 } else { 0 });
+            let same = alike.get() >= POINTS_ALIKE;
+            if same {
+                alike.set(0);
+            }
+            same || stopped(place)
+        };
         let traced = match met.resonance {
             Some(resonance) => {
-                trace(&mut |place| detuning(eye, resonance, place).map(|x| x > 0.0), met.ends, tolerance)
+                trace(&mut |place| detuning(eye, resonance, place).map(|x| x > 0.0), met.ends, tolerance, &stopped)
             }
-            None => trace(&mut |place| eye.class(self.part, place), met.ends, tolerance),
+            None => trace(&mut |place| eye.class(self.part, place), met.ends, tolerance, &until),
         };
         if let Some(traced) = traced {
             let point = |&(place, error): &([f64; 2], f64)| BorderPoint {
@@ -405,6 +458,19 @@ impl Search<'_> {
             });
         }
         outcome
+    }
+
+    /// Both edges of the stripe that has one of them at a place.
+    fn stripe_at(&self, eye: &mut Eye<'_>, [x, y]: [f64; 2]) -> Vec<Border> {
+        let Some(family) = self.striped() else { return Vec::new() };
+        let (part, tolerance) = (self.part, self.asked.tolerance);
+        let mut liner = Liner { eye, part, finder: &mut StripeFinder::default(), family, tolerance };
+        let row = liner.row(y, ((x - BESIDE).max(0.0), (x + BESIDE).min(1.0)), BESIDE_POINTS);
+        let value = |x: f64| self.window.point([x, y])[0];
+        let [low, high] = [x - 2.0 * tolerance, x + 2.0 * tolerance].map(value);
+        let here = |edge: &f64| low <= *edge && *edge <= high;
+        let Some(stripe) = row.stripes.iter().find(|stripe| stripe.edges.iter().any(here)) else { return Vec::new() };
+        liner.lane(y, stripe).map_or(Vec::new(), |lane| [false, true].map(|upper| self.edge(&lane, upper)).into())
     }
 
     /// The curve of an event.
@@ -457,39 +523,52 @@ impl Search<'_> {
     }
 }
 
-/// What is left in the faces between the borders of all parts.
-fn faces(searches: &mut [Search<'_>]) -> Result<(), MapError> {
+/// What lives in the faces between the borders of all parts, after what was left in them is found.
+fn faces(searches: &mut [Search<'_>]) -> Result<Faces<Vec<Option<Class>>>, MapError> {
     let mut known = HashMap::new();
-    for cut in 0..CUTS {
-        let Some(first) = searches.first() else { return Ok(()) };
-        let (asked, scene, window) = (first.asked, first.scene, first.window);
-        for search in searches.iter_mut() {
-            if search.stopped() {
-                return Ok(());
-            }
-        }
+    let Search { asked, scene, window, .. } = searches[0];
+    let mut cut = 0;
+    loop {
         (asked.told)("", Stage::Faces, cut, CUTS);
         let lines: Vec<_> = searches.iter().flat_map(|search| search.found.lines()).collect();
         let parts: Vec<&Part> = searches.iter().map(|search| search.part).collect();
         let classes = |eye: &mut Eye<'_>, point: [f64; 2]| -> Vec<Option<Class>> {
+            if asked.stop.load(Ordering::Relaxed) {
+                return vec![None];
+            }
             let place = window.part(point);
             parts.iter().map(|part| eye.class(part, place)).collect()
         };
         let is_none = |classes: &Vec<Option<Class>>| classes.contains(&None);
-        let cut = Subdivision::new(window, &lines, asked.tolerance)?;
-        let faces = cut.asked(asked.places, || Eye::new(scene, window), classes, is_none, &mut known);
+        let subdivision = Subdivision::new(window, &lines, asked.tolerance)?;
+        let faces = subdivision.asked(asked.places, || Eye::new(scene, window), classes, is_none, &mut known);
         let changes = faces.unexplained.iter().flat_map(|face| &face.changes);
         let mut changes: Vec<[[f64; 2]; 2]> = changes.map(|ends| ends.map(|point| window.part(point))).collect();
+        // Others first another time.
+        let count = changes.len().max(1);
+        changes.rotate_left(cut * MOST_CHANGES % count);
         changes.truncate(MOST_CHANGES);
         let mut grown = false;
         for search in searches.iter_mut() {
-            grown |= search.explain_all(&changes);
+            grown |= cut < CUTS && !search.stopped() && search.explain_all(&changes);
         }
         if !grown {
-            return Ok(());
+            return Ok(faces);
         }
+        cut += 1;
     }
-    Ok(())
+}
+
+/// What lives at a place of all that does: as a cell has it.
+fn merged(classes: &[Option<Class>]) -> Option<Class> {
+    let stable = |class: &Class| matches!(class, Class::StableDouble | Class::StableSingle | Class::StableWord);
+    let best = |some: &mut dyn Iterator<Item = Class>| some.filter(|class| *class != Class::None).min();
+    let all = || classes.iter().copied().flatten();
+    match best(&mut all().filter(stable)) {
+        Some(class) => Some(class),
+        None if classes.contains(&None) => None,
+        None => Some(best(&mut all()).unwrap_or(Class::None)),
+    }
 }
 
 /// Two places along one parameter between which the same changes as between two others.

@@ -26,13 +26,42 @@ struct Question {
 }
 
 /// What lives in faces, as far as they were asked.
-pub(crate) struct Asked<T> {
+pub(crate) struct Faces<T> {
     cut: Subdivision,
     classes: Vec<T>,
     /// Of each face, by its number in the list.
     class_of: Vec<Option<usize>>,
     pub(crate) unexplained: Vec<Unexplained<T>>,
     closed: Vec<([f64; 2], f64)>,
+}
+
+impl<T: Clone + PartialEq> Faces<T> {
+    /// The same seen otherwise: what is told apart no more is one.
+    pub(crate) fn seen<U: Clone + PartialEq>(self, see: impl Fn(&T) -> U) -> Faces<U> {
+        let mut classes: Vec<U> = Vec::new();
+        let seen = self.classes.iter().map(|class| {
+            let class = see(class);
+            classes.iter().position(|other| *other == class).unwrap_or_else(|| {
+                classes.push(class);
+                classes.len() - 1
+            })
+        });
+        let seen: Vec<usize> = seen.collect();
+        let unexplained = self.unexplained.into_iter().map(|face| {
+            let points = face.points.iter().map(|(point, class)| (*point, see(class))).collect();
+            Unexplained { share: face.share, points, changes: face.changes }
+        });
+        let differing = |face: &Unexplained<U>| face.points.iter().any(|point| point.1 != face.points[0].1);
+        let unexplained = unexplained.filter(differing).collect();
+        let class_of = self.class_of.into_iter().map(|class| class.map(|class| seen[class])).collect();
+        Faces { cut: self.cut, classes, class_of, unexplained, closed: self.closed }
+    }
+
+    /// Faces joined to regions.
+    pub(crate) fn regions(self) -> Regions<T> {
+        let class_of = self.cut.with_thin(self.class_of);
+        Regions::new(&self.cut, &self.classes, &class_of, self.unexplained, self.closed)
+    }
 }
 
 fn bits(point: [f64; 2]) -> [u64; 2] {
@@ -64,10 +93,7 @@ impl Subdivision {
         class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
         is_none: impl Fn(&T) -> bool + Sync,
     ) -> Regions<T> {
-        let Asked { cut, classes, class_of, unexplained, closed } =
-            self.asked(samples, worker, class, is_none, &mut HashMap::new());
-        let class_of = cut.with_thin(class_of);
-        Regions::new(&cut, &classes, &class_of, unexplained, closed)
+        self.asked(samples, worker, class, is_none, &mut HashMap::new()).regions()
     }
 
     /// What lives in the faces, and which of them are unexplained. Answers are taken from those known already, and added to them.
@@ -78,7 +104,7 @@ impl Subdivision {
         class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
         is_none: impl Fn(&T) -> bool + Sync,
         known: &mut HashMap<[u64; 2], T>,
-    ) -> Asked<T> {
+    ) -> Faces<T> {
         let mut closed = Vec::new();
         loop {
             let mut questions: Vec<Question> = Vec::new();
@@ -151,7 +177,7 @@ impl Subdivision {
                     changes: necks.iter().map(|neck| neck.between).collect(),
                 });
                 let unexplained = unexplained.collect();
-                return Asked { cut: self, classes, class_of, unexplained, closed };
+                return Faces { cut: self, classes, class_of, unexplained, closed };
             }
             closed.extend(gaps.iter().map(|neck| (self.middle(neck.side), neck.length)));
             self.close(&gaps.iter().map(|neck| neck.side).collect::<Vec<_>>());

@@ -25,6 +25,7 @@ mod subdivision;
 mod triangles;
 mod window;
 
+pub(crate) use crate::regions::classes::Faces;
 pub use crate::regions::plane::{Area, Part, Region, Regions, Unexplained};
 pub use crate::regions::subdivision::Subdivision;
 pub use crate::regions::window::Window;

@@ -125,6 +125,32 @@ impl<T> Regions<T> {
         &self.window
     }
 
+    /// The same with other words for what lives there. Classes that `name` does not tell apart stay regions of their own.
+    #[must_use]
+    pub fn named<U>(&self, name: impl Fn(&T) -> U) -> Regions<U> {
+        let region = |region: &Region<T>| Region {
+            class: name(&region.class),
+            share: region.share,
+            outlines: region.outlines.clone(),
+        };
+        let area = |area: &Area<T>| Area { class: name(&area.class), share: area.share, error: area.error };
+        let face = |face: &Unexplained<T>| Unexplained {
+            share: face.share,
+            points: face.points.iter().map(|(point, class)| (*point, name(class))).collect(),
+            changes: face.changes.clone(),
+        };
+        Regions {
+            window: self.window,
+            regions: self.regions.iter().map(region).collect(),
+            areas: self.areas.iter().map(area).collect(),
+            unexplained: self.unexplained.iter().map(face).collect(),
+            closed: self.closed.clone(),
+            borders: self.borders.clone(),
+            walls: self.walls.clone(),
+            tree: self.tree.clone(),
+        }
+    }
+
     /// What lives at a point, in units of the axes; nearer to a border than the tolerance, it may be what lives on the other side.
     /// `None` outside the window.
     pub fn at(&self, point: [f64; 2]) -> Option<&T> {

@@ -75,7 +75,7 @@ impl Window {
         let Some(plane) = scene.plane() else {
             let axes = scene.axes.len();
             return Err(MapError::Request(format!(
-                "regions lie in a plane, but the scene has {axes} axes: give x and y"
+                "borders and regions lie in a plane, but the scene has {axes} axes: give x and y, and none besides"
             )));
         };
         let [Some(x), Some(y)] = plane.map(Side::of) else {
