@@ -8,12 +8,15 @@ use super::part::{Eye, Part};
 use crate::cell::Class;
 
 /// The first step along y, short against the distance of two stripes, the longest and the shortest, as parts of the window's side.
-const FIRST: f64 = 2e-5;
+const FIRST: f64 = 2e-6;
 const LONGEST: f64 = 0.05;
-const SHORTEST: f64 = 2e-6;
+const SHORTEST: f64 = 2e-7;
 
 /// How far from where it was expected a stripe may be, as a part of the step, or of its width.
 const ASTRAY: f64 = 0.05;
+
+/// How much farther along x than along y a stripe goes at most, in parts of the sides.
+const FLATTEST: f64 = 20.0;
 
 /// A point of a lane: both edges, where they are in parts of the window's sides.
 #[derive(Debug, Clone, Copy)]
@@ -148,7 +151,7 @@ impl Liner<'_, '_> {
             };
             let moved = (0..2).map(|i| (next.edges[i] - expected[i]).abs()).fold(0.0, f64::max);
             let width = next.edges[1] - next.edges[0];
-            let reach = if points.len() == 1 { 2.0 * step } else { ASTRAY * (step + width) };
+            let reach = if points.len() == 1 { FLATTEST * step } else { ASTRAY * (step + width) };
             if moved > reach {
                 h = 0.5 * step;
                 continue;
