@@ -21,7 +21,7 @@ use vibrochain_maps::sweep::ShardFlag;
                   Files appear whole or not at all; `-` is standard output (words then go to standard error), pipes and \
                   devices are written to directly, links are followed.\n\
                   Exit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 3 the point has no \
-                  answer (a resonance, a grazing impact), 130 interrupted by Ctrl-C or SIGTERM."
+                  answer (no breather to start from, a resonance, a grazing impact), 130 interrupted by Ctrl-C or SIGTERM."
 )]
 pub struct Cli {
     /// What to do.
@@ -198,46 +198,50 @@ pub enum FamilyName {
     PeriodDoubled,
 }
 
-/// The model's parameters as flags.
+/// The model: its parameters as flags, or a scene's, some of them changed by flags.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
+    /// Take the model from a file: a scene, a manifest, a file with [model] alone, or what --json has printed, whose orbit is then the
+    /// one to start near. Flags change its values; what the scene sweeps they must give.
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
     /// Number of masses of the ring (the paper's N + 1), or of one layer.
-    #[arg(long, value_name = "M", value_parser = whole::<i64>, allow_negative_numbers = true)]
-    pub sites: i64,
+    #[arg(long, value_name = "M", required_unless_present = "scene", value_parser = whole::<i64>, allow_negative_numbers = true)]
+    pub sites: Option<i64>,
     /// On-site stiffness γ₁.
-    #[arg(long, value_name = "γ₁", value_parser = real, allow_negative_numbers = true)]
-    pub gamma1: f64,
+    #[arg(long, value_name = "γ₁", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
+    pub gamma1: Option<f64>,
     /// Coupling stiffness γ₂.
-    #[arg(long, value_name = "γ₂", value_parser = real, allow_negative_numbers = true)]
-    pub gamma2: f64,
+    #[arg(long, value_name = "γ₂", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
+    pub gamma2: Option<f64>,
     /// Frequency ω of the force, and of the map.
-    #[arg(long, value_name = "ω", value_parser = real, allow_negative_numbers = true)]
-    pub omega: f64,
+    #[arg(long, value_name = "ω", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
+    pub omega: Option<f64>,
     /// Centre a of the gap, 0 ≤ a < 1.
-    #[arg(long, value_name = "a", value_parser = real, allow_negative_numbers = true)]
-    pub asymmetry: f64,
+    #[arg(long, value_name = "a", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
+    pub asymmetry: Option<f64>,
     /// Amplitude A of the force A cos ω(t+ψ) [default: no force].
-    #[arg(long, value_name = "A", group = "driving", requires = "restitution", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", value_parser = real, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Force of several odd harmonics, instead of --amplitude: number:amplitude:phase of each, as in 1:0.1:0,3:0.03:1.57
     /// for 0.1 cos ω(t+ψ) + 0.03 cos(3ω(t+ψ) + 1.57).
-    #[arg(long, value_name = "J:A:θ,…", group = "driving", requires = "restitution", value_parser = vibrochain_maps::force::parse)]
+    #[arg(long, value_name = "J:A:θ,…", conflicts_with = "amplitude", value_parser = vibrochain_maps::force::parse)]
     pub force: Option<Force>,
     /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
     #[arg(long, value_name = "e", value_parser = real, allow_negative_numbers = true)]
     pub restitution: Option<f64>,
-    /// What stands at the ends of the chain: each other, nothing, or walls.
-    #[arg(long, value_enum, default_value = "closed")]
-    pub ends: EndsName,
-    /// Number of equal chains side by side, coupled mass by mass.
-    #[arg(long, value_name = "L", default_value = "1", requires = "gamma3", value_parser = whole::<i64>, allow_negative_numbers = true)]
-    pub layers: i64,
+    /// What stands at the ends of the chain: each other, nothing, or walls [default: closed].
+    #[arg(long, value_enum)]
+    pub ends: Option<EndsName>,
+    /// Number of equal chains side by side, coupled mass by mass [default: 1].
+    #[arg(long, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
+    pub layers: Option<i64>,
     /// Coupling stiffness γ₃ between layers.
-    #[arg(long, value_name = "γ₃", requires = "layers", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, value_name = "γ₃", value_parser = real, allow_negative_numbers = true)]
     pub gamma3: Option<f64>,
-    /// Whether the last layer is the first one's neighbour, too.
-    #[arg(long, value_enum, default_value = "free", requires = "layers")]
-    pub layer_ends: LayerEndsName,
+    /// Whether the last layer is the first one's neighbour, too [default: free].
+    #[arg(long, value_enum)]
+    pub layer_ends: Option<LayerEndsName>,
 }
 
 /// What stands at the ends of a chain.
@@ -260,8 +264,9 @@ pub enum LayerEndsName {
     Free,
 }
 
-/// Which breathers: of a family, of any impact word, or near a given one.
-#[derive(Debug, Args)]
+/// Which breathers: of a family, of any impact word, or near a given one. With --scene: the one family or word of the scene, or the orbit
+/// of the file, if none of them is given.
+#[derive(Debug, Clone, Args)]
 #[group(id = "which", multiple = false)]
 pub struct WhichArgs {
     /// Family of breathers.
@@ -279,7 +284,7 @@ pub struct WhichArgs {
 
 /// Arguments of `mapgen orbit`.
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("start").args(["family", "word", "near"]).required(true))]
+#[command(group = ArgGroup::new("start").args(["family", "word", "near", "scene"]).required(true).multiple(true))]
 pub struct OrbitArgs {
     /// Which breathers.
     #[command(flatten)]
@@ -401,7 +406,7 @@ impl From<FreeName> for Parameter {
 
 /// Where a branch is taken up, and how far it is followed.
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("start").args(["family", "word", "near"]).required(true))]
+#[command(group = ArgGroup::new("start").args(["family", "word", "near", "scene"]).required(true).multiple(true))]
 pub struct AlongArgs {
     /// The parameter that varies.
     #[arg(long, value_enum)]
@@ -586,14 +591,14 @@ pub enum Direction {
 
 /// Arguments of `mapgen simulate`.
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("start").args(["family", "word", "near", "state"]).required(true))]
+#[command(group = ArgGroup::new("start").args(["family", "word", "near", "state", "scene"]).required(true).multiple(true))]
 pub struct SimulateArgs {
     /// Start on a breather, in the flight before its impact at t = 0.
     #[command(flatten)]
     pub which: WhichArgs,
     /// Start from a state, JSON {"displacement":[…],"velocity":[…]}, at t = 0. A mass at rest on a barrier leaves it if
     /// springs and force pull it inward; if not, it rests there (event stick at t = 0) until they do.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "which")]
     pub state: Option<PathBuf>,
     /// Phase ψ of the force at t = 0, as a time; with --state [default: 0].
     #[arg(long, value_name = "ψ", requires = "state", value_parser = real, allow_negative_numbers = true)]

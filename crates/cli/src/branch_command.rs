@@ -9,12 +9,13 @@ use vibrochain_floquet::{
 };
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::scene::tolerance_from;
 
 use crate::args::{BranchArgs, QuantityName};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::locate_command::{Start, error_text, event, evidence_text, located_json, message, start, verdict_json};
+use crate::locate_command::{
+    Start, error_text, event, evidence_text, located_json, message, range, start, verdict_json,
+};
 use crate::orbit_command::point_value;
 use crate::which;
 
@@ -42,26 +43,25 @@ const HEADER: [&str; 15] = [
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
-    let taken = distinct(&[], &files)?;
+    let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
+    let taken = distinct(&inputs, &files)?;
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let plot = Plot::open(args)?;
-    let start = start(&args.along)?;
+    let start = start(&args.along, console)?;
     if args.plot.is_some() && args.show.contains(&QuantityName::Psi) && start.orbit.model().is_conservative() {
         let message =
             "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral-radius";
         return Err(CliError::Request(message.to_owned()));
     }
     let mut course = Course::new(&start.orbit, args.along.free.into());
-    course.from = args.along.from.unwrap_or(course.from);
-    course.to = args.along.to.unwrap_or(course.to);
+    let [from, to] = range(&start.chosen, course.free, [args.along.from, args.along.to]);
+    (course.from, course.to) = (from.unwrap_or(course.from), to.unwrap_or(course.to));
     if !args.events.is_empty() {
         course.events =
             Event::ALL.into_iter().filter(|one| args.events.iter().any(|name| event(*name) == *one)).collect();
     }
     course.generations = if args.switch { args.generations } else { 0 };
-    if let Some(threshold) = args.threshold {
-        course.tolerance = tolerance_from(threshold).map_err(CliError::Request)?;
-    }
+    course.tolerance = start.chosen.tolerance(args.threshold)?;
     let diagram = diagram(&start.orbit, &course)?;
     let text = if args.json {
         format!("{:#}\n", as_json(&start, &course, &diagram))

@@ -11,7 +11,7 @@ use vibrochain_maps::numbers::Number;
 use crate::args::CurveArgs;
 use crate::console::Console;
 use crate::error::CliError;
-use crate::locate_command::{Start, event, message, start};
+use crate::locate_command::{Start, event, message, range, start};
 use crate::orbit_command::point_value;
 use crate::which;
 
@@ -31,7 +31,8 @@ struct Curves {
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
-    let taken = distinct(&[], &files)?;
+    let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
+    let taken = distinct(&inputs, &files)?;
     let [first, second] = [args.along.free, args.and].map(Parameter::from);
     let header = [
         "curve",
@@ -52,7 +53,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     }
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
     let plot = Plot::open(args)?;
-    let start = start(&args.along)?;
+    let start = start(&args.along, console)?;
     let window = window(args, &start)?;
     let search = Search { event: event(args.event), free: first, from: window.from[0], to: window.to[0] };
     let answer = locate(&start.orbit, &search)?;
@@ -78,11 +79,12 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 /// The ranges of both parameters.
 fn window(args: &CurveArgs, start: &Start) -> Result<Window, CliError> {
     let parameters = [args.along.free, args.and].map(Parameter::from);
-    let asked = [(args.along.from, args.along.to), (args.and_from, args.and_to)];
+    let asked = [[args.along.from, args.along.to], [args.and_from, args.and_to]];
     let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
     for i in 0..2 {
         let usual = Search::new(&start.orbit, event(args.event), parameters[i]);
-        (from[i], to[i]) = (asked[i].0.unwrap_or(usual.from), asked[i].1.unwrap_or(usual.to));
+        let [least, most] = range(&start.chosen, parameters[i], asked[i]);
+        (from[i], to[i]) = (least.unwrap_or(usual.from), most.unwrap_or(usual.to));
     }
     for (flag, value) in [("--and-from", args.and_from), ("--and-to", args.and_to)] {
         let Some(value) = value else { continue };

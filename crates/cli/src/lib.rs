@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `entry`, `program`, `console` | where it begins and ends; the whole program as a function, and what it talks to |
 //! | `args` | the command line |
+//! | `model`, `which` | the model a command is asked about, and which of its breathers |
 //! | `threads` | threads to compute on |
 //! | `pictures` | pictures of a table that is being written |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
@@ -30,6 +31,7 @@ pub mod error;
 mod estimate;
 pub mod locate_command;
 pub mod merge_command;
+pub mod model;
 mod multiplier_file;
 pub mod orbit_command;
 mod orbit_modes;

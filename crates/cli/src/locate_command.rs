@@ -10,7 +10,8 @@ use vibrochain_lattice::{Model, Parameter, Short};
 use crate::args::{AlongArgs, EventName, LocateArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::orbit_command::{model, orbit_value, point_value, with_layer};
+use crate::model::{Chosen, chosen};
+use crate::orbit_command::{orbit_value, point_value, with_layer};
 use crate::which;
 use vibrochain_maps::numbers::Number;
 
@@ -29,6 +30,15 @@ pub(crate) struct Start {
     pub(crate) orbit: Orbit,
     pub(crate) number: usize,
     pub(crate) count: usize,
+    /// Where its model comes from.
+    pub(crate) chosen: Chosen,
+}
+
+/// The range of a parameter: as flags have it, or else as the scene sweeps it.
+pub(crate) fn range(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 2]) -> [Option<f64>; 2] {
+    let axis = chosen.scene.as_ref().and_then(|scene| scene.axis(parameter));
+    let [least, most] = axis.map_or([None; 2], |axis| axis.limits().map(Some));
+    [flags[0].or(least), flags[1].or(most)]
 }
 
 /// Runs the subcommand.
@@ -36,10 +46,10 @@ pub(crate) struct Start {
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let start = start(&args.along)?;
+    let start = start(&args.along, console)?;
     let mut search = Search::new(&start.orbit, event(args.event), args.along.free.into());
-    search.from = args.along.from.unwrap_or(search.from);
-    search.to = args.along.to.unwrap_or(search.to);
+    let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
+    (search.from, search.to) = (from.unwrap_or(search.from), to.unwrap_or(search.to));
     let answer = locate(&start.orbit, &search)?;
     let text = if args.json {
         format!("{:#}\n", as_json(&start, &search, &answer))
@@ -50,11 +60,10 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
 }
 
 /// The range that is searched must hold the start; what does not is told by its flag.
-fn around(args: &AlongArgs, model: &Model) -> Result<(), CliError> {
-    let free = Parameter::from(args.free);
+fn around(free: Parameter, range: [Option<f64>; 2], model: &Model) -> Result<(), CliError> {
     let start = model.get(free);
     let here = format!("{} = {}, where the search starts", free.name(), Short(start));
-    let message = match (args.from, args.to) {
+    let message = match range.into() {
         (Some(from), Some(to)) if from >= to => {
             format!("--from {} is not below --to {}: give a range around {here}", Short(from), Short(to))
         }
@@ -66,19 +75,21 @@ fn around(args: &AlongArgs, model: &Model) -> Result<(), CliError> {
 }
 
 /// The solution asked for, physical or not; otherwise the first physical one.
-pub(crate) fn start(args: &AlongArgs) -> Result<Start, CliError> {
-    let model = &model(&args.model)?;
+pub(crate) fn start(args: &AlongArgs, console: &mut Console<'_>) -> Result<Start, CliError> {
+    let chosen = chosen(&args.model, console)?;
+    let which = which::wanted(&args.which, chosen.scene.as_ref())?;
+    let (model, free) = (&chosen.model, Parameter::from(args.free));
     for (flag, value) in [("--from", args.from), ("--to", args.to)] {
         let Some(value) = value else { continue };
         // In the range of the parameter, told before any work.
-        model.with(Parameter::from(args.free), value).map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
+        model.with(free, value).map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
     }
-    around(args, model)?;
+    around(free, range(&chosen, free, [args.from, args.to]), model)?;
     let mut finder = Finder::new(model.chain().sites());
-    let (_, found) = which::find(&args.which, model, &mut finder, None)?;
+    let (_, found) = which::find(&which, model, &mut finder, None)?;
     let count = found.orbits.len();
     if let Some(reason) = found.completeness.reason() {
-        return Err(CliError::Computation(format!("no orbit to start from: {reason}")));
+        return Err(CliError::IllPosed(format!("no orbit to start from: {reason}")));
     }
     if let Some(number) = args.solution.filter(|&number| number == 0 || number > count) {
         let message = format!("--solution {number} is out of range: there are {count}, give 1 to {count}");
@@ -90,10 +101,10 @@ pub(crate) fn start(args: &AlongArgs) -> Result<Start, CliError> {
             None => finder.quick_admissibility(&orbit)?.is_physical(),
         };
         if wanted {
-            return Ok(Start { orbit, number: i + 1, count });
+            return Ok(Start { orbit, number: i + 1, count, chosen });
         }
     }
-    Err(CliError::Computation(format!(
+    Err(CliError::IllPosed(format!(
         "none of the {count} orbits is physical; --solution K starts from one that is not, `mapgen orbit` lists them"
     )))
 }

@@ -4,12 +4,13 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
-use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, Verdict, leading_modes, phases};
-use vibrochain_lattice::{Ends, Layout, MAX_SITES, Model};
+use vibrochain_floquet::{Analyser, Complex, Mechanism, Verdict, leading_modes, phases};
+use vibrochain_lattice::{Ends, Model};
 
-use crate::args::{EndsName, LayerEndsName, ModelArgs, OrbitArgs};
+use crate::args::OrbitArgs;
 use crate::console::Console;
 use crate::error::CliError;
+use crate::model::chosen;
 use crate::multiplier_file::MultiplierFile;
 use crate::orbit_modes::OrbitModes;
 use crate::solution::Solution;
@@ -17,35 +18,6 @@ use crate::which;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::force;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::point::Point;
-use vibrochain_maps::scene::tolerance_from;
-
-/// The checked model of the flags.
-///
-/// # Errors
-/// [`CliError::Request`] for a value out of range.
-pub fn model(args: &ModelArgs) -> Result<Model, CliError> {
-    let count = |name: &str, value: i64, most: usize| {
-        let range = format!("{name} = {value} is out of range: give a whole number from 1 to {most}");
-        usize::try_from(value).ok().filter(|count| (1..=most).contains(count)).ok_or(CliError::Request(range))
-    };
-    let length = count("sites", args.sites, MAX_SITES)?;
-    let layers = count("layers", args.layers, MAX_SITES / length)?;
-    let ends = match args.ends {
-        EndsName::Closed => Ends::Closed,
-        EndsName::Free => Ends::Free,
-        EndsName::Fixed => Ends::Fixed,
-    };
-    let layer_ends = match args.layer_ends {
-        LayerEndsName::Closed => Ends::Closed,
-        LayerEndsName::Free => Ends::Free,
-    };
-    let (amplitude, restitution) = (args.amplitude.unwrap_or(0.0), args.restitution.unwrap_or(1.0));
-    let gamma3 = args.gamma3.unwrap_or(0.0);
-    let values = [args.gamma1, args.gamma2, args.omega, args.asymmetry, amplitude, restitution, gamma3];
-    let plain = Point { values, ..Point::of(Layout { length, ends, layers, layer_ends }) };
-    Ok(args.force.map_or(plain, |force| plain.under(&force)).model()?)
-}
 
 /// The most multipliers of a solution that JSON lists.
 const MOST_LISTED: usize = 4096;
@@ -55,13 +27,12 @@ const MOST_LISTED: usize = 4096;
 /// # Errors
 /// [`CliError`]; that there is no orbit is an answer.
 pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let model = model(&args.model)?;
-    let tolerance = match args.threshold {
-        None => Tolerance::Rounding,
-        Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
-    };
+    let chosen = chosen(&args.model, console)?;
+    let model = chosen.model;
+    let which = which::wanted(&args.which, chosen.scene.as_ref())?;
+    let tolerance = chosen.tolerance(args.threshold)?;
     let taken = distinct(
-        &[],
+        &[("--scene", args.model.scene.as_deref()), ("--near", args.which.near.as_deref())],
         &[
             ("--multipliers", args.multipliers.as_deref()),
             ("--plot", args.plot.as_deref()),
@@ -72,7 +43,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let plot = Plot::open(args)?;
     let mut finder = Finder::new(model.chain().sites());
     let mut analyser = Analyser::default();
-    let (name, mut found) = which::find(&args.which, &model, &mut finder, Some(console))?;
+    let (name, mut found) = which::find(&which, &model, &mut finder, Some(console))?;
     let mut solutions = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {
         let admissibility = finder.admissibility(&orbit)?;

@@ -6,12 +6,12 @@ use std::sync::atomic::Ordering;
 use vibrochain_breather::{Finder, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Tolerance, stability};
-use vibrochain_lattice::{Model, Short};
+use vibrochain_lattice::Short;
 
 use crate::args::{Direction, SimulateArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::orbit_command::model;
+use crate::model::{Chosen, chosen};
 use crate::pace::{self, Pace};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::start::{Start, leading_mode_at};
@@ -33,7 +33,8 @@ const FLIGHTS: usize = 100_000;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let model = model(&args.model)?;
+    let chosen = chosen(&args.model, console)?;
+    let model = chosen.model;
     if args.samples == 0 || args.samples > 1_000_000 {
         let message = format!("--samples {} is out of range: give a whole number from 1 to 1000000", args.samples);
         return Err(CliError::Request(message));
@@ -50,14 +51,18 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         return Err(CliError::Request(message));
     }
     let taken = distinct(
-        &[("--state", args.state.as_deref())],
+        &[
+            ("--scene", args.model.scene.as_deref()),
+            ("--near", args.which.near.as_deref()),
+            ("--state", args.state.as_deref()),
+        ],
         &[
             ("--impacts", args.impacts.as_deref()),
             ("--trajectory", args.trajectory.as_deref()),
             ("--plot", args.plot.as_deref()),
         ],
     )?;
-    let (start, orbit) = starting_point(args, &model, console)?;
+    let (start, orbit) = starting_point(args, &chosen, console)?;
     let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
     let end = Time::new(&model, periods.trunc() as u64, periods.fract());
@@ -142,24 +147,25 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
 /// The state to start from and the orbit to compare with.
 fn starting_point(
     args: &SimulateArgs,
-    model: &Model,
+    chosen: &Chosen,
     console: &mut Console<'_>,
 ) -> Result<(Start, Option<Orbit>), CliError> {
     if let Some(path) = &args.state {
         return Ok((Start::read(path, args.psi.unwrap_or(0.0))?, None));
     }
+    let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
     let mut finder = Finder::new(model.chain().sites());
-    let (_, mut found) = which::find(&args.which, model, &mut finder, Some(console))?;
+    let (_, mut found) = which::find(&which, model, &mut finder, Some(console))?;
     let count = found.orbits.len();
-    let mut chosen = None;
+    let mut taken = None;
     for (i, orbit) in found.orbits.drain(..).enumerate() {
         let physical = finder.admissibility(&orbit)?.is_physical();
         if args.solution.map_or(physical, |number| number == i + 1) {
-            chosen = Some((orbit, physical));
+            taken = Some((orbit, physical));
             break;
         }
     }
-    let orbit = match (chosen, args.solution, found.completeness.reason()) {
+    let orbit = match (taken, args.solution, found.completeness.reason()) {
         (Some((orbit, true)), _, _) => orbit,
         (Some((_, false)), Some(number), _) => {
             return Err(CliError::Request(format!("solution {number} is not physical; `mapgen orbit` tells why")));
@@ -169,11 +175,9 @@ fn starting_point(
                 "--solution {number} is out of range: there are {count}, give 1 to {count}"
             )));
         }
-        (_, _, Some(reason)) => return Err(CliError::Computation(format!("no orbit to start from: {reason}"))),
+        (_, _, Some(reason)) => return Err(CliError::IllPosed(format!("no orbit to start from: {reason}"))),
         _ => {
-            return Err(CliError::Computation(format!(
-                "no orbit to start from: none of {count} solutions is physical"
-            )));
+            return Err(CliError::IllPosed(format!("no orbit to start from: none of {count} solutions is physical")));
         }
     };
     let mut start = Start::on(&orbit)?;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use clap::ValueEnum;
 use serde::Deserialize;
 use vibrochain_breather::{Family, Finder, Found, Hit, Orbit, Wanted, Word};
 use vibrochain_floquet::FollowedBranch;
@@ -10,7 +11,9 @@ use vibrochain_lattice::{Barrier, Model};
 use crate::args::{FamilyName, WhichArgs};
 use crate::console::Console;
 use crate::error::CliError;
+use vibrochain_maps::cell::SYMMETRIC;
 use vibrochain_maps::numbers::plain;
+use vibrochain_maps::scene::Given;
 
 /// The family of that name.
 pub fn family(name: FamilyName) -> Family {
@@ -18,6 +21,34 @@ pub fn family(name: FamilyName) -> Family {
         FamilyName::DoubleSided => Family::DoubleSided,
         FamilyName::SingleSided => Family::SingleSided,
         FamilyName::PeriodDoubled => Family::PeriodDoubled,
+    }
+}
+
+/// What the flags ask for, or else the file that the model comes from: the orbit it holds, or its only family or word.
+///
+/// # Errors
+/// [`CliError::Request`] where neither says it.
+pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichArgs, CliError> {
+    let request = |message: String| Err(CliError::Request(message));
+    let Some(scene) = scene.filter(|_| which.family.is_none() && which.word.is_none() && which.near.is_none()) else {
+        return Ok(which.clone());
+    };
+    let none = WhichArgs { family: None, word: None, near: None };
+    if scene.has_orbits {
+        return Ok(WhichArgs { near: Some(scene.path.clone()), ..none });
+    }
+    let path = scene.path.display();
+    match scene.families.as_slice() {
+        [] => request(format!("{path} does not say which breathers: give --family, --word or --near")),
+        [one] if one == SYMMETRIC => Ok(WhichArgs { family: Some(FamilyName::DoubleSided), ..none }),
+        [one] => match FamilyName::from_str(one, false) {
+            Ok(family) => Ok(WhichArgs { family: Some(family), ..none }),
+            Err(_) => {
+                let word = one.parse().map_err(|error| CliError::Request(format!("{path}: families: {error}")))?;
+                Ok(WhichArgs { word: Some(word), ..none })
+            }
+        },
+        several => request(format!("{path} has {}: say which by --family, --word or --near", several.join(", "))),
     }
 }
 
@@ -46,7 +77,7 @@ pub(crate) fn find(
         return Ok((canonical.to_string(), found));
     }
     let Some(path) = &which.near else {
-        return Err(CliError::Request("give --family, --word or --near FILE".to_owned()));
+        return Err(CliError::Request("give --family, --word, --near FILE or --scene FILE".to_owned()));
     };
     let near = read(path, model)?;
     found.orbits.push(finder.polish(&near).map_err(|error| CliError::from(error).about("--near"))?);

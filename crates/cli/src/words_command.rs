@@ -10,9 +10,8 @@ use vibrochain_lattice::{Layout, Model, Parameter};
 use crate::args::{SiteFamily, WordsArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::orbit_command::model;
+use crate::model::chosen;
 use vibrochain_maps::files::{CsvFile, distinct};
-use vibrochain_maps::scene::tolerance_from;
 
 /// The most words that are looked at, before symmetry makes them fewer: some minutes of work.
 const MOST: f64 = 1e5;
@@ -66,13 +65,11 @@ impl Row {
 /// # Errors
 /// [`CliError`]; that no word has an orbit is an answer.
 pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let model = model(&args.model)?;
+    let chosen = chosen(&args.model, console)?;
+    let model = chosen.model;
     let families = families(args, &model.chain().layout())?;
-    let tolerance = match args.threshold {
-        None => Tolerance::Rounding,
-        Some(threshold) => tolerance_from(threshold).map_err(CliError::Request)?,
-    };
-    let taken = distinct(&[], &[("--csv", args.csv.as_deref())])?;
+    let tolerance = chosen.tolerance(args.threshold)?;
+    let taken = distinct(&[("--scene", args.model.scene.as_deref())], &[("--csv", args.csv.as_deref())])?;
     let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let words = Word::enumerate(&model, args.sites_used, args.reach, &families)
         .map_err(|error| CliError::Request(error.to_string()))?;

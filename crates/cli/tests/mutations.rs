@@ -27,7 +27,7 @@ use vibrochain_breather::{Family, Word};
 use vibrochain_cli::args::{Cli, Command, read};
 use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
-use vibrochain_cli::orbit_command::model;
+use vibrochain_cli::model;
 use vibrochain_cli::program;
 use vibrochain_lattice::Model;
 use vibrochain_maps::scene::Scene;
@@ -343,7 +343,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         // Every border of a window.
         Ok(Command::Curves(_)) => Plan::Stopped,
         // Each word by a dense matrix.
-        Ok(Command::Words(args)) => match model(&args.model) {
+        Ok(Command::Words(args)) => match model::model(&args.model).map(|chosen| chosen.model) {
             Ok(model) => {
                 let words = Word::combinations(
                     &model.chain().layout(),
@@ -355,7 +355,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             }
             Err(_) => Plan::Whole,
         },
-        Ok(Command::Orbit(args)) => match model(&args.model) {
+        Ok(Command::Orbit(args)) => match model::model(&args.model).map(|chosen| chosen.model) {
             Ok(model) if args.plot.is_none() && args.all_plots.is_none() => {
                 // Words under a force are followed over many orbits.
                 let orbits = if args.which.word.is_some() { 100.0 } else { 1.0 };
@@ -365,12 +365,12 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             Err(_) => Plan::Whole,
         },
         // Hundreds of orbits.
-        Ok(Command::Locate(args)) => match model(&args.along.model) {
+        Ok(Command::Locate(args)) => match model::model(&args.along.model).map(|chosen| chosen.model) {
             Ok(model) => of(100.0 * model.chain().sites() as f64 * windows(&model, true), Plan::Parameters),
             Err(_) => Plan::Whole,
         },
         // Hundreds of spectra of each branch.
-        Ok(Command::Branch(args)) => match model(&args.along.model) {
+        Ok(Command::Branch(args)) => match model::model(&args.along.model).map(|chosen| chosen.model) {
             Ok(_) if args.switch || args.plot.is_some() => Plan::Parameters,
             Ok(model) => {
                 let spectra = 1000.0 * (model.chain().sites() as f64).powi(3);
@@ -381,7 +381,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         // As many, of each curve.
         Ok(Command::Curve(_)) => Plan::Parameters,
         Ok(Command::Simulate(args)) => {
-            let Ok(model) = model(&args.model) else { return Plan::Whole };
+            let Ok(model) = model::model(&args.model).map(|chosen| chosen.model) else { return Plan::Whole };
             let sites = model.chain().sites() as f64;
             if args.plot.is_some() || sites * windows(&model, true) > work {
                 return Plan::Parameters;

@@ -129,7 +129,7 @@ fn a_ring_without_force_may_lose_energy() {
     let (code, out, _) = run(&format!("mapgen orbit --family double-sided {lossy}"));
     assert!(code == 0 && out.contains("impacts lose energy"), "{out}");
     let (code, _, message) = run(&format!("mapgen simulate --family double-sided {lossy}"));
-    assert!(code == 1 && message.contains("no orbit to start from: impacts lose energy"), "{message}");
+    assert!(code == 3 && message.contains("no orbit to start from: impacts lose energy"), "{message}");
 }
 
 #[test]

@@ -17,13 +17,16 @@ use crate::point::Parameter;
 use crate::scene::axis::{Axis, MAX_POINTS, Values};
 use crate::text::{clipped, excerpt};
 
+/// The most bytes of a scene's file: 200 000 values in all their digits, which take 200 MB while they are checked.
+pub const MAX_BYTES: u64 = 4 << 20;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
     pub(super) title: Option<String>,
     pub(super) model: ModelTable,
-    pub(super) sweep: Spanned<SweepTable>,
-    pub(super) compute: ComputeTable,
+    pub(super) sweep: Option<Spanned<SweepTable>>,
+    pub(super) compute: Option<ComputeTable>,
 }
 
 #[derive(Deserialize)]
@@ -141,19 +144,33 @@ impl ModelTable {
     }
 }
 
-/// The scene that a manifest describes, as the text of a scene file. A scene file itself never begins with a brace.
-pub(super) fn of_manifest(path: &Path, text: &str) -> Result<Option<String>, MapError> {
+/// The scene that a JSON file describes.
+pub(super) struct Json {
+    /// As the text of a scene file.
+    pub(super) scene: String,
+    /// Whether the file holds orbits.
+    pub(super) has_orbits: bool,
+}
+
+/// The scene of a manifest, or of the answer of a command, which calls its model `parameters`. A scene file itself never begins with
+/// a brace.
+pub(super) fn of_manifest(path: &Path, text: &str) -> Result<Option<Json>, MapError> {
     if !text.trim_start().starts_with('{') {
         return Ok(None);
     }
     let wrong = |what: &dyn std::fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));
     let mut manifest: Map<String, Value> = serde_json::from_str(text).map_err(|error| wrong(&error))?;
+    let has_orbits = manifest.get("solutions").and_then(Value::as_array).is_some_and(|list| !list.is_empty());
+    if let Some(parameters) = manifest.remove("parameters") {
+        manifest.entry("model").or_insert(parameters);
+    }
     manifest.retain(|key, value| matches!(key.as_str(), "title" | "model" | "sweep" | "compute") && !value.is_null());
     // TOML has no null; what is null in a manifest is absent in a scene.
     for part in manifest.values_mut().filter_map(Value::as_object_mut) {
         part.retain(|_, value| !value.is_null());
     }
-    toml::to_string(&manifest).map(Some).map_err(|error| wrong(&error))
+    let scene = toml::to_string(&manifest).map_err(|error| wrong(&error))?;
+    Ok(Some(Json { scene, has_orbits }))
 }
 
 impl AxisTable {

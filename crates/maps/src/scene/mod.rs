@@ -2,6 +2,7 @@
 
 mod axis;
 mod file;
+mod given;
 
 use std::path::Path;
 
@@ -9,19 +10,18 @@ use toml::Spanned;
 use vibrochain_floquet::Tolerance;
 
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
-pub use crate::scene::file::{Source, tolerance_from};
+pub use crate::scene::file::{MAX_BYTES, Source, tolerance_from};
+pub use crate::scene::given::Given;
 
 use crate::cell::Task;
 use crate::error::MapError;
 use crate::point::{Parameter, Point};
 use crate::scene::file::{File, of_manifest};
+use crate::scene::given::Parts;
 use crate::text::read_text;
 
 /// The most cells of one sweep.
 pub const MAX_CELLS: u64 = 1_000_000_000_000;
-
-/// The most bytes of a scene's file: 200 000 values in all their digits, which take 200 MB while they are checked.
-pub const MAX_BYTES: u64 = 4 << 20;
 
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,50 +69,28 @@ impl Scene {
     /// assert!(Scene::parse(Path::new("map.toml"), &text.replace("0.4,", "-0.4,")).is_err());
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, MapError> {
-        let manifest = of_manifest(path, text)?;
-        let text = manifest.as_deref().unwrap_or(text);
+        let json = of_manifest(path, text)?;
+        let text = json.as_ref().map_or(text, |json| &json.scene);
         let source = Source { path, text };
         let file: File = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
-        let tables = file.sweep.get_ref().axes(&source)?;
+        let missing = |key: &str| source.error(0..0, format!("missing field `{key}`"));
+        let sweep = file.sweep.as_ref().ok_or_else(|| missing("sweep"))?;
+        let compute = file.compute.as_ref().ok_or_else(|| missing("compute"))?;
+        let tables = sweep.get_ref().axes(&source)?;
         if tables.is_empty() {
             let message = "[sweep] has no axis: give x and y, and any others in the list axes";
-            return Err(source.error(file.sweep.span(), message));
+            return Err(source.error(sweep.span(), message));
         }
-        let axes = tables.iter().map(|table| source.axis(table)).collect::<Result<Vec<_>, MapError>>()?;
-        for (i, axis) in axes.iter().enumerate() {
-            if axes[..i].iter().any(|earlier| earlier.parameter == axis.parameter) {
-                let message = format!("{} is swept twice: give different parameters", axis.parameter.name());
-                return Err(source.error(tables[i].get_ref().parameter.span(), message));
-            }
-        }
+        let Parts { layout, force, axes, values } = Parts::of(&file, &source)?;
         let cells = axes.iter().try_fold(1_u64, |cells, axis| cells.checked_mul(axis.points() as u64));
         if cells.is_none_or(|cells| cells > MAX_CELLS) {
             let message = format!("the axes have more than {MAX_CELLS} cells together: give fewer points");
-            return Err(source.error(file.sweep.span(), message));
+            return Err(source.error(sweep.span(), message));
         }
-        let sites = *file.model.sites.get_ref();
-        let sites = usize::try_from(sites)
-            .ok()
-            .filter(|&sites| (1..=vibrochain_lattice::MAX_SITES).contains(&sites))
-            .ok_or_else(|| {
-            let limit = vibrochain_lattice::MAX_SITES;
-            let message = format!("sites = {sites} is out of range: give a whole number from 1 to {limit}");
-            source.error(file.model.sites.span(), message)
-        })?;
-        let mut base = Point::of(file.model.layout(sites, &source)?);
-        let [amplitude, restitution] = file.model.driving(&source)?;
-        let force = file.model.force.as_ref().map(|list| source.force(list)).transpose()?;
-        let given = [
-            (Parameter::Gamma1, file.model.gamma1.as_ref()),
-            (Parameter::Gamma2, file.model.gamma2.as_ref()),
-            (Parameter::Omega, file.model.omega.as_ref()),
-            (Parameter::Asymmetry, file.model.asymmetry.as_ref()),
-            (Parameter::Amplitude, amplitude),
-            (Parameter::Restitution, restitution),
-            (Parameter::Gamma3, file.model.gamma3.as_ref()),
-        ];
+        let mut base = Point::of(layout);
         let axis_of = |parameter| axes.iter().find(|axis| axis.parameter == parameter);
         let is_swept = |parameter| axis_of(parameter).is_some();
+        let [amplitude, restitution] = [Parameter::Amplitude, Parameter::Restitution].map(|p| values[p as usize]);
         // Without any word of force or restitution the model is conservative.
         let conservative = file.model.forcing.is_none()
             && amplitude.is_none()
@@ -122,35 +100,19 @@ impl Scene {
             && !is_swept(Parameter::Restitution);
         // A restitution of 1 needs no force either.
         let elastic = restitution.is_some_and(|value| *value.get_ref() == 1.0);
-        let mut spans = [const { None }; Parameter::ALL.len()];
-        for (parameter, value) in given {
-            let name = parameter.name();
-            if parameter == Parameter::Amplitude
-                && let Some(force) = &force
-            {
-                let message = "amplitude and force are both given, but the harmonics of force have their own amplitudes: remove one of the two";
-                let axis = tables.iter().map(|table| &table.get_ref().parameter).find(|axis| axis.get_ref() == name);
-                if let Some(span) = value.map(Spanned::span).or(axis.map(Spanned::span)) {
-                    return Err(source.error(span, message));
-                }
+        for (parameter, value) in Parameter::ALL.into_iter().zip(values) {
+            if let (Parameter::Amplitude, Some(force)) = (parameter, &force) {
                 base = base.under(force);
                 continue;
             }
             let value = match (value, axis_of(parameter)) {
-                (Some(value), Some(_)) => {
-                    let message = format!("{name} is given twice, here and as an axis of [sweep]: remove one of them");
-                    return Err(source.error(value.span(), message));
-                }
-                (Some(value), None) => {
-                    spans[parameter as usize] = Some(value.span());
-                    *value.get_ref()
-                }
+                (Some(value), _) => *value.get_ref(),
                 (None, Some(axis)) => axis.first(),
                 (None, None) if (conservative || elastic) && parameter == Parameter::Amplitude => 0.0,
                 (None, None) if conservative && parameter == Parameter::Restitution => 1.0,
                 (None, None) if parameter == Parameter::Gamma3 && base.layout.layers == 1 => 0.0,
                 (None, None) => {
-                    let message = format!("{name} is missing: set it in [model], or sweep it");
+                    let message = format!("{} is missing: set it in [model], or sweep it", parameter.name());
                     return Err(source.error(file.model.sites.span(), message));
                 }
             };
@@ -165,7 +127,8 @@ impl Scene {
                 // The end of the axis that is out of range, or the fixed value.
                 let end = ends.iter().zip(&tables).find(|((parameter, _), _)| parameter.name() == error.name);
                 let span = end.and_then(|((_, value), table)| table.get_ref().place(*value));
-                let span = span.or(Parameter::from_name(error.name).and_then(|p| spans[p as usize].clone()));
+                let span =
+                    span.or(Parameter::from_name(error.name).and_then(|p| values[p as usize]).map(Spanned::span));
                 return Err(source.error(span.unwrap_or_else(|| file.model.sites.span()), error));
             }
         }
@@ -174,9 +137,9 @@ impl Scene {
         let varied = general.into_iter().filter(|&(parameter, _)| is_swept(parameter));
         let anywhere = varied.fold(base, |point, (parameter, value)| point.with(parameter, value));
         let anywhere = anywhere.model().map_err(|error| source.error(file.model.sites.span(), error))?;
-        let task = source.task(&file.compute, &anywhere)?;
+        let task = source.task(compute, &anywhere)?;
         let scene = Self { title: file.title, base, axes, task };
-        if let Some(span) = file.compute.collisions.as_ref().map(Spanned::span)
+        if let Some(span) = compute.collisions.as_ref().map(Spanned::span)
             && scene.task.collisions
             && !scene.is_conservative()
         {
