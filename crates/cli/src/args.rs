@@ -27,6 +27,24 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// What all commands understand.
+    #[command(flatten)]
+    pub common: CommonArgs,
+}
+
+/// What all commands understand.
+#[derive(Debug, Args)]
+pub struct CommonArgs {
+    /// No progress bar and no summary.
+    #[arg(long, short, global = true, display_order = 900)]
+    pub quiet: bool,
+    /// Tell on standard error how long it took, on how many threads; after --version: what this build can do, and this machine.
+    #[arg(long, short, global = true, display_order = 901)]
+    pub verbose: bool,
+    /// Threads for what computes many points [default: all cores, or what RAYON_NUM_THREADS says; with --shard slurm,
+    /// SLURM_CPUS_PER_TASK].
+    #[arg(long, global = true, value_name = "N", display_order = 902, value_parser = whole::<usize>, allow_negative_numbers = true)]
+    pub threads: Option<usize>,
 }
 
 /// Reads a command line, its own name first. A number may begin with a point, as in `-.5`, which clap takes for a flag.
@@ -64,9 +82,42 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
     Stripes(StripesArgs),
+    /// Write a scene to begin with, every key explained.
+    Init(InitArgs),
+    /// Print a script that completes commands and flags in a shell.
+    Completions(CompletionsArgs),
+    /// Write manual pages.
+    Man(ManArgs),
     /// Commands that have become studies.
     #[command(hide = true, aliases = STUDIES)]
     Study(StudyArgs),
+}
+
+/// Arguments of `mapgen init`.
+#[derive(Debug, Args)]
+pub struct InitArgs {
+    /// Scene file to write (.toml), or `-`.
+    pub file: PathBuf,
+}
+
+/// Arguments of `mapgen completions`.
+#[derive(Debug, Args)]
+#[command(after_help = "For bash: mapgen completions bash > ~/.local/share/bash-completion/completions/mapgen")]
+pub struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Arguments of `mapgen man`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "man -l DIR/mapgen-sweep.1 reads one; where `man mapgen-sweep` looks for them: ~/.local/share/man/man1"
+)]
+pub struct ManArgs {
+    /// Folder for the pages, one for each command.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
 }
 
 /// What is computed by the program `studies`.
@@ -114,18 +165,15 @@ pub struct SweepArgs {
     /// Compute a few cells only, and tell how many there are, how long they will take and how much they will fill.
     #[arg(long)]
     pub dry_run: bool,
+    /// Print the manifest, too, instead of a summary.
+    #[arg(long, conflicts_with_all = ["shard", "dry_run"])]
+    pub json: bool,
     /// Pictures of the table.
     #[command(flatten)]
     pub pictures: PictureArgs,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
-    /// Threads to use [default: all cores; with --shard slurm, SLURM_CPUS_PER_TASK].
-    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
-    pub threads: Option<usize>,
-    /// No progress bar and no summary.
-    #[arg(long, short)]
-    pub quiet: bool,
 }
 
 /// Pictures of a map.
@@ -154,9 +202,9 @@ pub struct MergeArgs {
     /// Pictures of the table.
     #[command(flatten)]
     pub pictures: PictureArgs,
-    /// No summary.
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// Print the manifest, too, instead of a summary.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `mapgen stripes`.
@@ -171,8 +219,8 @@ pub struct StripesArgs {
     /// Scene file (TOML) of a conservative map with x = omega and y = gamma2.
     pub scene: PathBuf,
     /// Picture of the map and the lines, .png or .svg.
-    #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    #[arg(long, value_name = "FILE", alias = "out")]
+    pub plot: PathBuf,
     /// Table of the lines (CSV).
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -342,6 +390,9 @@ pub struct WordsArgs {
     /// The list as a table (CSV).
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Print JSON instead of text.
+    #[arg(long, conflicts_with = "from_zero")]
+    pub json: bool,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
@@ -441,6 +492,9 @@ pub struct LocateArgs {
     /// Where, along what, how far.
     #[command(flatten)]
     pub along: AlongArgs,
+    /// The events as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,
@@ -560,7 +614,7 @@ pub struct CurvesArgs {
     pub points: Option<PathBuf>,
     /// Picture of the map by its regions, .png or .svg: a stripe thinner than a pixel is drawn by its share.
     #[arg(long, value_name = "FILE")]
-    pub map: Option<PathBuf>,
+    pub plot: Option<PathBuf>,
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,
@@ -574,9 +628,6 @@ pub struct CurvesArgs {
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: that of the scene, or strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
-    /// Threads [default: all cores, or what RAYON_NUM_THREADS says].
-    #[arg(long, value_name = "T", value_parser = whole::<usize>, allow_negative_numbers = true)]
-    pub threads: Option<usize>,
 }
 
 /// Direction of a perturbation.
@@ -596,11 +647,11 @@ pub struct SimulateArgs {
     /// Start on a breather, in the flight before its impact at t = 0.
     #[command(flatten)]
     pub which: WhichArgs,
-    /// Start from a state, JSON {"displacement":[…],"velocity":[…]}, at t = 0. A mass at rest on a barrier leaves it if
+    /// Start from a state, JSON {"displacement":[…],"velocity":[…],"psi":0} or what --json has printed, at t = 0. A mass at rest on a barrier leaves it if
     /// springs and force pull it inward; if not, it rests there (event stick at t = 0) until they do.
     #[arg(long, value_name = "FILE", conflicts_with = "which")]
     pub state: Option<PathBuf>,
-    /// Phase ψ of the force at t = 0, as a time; with --state [default: 0].
+    /// Phase ψ of the force at t = 0, as a time; with --state [default: that of the file, or 0].
     #[arg(long, value_name = "ψ", requires = "state", value_parser = real, allow_negative_numbers = true)]
     pub psi: Option<f64>,
     /// Which of several solutions, numbered as `mapgen orbit` lists them [default: the first physical one].
@@ -636,4 +687,7 @@ pub struct SimulateArgs {
     /// Picture of the run, .png or .svg: the impacting mass over the analytic orbit, all masses in space and time.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Print JSON instead of text, with the state at the end, which --state takes up again.
+    #[arg(long)]
+    pub json: bool,
 }

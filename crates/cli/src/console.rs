@@ -17,6 +17,10 @@ pub struct Console<'a> {
     pub err: &'a mut dyn Write,
     /// Whether standard error is a terminal, where long work may draw a progress bar.
     pub progress: bool,
+    /// Whether summaries are to be left out.
+    pub quiet: bool,
+    /// Threads to compute on, if their number was asked for.
+    pub threads: Option<usize>,
     /// Hands out the flag that tells long work to stop. Asked only by commands that look at it.
     pub interrupt: &'a dyn Fn() -> Result<Arc<AtomicBool>, CliError>,
 }
@@ -27,7 +31,16 @@ impl fmt::Debug for Console<'_> {
     }
 }
 
-impl Console<'_> {
+impl<'a> Console<'a> {
+    /// Without a terminal, with summaries, and on as many threads as there are cores.
+    pub fn new(
+        out: &'a mut dyn Write,
+        err: &'a mut dyn Write,
+        interrupt: &'a dyn Fn() -> Result<Arc<AtomicBool>, CliError>,
+    ) -> Self {
+        Self { out, err, progress: false, quiet: false, threads: None, interrupt }
+    }
+
     /// Prints the answer of a command. A reader that has seen enough (`| head`) is no failure.
     ///
     /// # Errors
@@ -50,8 +63,15 @@ impl Console<'_> {
         if !taken {
             return self.print(text);
         }
-        self.remark(text.trim_end());
+        self.summary(text.trim_end());
         Ok(())
+    }
+
+    /// A remark that says how something went well: nobody misses it who has asked for quiet.
+    pub fn summary(&mut self, text: &str) {
+        if !self.quiet {
+            self.remark(text);
+        }
     }
 
     /// A remark for people, who may be shown names and words from files of others. With nobody left to read it, it is no
@@ -152,7 +172,7 @@ mod tests {
         }
         let print = |kind| {
             let (mut out, mut err) = (Broken(kind), Broken(kind));
-            let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &ctrl_c };
+            let mut console = Console::new(&mut out, &mut err, &ctrl_c);
             console.remark("nobody reads this");
             console.print("answer")
         };

@@ -32,7 +32,8 @@ pub(crate) type Lives = Option<Class>;
 /// [`CliError`].
 pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let scene = Plan::read(&args.scene, args.threshold)?.scene;
-    let files = [("--csv", args.csv.as_deref()), ("--points", args.points.as_deref()), ("--map", args.map.as_deref())];
+    let files =
+        [("--csv", args.csv.as_deref()), ("--points", args.points.as_deref()), ("--plot", args.plot.as_deref())];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
     let names = match scene.axes.as_slice() {
         [x, y] => [x, y].map(|axis| axis.parameter.name()),
@@ -45,7 +46,7 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let points = args.points.as_deref().map(|path| CsvFile::create("--points", path, header)).transpose()?;
     let map = Map::open(args)?;
     let stop = (console.interrupt)()?;
-    let pool = threads(args.threads)?;
+    let pool = threads(console.threads)?;
     let started = Instant::now();
     let bar = Bar::new(console.progress && !taken);
     let asked = Asked {
@@ -313,7 +314,7 @@ mod with_plot {
 
     impl Map {
         pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
-            Ok(Self { file: open("--map", args.map.as_deref())? })
+            Ok(Self { file: open("--plot", args.plot.as_deref())? })
         }
 
         pub(super) fn finish(self, scene: &Scene, regions: &Regions<Lives>) -> Result<(), CliError> {
@@ -337,7 +338,7 @@ mod without_plot {
 
     impl Map {
         pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
-            match args.map {
+            match args.plot {
                 Some(_) => Err(CliError::Request("--map needs a build with the feature `plot`".to_owned())),
                 None => Ok(Self),
             }

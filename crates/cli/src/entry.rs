@@ -26,7 +26,7 @@ pub fn enter(run: fn(Vec<OsString>, &mut Console<'_>) -> Result<(), CliError>) -
     }
     survive_file_limit();
     let (mut out, mut err, progress) = (stdout(), stderr(), stderr().is_terminal());
-    let mut console = Console { out: &mut out, err: &mut err, progress, interrupt: &ctrl_c };
+    let mut console = Console { progress, ..Console::new(&mut out, &mut err, &ctrl_c) };
     let result = run(std::env::args_os().collect(), &mut console);
     match &result {
         Ok(()) | Err(CliError::Unread) => {}

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `entry`, `program`, `console` | where it begins and ends; the whole program as a function, and what it talks to |
 //! | `args` | the command line |
+//! | `setup_command`, `version` | a scene to begin with, completions, manual pages; what this build can do |
 //! | `model`, `which` | the model a command is asked about, and which of its breathers |
 //! | `threads` | threads to compute on |
 //! | `pictures` | pictures of a table that is being written |
@@ -42,6 +43,7 @@ mod pictures;
 pub mod program;
 pub mod recording;
 mod report;
+pub mod setup_command;
 pub mod simulate_command;
 mod solution;
 pub mod start;
@@ -49,5 +51,6 @@ pub mod start;
 pub mod stripes;
 pub mod sweep_command;
 pub mod threads;
+mod version;
 pub mod which;
 pub mod words_command;

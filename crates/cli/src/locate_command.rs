@@ -13,6 +13,7 @@ use crate::error::CliError;
 use crate::model::{Chosen, chosen};
 use crate::orbit_command::{orbit_value, point_value, with_layer};
 use crate::which;
+use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 
 pub(crate) fn event(name: EventName) -> Event {
@@ -46,6 +47,10 @@ pub(crate) fn range(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
+    let taken = distinct(&inputs, &[("--csv", args.csv.as_deref())])?;
+    let header = HEADER.map(|name| if name == FREE { Parameter::from(args.along.free).name() } else { name });
+    let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
     let start = start(&args.along, console)?;
     let mut search = Search::new(&start.orbit, event(args.event), args.along.free.into());
     let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
@@ -56,7 +61,37 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     } else {
         as_text(&start, &search, &answer)
     };
-    console.print(&text)
+    console.answer(&text, taken)?;
+    let Some(mut table) = table else { return Ok(()) };
+    answer.located.iter().try_for_each(|found| table.row(fields(found)))?;
+    Ok(table.finish()?)
+}
+
+/// Stands in the header for the parameter that varies.
+const FREE: &str = "value";
+
+const HEADER: [&str; 9] = ["event", FREE, "error", "impulses", "phi", "psi", "period", "physical", "multiplier"];
+
+/// A row of the table.
+fn fields(found: &Located) -> [String; 9] {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let orbit = &found.orbit;
+    let impulses: Vec<String> = orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
+    let multiplier = match found.evidence {
+        Evidence::Multiplier(mu) => format!("{} {}", mu.re, mu.im),
+        Evidence::Touch(_) | Evidence::Impact(_) => String::new(),
+    };
+    [
+        found.event.name().to_owned(),
+        found.value.to_string(),
+        number(found.error.is_finite().then_some(found.error)),
+        impulses.join(" "),
+        number(orbit.phi()),
+        number(orbit.psi()),
+        orbit.period().to_string(),
+        found.physical.map_or(String::new(), |physical| physical.to_string()),
+        multiplier,
+    ]
 }
 
 /// The range that is searched must hold the start; what does not is told by its flag.

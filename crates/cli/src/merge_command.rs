@@ -8,7 +8,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::pictures::Pictures;
 use crate::report::report;
-use crate::sweep_command::{manifest_path, place, quoted, write_manifest};
+use crate::sweep_command::{manifest_path, manifest_text, nothing_else, place, quoted, tell};
 use crate::threads::threads;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{distinct, name_within};
@@ -24,7 +24,7 @@ const MOST_NAMED: usize = 12;
 /// [`CliError`].
 pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let plan = Store::plan(&args.folder)?;
-    let pool = threads(None)?;
+    let pool = threads(console.threads)?;
     let manifest_file = place(&args.out)?.map(|_| manifest_path(&args.out));
     let wanted = &args.pictures;
     let outputs = [
@@ -33,7 +33,7 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         ("--png", wanted.png.as_deref()),
         ("--svg", wanted.svg.as_deref()),
     ];
-    distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?;
+    nothing_else(args.json, distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?)?;
     for (flag, path) in outputs {
         let Some(path) = path else { continue };
         if name_within(&args.folder, path).is_some_and(|name| Store::owns(&name)) {
@@ -63,14 +63,12 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         Err(Unassembled::Chunk(chunk, fault)) => return Err(incomplete(args, &plan, &[(chunk, fault)])),
     };
     assembly.into_table().commit()?;
+    let manifest = manifest_text(&plan, &summary, None);
     if let Some(file) = &manifest_file {
-        write_manifest(file, &plan, &summary, None)?;
+        Output::create(file)?.finish_with(manifest.as_bytes())?;
     }
     pictures.finish()?;
-    if !args.quiet {
-        console.remark(&report(&plan.scene, &summary, None));
-    }
-    Ok(())
+    tell(args.json, &manifest, || report(&plan.scene, &summary, None), console)
 }
 
 /// Names the chunks that are not there or not sound, and the command that makes them.

@@ -39,7 +39,7 @@ impl Chosen {
 /// As [`model`].
 pub fn chosen(args: &ModelArgs, console: &mut Console<'_>) -> Result<Chosen, CliError> {
     let chosen = model(args)?;
-    chosen.changed.iter().for_each(|changed| console.remark(changed));
+    chosen.changed.iter().for_each(|changed| console.summary(changed));
     Ok(chosen)
 }
 

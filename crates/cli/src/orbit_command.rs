@@ -426,7 +426,7 @@ mod with_plot {
                     orbit_plots::write(folder, *format, i + 1, &solution.orbit, solution.stability.as_ref().ok())?;
                 }
                 let (drawn, folder) = (solutions.len().min(MOST), folder.display());
-                console.remark(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
+                console.summary(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
             }
             let Some((format, file)) = self.one else { return Ok(()) };
             let mut panels = Vec::new();

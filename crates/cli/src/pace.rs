@@ -99,7 +99,7 @@ mod tests {
         };
         let (mut out, mut err) = (Vec::new(), Vec::new());
         let interrupt = crate::console::ctrl_c;
-        let console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &interrupt };
+        let console = Console::new(&mut out, &mut err, &interrupt);
         let pace = Pace::new(20.0, None, &console);
         assert_eq!(quiet(&pace, 5.0, 10, 10), "5.000000 of 20 periods, 10 impacts, about 30.0 s left");
         assert_eq!(quiet(&pace, 2e-9, 7, 10), "2.000e-9 of 20 periods, 7 impacts, about 3168.8 years left");

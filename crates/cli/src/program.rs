@@ -1,13 +1,18 @@
 //! The whole program as a function: arguments in, an answer or the reason why there is none out.
 
 use std::ffi::OsString;
+use std::time::Instant;
+
+use clap::error::ErrorKind;
 
 use crate::args::{Cli, Command, STUDIES, read};
 use crate::console::Console;
 use crate::error::CliError;
+use crate::threads::{cores, number};
+use crate::version::about;
 use crate::{
-    branch_command, curve_command, curves_command, locate_command, merge_command, orbit_command, simulate_command,
-    sweep_command, words_command,
+    branch_command, curve_command, curves_command, locate_command, merge_command, orbit_command, setup_command,
+    simulate_command, sweep_command, words_command,
 };
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
@@ -19,7 +24,7 @@ use crate::{
 /// ```
 /// use vibrochain_cli::console::{Console, ctrl_c};
 /// let (mut out, mut err) = (Vec::new(), Vec::new());
-/// let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &ctrl_c };
+/// let mut console = Console::new(&mut out, &mut err, &ctrl_c);
 /// let flags = "--sites 21 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
 /// let line = format!("mapgen orbit --family double-sided {flags}");
 /// vibrochain_cli::program::run(line.split(' ').map(Into::into), &mut console)?;
@@ -27,7 +32,28 @@ use crate::{
 /// # Ok::<(), vibrochain_cli::error::CliError>(())
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<'_>) -> Result<(), CliError> {
-    match &read::<Cli>(arguments)?.command {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let verbose = arguments.iter().any(|argument| argument == "--verbose" || argument == "-v");
+    let cli = match read::<Cli>(arguments) {
+        Err(error) if error.kind() == ErrorKind::DisplayVersion && verbose => return console.print(&about()),
+        read => read?,
+    };
+    if cli.common.threads.is_some() {
+        number(cli.common.threads)?;
+    }
+    (console.quiet, console.threads) = (cli.common.quiet, cli.common.threads);
+    console.progress &= !cli.common.quiet;
+    let started = Instant::now();
+    command(&cli.command, console)?;
+    if cli.common.verbose {
+        let (seconds, threads) = (started.elapsed().as_secs_f64(), number(console.threads)?);
+        console.remark(&format!("{seconds:.3} s; at most {threads} threads on {} cores", cores()));
+    }
+    Ok(())
+}
+
+fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError> {
+    match command {
         Command::Sweep(args) => sweep_command::run(args, console),
         Command::Merge(args) => merge_command::run(args, console),
         Command::Orbit(args) => orbit_command::run(args, console),
@@ -43,6 +69,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Stripes(_) => {
             Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
         }
+        Command::Init(args) => setup_command::init(args, console),
+        Command::Completions(args) => setup_command::completions(args, console),
+        Command::Man(args) => setup_command::man(args, console),
         Command::Study(_) => Err(CliError::Request(format!(
             "{} are studies, a program of their own: cargo run --release -p vibrochain-studies -- --help",
             STUDIES.join(", ")

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::atomic::Ordering;
 
+use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Tolerance, stability};
@@ -12,6 +13,7 @@ use crate::args::{Direction, SimulateArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::model::{Chosen, chosen};
+use crate::orbit_command::point_value;
 use crate::pace::{self, Pace};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::start::{Start, leading_mode_at};
@@ -125,9 +127,12 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     impacts.map_or(Ok(()), ImpactTable::finish)?;
     trajectory.map_or(Ok(()), Trajectory::finish)?;
     plot.finish()?;
+    let distance = orbit.as_ref().map(|orbit| deviation(orbit, &simulation, start.time)).transpose()?;
     let mut text = counts.summary(&simulation, report.outcome, stopped);
-    if let Some(orbit) = &orbit {
-        let distance = deviation(orbit, &simulation, start.time)?;
+    if args.json {
+        let value = counts.value(&simulation, report.outcome, stopped, start.time, distance);
+        text = format!("{value:#}\n");
+    } else if let Some(distance) = distance {
         let _ = writeln!(text, "largest distance from the orbit at the end: {distance:.3e}");
     }
     console.answer(&text, taken)?;
@@ -151,7 +156,7 @@ fn starting_point(
     console: &mut Console<'_>,
 ) -> Result<(Start, Option<Orbit>), CliError> {
     if let Some(path) = &args.state {
-        return Ok((Start::read(path, args.psi.unwrap_or(0.0))?, None));
+        return Ok((Start::read(path, args.psi)?, None));
     }
     let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
     let mut finder = Finder::new(model.chain().sites());
@@ -235,6 +240,41 @@ impl Counts {
         if let Some(table) = table {
             table.write(event);
         }
+    }
+
+    /// The same for programs, with the state at the end.
+    fn value(
+        &self,
+        simulation: &Simulation,
+        outcome: Outcome,
+        stopped: bool,
+        start: f64,
+        distance: Option<f64>,
+    ) -> Value {
+        let (work, time, state) = (simulation.work(), simulation.time(), simulation.state());
+        let outcome = match outcome {
+            _ if stopped => "interrupted",
+            Outcome::TimeReached => "time-reached",
+            Outcome::ImpactsReached => "impacts-reached",
+            Outcome::Cascade { .. } => "cascade",
+            Outcome::WorkLimit => "work-limit",
+        };
+        // The force repeats: its phase at the end needs no whole periods.
+        let psi = (state.psi + time.offset()).rem_euclid(simulation.model().period());
+        json!({
+            "outcome": outcome,
+            "parameters": point_value(simulation.model()),
+            "start": start,
+            "periods": time.periods(),
+            "offset": time.offset(),
+            "events": self.events,
+            "impacts": work.impacts,
+            "sticks": work.sticks,
+            "releases": work.releases,
+            "energy": simulation.energy(),
+            "distance": distance,
+            "state": { "displacement": state.displacement, "velocity": state.velocity, "psi": psi },
+        })
     }
 
     fn summary(&self, simulation: &Simulation, outcome: Outcome, stopped: bool) -> String {

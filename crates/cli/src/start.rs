@@ -31,6 +31,13 @@ pub struct Start {
 struct StateFile {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
+    psi: Option<f64>,
+}
+
+/// The answer of a run, of which the state at its end is taken.
+#[derive(Deserialize)]
+struct RunFile {
+    state: StateFile,
 }
 
 impl Start {
@@ -47,17 +54,23 @@ impl Start {
         Ok(Self { displacement, velocity, psi: orbit.psi().unwrap_or(0.0) + time, time })
     }
 
-    /// From a JSON file `{"displacement":[…],"velocity":[…]}`.
+    /// From a JSON file `{"displacement":[…],"velocity":[…],"psi":0}`, or the answer of a run; `psi` goes before that of the file.
     ///
     /// # Errors
     /// [`CliError::Request`] for a file that cannot be read or is not such an object.
-    pub fn read(path: &Path, psi: f64) -> Result<Self, CliError> {
+    pub fn read(path: &Path, psi: Option<f64>) -> Result<Self, CliError> {
         let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read state", path, &error))?;
-        let state: StateFile = serde_json::from_str(&text).map_err(|error| {
+        let of_a_run = serde_json::from_str(&text).map(|RunFile { state }| state);
+        let state: StateFile = of_a_run.or_else(|_| serde_json::from_str(&text)).map_err(|error| {
             let form = r#"give {"displacement":[…],"velocity":[…]}, one number a mass in each"#;
             CliError::Request(format!("{}: {}; {form}", path.display(), plain(&error.to_string())))
         })?;
-        Ok(Self { displacement: state.displacement, velocity: state.velocity, psi, time: 0.0 })
+        Ok(Self {
+            displacement: state.displacement,
+            velocity: state.velocity,
+            psi: psi.or(state.psi).unwrap_or(0.0),
+            time: 0.0,
+        })
     }
 
     /// Adds a random perturbation whose largest entry (displacements, and velocities over ω) is `size`.

@@ -61,7 +61,7 @@ pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         Some(ShardFlag::Of(shard)) => (Some(shard), None),
         Some(ShardFlag::Slurm) => (Some(Shard::of_slurm(environment)?), Shard::threads_of_slurm(environment)?),
     };
-    let pool = threads(args.threads.or(given))?;
+    let pool = threads(console.threads.or(given))?;
     if args.dry_run {
         if let (Some(out), None) = (&args.out, shard) {
             Form::of(out)?;
@@ -73,7 +73,7 @@ pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let Some(out) = &args.out else {
         return Err(CliError::Request("--out is missing: name the table to write".to_owned()));
     };
-    let run = SweepRun { args, plan: &plan, pool: &pool };
+    let run = SweepRun { args, threads: console.threads, plan: &plan, pool: &pool };
     match shard {
         Some(shard) => run.shard(out, shard, console),
         None => run.whole(out, console),
@@ -83,6 +83,8 @@ pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 /// A sweep under way.
 struct SweepRun<'a> {
     args: &'a SweepArgs,
+    /// As asked for.
+    threads: Option<usize>,
     plan: &'a Plan,
     pool: &'a ThreadPool,
 }
@@ -100,7 +102,7 @@ impl SweepRun<'_> {
         let Some(place) = place(out)? else { return self.streamed(out, console) };
         let (manifest_file, parts) = (manifest_path(out), parts_path(out));
         let wanted = &self.args.pictures;
-        distinct(
+        let taken = distinct(
             &[("the scene", Some(&self.args.scene))],
             &[
                 ("--out", Some(out)),
@@ -110,6 +112,7 @@ impl SweepRun<'_> {
                 ("--svg", wanted.svg.as_deref()),
             ],
         )?;
+        nothing_else(self.args.json, taken)?;
         Form::of(out)?;
         // Destinations first: an impossible one should not cost a computation.
         drop(TableFile::create(out, &self.plan.scene)?);
@@ -139,9 +142,10 @@ impl SweepRun<'_> {
                 (table, summary, None)
             }
         };
+        let manifest = manifest_text(self.plan, &summary, Some(effort));
         let finish = || {
             table.commit()?;
-            write_manifest(&manifest_file, self.plan, &summary, Some(effort))?;
+            Output::create(&manifest_file)?.finish_with(manifest.as_bytes())?;
             pictures.finish()
         };
         if let Err(error) = finish() {
@@ -162,10 +166,7 @@ impl SweepRun<'_> {
         if !store.remove(self.plan) {
             console.remark(&format!("{} holds other files and was left, without its chunks", folder.display()));
         }
-        if !self.args.quiet {
-            console.remark(&report(&self.plan.scene, &summary, Some(&effort)));
-        }
-        Ok(())
+        tell(self.args.json, &manifest, || report(&self.plan.scene, &summary, Some(&effort)), console)
     }
 
     /// A table that goes to standard output, a pipe or a device: nothing is kept of it.
@@ -181,12 +182,13 @@ impl SweepRun<'_> {
             &[("the scene", Some(&self.args.scene))],
             &[("--out", Some(out)), ("--png", wanted.png.as_deref()), ("--svg", wanted.svg.as_deref())],
         )?;
+        nothing_else(self.args.json, taken)?;
         let scene = &self.plan.scene;
         let mut pictures = Pictures::plan(wanted, scene)?;
         let stop = (console.interrupt)()?;
         let mut table = Assembly::begin(self.plan, out, &mut pictures)?;
         // Two kinds of lines on one terminal are none.
-        let bar = progress(self.plan.cells(), 0, console.progress && !self.args.quiet && !taken);
+        let bar = progress(self.plan.cells(), 0, console.progress && !taken);
         let started = Instant::now();
         let made = |range: Range<u64>, cells: &[Cell]| {
             bar.inc(range.end - range.start);
@@ -206,10 +208,8 @@ impl SweepRun<'_> {
         let effort = self.effort(&summary, started);
         table.into_table().commit()?;
         pictures.finish()?;
-        if !self.args.quiet {
-            console.remark(&report(scene, &summary, Some(&effort)));
-        }
-        Ok(())
+        let manifest = manifest_text(self.plan, &summary, Some(effort));
+        tell(self.args.json, &manifest, || report(scene, &summary, Some(&effort)), console)
     }
 
     fn effort(&self, summary: &Summary, started: Instant) -> Effort {
@@ -259,13 +259,11 @@ impl SweepRun<'_> {
             return Err(CliError::Request(message));
         }
         let effort = self.compute(&store, shard, &stop, console, None)?.effort;
-        if !self.args.quiet {
-            let Shard { index, count } = shard;
-            let (chunks, all) = (shard.chunks(self.plan).count(), self.plan.chunks());
-            let (place, took) = (quoted(folder), speed(&effort));
-            let then = format!("with all shards done: mapgen merge {place} --out map.csv");
-            console.remark(&format!("shard {index}/{count}: {chunks} of {all} chunks in {place}; {took}\n{then}"));
-        }
+        let Shard { index, count } = shard;
+        let (chunks, all) = (shard.chunks(self.plan).count(), self.plan.chunks());
+        let (place, took) = (quoted(folder), speed(&effort));
+        let then = format!("with all shards done: mapgen merge {place} --out map.csv");
+        console.summary(&format!("shard {index}/{count}: {chunks} of {all} chunks in {place}; {took}\n{then}"));
         Ok(())
     }
 
@@ -285,7 +283,7 @@ impl SweepRun<'_> {
         todo.damaged.iter().for_each(|remark| console.remark(remark));
         let cells = |chunk: &u64| self.plan.range(*chunk).count() as u64;
         let left: u64 = todo.chunks.iter().map(cells).sum();
-        let bar = progress(left + todo.finished_cells, todo.finished_cells, console.progress && !self.args.quiet);
+        let bar = progress(left + todo.finished_cells, todo.finished_cells, console.progress);
         let started = Instant::now();
         let Worked { ended, grown } = work(&job, self.plan, store, &todo.chunks, |cells| bar.inc(cells), along);
         bar.finish_and_clear();
@@ -326,7 +324,7 @@ impl SweepRun<'_> {
             words.push("--palette paper".to_owned());
         }
         words.extend(self.args.threshold.map(|threshold| format!("--threshold {}", Short(threshold))));
-        words.extend(self.args.threads.map(|threads| format!("--threads {threads}")));
+        words.extend(self.threads.map(|threads| format!("--threads {threads}")));
         words.extend(self.args.shard.map(|shard| format!("--shard {shard}")));
         words.push("--resume".to_owned());
         words.join(" ")
@@ -353,13 +351,8 @@ pub(crate) fn quoted(path: &Path) -> String {
     format!("$'{}'", text.chars().map(word).collect::<String>())
 }
 
-/// Writes the manifest of a table.
-pub(crate) fn write_manifest(
-    path: &Path,
-    plan: &Plan,
-    summary: &Summary,
-    effort: Option<Effort>,
-) -> Result<(), CliError> {
+/// The manifest of a table, as text.
+pub(crate) fn manifest_text(plan: &Plan, summary: &Summary, effort: Option<Effort>) -> String {
     let scene_file = plan.scene_file.display().to_string();
     let about = Run {
         scene_file: &scene_file,
@@ -369,8 +362,31 @@ pub(crate) fn write_manifest(
         summary,
         effort,
     };
-    let text = format!("{:#}\n", manifest(&about));
-    Ok(Output::create(path)?.finish_with(text.as_bytes())?)
+    format!("{:#}\n", manifest(&about))
+}
+
+/// The manifest is not printed where a file goes already.
+pub(crate) fn nothing_else(json: bool, taken: bool) -> Result<(), CliError> {
+    if json && taken {
+        let message =
+            "--json prints the manifest to standard output, where another file goes: name a file for that one";
+        return Err(CliError::Request(message.to_owned()));
+    }
+    Ok(())
+}
+
+/// What is told at the end: the manifest, if it was asked for, or a summary.
+pub(crate) fn tell(
+    json: bool,
+    manifest: &str,
+    summary: impl FnOnce() -> String,
+    console: &mut Console<'_>,
+) -> Result<(), CliError> {
+    if json {
+        return console.print(manifest);
+    }
+    console.summary(&summary());
+    Ok(())
 }
 
 fn progress(cells: u64, finished: u64, wanted: bool) -> ProgressBar {

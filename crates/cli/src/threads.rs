@@ -10,7 +10,7 @@ use crate::error::CliError;
 const MAX_THREADS: usize = 1024;
 
 /// What other programs of this kind are told how many threads to take by.
-const VARIABLE: &str = "RAYON_NUM_THREADS";
+pub(crate) const VARIABLE: &str = "RAYON_NUM_THREADS";
 
 /// Threads of a process of its own, within the limit. Nothing is computed on any others: what the library would start by
 /// itself has no limit, and where threads cannot be had it ends the process.
@@ -18,12 +18,19 @@ const VARIABLE: &str = "RAYON_NUM_THREADS";
 /// # Errors
 /// [`CliError::Request`] for a number out of range, [`CliError::Computation`] if the system refuses.
 pub fn threads(asked: Option<usize>) -> Result<ThreadPool, CliError> {
-    let variable = std::env::var(VARIABLE).ok();
-    let count = count(asked, variable.as_deref())?;
+    let count = number(asked)?;
     ThreadPoolBuilder::new()
         .num_threads(count)
         .build()
         .map_err(|error| CliError::Computation(format!("cannot start {count} threads: {error}")))
+}
+
+/// How many threads those are.
+///
+/// # Errors
+/// [`CliError::Request`] for a number out of range.
+pub(crate) fn number(asked: Option<usize>) -> Result<usize, CliError> {
+    count(asked, std::env::var(VARIABLE).ok().as_deref())
 }
 
 /// The number of cores that this process may use.

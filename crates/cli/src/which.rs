@@ -71,7 +71,7 @@ pub(crate) fn find(
         word.check(&model.chain().layout()).map_err(|error| CliError::Request(format!("--word: {error}")))?;
         let canonical = word.canonical(model);
         if let (true, Some(console)) = (canonical != *word, console) {
-            console.remark(&format!("{word} is the word {canonical}"));
+            console.summary(&format!("{word} is the word {canonical}"));
         }
         finder.find_word(model, &canonical, Wanted::All, &mut found)?;
         return Ok((canonical.to_string(), found));

@@ -3,14 +3,16 @@
 use std::fmt::Write as _;
 use std::sync::atomic::Ordering;
 
+use serde_json::{Value, json};
 use vibrochain_breather::{BreatherError, Family, Finder, Found, Obstruction, Wanted, Word};
-use vibrochain_floquet::{Analyser, Tolerance, Verdict};
+use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Layout, Model, Parameter};
 
 use crate::args::{SiteFamily, WordsArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::model::chosen;
+use crate::orbit_command::point_value;
 use vibrochain_maps::files::{CsvFile, distinct};
 
 /// The most words that are looked at, before symmetry makes them fewer: some minutes of work.
@@ -83,7 +85,8 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         return console.answer(&fates(&model, &words, uninterrupted)?, taken);
     }
     let rows = rows(&model, &words, tolerance, uninterrupted)?;
-    console.answer(&text(&words, &rows, args.all), taken)?;
+    let answer = if args.json { as_json(&model, &words, &rows, args.all) } else { text(&words, &rows, args.all) };
+    console.answer(&answer, taken)?;
     if let Some(mut file) = file {
         for row in rows.iter().filter(|row| args.all || row.is_physical()) {
             file.row(row.fields())?;
@@ -212,6 +215,27 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
         return Ok(format!("physical up to {}: {why}", said(high, Some(12))));
     }
     Ok(format!("physical up to {}", said(target, None)))
+}
+
+fn as_json(model: &Model, words: &[Word], rows: &[Row], all: bool) -> String {
+    let one = |row: &Row| {
+        let verdict = row.verdict.as_ref();
+        json!({
+            "word": row.word,
+            "solution": row.solution,
+            "physical": row.is_physical(),
+            "margin": row.margin,
+            "stable": verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
+            "mechanism": verdict.and_then(|verdict| verdict.mechanism).map(Mechanism::name),
+            "spectral_radius": verdict.map(|verdict| verdict.spectral_radius),
+            "obstruction": row.obstruction,
+        })
+    };
+    let listed: Vec<Value> = rows.iter().filter(|row| all || row.is_physical()).map(one).collect();
+    format!(
+        "{:#}\n",
+        json!({ "parameters": point_value(model), "words": words.len(), "solutions": rows.len(), "orbits": listed })
+    )
 }
 
 fn text(words: &[Word], rows: &[Row], all: bool) -> String {

@@ -387,7 +387,7 @@ fn the_document_quotes_what_its_commands_print() {
         let mut run = mapgen(&[]);
         run.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
         while let Some(word) = words.next() {
-            if ["--plot", "--show", "--map"].contains(&word) {
+            if ["--plot", "--show"].contains(&word) {
                 words.next();
             } else {
                 run.arg(word);

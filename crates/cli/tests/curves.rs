@@ -31,7 +31,7 @@ fn text_tables_json_and_pictures_tell_the_same() {
     curves(&at("scene.toml"))
         .arg("--csv")
         .arg(at("borders.csv"))
-        .arg("--map")
+        .arg("--plot")
         .arg(at("map.svg"))
         .assert()
         .success()
@@ -80,7 +80,7 @@ fn what_cannot_be_asked_is_refused() {
     let scene = desk.path().join("scene.toml");
     fs::write(&scene, SCENE).unwrap();
     curves(&scene).args(["--tolerance", ".5"]).assert().code(2).stderr(contains("give a part of the window"));
-    curves(&scene).args(["--map", "map.pdf"]).assert().code(2).stderr(contains("--map map.pdf"));
+    curves(&scene).args(["--plot", "map.pdf"]).assert().code(2).stderr(contains("--plot map.pdf"));
     curves(&scene).arg("--csv").arg(&scene).assert().code(2).stderr(contains("the scene"));
     curves(&desk.path().join("none.toml")).assert().code(2);
     let line = SCENE.replace("y = { parameter = \"gamma2\", from = 0.0, to = 0.2, points = 40 }\n", "");

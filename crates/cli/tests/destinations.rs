@@ -43,8 +43,8 @@ fn options() -> Vec<(String, &'static str)> {
             ("merge parts --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
             (format!("{orbit} --plot FILE"), "png"),
             (format!("{simulate} --plot FILE"), "png"),
-            ("stripes scene.toml --out FILE".to_owned(), "png"),
-            ("stripes scene.toml --out elsewhere/lines.png --csv FILE".to_owned(), "csv"),
+            ("stripes scene.toml --plot FILE".to_owned(), "png"),
+            ("stripes scene.toml --plot elsewhere/lines.png --csv FILE".to_owned(), "csv"),
         ]);
     }
     if cfg!(feature = "compress") {
@@ -323,9 +323,9 @@ fn no_file_has_two_uses_by_whatever_names() {
             ("sweep scene.toml --out map --png map".to_owned(), "--out and --png"),
             ("sweep scene.toml --out map.csv --png map.csv.parts".to_owned(), "the folder of chunks and --png"),
             ("merge parts --out map --svg new/../map".to_owned(), "--out and --svg"),
-            ("stripes scene.csv --out elsewhere/a.png --csv folder/../scene.csv".to_owned(), "the scene and --csv"),
-            ("stripes scene.toml --map scene.csv --out a.png --csv link.csv".to_owned(), "--map and --csv"),
-            ("stripes scene.toml --out - --csv -".to_owned(), "--out and --csv"),
+            ("stripes scene.csv --plot elsewhere/a.png --csv folder/../scene.csv".to_owned(), "the scene and --csv"),
+            ("stripes scene.toml --map scene.csv --plot a.png --csv link.csv".to_owned(), "--map and --csv"),
+            ("stripes scene.toml --plot - --csv -".to_owned(), "--plot and --csv"),
             (format!("{orbit} --multipliers - --plot -"), "--multipliers and --plot"),
             (format!("{orbit} --multipliers pipe.csv --plot pipe.csv"), "--multipliers and --plot"),
             (format!("{orbit} --plot pics --all-plots pics"), "--plot and --all-plots"),

@@ -323,7 +323,9 @@ fn windows(model: &Model, all: bool) -> f64 {
 /// How much of a command is affordable. What cannot be parsed is always run whole: it costs nothing.
 fn plan(line: &[OsString], work: f64) -> Plan {
     let of = |cost: f64, otherwise: Plan| if cost <= work { Plan::Whole } else { otherwise };
-    match read::<Cli>(line.iter().cloned()).map(|cli| cli.command) {
+    let cli = read::<Cli>(line.iter().cloned());
+    let threads = cli.as_ref().ok().and_then(|cli| cli.common.threads);
+    match cli.map(|cli| cli.command) {
         Err(_) => Plan::Whole,
         Ok(Command::Sweep(args)) => {
             let Ok(scene) = Scene::read(&args.scene) else { return Plan::Whole };
@@ -334,9 +336,8 @@ fn plan(line: &[OsString], work: f64) -> Plan {
                 windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model, false)));
             }
             // A picture takes longer than its cells, threads longer than they are worth.
-            let pictures = args.pictures.png.is_some()
-                || args.pictures.svg.is_some()
-                || args.threads.is_none_or(|threads| threads > 4);
+            let pictures =
+                args.pictures.png.is_some() || args.pictures.svg.is_some() || threads.is_none_or(|threads| threads > 4);
             let cost = scene.cells() as f64 * scene.base.sites() as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
@@ -402,6 +403,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             }
         }
         // Minutes of work, tested elsewhere.
+        Ok(Command::Init(_) | Command::Completions(_) | Command::Man(_)) => Plan::Whole,
         Ok(Command::Study(_) | Command::Stripes(_)) => Plan::Parameters,
     }
 }
@@ -419,7 +421,7 @@ fn mapgen(line: &[OsString], stopped: bool) -> Outcome {
     let flag = Arc::new(AtomicBool::new(stopped));
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let interrupt = move || Ok(Arc::clone(&flag));
-    let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &interrupt };
+    let mut console = Console::new(&mut out, &mut err, &interrupt);
     let result = program::run(line.iter().cloned(), &mut console);
     let (code, message) = match &result {
         Ok(()) => (0, String::new()),

@@ -17,7 +17,7 @@ fn told(line: &str, stopped: bool) -> (u8, String, String) {
     let flag = Arc::new(AtomicBool::new(stopped));
     let interrupt = move || Ok(Arc::clone(&flag));
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &interrupt };
+    let mut console = Console::new(&mut out, &mut err, &interrupt);
     let result = program::run(line.split_whitespace().map(Into::into), &mut console);
     let (code, message) = result.map_or_else(|error| (error.exit_code(), error.to_string()), |()| (0, String::new()));
     (code, String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap() + &message)

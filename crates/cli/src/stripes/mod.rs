@@ -37,17 +37,17 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let request = Request::read(args)?;
     let taken = distinct(
         &[("the scene", Some(&args.scene)), ("--map", args.map.as_deref())],
-        &[("--out", Some(&args.out)), ("--csv", args.csv.as_deref()), ("--widths", args.widths.as_deref())],
+        &[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref()), ("--widths", args.widths.as_deref())],
     )?;
     if let Some(table) = &args.csv {
         promises("--csv", table, "a table as plain CSV", &["csv"])?;
     }
     // Destinations first: an impossible one should not cost a computation.
-    let picture = Output::create(&args.out)?;
+    let picture = Output::create(&args.plot)?;
     let csv = args.csv.as_deref().map(Output::create).transpose()?;
     let widths = args.widths.as_deref().map(|path| CsvFile::create("--widths", path, HEADER)).transpose()?;
     let stop = (console.interrupt)()?;
-    let pool = threads(None)?;
+    let pool = threads(console.threads)?;
     let tiles = cells(&request, args.map.as_deref(), &pool, &stop)?;
     let rows = rows(&request, &tiles, &pool, &stop)?;
     let mut text = evidence(&request, &tiles, &rows);

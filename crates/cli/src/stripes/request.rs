@@ -43,7 +43,7 @@ impl Request {
     /// # Errors
     /// [`CliError::Request`].
     pub(super) fn read(args: &StripesArgs) -> Result<Self, CliError> {
-        let format = Format::asked("--out", &args.out)?;
+        let format = Format::asked("--plot", &args.plot)?;
         let scene = Scene::read(&args.scene)?;
         let name = args.scene.display();
         let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));

@@ -20,7 +20,7 @@ impl Evidence {
         let mut text = format!("\n### {}\n\n{}\n", self.title, self.prose);
         for command in self.commands {
             let (mut out, mut err) = (Vec::new(), Vec::new());
-            let mut own = Console { out: &mut out, err: &mut err, progress: false, interrupt: console.interrupt };
+            let mut own = Console::new(&mut out, &mut err, console.interrupt);
             let line = format!("mapgen {command}");
             program::run(line.split_whitespace().map(Into::into), &mut own)?;
             let printed = String::from_utf8_lossy(&out);

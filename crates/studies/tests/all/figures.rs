@@ -263,7 +263,7 @@ fn wrong_requests_are_answered_with_exit_code_two() {
 /// `mapgen sweep`, in this process.
 fn swept_by(flags: &str) {
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &ctrl_c };
+    let mut console = Console::new(&mut out, &mut err, &ctrl_c);
     vibrochain_cli::program::run(format!("mapgen sweep {flags}").split(' ').map(Into::into), &mut console).unwrap();
 }
 
@@ -272,7 +272,7 @@ fn stopped(line: &str) -> (u8, String) {
     let flag = Arc::new(AtomicBool::new(true));
     let interrupt = move || Ok(Arc::clone(&flag));
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &interrupt };
+    let mut console = Console::new(&mut out, &mut err, &interrupt);
     match program::run(line.split(' ').map(Into::into), &mut console) {
         Ok(()) => (0, String::new()),
         Err(error) => (error.exit_code(), error.to_string()),

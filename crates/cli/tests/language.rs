@@ -1,0 +1,159 @@
+//! What all commands have in common, and what helps to begin.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::collections::BTreeSet;
+use std::fs;
+
+use serde_json::Value;
+use vibrochain_testkit::Desk;
+
+const MODEL: &str = "--sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
+
+fn value(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn a_new_scene_computes_as_it_is_and_names_every_key() {
+    let desk = Desk::new();
+    desk.run("init new.toml").with(0, &["mapgen sweep new.toml"]);
+    desk.run("sweep new.toml --out map.csv --json").with(0, &[]);
+    let text = String::from_utf8(desk.read("new.toml")).unwrap();
+    let printed = desk.run("init -").with(0, &[]);
+    assert_eq!((printed.out.as_str(), printed.err.as_str()), (text.as_str(), ""));
+    // The keys that docs/scenes.md lists, which a test of its own holds against the parser.
+    let table = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scenes.md")).unwrap();
+    let keys: BTreeSet<&str> = table.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).collect();
+    let words: BTreeSet<&str> = text.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let missing: Vec<_> = keys.difference(&words).collect();
+    assert!(keys.len() > 25 && missing.is_empty(), "{missing:?} of {keys:?}");
+    // What is commented out can be taken in, a line at a time: each is known, and refused at most beside what is there.
+    let mut taken = 0;
+    for line in text.lines().filter(|line| line.starts_with("# ") && line.contains(" = ")) {
+        let key = line[2..].split(' ').next().unwrap();
+        if !keys.contains(key) {
+            continue;
+        }
+        fs::write(desk.path("one.toml"), text.replace(line, &line[2..])).unwrap();
+        let ran = desk.run("sweep one.toml --out one.csv --dry-run");
+        assert!(!ran.err.contains("unknown"), "{line}: {ran:?}");
+        taken += 1;
+    }
+    assert!(taken >= 10, "{taken}");
+
+    // What is there stays.
+    fs::write(desk.path("new.toml"), "mine").unwrap();
+    desk.run("init new.toml").with(2, &["new.toml is there already"]);
+    assert_eq!(desk.read("new.toml"), b"mine");
+    desk.run("init new.csv").with(2, &["end the name in .toml"]);
+}
+
+#[test]
+fn shells_and_manuals_know_all_commands() {
+    let desk = Desk::new();
+    let help = desk.run("--help").out;
+    let listed = help.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
+    let commands: Vec<&str> = (listed.lines())
+        .filter_map(|line| line.strip_prefix("  ")?.split(' ').next())
+        .filter(|name| !name.is_empty() && *name != "help")
+        .collect();
+    assert!(commands.len() > 12 && commands.contains(&"sweep"), "{commands:?}");
+    for shell in ["bash", "zsh", "fish"] {
+        let script = desk.run(&format!("completions {shell}")).with(0, &[]).out;
+        for command in &commands {
+            assert!(script.contains(command), "{shell}: {command}");
+        }
+        assert!(script.contains("restitution"), "{shell}");
+    }
+    desk.run("completions csh").with(2, &["possible values: bash"]);
+    desk.run("man pages").with(0, &["manual pages are in pages"]);
+    let pages = desk.names("pages");
+    assert_eq!(pages.len(), commands.len() + 1, "{pages:?}");
+    for command in &commands {
+        let page = String::from_utf8(desk.read(&format!("pages/mapgen-{command}.1"))).unwrap();
+        assert!(page.contains(".SH DESCRIPTION"), "{command}");
+    }
+}
+
+#[test]
+fn version_and_time_are_told_to_those_who_ask() {
+    let desk = Desk::new();
+    assert_eq!(desk.run("--version").out.lines().count(), 1);
+    for line in ["--version --verbose", "-v --version"] {
+        let about = desk.run(line).with(0, &[]).out;
+        assert!(about.contains("revision") && about.contains("feature plot") && about.contains("cores "), "{about}");
+    }
+    let ran =
+        desk.run(&format!("orbit --family double-sided {MODEL} --verbose --threads 3")).with(0, &["at most 3 threads"]);
+    assert!(ran.out.contains("1 solution, 1 physical"));
+    for command in ["orbit --family double-sided", "simulate --family double-sided"] {
+        desk.run(&format!("{command} {MODEL} --threads 0")).with(2, &["--threads 0 is out of range"]);
+    }
+}
+
+#[test]
+fn a_run_goes_on_from_its_own_answer() {
+    let desk = Desk::new();
+    // Losses and a force, off any breather, so that the phase matters.
+    let model = format!("{MODEL} --amplitude .3 --restitution .8");
+    fs::write(desk.path("start.json"), r#"{"displacement":[0.1,-0.2,0.3,0,0.2],"velocity":[0.5,0,-1,0.1,0.3]}"#)
+        .unwrap();
+    let run = |state: &str, periods: f64, flags: &str| {
+        desk.run(&format!("simulate --state {state} {model} --periods {periods} --json {flags}")).with(0, &[]).out
+    };
+    let whole = value(&run("start.json", 3.75, "--psi .3"));
+    fs::write(desk.path("half.json"), run("start.json", 1.3, "--psi .3")).unwrap();
+    let half = desk.json("half.json");
+    assert_eq!((&half["outcome"], &half["periods"]), (&"time-reached".into(), &1.into()));
+    let rest = value(&run("half.json", 2.45, ""));
+    for name in ["displacement", "velocity"] {
+        let [one, other] = [&whole, &rest].map(|run| run["state"][name].as_array().unwrap());
+        assert_eq!((one.len(), other.len()), (5, 5));
+        for (one, other) in one.iter().zip(other) {
+            assert!((one.as_f64().unwrap() - other.as_f64().unwrap()).abs() < 1e-10, "{name}: {one} {other}");
+        }
+    }
+    let count = |run: &Value| run["impacts"].as_u64().unwrap();
+    assert!(count(&half) > 0 && count(&whole) == count(&half) + count(&rest));
+}
+
+#[test]
+fn tables_and_json_of_an_answer_agree() {
+    let desk = Desk::new();
+    let doubling = "--event period-doubling --free amplitude --family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
+    let located = value(&desk.run(&format!("locate {doubling} --csv events.csv --json")).with(0, &[]).out);
+    let mut table = csv::Reader::from_path(desk.path("events.csv")).unwrap();
+    assert_eq!(table.headers().unwrap().iter().take(3).collect::<Vec<_>>(), ["event", "amplitude", "error"]);
+    let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+    let points = located["points"].as_array().unwrap();
+    assert!(!rows.is_empty() && rows.len() == points.len());
+    for (row, point) in rows.iter().zip(points) {
+        assert_eq!((&row[0], row[1].parse().ok()), ("period-doubling", point["value"].as_f64()));
+        assert_eq!(row[3].split(' ').next().unwrap().parse().ok(), point["orbit"]["impacts"][0]["impulse"].as_f64());
+    }
+
+    let words =
+        desk.run(&format!("words --sites-used 2 --reach 2 {MODEL} --all --csv words.csv --json")).with(0, &[]).out;
+    let orbits = value(&words)["orbits"].as_array().unwrap().clone();
+    let mut table = csv::Reader::from_path(desk.path("words.csv")).unwrap();
+    let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+    assert!(rows.len() == orbits.len() && rows.len() >= 4, "{}", rows.len());
+    for (row, orbit) in rows.iter().zip(&orbits) {
+        assert_eq!((&row[0], row[2] == *"true"), (orbit["word"].as_str().unwrap(), orbit["physical"] == true));
+        assert_eq!(row[6].parse().ok(), orbit["spectral_radius"].as_f64());
+    }
+}
+
+#[test]
+fn the_manifest_is_printed_for_those_who_ask() {
+    let scene = "[model]\nsites = 5\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 1.0, to = 2.0, points = 5 }\n[compute]\nfamilies = ['double-sided']\n";
+    let desk = Desk::with_scene(scene);
+    let ran = desk.run("sweep scene.toml --out map.csv --json").with(0, &[]);
+    assert_eq!((ran.out.into_bytes(), ran.err.as_str()), (desk.read("map.manifest.json"), ""));
+    desk.run("sweep scene.toml --out - --json").with(2, &["--json prints the manifest"]);
+    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let merged = desk.run("merge parts --out again.csv --json").with(0, &[]);
+    assert_eq!(merged.out.into_bytes(), desk.read("again.manifest.json"));
+    assert_eq!(desk.read("again.csv"), desk.read("map.csv"));
+    desk.run("merge parts --out - --json").with(2, &["--json prints the manifest"]);
+}
