@@ -99,10 +99,10 @@ fn a_run_goes_on_from_its_own_answer() {
     fs::write(desk.path("start.json"), r#"{"displacement":[0.1,-0.2,0.3,0,0.2],"velocity":[0.5,0,-1,0.1,0.3]}"#)
         .unwrap();
     let run = |state: &str, periods: f64, flags: &str| {
-        desk.run(&format!("simulate --state {state} {model} --periods {periods} --json {flags}")).with(0, &[]).out
+        desk.run(&format!("simulate --state {state} {model} --periods {periods} --json{flags}")).with(0, &[]).out
     };
-    let whole = value(&run("start.json", 3.75, "--psi .3"));
-    fs::write(desk.path("half.json"), run("start.json", 1.3, "--psi .3")).unwrap();
+    let whole = value(&run("start.json", 3.75, " --psi .3"));
+    fs::write(desk.path("half.json"), run("start.json", 1.3, " --psi .3")).unwrap();
     let half = desk.json("half.json");
     assert_eq!((&half["outcome"], &half["periods"]), (&"time-reached".into(), &1.into()));
     let rest = value(&run("half.json", 2.45, ""));
@@ -156,4 +156,52 @@ fn the_manifest_is_printed_for_those_who_ask() {
     assert_eq!(merged.out.into_bytes(), desk.read("again.manifest.json"));
     assert_eq!(desk.read("again.csv"), desk.read("map.csv"));
     desk.run("merge parts --out - --json").with(2, &["--json prints the manifest"]);
+}
+
+/// The commands that a document shows in blocks of shell, a line each.
+fn shown(text: &str) -> Vec<String> {
+    let mut commands = Vec::new();
+    for block in text.split("```sh\n").skip(1) {
+        let block = block.split("```").next().unwrap().replace("\\\n", " ");
+        for line in block.lines().map(str::trim) {
+            // A comment, what it is piped to, or where it goes, is for the shell.
+            let line = line.split(" #").next().unwrap().split(['|', '>', '&', ';']).next().unwrap();
+            let called = line.strip_prefix("cargo run --release -- ").or_else(|| line.strip_prefix("mapgen "));
+            commands.extend(called.map(|rest| format!("mapgen {rest}")));
+        }
+    }
+    commands
+}
+
+#[test]
+fn the_documents_show_commands_that_the_program_understands() {
+    let root = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let mut pages = vec![root.join("README.md")];
+    for folder in ["docs", "docs/guide"] {
+        let entries = fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        pages.extend(entries.filter(|path| path.extension().is_some_and(|end| end == "md")));
+    }
+    let mut understood = 0;
+    for page in pages {
+        for command in shown(&fs::read_to_string(&page).unwrap()) {
+            // Words in quotes stay together.
+            let mut words: Vec<String> = Vec::new();
+            for (i, part) in command.split('"').enumerate() {
+                if i % 2 == 1 {
+                    words.push(part.to_owned());
+                } else {
+                    words.extend(part.split_whitespace().map(str::to_owned));
+                }
+            }
+            let read = vibrochain_cli::args::read::<vibrochain_cli::args::Cli>(words.iter().map(Into::into));
+            if let Err(error) = read {
+                assert!(error.exit_code() == 0, "{}: {command}\n{error}", page.display());
+            }
+            for scene in words.iter().filter(|word| word.starts_with("scenes/")) {
+                assert!(root.join(scene).is_file(), "{}: {scene}", page.display());
+            }
+            understood += 1;
+        }
+    }
+    assert!(understood > 30, "{understood}");
 }
