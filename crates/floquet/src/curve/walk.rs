@@ -19,11 +19,11 @@ const GRADIENT: f64 = 1e-6;
 /// Points through which the next one is extrapolated.
 const THROUGH: usize = 4;
 
-/// Secants at most to one point. One as small as `SETTLED` is the last: what it leaves is its square. From `NOISE` on one that shrinks no
-/// more is rounding.
+/// Secants at most to one point. One that leaves as little as `SETTLED` is the last; from `NOISE` on so is one that shrinks no more, which
+/// is rounding.
 const SECANTS: usize = 12;
 const NOISE: f64 = 1e-9;
-const SETTLED: f64 = 1e-10;
+const SETTLED: f64 = 4.0 * f64::EPSILON;
 
 /// Points as near as this are one.
 const SAME: f64 = 1e-14;
@@ -271,7 +271,7 @@ impl Walker {
                 return Err(Blind::Other);
             }
             (s, point, value, last) = (s + step, next, next_value, step.abs());
-            if last <= SETTLED {
+            if last <= NOISE && (value.value / slope).abs() <= SETTLED {
                 return Ok((point, value, slope));
             }
         }
