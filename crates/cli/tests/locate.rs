@@ -96,7 +96,7 @@ fn no_event_is_an_answer_and_a_wrong_range_is_not() {
         .code(2)
         .stderr(contains("a conservative orbit has no amplitude"));
     let weak = DOUBLING.replace(".165", ".15");
-    locate("--event fold --free amplitude", &weak).assert().code(1).stderr(contains("the force is too weak"));
+    locate("--event fold --free amplitude", &weak).assert().code(3).stderr(contains("the force is too weak"));
 }
 
 /// Ã = 1 − a, by hand: γ₁ = .6041, ω = 1.2617, A = .3323 give a = 1 − A/(ω² − γ₁).
@@ -137,6 +137,6 @@ fn many_orbits_to_start_from_are_looked_at_in_seconds() {
     locate("--event fold --free gamma2", model)
         .timeout(std::time::Duration::from_secs(120))
         .assert()
-        .code(1)
+        .code(3)
         .stderr(contains("orbits is physical; --solution K starts from one that is not"));
 }
