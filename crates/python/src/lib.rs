@@ -8,10 +8,12 @@
 //! | `simulation` | event-driven runs |
 //! | `sweep` | maps: the columns of a scene's cells |
 //! | `events`, `branches`, `curves` | what happens as parameters vary |
+//! | `borders` | all borders of a scene's window |
 //! | `call` | long calls: without the interpreter's lock, interruptible |
 //! | `failure` | errors as exceptions |
 
 mod answers;
+mod borders;
 mod branches;
 mod breathers;
 mod call;
@@ -31,6 +33,8 @@ use pyo3::prelude::*;
 mod _vibrochain {
     #[pymodule_export]
     use crate::answers::{PyAdmissibility, PyCondition, PyObstruction, PyStability, PyVerdict};
+    #[pymodule_export]
+    use crate::borders::{_curves, PyBorder, PyBorders};
     #[pymodule_export]
     use crate::branches::{PyBranch, PyDiagram, branch};
     #[pymodule_export]

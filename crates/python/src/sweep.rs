@@ -8,7 +8,7 @@ use std::thread::available_parallelism;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::ThreadPoolBuilder;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use vibrochain_maps::cell::{Cell, Class, Status};
 use vibrochain_maps::manifest::scene_parts;
 use vibrochain_maps::scene::Scene;
@@ -98,7 +98,7 @@ fn too_large(cells: u64) -> Failure {
 }
 
 /// A scene from its file, or from a text with a name for messages.
-fn scene(text: Option<&str>, path: &Path) -> Result<Scene, Failure> {
+pub(crate) fn scene(text: Option<&str>, path: &Path) -> Result<Scene, Failure> {
     Ok(match text {
         Some(text) => Scene::parse(path, text)?,
         None => Scene::read(path)?,
@@ -127,7 +127,7 @@ pub(crate) fn _sweep<'py>(
     threads: Option<&Bound<'py, PyAny>>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let count = threads.map_or(Ok(0), |threads| whole("threads", threads, 1, MOST_THREADS))?;
+    let count = thread_count(threads)?;
     let scene = Arc::new(scene(text.as_deref(), &path)?);
     let cells = scene.cells();
     if cells > MOST_CELLS {
@@ -136,7 +136,7 @@ pub(crate) fn _sweep<'py>(
     let done = Arc::new(AtomicU64::new(0));
     let work = {
         let (scene, done) = (scene.clone(), done.clone());
-        move |stop: &AtomicBool| compute(&scene, count as usize, &done, stop)
+        move |stop: &AtomicBool| compute(&scene, count, &done, stop)
     };
     let look = |_: Python<'_>| match progress {
         Some(progress) => progress.call1((done.load(Ordering::Relaxed), cells)).map(drop),
@@ -169,6 +169,20 @@ pub(crate) fn _sweep<'py>(
     Ok(map)
 }
 
+/// The threads asked for, 0 if their number is left open.
+pub(crate) fn thread_count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
+    threads.map_or(Ok(0), |threads| whole("threads", threads, 1, MOST_THREADS)).map(|count| count as usize)
+}
+
+/// So many threads of their own, one a core if 0.
+pub(crate) fn pool(threads: usize) -> Result<ThreadPool, Failure> {
+    let threads = if threads > 0 { threads } else { available_parallelism().map_or(1, usize::from) };
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))
+}
+
 /// All cells, on threads of their own.
 fn compute(
     scene: &Scene,
@@ -176,11 +190,7 @@ fn compute(
     done: &AtomicU64,
     stop: &AtomicBool,
 ) -> Result<(Vec<Growing>, Summary), Failure> {
-    let threads = if threads > 0 { threads } else { available_parallelism().map_or(1, usize::from) };
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))?;
+    let pool = pool(threads)?;
     let mut growing = columns(scene)
         .map(|column| Growing::new(column, scene.cells() as usize))
         .collect::<Result<Vec<_>, Failure>>()?;

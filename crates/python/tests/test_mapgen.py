@@ -247,3 +247,35 @@ def test_a_curve_of_events(mapgen):
     curve = vc.curve(point, "restitution", tolerance=1e-4, **window)
     assert curve.values.tolist() == [point["values"] for point in theirs["points"]]
     assert curve.errors.tolist() == [point["error"] for point in theirs["points"]]
+
+
+def test_borders(mapgen):
+    scene, options = "scenes/conservative-n5.toml", {"tolerance": 1e-5, "places": 2000}
+    ours = vc.curves(scene, special=True, threads=2, **options)
+    theirs = json.loads(run(mapgen, "curves", scene, "--tolerance", 1e-5, "--places", 2000, "--json").stdout)
+    assert len(ours.borders) == len(theirs["borders"]) > 20
+    for one, other in zip(ours.borders, theirs["borders"]):
+        assert (one.family, one.event, list(one.ends)) == (other["family"], other["event"], other["ends"])
+        assert one.values.tolist() == [point["values"] for point in other["points"]]
+        assert all(same(error, point["error"]) for error, point in zip(one.errors.tolist(), other["points"]))
+        assert all(same(width, point["half_width"]) for width, point in zip(one.half_widths.tolist(), other["points"]))
+        assert [place for _, place, _ in one.special] == [point["point"] for point in other["special"]]
+        stripe = other["stripe"] and (*other["stripe"]["modes"], other["stripe"]["harmonic"], other["stripe"]["upper"])
+        assert one.stripe == stripe
+    assert ours.stripes == sum(border["stripe"]["upper"] for border in theirs["borders"] if border["stripe"])
+    assert sum(error for _, error in ours.areas.values()) < 1e-2
+    areas = {area["class"] or "unknown": (area["share"], area["error"]) for area in theirs["areas"]}
+    assert ours.areas == areas and len(areas) > 4
+    # What lives at a point is what the map's cell says, away from borders.
+    scene = vc.read_scene(scene)
+    scene["sweep"]["x"]["points"], scene["sweep"]["y"]["points"] = 23, 17
+    table, agreed = vc.sweep(scene), 0
+    for j, gamma2 in enumerate(table.coords["gamma2"]):
+        for i, omega in enumerate(table.coords["omega"]):
+            agreed += ours.class_at(omega, gamma2) == table["class"][j, i]
+    # A point of the grid may lie on a border or the window's edge.
+    assert agreed >= 23 * 17 - 4
+    with pytest.raises(vc.RequestError, match="outside the window"):
+        ours.class_at(100.0, 0.1)
+    with pytest.raises(vc.RequestError, match="tolerance"):
+        vc.curves(scene, tolerance=1.0)

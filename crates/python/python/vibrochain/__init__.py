@@ -9,10 +9,13 @@ from ._errors import (
     TooLargeError,
     VibrochainError,
 )
+from ._borders import curves
 from ._map import Map, read_scene, sweep
 from ._run import Run, simulate
 from ._vibrochain import (
     Admissibility,
+    Border,
+    Borders,
     Branch,
     BranchPoint,
     Breathers,
@@ -38,6 +41,8 @@ from ._vibrochain import (
 
 __all__ = [
     "Admissibility",
+    "Border",
+    "Borders",
     "Branch",
     "BranchPoint",
     "Breathers",
@@ -67,6 +72,7 @@ __all__ = [
     "VibrochainError",
     "branch",
     "curve",
+    "curves",
     "locate",
     "read_scene",
     "simulate",

@@ -141,11 +141,12 @@ def sweep(
 class _Progress:
     """A line that is written over and over."""
 
-    def __init__(self) -> None:
+    def __init__(self, what: str = "cells") -> None:
         self.told = ""
+        self.what = what
 
     def __call__(self, done: int, cells: int) -> None:
-        line = f"\r{100 * done // cells:3} %  {done}/{cells} cells"
+        line = f"\r{100 * done // cells:3} %  {done}/{cells} {self.what}"
         if line != self.told:
             self.told = line
             sys.stderr.write(line)
