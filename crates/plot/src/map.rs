@@ -160,9 +160,9 @@ fn raster([columns, rows]: [Grid; 2], colour: impl Fn(usize, u32, u32) -> [u8; 3
 }
 
 /// Width of a border, and of the light line under it that sets it off from dark cells, in pixels; and how much of that is seen.
-const BORDER: f64 = 1.1;
-const HALO: f64 = 2.6;
-const FAINT: f64 = 0.55;
+const BORDER: f64 = 0.9;
+const HALO: f64 = 2.2;
+const FAINT: f64 = 0.5;
 
 /// The borders of each kind, in pixels.
 fn strokes<'a>(borders: &'a [MapBorder], [x, y]: &[Range<f64>; 2], size: [u32; 2]) -> Vec<Stroke<'a>> {

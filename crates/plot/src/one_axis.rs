@@ -18,6 +18,9 @@ pub struct OneAxisPicture<'a> {
     pub cells: &'a [Cell],
 }
 
+/// Width and height of a panel, in pixels.
+const PANE: (u32, u32) = (1100, 400);
+
 /// Colours of families, and of what has none.
 const DOUBLE: usize = 0;
 const SINGLE: usize = 1;
@@ -50,10 +53,22 @@ pub fn one_axis_picture(picture: &OneAxisPicture<'_>, format: Format) -> Result<
     let there = [Quantity::SpectralRadius, Quantity::Margin, Quantity::Impulse]
         .into_iter()
         .filter(|quantity| quantity.of_scene(picture.scene).is_ok());
-    let panes: Vec<Pane> = there.map(|quantity| pane(quantity, axis, &cells)).collect();
+    let mut panes: Vec<Pane> = there.map(|quantity| pane(quantity, axis, &cells)).collect();
+    // One above the other they share what stands below the last one, and names.
+    if let Some((last, above)) = panes.split_last_mut() {
+        above.iter_mut().for_each(|pane| pane.x = String::new());
+        last.x = label(axis);
+    }
+    let mut named: Vec<String> = Vec::new();
+    for series in panes.iter_mut().flat_map(|pane| &mut pane.series) {
+        if named.contains(&series.name) {
+            series.name = String::new();
+        } else {
+            named.push(series.name.clone());
+        }
+    }
     let title = format!("{}, {}", picture.scene.heading(), fixed(picture.scene));
-    let curves = Curves { title, columns: panes.len().min(2), panes, pane: (860, 620) };
-    curves_picture(&curves, format)
+    curves_picture(&Curves { title, columns: 1, panes, pane: PANE }, format)
 }
 
 /// Cells with their places along the axis, from left to right.
@@ -74,19 +89,24 @@ fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
     let numbers: Vec<Option<f64>> = cells.iter().map(|(_, cell)| quantity.of(cell)).collect();
     let growths = || numbers.iter().flatten().map(|radius| radius - 1.0).filter(|growth| *growth >= LEAST_GROWTH);
     let logarithmic = quantity == Quantity::SpectralRadius && span_decades(growths());
-    let (heights, y) = if logarithmic {
+    let (heights, y, foot) = if logarithmic {
         // What does not grow has no logarithm: it stands at a decade below all that does.
-        let foot = (growths().fold(f64::INFINITY, f64::min).log10() - 0.1).floor();
-        let height = |radius: f64| (radius - 1.0).max(10f64.powf(foot));
-        let heights = numbers.iter().map(|number| number.map(height)).collect();
-        (heights, format!("growth |μ| − 1 a period; {} stands for less", power_of_ten(foot)))
+        let decade = (growths().fold(f64::INFINITY, f64::min).log10() - 0.1).floor();
+        let foot = 10f64.powf(decade);
+        let heights = numbers.iter().map(|number| number.map(|radius| (radius - 1.0).max(foot))).collect();
+        (heights, format!("growth |μ| − 1 a period ({}: less)", power_of_ten(decade)), Some(foot))
     } else {
-        (numbers, quantity.label().to_owned())
+        (numbers, quantity.label().to_owned(), None)
     };
     let points: Vec<Drawn> = cells
         .iter()
         .zip(&heights)
-        .map(|((place, cell), height)| Drawn { place: *place, class: cell.class, height: *height })
+        .map(|((place, cell), height)| Drawn {
+            place: *place,
+            class: cell.class,
+            solutions: cell.solutions,
+            height: *height,
+        })
         .collect();
     let mut series = Vec::new();
     let all = || cells.iter().filter_map(|(_, cell)| cell.class);
@@ -95,10 +115,10 @@ fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
         let (colour, stroke) = look(class);
         if named {
             let name = if class.is_some() { class_words(class, all) } else { "class not known" };
-            let points = line(&points, class, logarithmic);
+            let points = line(&points, class, foot);
             series.push(Series { name: name.to_owned(), colour, stroke, mark: Mark::None, points });
         }
-        let lone = lone(&points, class);
+        let lone = lone(&points, class, foot);
         if !lone.is_empty() {
             let (name, mark) = (String::new(), Mark::Small(0));
             series.push(Series { name, colour, stroke: Stroke::None, mark, points: lone });
@@ -113,7 +133,7 @@ fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
     let ends = cells.first().zip(cells.last()).filter(|(first, last)| first.0 < last.0);
     Pane {
         caption: String::new(),
-        x: label(axis),
+        x: String::new(),
         y,
         x_range: ends.map(|(first, last)| first.0..last.0),
         x_log: is_logarithmic(axis),
@@ -129,46 +149,51 @@ fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
 struct Drawn {
     place: f64,
     class: Option<Class>,
+    /// How many breathers are there.
+    solutions: u32,
     height: Option<f64>,
 }
 
-/// How much of the way from one cell to the next is drawn as the first one, and where that ends; nothing if no line joins them:
-/// breathers of two families are two orbits.
-fn joined(from: &Drawn, to: &Drawn, logarithmic: bool) -> Option<(f64, f64)> {
+/// Where the line from one cell to the next ends to be drawn as the first one; nowhere if no line joins them: breathers of two
+/// families are two orbits, where there is one more or less another one may give the class, and no logarithm leads to the foot of an
+/// axis that has one.
+fn joined(from: &Drawn, to: &Drawn, foot: Option<f64>) -> Option<(f64, f64)> {
     let (low, high) = (from.height?, to.height?);
-    if look(from.class).0 != look(to.class).0 {
+    let at_foot = |height: f64| Some(height) == foot;
+    let alike = look(from.class).0 == look(to.class).0 && from.solutions == to.solutions;
+    if !alike || at_foot(low) != at_foot(high) {
         return None;
     }
     if from.class == to.class {
         return Some((to.place, high));
     }
     // Stability changes in between, nobody knows where.
-    let middle = if logarithmic { (low * high).sqrt() } else { 0.5 * (low + high) };
+    let middle = if foot.is_some() { (low * high).sqrt() } else { 0.5 * (low + high) };
     Some((0.5 * (from.place + to.place), middle))
 }
 
 /// The line through the cells of a class, with breaks.
-fn line(cells: &[Drawn], class: Option<Class>, logarithmic: bool) -> Vec<(f64, f64)> {
+fn line(cells: &[Drawn], class: Option<Class>, foot: Option<f64>) -> Vec<(f64, f64)> {
     let mut line: Vec<(f64, f64)> = Vec::new();
-    let own = |cell: &Drawn| cell.class == class && cell.height.is_some();
-    for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| own(cell)) {
+    for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.class == class) {
         let Some(height) = cell.height else { continue };
         let before = i.checked_sub(1).and_then(|i| cells.get(i));
-        if before.is_none_or(|before| !own(before)) {
+        let reached = before.and_then(|before| joined(before, cell, foot));
+        if reached.is_none() || before.is_some_and(|before| before.class != class) {
             line.push((f64::NAN, f64::NAN));
-            line.extend(before.and_then(|before| joined(before, cell, logarithmic)));
+            line.extend(reached);
         }
         line.push((cell.place, height));
-        let behind = cells.get(i + 1).filter(|behind| !own(behind));
-        line.extend(behind.and_then(|behind| joined(cell, behind, logarithmic)));
+        let behind = cells.get(i + 1).filter(|behind| behind.class != class);
+        line.extend(behind.and_then(|behind| joined(cell, behind, foot)));
     }
     line
 }
 
 /// Cells of a class that no line reaches.
-fn lone(cells: &[Drawn], class: Option<Class>) -> Vec<(f64, f64)> {
+fn lone(cells: &[Drawn], class: Option<Class>, foot: Option<f64>) -> Vec<(f64, f64)> {
     let meets = |i: usize, j: Option<usize>| {
-        j.and_then(|j| cells.get(j)).is_some_and(|other| joined(&cells[i], other, false).is_some())
+        j.and_then(|j| cells.get(j)).is_some_and(|other| joined(&cells[i], other, foot).is_some())
     };
     let alone = |i: &usize| cells[*i].class == class && !meets(*i, i.checked_sub(1)) && !meets(*i, Some(i + 1));
     (0..cells.len()).filter(alone).filter_map(|i| Some((cells[i].place, cells[i].height?))).collect()
@@ -208,6 +233,7 @@ mod tests {
         let cell = |(i, (class, height)): (usize, &(Option<Class>, Option<f64>))| Drawn {
             place: i as f64,
             class: *class,
+            solutions: 1,
             height: *height,
         };
         classes.iter().enumerate().map(cell).collect()
@@ -234,13 +260,21 @@ mod tests {
             (single, Some(1.5)),
             (None, None),
         ]);
-        assert_eq!(pieces(&line(&cells, stable, false)), [[(0.0, 1.0), (1.0, 2.0), (1.5, 3.0)]]);
-        assert_eq!(pieces(&line(&cells, unstable, false)), [vec![(1.5, 3.0), (2.0, 4.0)], vec![(4.0, 3.0)]]);
-        assert_eq!(pieces(&line(&cells, single, false)), [[(5.0, 1.0), (6.0, 1.5)]]);
+        assert_eq!(pieces(&line(&cells, stable, None)), [[(0.0, 1.0), (1.0, 2.0), (1.5, 3.0)]]);
+        assert_eq!(pieces(&line(&cells, unstable, None)), [vec![(1.5, 3.0), (2.0, 4.0)], vec![(4.0, 3.0)]]);
+        assert_eq!(pieces(&line(&cells, single, None)), [[(5.0, 1.0), (6.0, 1.5)]]);
         // By logarithms halfway is the geometric mean.
-        let [half] = pieces(&line(&cells, stable, true)).try_into().unwrap();
+        let [half] = pieces(&line(&cells, stable, Some(0.5))).try_into().unwrap();
         assert!((half[2].1 - 8f64.sqrt()).abs() < 1e-15);
-        assert_eq!((lone(&cells, unstable), lone(&cells, stable)), (vec![(4.0, 3.0)], vec![]));
+        assert_eq!((lone(&cells, unstable, None), lone(&cells, stable, None)), (vec![(4.0, 3.0)], vec![]));
+        // No line leads to the foot of a logarithmic axis.
+        assert_eq!(pieces(&line(&cells, stable, Some(1.0)))[1], [(1.0, 2.0), (1.5, 8f64.sqrt())]);
+        assert_eq!(lone(&cells, stable, Some(1.0)), [(0.0, 1.0)]);
+        assert_eq!(lone(&cells, single, Some(1.0)), [(5.0, 1.0), (6.0, 1.5)]);
+        // One more breather may be another one.
+        let mut more = cells[..2].to_vec();
+        more[1].solutions = 2;
+        assert_eq!(pieces(&line(&more, stable, None)), [[(0.0, 1.0)], [(1.0, 2.0)]]);
         let across = missing(&cells).unwrap().points;
         assert_eq!(pieces(&across), [[(7.0, 1.0), (7.0, 4.0)]]);
         assert!(missing(&cells[..7]).is_none());
@@ -270,9 +304,10 @@ mod tests {
             .map(|radius| cell(if radius > 1.0 { Class::UnstableDouble } else { Class::StableDouble }, radius))
             .to_vec();
         let drawn = pane(Quantity::SpectralRadius, &scene.axes[0], &ordered(&scene.axes[0], &cells));
-        assert_eq!((drawn.scale, drawn.y.as_str()), (Scale::Logarithmic, "growth |μ| − 1 a period; 10⁻⁴ stands for less"));
+        assert_eq!((drawn.scale, drawn.y.as_str()), (Scale::Logarithmic, "growth |μ| − 1 a period (10⁻⁴: less)"));
         let stable = &drawn.series[0].points;
         assert_eq!((stable[1], stable.last().unwrap().0), ((1.0, 1e-4), 2.0));
+        assert!(drawn.series[1].points.iter().all(|point| point.0.is_nan() || point.1 > 2e-4));
         assert_eq!(drawn.series[0].stroke, Stroke::Solid(3));
         assert_eq!(drawn.series[1].stroke, Stroke::Dashed(2));
         let few = &cells[1..2];
