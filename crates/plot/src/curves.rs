@@ -7,16 +7,15 @@ use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
 use plotters::coord::Shift;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
-use plotters::coord::types::RangedCoordf64;
 use plotters::element::{DashedPathElement, EmptyElement, PathElement, Polygon, Text};
 use plotters::prelude::{BLACK, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE};
 
 use crate::axes::labelled_axes;
 use crate::canvas::{Drawing, Format, PlotError, render};
 use crate::decades::{Decades, power_of_ten};
-use crate::map::{power_tick, tick};
 use crate::markers::marker;
 use crate::palette::LINES;
+use crate::ticks::{Places, power_tick, tick};
 use crate::words::Heading;
 
 /// A picture of panels side by side.
@@ -274,7 +273,7 @@ fn draw_pane<B: DrawingBackend>(
     match &pane.scale {
         Scale::Logarithmic => {
             let y = Decades::holding(visible(&x).filter(|y| *y > 0.0 && y.is_finite()).map(f64::log10));
-            let chart = builder.build_cartesian_2d(x.clone(), y).map_err(PlotError::from)?;
+            let chart = builder.build_cartesian_2d(Places::new(x.clone(), pane.x_log), y).map_err(PlotError::from)?;
             let place = |(px, py): (f64, f64)| (py > 0.0 && py.is_finite()).then(|| (px, py.log10()));
             fill(chart, pane, &x, &place, &|value| power_of_ten(*value))
         }
@@ -293,7 +292,8 @@ fn draw_pane<B: DrawingBackend>(
                     y = stretched(&y, 1.0 / ratio);
                 }
             }
-            let chart = builder.build_cartesian_2d(x.clone(), y.clone()).map_err(PlotError::from)?;
+            let places = Places::new(x.clone(), pane.x_log);
+            let chart = builder.build_cartesian_2d(places, y.clone()).map_err(PlotError::from)?;
             let inside = stretched(&y, 1.0 + 1e-9);
             let place = |(px, py): (f64, f64)| inside.contains(&py).then_some((px, py));
             fill(chart, pane, &x, &place, &|value| tick(*value))
@@ -302,7 +302,7 @@ fn draw_pane<B: DrawingBackend>(
 }
 
 fn fill<B: DrawingBackend, Y>(
-    mut chart: ChartContext<'_, B, Cartesian2d<RangedCoordf64, Y>>,
+    mut chart: ChartContext<'_, B, Cartesian2d<Places, Y>>,
     pane: &Pane,
     x: &Range<f64>,
     place: &dyn Fn((f64, f64)) -> Option<(f64, f64)>,

@@ -4,12 +4,12 @@
 //! | module | holds |
 //! |---|---|
 //! | `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
-//! | `map`, `lines`, `palette` | the picture of a map, lines over it, its colours and textures |
+//! | `map`, `sheet`, `lines`, `palette` | the picture of a map, what stands about it, lines over it, its colours and textures |
 //! | `quantity` | numbers of cells, and how they become colours |
 //! | `one_axis` | the curves of a sweep over one parameter |
 //! | `strokes` | thin lines over a map |
 //! | `regions`, `coverage` | the picture of a map by its regions: shapes, or pixels by exact area |
-//! | `curves`, `axes`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
+//! | `curves`, `axes`, `ticks`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
 //! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
 //! | `field` | all masses of a run in space and time, thinned while it runs |
 //!
@@ -37,8 +37,10 @@ pub mod palette;
 mod quantity;
 mod regions;
 mod run;
+mod sheet;
 mod spacetime;
 mod strokes;
+mod ticks;
 mod words;
 
 pub use canvas::{Format, PlotError, open};

@@ -6,8 +6,8 @@ use vibrochain_maps::scene::{Axis, Scene, Values};
 use crate::canvas::{Format, PlotError};
 use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 use crate::decades::power_of_ten;
-use crate::map::{UNKNOWN, class_words, fixed, label};
 use crate::quantity::{LEAST_GROWTH, Quantity, span_decades};
+use crate::sheet::{UNKNOWN, class_words, fixed, label};
 
 /// What is drawn.
 #[derive(Debug)]

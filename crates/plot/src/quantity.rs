@@ -7,8 +7,8 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::table::columns;
 
 use crate::decades::{Decades, power_of_ten};
-use crate::map::tick;
 use crate::palette::Palette;
+use crate::ticks::tick;
 
 /// A growth below this is none: multipliers that meet are known to the root of the rounding.
 pub(crate) const LEAST_GROWTH: f64 = 1e-8;

@@ -8,9 +8,11 @@ use vibrochain_maps::scene::Scene;
 
 use crate::canvas::{Format, PlotError};
 use crate::coverage::{Coverage, Place};
-use crate::map::{Ground, Sheet, TARGET, loss, places};
+use crate::map::TARGET;
 use crate::palette::{BORDERS, Palette, Tile};
+use crate::sheet::{Ground, Sheet, loss};
 use crate::strokes::{Stroke, hex, path, shares, thinned};
+use crate::ticks::places;
 
 /// What is drawn.
 #[derive(Debug)]
