@@ -1,7 +1,6 @@
 //! The picture of a map: classes as colours, mechanisms as textures, or a number as a scale of colours; every cell the same whole
 //! number of pixels.
 
-use plotters::coord::Shift;
 use std::fmt::Write;
 use std::ops::Range;
 

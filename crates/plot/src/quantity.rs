@@ -16,6 +16,9 @@ pub(crate) const LEAST_GROWTH: f64 = 1e-8;
 /// Growths whose largest is so many times the smallest span decades: on a linear scale most of them would be zero.
 const DECADES: f64 = 100.0;
 
+/// Of growths one in so many may lie beyond the scale: next to grazing a few are without bound.
+const FEW: usize = 100;
+
 /// Ticks beside a bar of colours, at most.
 const TICKS: usize = 7;
 
@@ -127,7 +130,7 @@ fn ends(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
 pub(crate) enum Colours {
     /// In proportion between two ends; ticks have so much more.
     Linear { from: f64, to: f64, more: f64 },
-    /// By their logarithms between whole decades, those below in a colour of their own.
+    /// By their logarithms between whole decades, those below in a colour of their own, those above in the last one.
     Logarithmic { low: f64, high: f64 },
     /// 1, 2, … up to a number.
     Whole(u32),
@@ -139,6 +142,7 @@ pub(crate) struct Bar {
     pub(crate) quantity: Quantity,
     pub(crate) colours: Colours,
     /// What there is besides numbers on the scale.
+    pub(crate) above: bool,
     pub(crate) below: bool,
     pub(crate) nothing: bool,
     pub(crate) unknown: bool,
@@ -154,12 +158,14 @@ impl Bar {
             })
         };
         let (from, to) = ends(numbers());
-        let growths = || numbers().filter(|growth| *growth >= LEAST_GROWTH);
         let colours = match quantity {
             Quantity::Solutions => Colours::Whole(to.max(1.0) as u32),
             Quantity::SpectralRadius if span_decades(numbers()) => {
-                let (least, most) = ends(growths());
-                Colours::Logarithmic { low: least.log10().floor(), high: most.log10().ceil() }
+                let mut growths: Vec<f64> = numbers().filter(|growth| *growth >= LEAST_GROWTH).collect();
+                let last = growths.len() - 1 - growths.len() / FEW;
+                let (below, most, _) = growths.select_nth_unstable_by(last, f64::total_cmp);
+                let low = below.iter().copied().fold(*most, f64::min).log10().floor();
+                Colours::Logarithmic { low, high: most.log10().ceil().max(low + 1.0) }
             }
             _ => {
                 let more = if quantity == Quantity::SpectralRadius { 1.0 } else { 0.0 };
@@ -170,8 +176,9 @@ impl Bar {
             }
         };
         let below = numbers().any(|number| colours.part(number).is_none());
+        let above = matches!(colours, Colours::Logarithmic { high, .. } if to.log10() > high);
         let has = |wanted: Shade| shades.contains(&wanted);
-        Self { quantity, colours, below, nothing: has(Shade::Nothing), unknown: has(Shade::Unknown) }
+        Self { quantity, colours, above, below, nothing: has(Shade::Nothing), unknown: has(Shade::Unknown) }
     }
 
     /// The lines above the bar.
@@ -208,7 +215,14 @@ impl Bar {
             Colours::Logarithmic { low, high } => {
                 let decades = Decades::between(low as i32, high as i32);
                 let ticks = decades.key_points(BoldPoints(TICKS));
-                ticks.into_iter().map(|decade| ((decade - low) / (high - low), power_of_ten(decade))).collect()
+                let name = |decade: f64| {
+                    let more = if self.above && decade == high { "≥ " } else { "" };
+                    more.to_owned() + &power_of_ten(decade)
+                };
+                // The last one, if it means more than itself.
+                let last = Some(high).filter(|high| self.above && !ticks.contains(high));
+                let ticks = ticks.into_iter().filter(|decade| last.is_none_or(|last| last - decade > 1.0)).chain(last);
+                ticks.map(|decade| ((decade - low) / (high - low), name(decade))).collect()
             }
             Colours::Whole(most) => {
                 let ticks = RangedCoordf64::from(1.0..f64::from(most)).key_points(BoldPoints(TICKS));
@@ -264,6 +278,12 @@ mod tests {
         let words: Vec<&str> = ticks.iter().map(|(_, word)| word.as_str()).collect();
         assert_eq!(words, ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10¹"]);
         assert!(ticks.iter().zip(0..).all(|((place, _), i)| (place - f64::from(i) / 6.0).abs() < 1e-12));
+        // A few beyond all others have no colours to themselves.
+        let many: Vec<f32> = (0..500).map(|i| 1e-4 * (i as f32 / 100.0).exp()).chain([1e6]).collect();
+        let most = bar(Quantity::SpectralRadius, &many);
+        assert_eq!(most.colours, Colours::Logarithmic { low: -4.0, high: -1.0 });
+        assert_eq!(most.ticks().last().unwrap(), &(1.0, "≥ 10⁻¹".to_owned()));
+        assert!(most.above && !wide.above && most.colours.part(1e6).unwrap() > 1.0);
         // One decade is no matter for logarithms; ticks tell the modulus.
         let narrow = bar(Quantity::SpectralRadius, &[-0.1, 0.0, 0.02, 0.1]);
         assert!(matches!(narrow.colours, Colours::Linear { more: 1.0, .. }) && !narrow.below);

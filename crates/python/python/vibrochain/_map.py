@@ -415,7 +415,9 @@ class Map:
         growth = values - 1.0
         there = growth[growth >= _LEAST_GROWTH]
         if color == "spectral_radius" and there.size and there.max() >= _DECADES * there.min():
-            ends = 10.0 ** np.floor(np.log10(there.min())), 10.0 ** np.ceil(np.log10(there.max()))
+            # Next to grazing a few are without bound.
+            low, high = np.floor(np.log10(there.min())), np.ceil(np.log10(np.quantile(there, 0.99)))
+            ends = 10.0**low, 10.0 ** max(high, low + 1)
             none = growth < ends[0]
             ax.pcolormesh(x, y, np.ma.masked_where(~none, none), cmap=ListedColormap(["#d7d7d7"]), shading="nearest")
             values, label, norm = np.ma.masked_where(none, growth), f"spectral_radius - 1 (grey: less than {ends[0]:g})", LogNorm(*ends)
@@ -424,7 +426,8 @@ class Map:
             most = max(int(np.nanmax(values, initial=1)), 1)
             norm = BoundaryNorm(np.arange(0.5, most + 1), 256) if most < 10 else None
         mesh = ax.pcolormesh(x, y, values, cmap="viridis", norm=norm, shading="nearest")
-        bar = ax.get_figure().colorbar(mesh, ax=ax, label=label)
+        beyond = isinstance(norm, LogNorm) and np.ma.max(values) > ends[1]
+        bar = ax.get_figure().colorbar(mesh, ax=ax, label=label, extend="max" if beyond else "neither")
         if color == "solutions" and norm is not None:
             bar.set_ticks(range(1, most + 1))
 
