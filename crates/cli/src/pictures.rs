@@ -137,7 +137,7 @@ mod with_pictures {
             }
         }
 
-        /// Finds the borders that are to be drawn, if any; a remark on them.
+        /// Finds the borders that are to be drawn, if any; a line on them for the summary.
         ///
         /// # Errors
         /// [`CliError::Interrupted`].
@@ -146,16 +146,16 @@ mod with_pictures {
             pool: &ThreadPool,
             stop: &AtomicBool,
             progress: bool,
-        ) -> Result<Option<String>, CliError> {
+        ) -> Result<String, CliError> {
             if !self.curves {
-                return Ok(None);
+                return Ok(String::new());
             }
             let search = BorderSearch { tolerance: TOLERANCE, places: PLACES, special: false, stop, progress };
             let (found, regions) = search.run(self.slice.scene(), pool)?;
-            let mut remark = format!("borders     {}", found.borders.len());
+            let mut line = format!("\nborders {}", found.borders.len());
             let (changes, faces) = (found.unexplained.len(), regions.unexplained().len());
             if changes + faces > 0 {
-                remark += &format!("; {changes} changes and {faces} faces between them lack one, as mapgen curves tells");
+                line += &format!("; {changes} changes and {faces} faces between them lack one, as mapgen curves tells");
             }
             // What separates nothing is no border of the map.
             let parts = found.borders.iter().enumerate().flat_map(|(number, border)| {
@@ -163,7 +163,7 @@ mod with_pictures {
                 parts.map(|part| drawn(border, part.points.iter().map(|place| regions.window().point(*place))))
             });
             self.borders = parts.collect();
-            Ok(Some(remark))
+            Ok(line)
         }
 
         /// Draws and writes them.
@@ -255,8 +255,8 @@ mod without_pictures {
             _: &ThreadPool,
             _: &AtomicBool,
             _: bool,
-        ) -> Result<Option<String>, CliError> {
-            Ok(None)
+        ) -> Result<String, CliError> {
+            Ok(String::new())
         }
 
         pub(crate) fn finish(self) -> Result<(), CliError> {

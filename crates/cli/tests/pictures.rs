@@ -240,7 +240,7 @@ fn colours_are_those_of_the_scale() {
 fn borders_are_drawn_where_they_are() {
     let desk = Desk::with_scene(&plane());
     desk.run("sweep scene.toml --out map.csv --png cells.png --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out map.csv --png curves.png --svg curves.svg --curves").with(0, &["borders     "]);
+    desk.run("sweep scene.toml --out map.csv --png curves.png --svg curves.svg --curves").with(0, &["borders "]);
     desk.run("curves scene.toml --csv borders.csv --places 10000").with(0, &[]);
     let (plain, drawn) = (Cells::of(&desk.read("cells.png"), 61, 41), Cells::of(&desk.read("curves.png"), 61, 41));
     let (width, height) = (61 * plain.cell.0, 41 * plain.cell.1);
