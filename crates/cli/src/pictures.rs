@@ -61,7 +61,8 @@ mod with_pictures {
     fn slice(wanted: &PictureArgs, scene: &Scene) -> Result<Slice, CliError> {
         let given: Vec<String> =
             wanted.slice.iter().map(|(parameter, value)| format!("--slice {}={value}", parameter.name())).collect();
-        let slice = Slice::of(scene, &wanted.slice).map_err(|error| refused(format!("{}: {error}", given.join(" "))))?;
+        let slice =
+            Slice::of(scene, &wanted.slice).map_err(|error| refused(format!("{}: {error}", given.join(" "))))?;
         let (axes, names) = (slice.scene().axes.as_slice(), slice.scene().axis_names());
         match axes {
             [] => Err(refused("no axis is left to draw along: leave out one --slice".to_owned())),
@@ -250,12 +251,7 @@ mod without_pictures {
             Ok(Self)
         }
 
-        pub(crate) fn find_borders(
-            &mut self,
-            _: &ThreadPool,
-            _: &AtomicBool,
-            _: bool,
-        ) -> Result<String, CliError> {
+        pub(crate) fn find_borders(&mut self, _: &ThreadPool, _: &AtomicBool, _: bool) -> Result<String, CliError> {
             Ok(String::new())
         }
 

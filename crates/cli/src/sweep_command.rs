@@ -214,7 +214,9 @@ impl SweepRun<'_> {
         table.into_table().commit()?;
         let bar = console.progress && !taken;
         let told = pictures.find_borders(self.pool, &stop, bar).map_err(|error| match error {
-            CliError::Interrupted => CliError::Paused(format!("{name} has got the whole table, there are no pictures of it")),
+            CliError::Interrupted => {
+                CliError::Paused(format!("{name} has got the whole table, there are no pictures of it"))
+            }
             error => error,
         })?;
         pictures.finish()?;

@@ -100,7 +100,8 @@ fn one_axis_is_drawn_as_curves_that_pass_where_the_table_says() {
     assert!(desk.read("map.png").starts_with(b"\x89PNG"));
     let svg = String::from_utf8(desk.read("map.svg")).unwrap();
     let texts = texts(&svg);
-    for words in ["frequency ω", "strongest impulse |P|", "margin, the smallest distance to a barrier", "double-sided"] {
+    for words in ["frequency ω", "strongest impulse |P|", "margin, the smallest distance to a barrier", "double-sided"]
+    {
         assert!(texts.iter().any(|(_, text)| text == words), "{words} not in {texts:?}");
     }
     assert!(!texts.iter().any(|(_, text)| text.contains('μ')));
@@ -192,7 +193,8 @@ fn a_slice_is_the_map_of_its_value_and_the_table_stays_whole() {
 fn colours_are_those_of_the_scale() {
     let desk = Desk::with_scene(&plane());
     desk.run("sweep scene.toml --out map.csv --png margin.png --color margin --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out map.csv --png growth.png --svg growth.svg --color spectral_radius --quiet").with(0, &[]);
+    desk.run("sweep scene.toml --out map.csv --png growth.png --svg growth.svg --color spectral_radius --quiet")
+        .with(0, &[]);
     desk.run("sweep scene.toml --out map.csv --png count.png --svg count.svg --color solutions --quiet").with(0, &[]);
     let table = rows(&desk.read("map.csv"));
     let cells = |name: &str| Cells::of(&desk.read(name), 61, 41);
@@ -302,13 +304,22 @@ fn borders_are_drawn_where_they_are() {
 fn what_cannot_be_drawn_is_refused_before_anything_is_computed() {
     let line = format!("{MODEL}asymmetry = 0.4\ngamma2 = 0.1\n[sweep]\nx = {OMEGA}\n{COMPUTE}");
     let bare = plane().replace("stability = true\n", "");
-    let log = plane().replace("from = 0.0, to = 0.2, points = 41", "from = 0.01, to = 0.2, points = 41, spacing = \"log\"");
+    let log =
+        plane().replace("from = 0.0, to = 0.2, points = 41", "from = 0.01, to = 0.2, points = 41, spacing = \"log\"");
     let png = "sweep scene.toml --out map.csv --png map.png";
     for (scene, flags, told) in [
-        (space(), "", "pictures have one or two axes, here are 3, omega, gamma2 and asymmetry: choose the cells to draw"),
+        (
+            space(),
+            "",
+            "pictures have one or two axes, here are 3, omega, gamma2 and asymmetry: choose the cells to draw",
+        ),
         (space(), "", "as in --slice asymmetry=0.4"),
         (space(), "--curves", "as in --slice asymmetry=0.4"),
-        (space(), "--slice asymmetry=0.3", "--slice asymmetry=0.3: asymmetry = 0.3 is none of its 3 values: next to it are 0.1 and 0.4"),
+        (
+            space(),
+            "--slice asymmetry=0.3",
+            "--slice asymmetry=0.3: asymmetry = 0.3 is none of its 3 values: next to it are 0.1 and 0.4",
+        ),
         (space(), "--slice gamma1=0.2", "gamma1 is no axis of the scene: give one of omega, gamma2 and asymmetry"),
         (space(), "--slice asymmetry=0.4 --slice asymmetry=0.1", "asymmetry is given twice"),
         (space(), "--slice asymmetry", "not a parameter with its value: give one such as asymmetry=0.4"),
@@ -319,7 +330,11 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_computed() {
         (line.clone(), "--color margin", "--color is of maps over two axes, here is one, omega: leave it out"),
         (line, "--curves", "--curves draws borders over a map of two axes, here is one, omega: leave it out"),
         (log, "--curves", "--curves: borders are followed along equally spaced axes"),
-        (bare.clone(), "--color spectral_radius", "--color spectral_radius: the scene does not compute it; add stability = true"),
+        (
+            bare.clone(),
+            "--color spectral_radius",
+            "--color spectral_radius: the scene does not compute it; add stability = true",
+        ),
         (bare, "--color impulse", "--color impulse: the scene does not compute it; add impulse = true"),
         (plane(), "--color radius", "spectral_radius"),
     ] {

@@ -289,10 +289,9 @@ mod tests {
         let log = scene("from = 0.1, to = 10, points = 3, spacing = \"log\"");
         let places: Vec<f64> = ordered(&log.axes[0], &cells).iter().map(|(x, _)| *x).collect();
         assert_eq!(places, [-1.0, 0.0, 1.0]);
-        let svg = String::from_utf8(
-            one_axis_picture(&OneAxisPicture { scene: &log, cells: &cells }, Format::Svg).unwrap(),
-        )
-        .unwrap();
+        let svg =
+            String::from_utf8(one_axis_picture(&OneAxisPicture { scene: &log, cells: &cells }, Format::Svg).unwrap())
+                .unwrap();
         assert!(["0.1\n", "1\n", "10\n"].iter().all(|tick| svg.contains(&format!(">\n{tick}"))), "{svg}");
         assert!(svg.contains("frequency ω") && svg.contains("stable double-sided") && !svg.contains("unstable"));
     }

@@ -56,7 +56,8 @@ pub fn regions_picture(picture: &RegionsPicture<'_>, format: Format) -> Result<V
     let (scene, palette) = (picture.scene, picture.palette);
     let ground = Ground::Shapes(String::new());
     let (bar, overlay) = (None, String::new());
-    let mut sheet = Sheet { scene, axes, palette, tiles, bar, lines: &[], key: &key, spans, size: SIZE, ground, overlay };
+    let mut sheet =
+        Sheet { scene, axes, palette, tiles, bar, lines: &[], key: &key, spans, size: SIZE, ground, overlay };
     sheet.ground = match format {
         Format::Png => Ground::Raster(pixels(picture, &strokes)),
         Format::Svg => Ground::Shapes(shapes(picture, &strokes, &sheet)),

@@ -4,7 +4,9 @@ use vibrochain_cli::error::CliError;
 use vibrochain_maps::cell::Cell;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
-use vibrochain_plot::{Cells, Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture};
+use vibrochain_plot::{
+    Cells, Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture,
+};
 
 /// A figure that has been computed.
 pub(super) struct Drawn {
