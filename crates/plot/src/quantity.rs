@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(words, ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10¹"]);
         assert!(ticks.iter().zip(0..).all(|((place, _), i)| (place - f64::from(i) / 6.0).abs() < 1e-12));
         // A few beyond all others have no colours to themselves.
-        let many: Vec<f32> = (0..500).map(|i| 1e-4 * (i as f32 / 100.0).exp()).chain([1e6]).collect();
+        let many: Vec<f32> = (0..500).map(|i| 2e-4 * (i as f32 / 100.0).exp()).chain([1e6]).collect();
         let most = bar(Quantity::SpectralRadius, &many);
         assert_eq!(most.colours, Colours::Logarithmic { low: -4.0, high: -1.0 });
         assert_eq!(most.ticks().last().unwrap(), &(1.0, "≥ 10⁻¹".to_owned()));

@@ -127,7 +127,7 @@ mod tests {
     fn logarithmic_axes_have_ticks_at_round_numbers() {
         for (from, to, expected) in [
             (1e-3, 10.0, vec![1e-3, 1e-2, 0.1, 1.0, 10.0]),
-            (1e-12, 1e3, vec![1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3]),
+            (1e-12, 1e3, vec![1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1.0, 1e2]),
             (0.02, 0.9, vec![0.02, 0.05, 0.1, 0.2, 0.5]),
             (0.6, 3.0, vec![1.0, 1.5, 2.0, 2.5, 3.0]),
         ] {
