@@ -86,6 +86,7 @@ fn task(symmetric: bool) -> Task {
         stability: true,
         tolerance: Tolerance::Rounding,
         collisions: false,
+        impulse: false,
     }
 }
 

@@ -256,6 +256,11 @@ impl Orbit {
         &self.impacts
     }
 
+    /// The largest impulse, as it is signed; none without impacts.
+    pub fn strongest_impulse(&self) -> Option<f64> {
+        self.impacts.iter().map(|impact| impact.impulse).max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
     /// The site that takes all impacts, if there is only one.
     pub fn impact_site(&self) -> Option<usize> {
         match self.sources.as_slice() {

@@ -176,16 +176,52 @@ pub struct SweepArgs {
     pub threshold: Option<f64>,
 }
 
+/// What colours a map: its cells' class, or a number, as a column of the table has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum ColorName {
+    /// Class and mechanism.
+    #[default]
+    Class,
+    /// Largest modulus of the multipliers; the growth beyond 1, by logarithms, where it spans decades.
+    #[value(name = "spectral_radius", alias = "spectral-radius")]
+    SpectralRadius,
+    /// Smallest distance to a barrier.
+    Margin,
+    /// Strongest impulse, its modulus; needs `impulse = true` in the scene.
+    Impulse,
+    /// Number of physical breathers.
+    Solutions,
+}
+
+/// Reads a value of an axis, as in `asymmetry=0.4`.
+fn axis_value(text: &str) -> Result<(Parameter, f64), String> {
+    let Some((name, value)) = text.split_once('=') else {
+        return Err("not a parameter with its value: give one such as asymmetry=0.4".to_owned());
+    };
+    let known = || format!("`{name}` is no parameter: give one of {}", Parameter::ALL.map(Parameter::name).join(", "));
+    Ok((Parameter::from_name(name).ok_or_else(known)?, real(value)?))
+}
+
 /// Pictures of a map.
 #[derive(Debug, Clone, Args)]
+#[command(group = ArgGroup::new("picture").args(["png", "svg"]).multiple(true))]
 pub struct PictureArgs {
-    /// Picture of the map as PNG.
+    /// Picture as PNG: a map over two axes; over one, curves of |μ|, margin and (with `impulse = true`) impulse.
     #[arg(long, value_name = "FILE")]
     pub png: Option<PathBuf>,
-    /// Picture of the map as SVG.
+    /// The same as SVG.
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// Colours of the pictures.
+    /// Draw the cells at this value of an axis; again for further axes, until one or two are left. The table stays whole.
+    #[arg(long, value_name = "PARAMETER=VALUE", value_parser = axis_value, requires = "picture")]
+    pub slice: Vec<(Parameter, f64)>,
+    /// What colours the cells of a map.
+    #[arg(long, value_enum, value_name = "COLUMN", default_value_t, requires = "picture")]
+    pub color: ColorName,
+    /// Draw the borders of the map over its cells, which `mapgen curves` finds; both axes must be equally spaced.
+    #[arg(long, requires = "picture")]
+    pub curves: bool,
+    /// Colours of the pictures of maps.
     #[arg(long, value_enum, default_value_t)]
     pub palette: PaletteName,
 }

@@ -90,12 +90,6 @@ fn ending(branch: &FollowedBranch, course: &Course, value: f64, end: &End) -> St
     message(course.free, value, end)
 }
 
-/// The largest impulse, as it is signed.
-fn strongest(orbit: &Orbit) -> f64 {
-    let impulses = orbit.impacts().iter().map(|impact| impact.impulse);
-    impulses.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
-}
-
 fn write_table(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let flag = |value: Option<bool>| value.map_or(String::new(), |value| value.to_string());
@@ -117,7 +111,7 @@ fn write_table(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
                 kind.to_owned(),
                 value.to_string(),
                 number(error.filter(|error| error.is_finite())),
-                strongest(orbit).to_string(),
+                orbit.strongest_impulse().unwrap_or(0.0).to_string(),
                 impulses.join(" "),
                 number(orbit.phi()),
                 number(orbit.psi()),

@@ -19,12 +19,7 @@ const GREY: usize = 5;
 /// More events than this have small marks.
 const CROWD: usize = 40;
 
-/// Multipliers are drawn linearly where of those beyond 1 this many in a hundred are below `FAR`, up to so many times as far from
-/// 1 as these are, and at least so far; otherwise by logarithms, up to `HIGHEST`.
-const MOST_OF_IT: usize = 80;
-const FAR: f64 = 5.0;
-const ROOM: f64 = 2.0;
-const LEAST: f64 = 0.01;
+/// Multipliers drawn by logarithms leave the picture here.
 const HIGHEST: f64 = 1e5;
 
 /// A picture under way.
@@ -129,7 +124,7 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
         Event::ALL.into_iter().enumerate().filter_map(|(shape, event)| events(quantity, event, mark(shape), diagram)),
     );
     let (scale, levels) = match quantity {
-        QuantityName::SpectralRadius => (about_one(&series), vec![1.0]),
+        QuantityName::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
         _ => (Scale::Linear, Vec::new()),
     };
     if matches!(scale, Scale::Logarithmic) {
@@ -141,28 +136,12 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
         x: course.free.symbol().to_owned(),
         y: label(quantity).to_owned(),
         x_range: None,
+        x_log: false,
         scale,
         levels,
         round: false,
         series,
     }
-}
-
-/// The scale of multipliers: linear about 1, where stability changes, if most of what is unstable is not far from there. Next to a
-/// grazing impact they grow without bound; such ends leave the picture.
-fn about_one(series: &[Series]) -> Scale {
-    let points = series.iter().flat_map(|series| &series.points);
-    let mut drawn: Vec<f64> = points.map(|point| point.1).filter(|value| value.is_finite()).collect();
-    drawn.sort_by(f64::total_cmp);
-    let unstable = &drawn[drawn.partition_point(|value| *value <= 1.0 + LEAST / 100.0)..];
-    let Some(least) = drawn.first() else { return Scale::Linear };
-    let most = unstable.get(unstable.len() * MOST_OF_IT / 100).copied().unwrap_or(1.0);
-    if most > FAR {
-        return Scale::Logarithmic;
-    }
-    let top = drawn.last().copied().unwrap_or(most).min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
-    let low = least.min(1.0);
-    Scale::Between(low - 0.07 * (top - low)..top)
 }
 
 /// The quantity at a station of a branch: what only points know of an event is 1 or between its neighbours.

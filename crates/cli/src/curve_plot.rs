@@ -35,6 +35,7 @@ impl Plot {
             x: format!("{} {}", x.meaning(), x.symbol()),
             y: format!("{} {}", y.meaning(), y.symbol()),
             x_range: Some(window.from[0]..window.to[0]),
+            x_log: false,
             scale: Scale::Between(window.from[1]..window.to[1]),
             levels: Vec::new(),
             round: false,

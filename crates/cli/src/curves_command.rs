@@ -1,13 +1,11 @@
 //! `mapgen curves`: all borders in a scene's window, and the area of what lives between them.
 
 use std::fmt::Write as _;
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use vibrochain_lattice::{Parameter, Short};
-use vibrochain_maps::borders::{Asked, Border, BorderKind, Borders, Stage};
+use vibrochain_maps::borders::{Border, BorderKind, Borders};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -16,6 +14,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::Plan;
 
 use crate::args::CurvesArgs;
+use crate::border_search::BorderSearch;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::threads::threads;
@@ -48,27 +47,17 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let started = Instant::now();
-    let bar = Bar::new(console.progress && !taken);
-    let asked = Asked {
-        tolerance: args.tolerance,
-        places: args.places,
-        special: args.points.is_some() || args.json,
-        stop: &stop,
-        told: &|family, stage, done, all| bar.told(family, stage, done, all),
-    };
-    let found = pool.install(|| Borders::of_scene(&scene, &asked));
-    bar.finish();
-    let (borders, regions) = found?;
-    if borders.interrupted {
-        return Err(CliError::Interrupted);
-    }
+    let (tolerance, places) = (args.tolerance, args.places);
+    let (special, progress) = (args.points.is_some() || args.json, console.progress && !taken);
+    let search = BorderSearch { tolerance, places, special, stop: &stop, progress };
+    let (borders, regions) = search.run(&scene, &pool)?;
     if let Some(table) = table {
         write_borders(&borders, table)?;
     }
     if let Some(points) = points {
         write_points(&borders, points)?;
     }
-    let (places, time) = (args.places, started.elapsed());
+    let time = started.elapsed();
     let answer = Answer { scene: &scene, borders: &borders, regions: &regions, places, time };
     let text = if args.json { format!("{:#}\n", answer.as_json()) } else { answer.as_text() };
     console.answer(&text, taken)?;
@@ -252,45 +241,6 @@ impl Answer<'_> {
         }
         let _ = writeln!(out, "\n{} places looked at, {:.1} s", self.borders.places, self.time.as_secs_f64());
         out
-    }
-}
-
-/// How far the search is.
-struct Bar {
-    bar: ProgressBar,
-    shown: Mutex<Option<(String, Stage)>>,
-}
-
-impl Bar {
-    fn new(wanted: bool) -> Self {
-        let bar = if wanted { ProgressBar::new(1) } else { ProgressBar::hidden() };
-        if let Ok(style) = ProgressStyle::with_template("{bar:32} {pos}/{len} {msg}") {
-            bar.set_style(style);
-        }
-        if wanted {
-            bar.enable_steady_tick(Duration::from_millis(200));
-        }
-        Self { bar, shown: Mutex::new(None) }
-    }
-
-    fn told(&self, family: &str, stage: Stage, done: usize, all: usize) {
-        self.bar.set_length(all as u64);
-        self.bar.set_position(done as u64);
-        let Ok(mut shown) = self.shown.lock() else { return };
-        if shown.as_ref().is_none_or(|(other, at)| other != family || *at != stage) {
-            let what = match stage {
-                Stage::Places => "places looked at",
-                Stage::Rows => "rows searched for stripes",
-                Stage::Changes => "changes explained",
-                Stage::Faces => "looks at what is left",
-            };
-            self.bar.set_message(format!("{what}, {family}"));
-            *shown = Some((family.to_owned(), stage));
-        }
-    }
-
-    fn finish(&self) {
-        self.bar.finish_and_clear();
     }
 }
 

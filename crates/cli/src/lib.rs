@@ -8,6 +8,7 @@
 //! | `model`, `which` | the model a command is asked about, and which of its breathers |
 //! | `threads` | threads to compute on |
 //! | `pictures` | pictures of a table that is being written |
+//! | `border_search` | all borders of a scene, with a bar |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `branch_plot`, `curve_plot` | the pictures of a bifurcation diagram and of curves in two parameters (feature `plot`) |
 //! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
@@ -17,6 +18,7 @@
 //! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `simulate_command`, `words_command` | the subcommands |
 
 pub mod args;
+mod border_search;
 pub mod branch_command;
 #[cfg(feature = "plot")]
 mod branch_plot;

@@ -62,13 +62,15 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         Err(Unassembled::Table(error)) => return Err(error.into()),
         Err(Unassembled::Chunk(chunk, fault)) => return Err(incomplete(args, &plan, &[(chunk, fault)])),
     };
-    assembly.into_table().commit()?;
+    let table = assembly.into_table();
+    let told = pictures.find_borders(&pool, &stop, console.progress)?;
+    table.commit()?;
     let manifest = manifest_text(&plan, &summary, None);
     if let Some(file) = &manifest_file {
         Output::create(file)?.finish_with(manifest.as_bytes())?;
     }
     pictures.finish()?;
-    tell(args.json, &manifest, || report(&plan.scene, &summary, None), console)
+    tell(args.json, &manifest, || report(&plan.scene, &summary, None) + &told, console)
 }
 
 /// Names the chunks that are not there or not sound, and the command that makes them.

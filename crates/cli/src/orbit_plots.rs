@@ -127,6 +127,7 @@ fn pane(caption: &str, x: &str, y: &str, series: Vec<Series>) -> Pane {
         x: x.to_owned(),
         y: y.to_owned(),
         x_range: None,
+        x_log: false,
         scale: Scale::Linear,
         levels: Vec::new(),
         round: false,

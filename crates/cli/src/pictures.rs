@@ -8,68 +8,221 @@ pub(crate) use without_pictures::Pictures;
 #[cfg(feature = "plot")]
 mod with_pictures {
     use std::path::PathBuf;
+    use std::sync::atomic::AtomicBool;
 
-    use crate::args::{PaletteName, PictureArgs};
-    use crate::error::CliError;
+    use rayon::ThreadPool;
+    use vibrochain_maps::borders::{Border, BorderKind, Borders};
     use vibrochain_maps::cell::Cell;
     use vibrochain_maps::files::Output;
-    use vibrochain_maps::scene::Scene;
+    use vibrochain_maps::scene::{Scene, Slice};
     use vibrochain_maps::sweep::Watcher;
-    use vibrochain_plot::{Format, MapPicture, Palette, Tile, is_shown, map_picture};
+    use vibrochain_plot::{
+        Cells, Format, MapBorder, MapPicture, OneAxisPicture, Palette, Quantity, Shade, Tile, is_shown, map_picture,
+        one_axis_picture,
+    };
+
+    use crate::args::{ColorName, PaletteName, PictureArgs};
+    use crate::border_search::BorderSearch;
+    use crate::error::CliError;
+
+    /// How exact borders in a picture are, as a part of its sides: what `mapgen curves` takes. A pixel asks for less, but between
+    /// less exact borders stripes cannot be told apart.
+    const TOLERANCE: f64 = 1e-6;
+
+    /// Places that are asked whether a border is missing: a piece of a thousandth of the picture escapes all of them in one of e¹⁰
+    /// cases.
+    const PLACES: usize = 10_000;
 
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
-    pub(crate) struct Pictures<'a> {
-        scene: &'a Scene,
+    pub(crate) struct Pictures {
+        slice: Slice,
         files: Vec<(Format, PathBuf)>,
         palette: Palette,
-        tiles: Vec<Tile>,
+        seen: Seen,
+        curves: bool,
+        borders: Vec<MapBorder>,
     }
 
-    impl<'a> Pictures<'a> {
-        /// Makes sure that they can be drawn and written.
-        pub(crate) fn plan(wanted: &PictureArgs, scene: &'a Scene) -> Result<Self, CliError> {
-            let mut files = Vec::new();
-            for (path, format) in [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg)] {
-                let Some(path) = path else { continue };
-                format.promised(path)?;
-                if scene.plane().is_none() {
-                    let axes = scene.axes.len();
-                    let message = format!("pictures need two axes, the scene has {axes}: leave out --png and --svg");
-                    return Err(CliError::Request(message));
-                }
-                Output::create(path)?;
-                files.push((format, path.to_owned()));
+    /// What is kept of the cells.
+    enum Seen {
+        /// Over two axes, their classes.
+        Classes(Vec<Tile>),
+        /// Or a number.
+        Numbers(Quantity, Vec<Shade>),
+        /// Over one axis, all of them.
+        Cells(Vec<Cell>),
+    }
+
+    fn refused(message: String) -> CliError {
+        CliError::Request(message)
+    }
+
+    /// The part of the scene that is drawn.
+    fn slice(wanted: &PictureArgs, scene: &Scene) -> Result<Slice, CliError> {
+        let given: Vec<String> =
+            wanted.slice.iter().map(|(parameter, value)| format!("--slice {}={value}", parameter.name())).collect();
+        let slice =
+            Slice::of(scene, &wanted.slice).map_err(|error| refused(format!("{}: {error}", given.join(" "))))?;
+        let (axes, names) = (slice.scene().axes.as_slice(), slice.scene().axis_names());
+        match axes {
+            [] => Err(refused("no axis is left to draw along: leave out one --slice".to_owned())),
+            [_] | [_, _] => Ok(slice),
+            [.., last] => {
+                let (count, name) = (axes.len(), last.parameter.name());
+                let middle = last.value(last.points() / 2);
+                Err(refused(format!(
+                    "pictures have one or two axes, here are {count}, {names}: choose the cells to draw by a value of each further \
+                     axis, as in --slice {name}={middle}"
+                )))
             }
+        }
+    }
+
+    impl Pictures {
+        /// Makes sure that they can be drawn and written.
+        pub(crate) fn plan(wanted: &PictureArgs, scene: &Scene) -> Result<Self, CliError> {
             let palette = match wanted.palette {
                 PaletteName::Colour => Palette::Colour,
                 PaletteName::Paper => Palette::Paper,
             };
-            Ok(Self { scene, files, palette, tiles: Vec::new() })
+            if wanted.png.is_none() && wanted.svg.is_none() {
+                let (slice, seen) = (Slice::of(scene, &[])?, Seen::Cells(Vec::new()));
+                return Ok(Self { slice, files: Vec::new(), palette, seen, curves: false, borders: Vec::new() });
+            }
+            let flags = [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg)];
+            let asked = || flags.iter().filter_map(|(path, format)| Some((path.as_ref()?, *format)));
+            asked().try_for_each(|(path, format)| format.promised(path))?;
+            let slice = slice(wanted, scene)?;
+            let seen = Self::kept(wanted.color, slice.scene())?;
+            if wanted.curves {
+                if let Seen::Cells(_) = seen {
+                    let axis = slice.scene().axis_names();
+                    return Err(refused(format!(
+                        "--curves draws borders over a map of two axes, here is one, {axis}: leave it out"
+                    )));
+                }
+                Borders::window(slice.scene()).map_err(|error| refused(format!("--curves: {error}")))?;
+            }
+            let mut files = Vec::new();
+            for (path, format) in asked() {
+                Output::create(path)?;
+                files.push((format, path.clone()));
+            }
+            Ok(Self { slice, files, palette, seen, curves: wanted.curves, borders: Vec::new() })
+        }
+
+        fn kept(color: ColorName, scene: &Scene) -> Result<Seen, CliError> {
+            let quantity = match color {
+                ColorName::Class => None,
+                ColorName::SpectralRadius => Some(Quantity::SpectralRadius),
+                ColorName::Margin => Some(Quantity::Margin),
+                ColorName::Impulse => Some(Quantity::Impulse),
+                ColorName::Solutions => Some(Quantity::Solutions),
+            };
+            match (quantity, scene.axes.len()) {
+                (None, 1) => Ok(Seen::Cells(Vec::new())),
+                (None, _) => Ok(Seen::Classes(Vec::new())),
+                (Some(_), 1) => Err(refused(format!(
+                    "--color is of maps over two axes, here is one, {}: leave it out, each number has a panel of its own",
+                    scene.axis_names()
+                ))),
+                (Some(quantity), _) => match quantity.of_scene(scene) {
+                    Ok(()) => Ok(Seen::Numbers(quantity, Vec::new())),
+                    Err(key) => {
+                        let name = quantity.name();
+                        Err(refused(format!(
+                            "--color {name}: the scene does not compute it; add {key} to its table [compute]"
+                        )))
+                    }
+                },
+            }
+        }
+
+        /// Finds the borders that are to be drawn, if any; a line on them for the summary.
+        ///
+        /// # Errors
+        /// [`CliError::Interrupted`].
+        pub(crate) fn find_borders(
+            &mut self,
+            pool: &ThreadPool,
+            stop: &AtomicBool,
+            progress: bool,
+        ) -> Result<String, CliError> {
+            if !self.curves {
+                return Ok(String::new());
+            }
+            let search = BorderSearch { tolerance: TOLERANCE, places: PLACES, special: false, stop, progress };
+            let (found, regions) = search.run(self.slice.scene(), pool)?;
+            let mut line = format!("\nborders {}", found.borders.len());
+            let (changes, faces) = (found.unexplained.len(), regions.unexplained().len());
+            if changes + faces > 0 {
+                line += &format!("; {changes} changes and {faces} faces between them lack one, as mapgen curves tells");
+            }
+            // What separates nothing is no border of the map.
+            let parts = found.borders.iter().enumerate().flat_map(|(number, border)| {
+                let parts = regions.border(number).iter().filter(|part| part.separates);
+                parts.map(|part| drawn(border, part.points.iter().map(|place| regions.window().point(*place))))
+            });
+            self.borders = parts.collect();
+            Ok(line)
         }
 
         /// Draws and writes them.
         pub(crate) fn finish(self) -> Result<(), CliError> {
-            let picture = MapPicture { scene: self.scene, tiles: &self.tiles, palette: self.palette };
+            let (scene, palette, borders) = (self.slice.scene(), self.palette, self.borders.as_slice());
+            let map = |cells, format| map_picture(&MapPicture { scene, cells, palette, borders }, format);
             for (format, path) in self.files {
-                let bytes = map_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
+                let bytes = match &self.seen {
+                    Seen::Classes(tiles) => map(Cells::Classes(tiles), format),
+                    Seen::Numbers(quantity, shades) => map(Cells::Numbers(*quantity, shades), format),
+                    Seen::Cells(cells) => one_axis_picture(&OneAxisPicture { scene, cells }, format),
+                };
+                let bytes = bytes.map_err(|error| CliError::Computation(error.to_string()))?;
                 Output::create(&path)?.finish_with(&bytes)?;
             }
             Ok(())
         }
     }
 
-    impl Watcher for Pictures<'_> {
+    /// A part of a border as it is drawn.
+    fn drawn(border: &Border, points: impl Iterator<Item = [f64; 2]>) -> MapBorder {
+        let stripe = border.stripe.map_or(String::new(), |stripe| {
+            let (k, l) = stripe.modes;
+            format!(", stripe {k},{l},{}", stripe.harmonic)
+        });
+        MapBorder {
+            kind: match border.kind {
+                BorderKind::NeimarkSacker => "Neimark–Sacker".to_owned(),
+                kind => kind.name().replace('-', " "),
+            },
+            title: format!("{}: {}{stripe}", border.family, border.kind),
+            points: points.collect(),
+        }
+    }
+
+    impl Watcher for Pictures {
         fn looks(&self) -> bool {
             !self.files.is_empty()
         }
 
         fn begin(&mut self) {
-            self.tiles.clear();
+            match &mut self.seen {
+                Seen::Classes(tiles) => tiles.clear(),
+                Seen::Numbers(_, shades) => shades.clear(),
+                Seen::Cells(cells) => cells.clear(),
+            }
         }
 
         fn cell(&mut self, number: u64, cell: &Cell) {
-            if self.looks() && is_shown(self.scene, number) {
-                self.tiles.push(Tile { class: cell.class, mechanism: cell.mechanism });
+            if !self.looks() {
+                return;
+            }
+            let shown = self.slice.cell(number).is_some_and(|number| is_shown(self.slice.scene(), number));
+            match &mut self.seen {
+                _ if !shown => {}
+                Seen::Classes(tiles) => tiles.push(Tile::from(cell)),
+                Seen::Numbers(quantity, shades) => shades.push(quantity.shade(cell)),
+                Seen::Cells(cells) => cells.push(*cell),
             }
         }
     }
@@ -77,23 +230,29 @@ mod with_pictures {
 
 #[cfg(not(feature = "plot"))]
 mod without_pictures {
-    use std::marker::PhantomData;
+    use std::sync::atomic::AtomicBool;
 
-    use crate::args::PictureArgs;
-    use crate::error::CliError;
+    use rayon::ThreadPool;
     use vibrochain_maps::cell::Cell;
     use vibrochain_maps::scene::Scene;
     use vibrochain_maps::sweep::Watcher;
 
-    /// This build draws nothing.
-    pub(crate) struct Pictures<'a>(PhantomData<&'a Scene>);
+    use crate::args::PictureArgs;
+    use crate::error::CliError;
 
-    impl<'a> Pictures<'a> {
-        pub(crate) fn plan(wanted: &PictureArgs, _: &'a Scene) -> Result<Self, CliError> {
+    /// This build draws nothing.
+    pub(crate) struct Pictures;
+
+    impl Pictures {
+        pub(crate) fn plan(wanted: &PictureArgs, _: &Scene) -> Result<Self, CliError> {
             if wanted.png.is_some() || wanted.svg.is_some() {
                 return Err(CliError::Request("--png and --svg need a build with the feature `plot`".to_owned()));
             }
-            Ok(Self(PhantomData))
+            Ok(Self)
+        }
+
+        pub(crate) fn find_borders(&mut self, _: &ThreadPool, _: &AtomicBool, _: bool) -> Result<String, CliError> {
+            Ok(String::new())
         }
 
         pub(crate) fn finish(self) -> Result<(), CliError> {
@@ -101,7 +260,7 @@ mod without_pictures {
         }
     }
 
-    impl Watcher for Pictures<'_> {
+    impl Watcher for Pictures {
         fn looks(&self) -> bool {
             false
         }

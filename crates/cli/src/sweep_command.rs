@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use clap::ValueEnum;
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use rayon::ThreadPool;
 use vibrochain_lattice::Short;
 
-use crate::args::SweepArgs;
+use crate::args::{ColorName, SweepArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::estimate::estimate;
@@ -20,6 +21,7 @@ use vibrochain_maps::cell::Cell;
 use vibrochain_maps::files::{Destination, distinct, promises_folder};
 use vibrochain_maps::files::{Output, settle_names};
 use vibrochain_maps::manifest::{Effort, Run, manifest};
+use vibrochain_maps::numbers::Number;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{
     Assembly, Claim, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Todo, Unassembled, Worked, Writer, blocks, work,
@@ -143,7 +145,9 @@ impl SweepRun<'_> {
             }
         };
         let manifest = manifest_text(self.plan, &summary, Some(effort));
+        let (bar, mut told) = (console.progress, String::new());
         let finish = || {
+            told = pictures.find_borders(self.pool, &stop, bar)?;
             table.commit()?;
             Output::create(&manifest_file)?.finish_with(manifest.as_bytes())?;
             pictures.finish()
@@ -152,6 +156,7 @@ impl SweepRun<'_> {
             // If it does not fit either, it is not among those that are told to be finished.
             let _ = last.map(Writer::place);
             return Err(match error {
+                CliError::Interrupted => CliError::Paused(self.kept(&store, Shard::WHOLE)),
                 CliError::Halted(path) => {
                     let (name, kept) = (path.display(), self.kept(&store, Shard::WHOLE));
                     CliError::Paused(format!("{name} was not read; {kept}"))
@@ -166,7 +171,7 @@ impl SweepRun<'_> {
         if !store.remove(self.plan) {
             console.remark(&format!("{} holds other files and was left, without its chunks", folder.display()));
         }
-        tell(self.args.json, &manifest, || report(&self.plan.scene, &summary, Some(&effort)), console)
+        tell(self.args.json, &manifest, || report(&self.plan.scene, &summary, Some(&effort)) + &told, console)
     }
 
     /// A table that goes to standard output, a pipe or a device: nothing is kept of it.
@@ -207,9 +212,16 @@ impl SweepRun<'_> {
         };
         let effort = self.effort(&summary, started);
         table.into_table().commit()?;
+        let bar = console.progress && !taken;
+        let told = pictures.find_borders(self.pool, &stop, bar).map_err(|error| match error {
+            CliError::Interrupted => {
+                CliError::Paused(format!("{name} has got the whole table, there are no pictures of it"))
+            }
+            error => error,
+        })?;
         pictures.finish()?;
         let manifest = manifest_text(self.plan, &summary, Some(effort));
-        tell(self.args.json, &manifest, || report(scene, &summary, Some(&effort)), console)
+        tell(self.args.json, &manifest, || report(scene, &summary, Some(&effort)) + &told, console)
     }
 
     fn effort(&self, summary: &Summary, started: Instant) -> Effort {
@@ -225,7 +237,7 @@ impl SweepRun<'_> {
         &self,
         out: &Path,
         store: &Store,
-        pictures: &mut Pictures<'_>,
+        pictures: &mut Pictures,
         stop: &AtomicBool,
     ) -> Result<(TableFile, Summary), CliError> {
         let failed = |error: &dyn std::fmt::Display| self.failed(error, store, Shard::WHOLE);
@@ -319,6 +331,15 @@ impl SweepRun<'_> {
         let pictures = &self.args.pictures;
         for (flag, path) in [("--out", &self.args.out), ("--png", &pictures.png), ("--svg", &pictures.svg)] {
             words.extend(path.iter().map(|path| format!("{flag} {}", quoted(path))));
+        }
+        words.extend(
+            pictures.slice.iter().map(|(parameter, value)| format!("--slice {}={}", parameter.name(), Number(*value))),
+        );
+        if let Some(color) = pictures.color.to_possible_value().filter(|_| pictures.color != ColorName::default()) {
+            words.push(format!("--color {}", color.get_name()));
+        }
+        if pictures.curves {
+            words.push("--curves".to_owned());
         }
         if pictures.palette != Default::default() {
             words.push("--palette paper".to_owned());

@@ -132,10 +132,10 @@ fn wrong_axes() {
 
 #[cfg(feature = "plot")]
 #[test]
-fn pictures_have_two_axes_of_any_spacing() {
+fn pictures_have_axes_of_any_spacing_but_no_third() {
     let three = format!("{MODEL}[sweep]\nx = {OMEGA}\ny = {GAMMA2}\naxes = [{ASYMMETRY}]\n{COMPUTE}");
     let desk = Desk::with_scene(&three);
-    let told = "pictures need two axes, the scene has 3: leave out --png and --svg";
+    let told = "pictures have one or two axes, here are 3, omega, gamma2 and asymmetry";
     desk.run("sweep scene.toml --out map.csv --png map.png").with(2, &[told]);
     desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
     desk.run("merge parts --out map.csv --svg map.svg").with(2, &[told]);

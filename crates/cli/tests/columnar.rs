@@ -28,7 +28,7 @@ print(len(rows))
 fn values_come_back_by_columns() {
     let scene = SCENE
         .replace("points = 300", "points = 100")
-        .replace("families", "stability = true\ncollisions = true\nfamilies");
+        .replace("families", "stability = true\ncollisions = true\nimpulse = true\nfamilies");
     let desk = Desk::with_scene(&scene);
     desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     desk.run("sweep scene.toml --out map.parquet --quiet").with(0, &[]);

@@ -175,3 +175,97 @@ fn what_cannot_be_followed_is_told() {
     let message = with([Parameter::Gamma1, Parameter::Gamma2], 1e-6).to_string();
     assert!(message.contains("gamma1 = 0.2 is not in the window from 0.4 to 3"), "{message}");
 }
+
+/// The asymmetry at which a double-sided breather under a force has its second impact at φ, on the branch of ψ that holds the cusp: the
+/// impulses from Newton's law, which is linear in them, at both impacts, ψ from the width of the gap, and the asymmetry is what is
+/// left. The impulse response is the plain sum over the modes of the ring.
+fn asymmetry_at(model: &Model, phi: f64) -> f64 {
+    let (chain, omega, amplitude) = (model.chain(), model.omega(), model.amplitude());
+    let (masses, period) = (chain.sites() as f64, TAU / omega);
+    let modes = || {
+        (0..chain.sites()).map(|k| {
+            let sine = (PI * k as f64 / masses).sin();
+            (chain.gamma1() + 4.0 * chain.gamma2() * sine * sine).sqrt()
+        })
+    };
+    let height = |t: f64| {
+        let of = |w: f64| (w * (t - 0.5 * period)).cos() / (2.0 * w * (0.5 * w * period).sin());
+        modes().map(of).sum::<f64>() / masses
+    };
+    let slope = |t: f64| {
+        let of = |w: f64| -(w * (t - 0.5 * period)).sin() / (2.0 * (0.5 * w * period).sin());
+        modes().map(of).sum::<f64>() / masses
+    };
+    let half_loss = 0.5 * (1.0 - model.restitution()) / (1.0 + model.restitution());
+    let steady = amplitude / (chain.gamma1() - omega * omega);
+    let (there, back) = (slope(phi), slope(period - phi));
+    let determinant = half_loss * half_loss - there * back;
+    let (cosine, sine) = ((omega * phi).cos(), (omega * phi).sin());
+    // Displacement at both impacts for a force whose phase at the first one has this cosine and sine.
+    let displacements = |c: f64, s: f64| {
+        let pushes = [steady * omega * s, steady * omega * (s * cosine + c * sine)];
+        let first = (half_loss * pushes[0] - back * pushes[1]) / determinant;
+        let second = (half_loss * pushes[1] - there * pushes[0]) / determinant;
+        let later = c * cosine - s * sine;
+        [
+            first * height(0.0) + second * height(period - phi) + steady * c,
+            first * height(phi) + second * height(0.0) + steady * later,
+        ]
+    };
+    let ([a, b], [c, d]) = (displacements(1.0, 0.0), displacements(0.0, 1.0));
+    let (x, y) = (a - b, c - d);
+    let phase = y.atan2(x) - (2.0 / x.hypot(y)).acos();
+    0.5 * displacements(phase.cos(), phase.sin()).iter().sum::<f64>()
+}
+
+/// Two folds of double-sided breathers meet where a(φ) has no slope and no curvature: three breathers merge there.
+#[test]
+fn folds_meet_in_a_cusp_where_three_breathers_merge() {
+    let at = |asymmetry: f64, amplitude: f64| {
+        Model::forced(Chain::new(6, 0.5, 0.05).unwrap(), 0.93, asymmetry, amplitude, 0.76).unwrap()
+    };
+    let list = |model: &Model| breathers(model, Family::DoubleSided).unwrap().orbits;
+    let window = Window { parameters: [Parameter::Asymmetry, Parameter::Amplitude], from: [0.3, 2.2], to: [0.95, 3.0] };
+    let start = list(&at(0.64, 2.55));
+    // The formula is that of the family: it gives the asymmetry back.
+    let own: Vec<&Orbit> =
+        start.iter().filter(|orbit| (asymmetry_at(orbit.model(), orbit.phi().unwrap()) - 0.64).abs() < 1e-12).collect();
+    assert!(own.len() >= 3, "{}", own.len());
+    let (mut met, mut folds) = (0, 0);
+    for orbit in own {
+        let search = Search { from: 0.3, to: 0.95, ..Search::new(orbit, Event::Fold, Parameter::Asymmetry) };
+        for located in locate(orbit, &search).unwrap().located {
+            folds += 1;
+            let curve = curve(&located.orbit, Event::Fold, located.evidence, &window, TOLERANCE).unwrap();
+            let special = curve.special.iter().find(|special| special.special == Special::Cusp);
+            let Some(special) = special else { continue };
+            met += 1;
+            let point = &curve.points[special.point];
+            let (model, phi) = (point.orbit.model(), point.orbit.phi().unwrap());
+            assert!((asymmetry_at(model, phi) - point.values[0]).abs() < 1e-12);
+            let h = 2e-3;
+            let value = |i: i32| asymmetry_at(model, phi + f64::from(i) * h);
+            let first = (8.0 * (value(1) - value(-1)) - (value(2) - value(-2))) / (12.0 * h);
+            let second = (16.0 * (value(1) + value(-1)) - (value(2) + value(-2)) - 30.0 * value(0)) / (12.0 * h * h);
+            let third = (value(2) - value(-2) - 2.0 * (value(1) - value(-1))) / (2.0 * h * h * h);
+            assert!(third.abs() > 0.1 && first.abs() < 1e-8 && second.abs() < 1e-5, "{first} {second} {third}");
+            // Along the amplitude, between the two folds: two more breathers than before the cusp.
+            let near = |amplitude: f64| {
+                let between: Vec<f64> = curve
+                    .points
+                    .windows(2)
+                    .filter(|pair| (pair[0].values[1] < amplitude) != (pair[1].values[1] < amplitude))
+                    .map(|pair| {
+                        let part = (amplitude - pair[0].values[1]) / (pair[1].values[1] - pair[0].values[1]);
+                        pair[0].values[0] + part * (pair[1].values[0] - pair[0].values[0])
+                    })
+                    .collect();
+                let [low, high] = between.try_into().unwrap();
+                list(&at(0.5 * (low + high), amplitude)).len()
+            };
+            let before = list(&at(point.values[0], point.values[1] - 0.01)).len();
+            assert_eq!(near(point.values[1] + 0.02), before + 2);
+        }
+    }
+    assert!(met >= 2 && folds >= met, "{met} of {folds}");
+}

@@ -19,6 +19,8 @@ pub struct Task {
     pub tolerance: Tolerance,
     /// Whether the modes that have collided are wanted, of conservative orbits.
     pub collisions: bool,
+    /// Whether tables have a column for the strongest impulse.
+    pub impulse: bool,
 }
 
 /// What a scene calls the double-sided family without conservative orbits with φ ≠ T/2.
@@ -204,6 +206,8 @@ pub struct Cell {
     pub spectral_radius: Option<f64>,
     /// Its margin: the smallest distance left to a barrier at a turning point.
     pub margin: Option<f64>,
+    /// The strongest of its impulses, as it is signed.
+    pub impulse: Option<f64>,
     /// Number of physical orbits of the families asked for.
     pub solutions: u32,
     /// Whether all of this could be computed.
@@ -221,6 +225,7 @@ impl Cell {
         mechanism: None,
         spectral_radius: None,
         margin: None,
+        impulse: None,
         solutions: 0,
         status: Status::Ok,
         residual: 0.0,
@@ -234,6 +239,7 @@ struct Candidate {
     family: Family,
     verdict: Option<Verdict>,
     margin: Option<f64>,
+    impulse: Option<f64>,
     collision: Option<Collision>,
 }
 
@@ -320,7 +326,8 @@ impl Worker {
                     Some(verdict) => collision(&mut self.modes, &mut self.finder, orbit, &verdict),
                     None => None,
                 };
-                let candidate = Candidate { family, verdict, margin: admissibility.margin, collision };
+                let (margin, impulse) = (admissibility.margin, orbit.strongest_impulse());
+                let candidate = Candidate { family, verdict, margin, impulse, collision };
                 if best.as_ref().is_none_or(|best| candidate.rank() < best.rank()) {
                     best = Some(candidate);
                 }
@@ -339,6 +346,7 @@ impl Worker {
                 cell.mechanism = best.verdict.and_then(|verdict| verdict.mechanism);
                 cell.spectral_radius = best.verdict.map(|verdict| verdict.spectral_radius);
                 cell.margin = best.margin;
+                cell.impulse = best.impulse;
                 cell.collision = best.collision;
             }
             _ if unknown => cell.class = None,

@@ -101,6 +101,9 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     if scene.task.collisions {
         compute["collisions"] = true.into();
     }
+    if scene.task.impulse {
+        compute["impulse"] = true.into();
+    }
     [("model", model.into()), ("sweep", sweep.into()), ("compute", compute)]
         .map(|(name, value): (_, Value)| (name.to_owned(), value))
         .into_iter()

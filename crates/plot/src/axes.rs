@@ -8,7 +8,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::{Color, DrawingBackend, RGBColor, WHITE};
 
 use crate::canvas::PlotError;
-use crate::map::tick;
+use crate::ticks::tick;
 
 /// A panel with two real axes.
 pub type Panel<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;

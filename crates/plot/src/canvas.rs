@@ -88,6 +88,11 @@ pub trait Drawing {
     /// Draws on an area of the size that was asked for.
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError>;
 
+    /// Elements of an SVG that lie over all that is drawn.
+    fn overlay(&self) -> Option<String> {
+        None
+    }
+
     /// Elements of an SVG that lie under all that is drawn, on the ground that is filled first.
     fn shapes(&self) -> Option<String> {
         None
@@ -135,6 +140,10 @@ pub fn render(drawing: &impl Drawing, format: Format, (width, height): (u32, u32
             if let Some(shapes) = drawing.shapes() {
                 let ground = text.find("/>").map_or(0, |end| end + 2);
                 text.insert_str(ground, &format!("\n{shapes}"));
+            }
+            if let Some(overlay) = drawing.overlay() {
+                let end = text.rfind("</svg>").unwrap_or(text.len());
+                text.insert_str(end, &overlay);
             }
             // Cells keep their edges at any magnification.
             let text = text.replace("<image ", "<image image-rendering=\"pixelated\" ");

@@ -7,16 +7,15 @@ use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
 use plotters::coord::Shift;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
-use plotters::coord::types::RangedCoordf64;
 use plotters::element::{DashedPathElement, EmptyElement, PathElement, Polygon, Text};
 use plotters::prelude::{BLACK, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE};
 
 use crate::axes::labelled_axes;
 use crate::canvas::{Drawing, Format, PlotError, render};
 use crate::decades::{Decades, power_of_ten};
-use crate::map::tick;
 use crate::markers::marker;
 use crate::palette::LINES;
+use crate::ticks::{Places, power_tick, tick};
 use crate::words::Heading;
 
 /// A picture of panels side by side.
@@ -43,6 +42,8 @@ pub struct Pane {
     pub y: String,
     /// Ends of the horizontal axis; from the data if absent.
     pub x_range: Option<Range<f64>>,
+    /// Places along the horizontal axis are decimal logarithms; its ticks tell the numbers.
+    pub x_log: bool,
     /// Scale of the vertical axis.
     pub scale: Scale,
     /// Heights of thin dashed lines across the panel, such as the barriers.
@@ -62,6 +63,25 @@ pub enum Scale {
     Between(Range<f64>),
     /// Logarithmic; values that are not positive are left out.
     Logarithmic,
+}
+
+impl Scale {
+    /// The scale of multipliers: linear about 1, where stability changes, if most of what is unstable is not far from there. Next to a
+    /// grazing impact they grow without bound; such ends leave the picture.
+    pub fn about_one(series: &[Series]) -> Self {
+        let points = series.iter().flat_map(|series| &series.points);
+        let mut drawn: Vec<f64> = points.map(|point| point.1).filter(|value| value.is_finite()).collect();
+        drawn.sort_by(f64::total_cmp);
+        let unstable = &drawn[drawn.partition_point(|value| *value <= 1.0 + LEAST / 100.0)..];
+        let Some(least) = drawn.first() else { return Self::Linear };
+        let most = unstable.get(unstable.len() * MOST_OF_IT / 100).copied().unwrap_or(1.0);
+        if most > FAR {
+            return Self::Logarithmic;
+        }
+        let top = drawn.last().copied().unwrap_or(most).min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
+        let low = least.min(1.0);
+        Self::Between(low - 0.07 * (top - low)..top)
+    }
 }
 
 /// How the points of a series are joined.
@@ -102,6 +122,13 @@ pub struct Series {
     /// Its points. One that is not finite breaks the line.
     pub points: Vec<(f64, f64)>,
 }
+
+/// Multipliers are drawn linearly where of those beyond 1 this many in a hundred are below `FAR`, up to so many times as far from
+/// 1 as these are, and at least so far; otherwise by logarithms.
+const MOST_OF_IT: usize = 80;
+const FAR: f64 = 5.0;
+const ROOM: f64 = 2.0;
+const LEAST: f64 = 0.01;
 
 /// Height and width of what is about the lines of the title, and their size.
 const HEADING: (u32, u32) = (16, 32);
@@ -246,7 +273,7 @@ fn draw_pane<B: DrawingBackend>(
     match &pane.scale {
         Scale::Logarithmic => {
             let y = Decades::holding(visible(&x).filter(|y| *y > 0.0 && y.is_finite()).map(f64::log10));
-            let chart = builder.build_cartesian_2d(x.clone(), y).map_err(PlotError::from)?;
+            let chart = builder.build_cartesian_2d(Places::new(x.clone(), pane.x_log), y).map_err(PlotError::from)?;
             let place = |(px, py): (f64, f64)| (py > 0.0 && py.is_finite()).then(|| (px, py.log10()));
             fill(chart, pane, &x, &place, &|value| power_of_ten(*value))
         }
@@ -265,7 +292,8 @@ fn draw_pane<B: DrawingBackend>(
                     y = stretched(&y, 1.0 / ratio);
                 }
             }
-            let chart = builder.build_cartesian_2d(x.clone(), y.clone()).map_err(PlotError::from)?;
+            let places = Places::new(x.clone(), pane.x_log);
+            let chart = builder.build_cartesian_2d(places, y.clone()).map_err(PlotError::from)?;
             let inside = stretched(&y, 1.0 + 1e-9);
             let place = |(px, py): (f64, f64)| inside.contains(&py).then_some((px, py));
             fill(chart, pane, &x, &place, &|value| tick(*value))
@@ -274,7 +302,7 @@ fn draw_pane<B: DrawingBackend>(
 }
 
 fn fill<B: DrawingBackend, Y>(
-    mut chart: ChartContext<'_, B, Cartesian2d<RangedCoordf64, Y>>,
+    mut chart: ChartContext<'_, B, Cartesian2d<Places, Y>>,
     pane: &Pane,
     x: &Range<f64>,
     place: &dyn Fn((f64, f64)) -> Option<(f64, f64)>,
@@ -283,7 +311,8 @@ fn fill<B: DrawingBackend, Y>(
 where
     Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
-    labelled_axes(&mut chart, &pane.x, &pane.y, true, [&|value| tick(*value), label])?;
+    let number = |place: &f64| if pane.x_log { power_tick(*place) } else { tick(*place) };
+    labelled_axes(&mut chart, &pane.x, &pane.y, true, [&number, label])?;
     let thin = RGBColor(110, 110, 110).stroke_width(1);
     let levels = pane.levels.iter().filter_map(|&level| Some(place((x.start, level))?.1));
     let levels = levels.map(|y| DashedPathElement::new(vec![(x.start, y), (x.end, y)], 6, 4, thin));
@@ -387,7 +416,7 @@ mod tests {
 
     fn pane(scale: Scale, series: Vec<Series>) -> Pane {
         let (caption, x, y) = ("caption".to_owned(), "ω".to_owned(), "v₀".to_owned());
-        Pane { caption, x, y, x_range: None, scale, levels: vec![0.5], round: false, series }
+        Pane { caption, x, y, x_range: None, x_log: false, scale, levels: vec![0.5], round: false, series }
     }
 
     #[test]

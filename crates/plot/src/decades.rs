@@ -25,6 +25,11 @@ impl Decades {
         Self { low, high: high.max(low + 2) }
     }
 
+    /// From one to another; at least one.
+    pub fn between(low: i32, high: i32) -> Self {
+        Self { low, high: high.max(low + 1) }
+    }
+
     /// One more at the lower end.
     pub fn with_one_below(self) -> Self {
         Self { low: self.low - 1, ..self }
@@ -49,7 +54,7 @@ impl Ranged for Decades {
         if hint.weight().allow_light_points() {
             return Vec::new();
         }
-        // At least 1: the axis has two decades or more.
+        // At least 1: the axis has a decade or more.
         let stride = (self.high - self.low + MANY - 1) / MANY;
         (self.low..=self.high).filter(|decade| decade % stride == 0).map(f64::from).collect()
     }

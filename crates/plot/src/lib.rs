@@ -4,9 +4,12 @@
 //! | module | holds |
 //! |---|---|
 //! | `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
-//! | `map`, `lines`, `palette` | the picture of a map, lines over it, its colours and textures |
+//! | `map`, `sheet`, `lines`, `palette` | the picture of a map, what stands about it, lines over it, its colours and textures |
+//! | `quantity` | numbers of cells, and how they become colours |
+//! | `one_axis` | the curves of a sweep over one parameter |
+//! | `strokes` | thin lines over a map |
 //! | `regions`, `coverage` | the picture of a map by its regions: shapes, or pixels by exact area |
-//! | `curves`, `axes`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
+//! | `curves`, `axes`, `ticks`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
 //! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
 //! | `field` | all masses of a run in space and time, thinned while it runs |
 //!
@@ -28,18 +31,25 @@ pub mod field;
 mod lines;
 mod map;
 pub mod markers;
+mod one_axis;
 mod orbit;
 pub mod palette;
+mod quantity;
 mod regions;
 mod run;
+mod sheet;
 mod spacetime;
+mod strokes;
+mod ticks;
 mod words;
 
 pub use canvas::{Format, PlotError, open};
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
-pub use map::{MapLine, MapPicture, is_shown, map_picture, map_with_lines};
+pub use map::{Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines};
+pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};
 pub use palette::{Palette, Tile};
+pub use quantity::{Quantity, Shade};
 pub use regions::{RegionsPicture, regions_picture};
 pub use run::{RunPicture, run_picture};
 pub use spacetime::{Spacetime, spacetime_picture};

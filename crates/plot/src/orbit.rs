@@ -75,6 +75,7 @@ fn pane(orbit: &OrbitPanels, x: &str, y: &str, series: Vec<Series>) -> Pane {
         x: x.to_owned(),
         y: y.to_owned(),
         x_range: None,
+        x_log: false,
         scale: Scale::Linear,
         levels: vec![orbit.barriers.0, orbit.barriers.1],
         round: false,

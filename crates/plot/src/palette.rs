@@ -32,6 +32,33 @@ impl From<&Cell> for Tile {
 type Rgb = [u8; 3];
 
 impl Palette {
+    /// Where no breather is.
+    pub(crate) fn nothing(self) -> Rgb {
+        self.class(Some(Class::None))
+    }
+
+    /// Pixel (x, y) where nothing is known.
+    pub(crate) fn unknown(self, x: u32, y: u32) -> Rgb {
+        self.pixel(Tile { class: None, mechanism: None }, x, y)
+    }
+
+    /// A place on the scale of numbers, from 0 to 1: viridis, even in lightness and told apart by colour-blind eyes; or greys.
+    pub(crate) fn scale(self, part: f64) -> Rgb {
+        let part = part.clamp(0.0, 1.0);
+        match self {
+            Self::Colour => colorous::VIRIDIS.eval_continuous(part).as_array(),
+            Self::Paper => [(90.0 + 165.0 * part).round() as u8; 3],
+        }
+    }
+
+    /// Below the scale of numbers.
+    pub(crate) fn below(self) -> Rgb {
+        match self {
+            Self::Colour => [215, 215, 215],
+            Self::Paper => [55, 55, 55],
+        }
+    }
+
     fn class(self, class: Option<Class>) -> Rgb {
         match (self, class) {
             (Self::Colour, Some(Class::None)) => [255, 255, 255],
@@ -108,6 +135,32 @@ mod tests {
                 .collect();
             greys.sort_by(f64::total_cmp);
             assert!(greys.windows(2).all(|pair| pair[1] - pair[0] > 30.0), "{palette:?} {greys:?}");
+        }
+    }
+
+    /// L* of the CIE, from the luminance of sRGB.
+    fn lightness(rgb: Rgb) -> f64 {
+        let linear = |c: u8| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        };
+        let [r, g, b] = rgb.map(linear);
+        let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        if y > 0.008856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
+    }
+
+    #[test]
+    fn the_scale_of_numbers_rises_evenly_in_lightness() {
+        for palette in [Palette::Colour, Palette::Paper] {
+            let steps: Vec<f64> = (0..=10).map(|i| lightness(palette.scale(f64::from(i) / 10.0))).collect();
+            let rises: Vec<f64> = steps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            let mean = (steps[10] - steps[0]) / 10.0;
+            assert!(mean > 5.0 && rises.iter().all(|rise| (rise / mean - 1.0).abs() < 0.25), "{palette:?} {rises:?}");
+            // What is not on the scale is none of its colours, in any place of a pixel.
+            let beside = [palette.nothing(), palette.below(), palette.unknown(0, 0), palette.unknown(1, 1)];
+            let far = |a: Rgb, b: Rgb| a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap() > 20;
+            let scale: Vec<Rgb> = (0..=255).map(|i| palette.scale(f64::from(i) / 255.0)).collect();
+            assert!(beside.iter().all(|other| scale.iter().all(|colour| far(*colour, *other))), "{palette:?}");
         }
     }
 

@@ -8,8 +8,11 @@ use vibrochain_maps::scene::Scene;
 
 use crate::canvas::{Format, PlotError};
 use crate::coverage::{Coverage, Place};
-use crate::map::{Ground, Sheet, TARGET, loss, places};
+use crate::map::TARGET;
 use crate::palette::{BORDERS, Palette, Tile};
+use crate::sheet::{Ground, Sheet, loss};
+use crate::strokes::{Stroke, hex, path, shares, thinned};
+use crate::ticks::places;
 
 /// What is drawn.
 #[derive(Debug)]
@@ -30,9 +33,6 @@ const SIZE: [u32; 2] = [TARGET as u32; 2];
 
 /// Width of borders, in pixels.
 const STROKE: f64 = 1.0;
-
-/// Points of shapes and strokes may be so many pixels off: no eye, and no print, sees less.
-const FINE: f64 = 0.005;
 
 /// All textures come again after so many pixels.
 const TEXTURE: u32 = 12;
@@ -55,7 +55,9 @@ pub fn regions_picture(picture: &RegionsPicture<'_>, format: Format) -> Result<V
     let key: Vec<(&str, [u8; 3])> = strokes.iter().map(|stroke| (stroke.kind, stroke.colour)).collect();
     let (scene, palette) = (picture.scene, picture.palette);
     let ground = Ground::Shapes(String::new());
-    let mut sheet = Sheet { scene, axes, palette, tiles, lines: &[], key: &key, spans, size: SIZE, ground };
+    let (bar, overlay) = (None, String::new());
+    let mut sheet =
+        Sheet { scene, axes, palette, tiles, bar, lines: &[], key: &key, spans, size: SIZE, ground, overlay };
     sheet.ground = match format {
         Format::Png => Ground::Raster(pixels(picture, &strokes)),
         Format::Svg => Ground::Shapes(shapes(picture, &strokes, &sheet)),
@@ -63,17 +65,11 @@ pub fn regions_picture(picture: &RegionsPicture<'_>, format: Format) -> Result<V
     sheet.bytes(format)
 }
 
-/// Borders of one kind: the lines that separate something.
-struct Stroke<'a> {
-    kind: &'a str,
-    colour: [u8; 3],
-    lines: Vec<Vec<Place>>,
-}
-
 fn pixel([x, y]: [f64; 2]) -> Place {
     [x * f64::from(SIZE[0]), (1.0 - y) * f64::from(SIZE[1])]
 }
 
+/// The lines of borders that separate something.
 fn strokes<'a>(picture: &RegionsPicture<'a>) -> Vec<Stroke<'a>> {
     let mut strokes: Vec<Stroke<'a>> = Vec::new();
     for (border, &kind) in picture.borders.iter().enumerate().take(picture.regions.borders()) {
@@ -91,32 +87,6 @@ fn strokes<'a>(picture: &RegionsPicture<'a>) -> Vec<Stroke<'a>> {
     strokes
 }
 
-/// A line without the points that it passes anyway.
-fn thinned(line: &[Place]) -> Vec<Place> {
-    if line.len() < 3 {
-        return line.to_vec();
-    }
-    let mut kept = vec![false; line.len()];
-    let mut ranges = vec![(0, line.len() - 1)];
-    while let Some((first, last)) = ranges.pop() {
-        (kept[first], kept[last]) = (true, true);
-        let [ax, ay] = line[first];
-        let [dx, dy] = [line[last][0] - ax, line[last][1] - ay];
-        let chord = dx.hypot(dy);
-        let off = |i: usize| {
-            let [x, y] = [line[i][0] - ax, line[i][1] - ay];
-            if chord > FINE { (dx * y - dy * x).abs() / chord } else { x.hypot(y) }
-        };
-        let farthest = (first + 1..last).map(|i| (off(i), i)).max_by(|one, two| one.0.total_cmp(&two.0));
-        if let Some((distance, i)) = farthest
-            && distance > FINE
-        {
-            ranges.extend([(first, i), (i, last)]);
-        }
-    }
-    line.iter().zip(kept).filter_map(|(place, kept)| kept.then_some(*place)).collect()
-}
-
 /// The pixels of the map: of each the mean of what lies in it, by area.
 fn pixels(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>]) -> Vec<u8> {
     let mut mean = vec![[0.0; 3]; (SIZE[0] * SIZE[1]) as usize];
@@ -128,8 +98,8 @@ fn pixels(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>]) -> Vec<u8> {
             continue;
         }
         done.push(*tile);
-        let shares = covered(regions.iter().filter(|region| region.class == *tile));
-        for (i, (share, mean)) in shares.into_iter().zip(&mut mean).enumerate() {
+        let covers = covered(regions.iter().filter(|region| region.class == *tile));
+        for (i, (share, mean)) in covers.into_iter().zip(&mut mean).enumerate() {
             if share != 0.0 {
                 let (x, y) = place(i);
                 let colour = picture.palette.pixel(*tile, x, y);
@@ -138,24 +108,7 @@ fn pixels(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>]) -> Vec<u8> {
         }
     }
     for stroke in strokes {
-        let mut coverage = Coverage::new(SIZE);
-        for pair in stroke.lines.iter().flat_map(|line| line.windows(2)) {
-            let [dx, dy] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
-            let length = dx.hypot(dy);
-            if length > 0.0 {
-                let [nx, ny] = [0.5 * STROKE * dy / length, -0.5 * STROKE * dx / length];
-                let beside = |[x, y]: Place, side: f64| [x + side * nx, y + side * ny];
-                coverage.add([
-                    beside(pair[0], 1.0),
-                    beside(pair[0], -1.0),
-                    beside(pair[1], -1.0),
-                    beside(pair[1], 1.0),
-                ]);
-            }
-        }
-        for (share, mean) in coverage.shares().into_iter().zip(&mut mean) {
-            // Pieces overlap where a line bends.
-            let share = share.clamp(0.0, 1.0);
+        for (share, mean) in shares(&stroke.lines, STROKE, SIZE).zip(&mut mean) {
             *mean = [0, 1, 2].map(|k| mean[k] + share * (f64::from(stroke.colour[k]) - mean[k]));
         }
     }
@@ -191,9 +144,8 @@ fn shapes(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>], sheet: &Sheet<'_
         }
     }
     for stroke in strokes {
-        let [r, g, b] = stroke.colour;
         let d: String = stroke.lines.iter().map(|line| path(line.iter().copied(), false)).collect();
-        let style = format!("fill=\"none\" stroke=\"#{r:02x}{g:02x}{b:02x}\" stroke-width=\"{STROKE}\"");
+        let style = format!("fill=\"none\" stroke=\"{}\" stroke-width=\"{STROKE}\"", hex(stroke.colour));
         // Hovering asks the regions.
         let _ = writeln!(text, "<path {style} stroke-linejoin=\"round\" pointer-events=\"none\" d=\"{d}\"/>");
     }
@@ -206,40 +158,22 @@ fn percent(share: f64) -> String {
     if percent >= 0.01 { format!("{percent:.2} %") } else { format!("{percent:.1e} %") }
 }
 
-/// The commands of a line, in thousandths of a pixel; none if it is no longer than that.
-fn path(line: impl Iterator<Item = Place>, closed: bool) -> String {
-    let mut line: Vec<Place> = line.collect();
-    if closed {
-        line.extend(line.first().copied());
-    }
-    let mut places: Vec<String> = thinned(&line).iter().map(|[x, y]| format!("{x:.3} {y:.3}")).collect();
-    places.dedup();
-    if closed {
-        places.pop();
-    }
-    if places.len() < if closed { 3 } else { 2 } {
-        return String::new();
-    }
-    format!("M{}{}", places.join("L"), if closed { "Z" } else { "" })
-}
-
 /// What fills the shapes of a tile: a colour, or a pattern that is written first, pixel for pixel that of a raster.
 fn fill(text: &mut String, palette: Palette, tile: Tile, number: usize) -> String {
-    let colour = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
     let pixel = |x: u32, y: u32| palette.pixel(tile, x, y);
     let places = || (0..TEXTURE).flat_map(|y| (0..TEXTURE).map(move |x| (x, y)));
     // The lighter one is the ground.
     let Some(ground) = places().map(|(x, y)| pixel(x, y)).max() else { return "none".to_owned() };
     let marks: Vec<(u32, u32)> = places().filter(|&(x, y)| pixel(x, y) != ground).collect();
-    let Some(&(x, y)) = marks.first() else { return colour(ground) };
+    let Some(&(x, y)) = marks.first() else { return hex(ground) };
     let d: String = marks.iter().map(|(x, y)| format!("M{x} {y}h1v1h-1z")).collect();
     let size = format!("width=\"{TEXTURE}\" height=\"{TEXTURE}\"");
     let _ = writeln!(
         text,
         "<pattern id=\"texture{number}\" patternUnits=\"userSpaceOnUse\" {size}>\
          <rect {size} fill=\"{}\"/><path shape-rendering=\"crispEdges\" fill=\"{}\" d=\"{d}\"/></pattern>",
-        colour(ground),
-        colour(pixel(x, y))
+        hex(ground),
+        hex(pixel(x, y))
     );
     format!("url(#texture{number})")
 }
@@ -300,6 +234,7 @@ mod tests {
         assert!(svg.contains("<title>unstable double-sided, period doubling: 12.57 % of the window</title>"));
         assert!(svg.contains("<title>no physical breather: 2.50 % of the window</title>"));
         assert_eq!(svg.matches("<title>stable double-sided").count(), 2);
+        assert!(picture(&regions(0.05), Format::Png).starts_with(b"\x89PNG"));
         assert_eq!((svg.matches("<pattern").count(), svg.matches("</pattern>").count()), (1, 1));
         assert!(svg.contains(">grazing</text>") || svg.contains("grazing\n</text>"), "no key");
         // The area of each shape from its commands, in pixels.
@@ -347,24 +282,5 @@ mod tests {
         let light: f64 = row.chunks(3).map(|pixel| (f64::from(pixel[0]) - dark) / (white - dark)).sum();
         assert!((light - 0.1).abs() < 0.01, "{light}");
         assert!(row.chunks(3).all(|pixel| f64::from(pixel[0]) < 0.2 * white));
-    }
-
-    #[test]
-    fn what_is_thinned_stays_within_a_hundredth_of_a_pixel() {
-        let wave: Vec<Place> =
-            (0..20_000).map(|i| f64::from(i) / 20.0).map(|x| [x, 300.0 + 200.0 * (x / 40.0).sin()]).collect();
-        let thin = thinned(&wave);
-        assert!(thin.len() < 3000 && thin.first() == wave.first() && thin.last() == wave.last(), "{}", thin.len());
-        let mut checked = 0;
-        for pair in thin.windows(2) {
-            for [x, y] in wave.iter().filter(|place| place[0] > pair[0][0] && place[0] < pair[1][0]) {
-                let part = (x - pair[0][0]) / (pair[1][0] - pair[0][0]);
-                let slope = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
-                assert!((pair[0][1] + part * (pair[1][1] - pair[0][1]) - y).abs() / slope.hypot(1.0) < 2.0 * FINE);
-                checked += 1;
-            }
-        }
-        assert!(checked > 10_000);
-        assert!(picture(&regions(0.05), Format::Png).starts_with(b"\x89PNG"));
     }
 }

@@ -8,7 +8,7 @@ use plotters::prelude::{BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend,
 use crate::axes::axes;
 use crate::canvas::{Drawing, Format, PlotError, render};
 use crate::field::{Field, Shown};
-use crate::map::tick;
+use crate::ticks::tick;
 use crate::words::Heading;
 
 const WIDTH: u32 = 1200;

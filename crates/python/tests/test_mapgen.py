@@ -126,6 +126,7 @@ SCENES = {
         families = ["double-sided", "single-sided"]
         stability = true
         collisions = true
+        impulse = true
     """,
     "forced": """
         title = "With a force"

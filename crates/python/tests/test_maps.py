@@ -159,6 +159,64 @@ def test_plot(table, monkeypatch):
     given["model"]["gamma2"] = 0.1
     curve = vc.sweep(given)
     assert curve.shape == (40,) and curve.plot("margin").get_ylabel() == "margin"
+    ax = curve.plot()
+    assert ax.get_ylabel() == "spectral_radius"
+    drawn = {line.get_label(): line for line in ax.get_lines() if not line.get_label().startswith("_")}
+    assert set(drawn) == set(curve.classes) - {"none"} and {"stable-double", "unstable-double"} <= set(drawn)
+    for name, line in drawn.items():
+        there = curve["class"] == name
+        assert np.array_equal(line.get_ydata()[there], curve["spectral_radius"][there])
+        assert np.isnan(line.get_ydata()[~there]).all()
+        assert line.get_linestyle() == ("--" if name.startswith("unstable") else "-")
+
+
+def test_plot_of_numbers(table):
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed: pictures are not tested here")
+
+    def pixels(mesh):
+        mesh.update_scalarmappable()
+        return mesh.get_facecolors().reshape(300, 400, 4)
+
+    margin = pixels(table.plot(color="margin").collections[0])
+    # The ends of viridis, as they are published; nothing where there is no breather.
+    least, most = np.nanargmin(table["margin"]), np.nanargmax(table["margin"])
+    assert np.allclose(margin.reshape(-1, 4)[[least, most], :3] * 255, [[68, 1, 84], [253, 231, 37]], atol=1)
+    assert np.array_equal(margin[..., 3] == 0, np.isnan(table["margin"]))
+    ax = table.plot("spectral_radius")
+    grey, growth = (pixels(mesh) for mesh in ax.collections[:2])
+    # Growths span decades: by logarithms, what is less than all of them in grey.
+    low = ax.collections[1].norm.vmin
+    assert low <= (table["spectral_radius"][table["spectral_radius"] - 1 > 1e-8] - 1).min() < 10 * low
+    assert np.array_equal(grey[..., 3] > 0, table["spectral_radius"] - 1 < low)
+    assert np.array_equal(growth[..., 3] > 0, table["spectral_radius"] - 1 >= low)
+    solutions = pixels(table.plot("solutions").collections[0])
+    assert np.array_equal(solutions[..., 3] > 0, table["solutions"] > 0)
+
+
+def test_plot_of_a_slice():
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed: pictures are not tested here")
+    given = scene(7, 5)
+    given["sweep"]["axes"] = [{"parameter": "asymmetry", "values": [0.7, 0.1, 0.4]}]
+    del given["model"]["asymmetry"]
+    table = vc.sweep(given)
+    with pytest.raises(vc.RequestError, match="here are 3, asymmetry, gamma2, omega: fix the others by slice={'asymmetry': 0.7}"):
+        table.plot()
+    ax = table.plot("margin", slice={"asymmetry": 0.1})
+    shown = ax.collections[0].get_array().reshape(5, 7)
+    assert np.array_equal(np.ma.filled(shown, np.nan), table["margin"][1], equal_nan=True)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("omega", "gamma2") and "asymmetry = 0.1" in ax.get_title()
+    # Lists are drawn in the order of their values.
+    ax = table.plot("margin", slice={"omega": 3, "gamma2": 0.15})
+    [line] = [line for line in ax.get_lines() if line.get_label() == "stable-double"]
+    assert np.array_equal(line.get_xdata(), [0.1, 0.4, 0.7])
+    assert np.array_equal(line.get_ydata(), table["margin"][[1, 2, 0], 2, 6])
+    for wrong, told in [
+        ({"asymmetry": 0.2}, "asymmetry = 0.2 is none of its 3 values: next to it are 0.1 and 0.4"),
+        ({"gamma1": 0.2}, "'gamma1' is no axis of this map: give one of asymmetry, gamma2, omega"),
+        ({"asymmetry": 0.1, "omega": 3, "gamma2": 0}, "pictures have one or two axes, here are 0, no axis"),
+    ]:
+        with pytest.raises(vc.RequestError, match=told):
+            table.plot(slice=wrong)
 
 
 @pytest.mark.parametrize("package, method", [("pandas", "to_pandas"), ("xarray", "to_xarray"), ("matplotlib", "plot")])

@@ -195,6 +195,7 @@ fn drawn() -> Result<Curves, CliError> {
         x: x.to_owned(),
         y: y.to_owned(),
         x_range: None,
+        x_log: false,
         scale: Scale::Logarithmic,
         levels: Vec::new(),
         round: false,

@@ -27,7 +27,7 @@ use crate::stripes::request::Request;
 use crate::stripes::widths::HEADER;
 use crate::threads::threads;
 use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
-use vibrochain_plot::{MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
+use vibrochain_plot::{Cells, MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
 
 /// Runs the subcommand.
 ///
@@ -63,7 +63,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let shown = tiles.iter().zip(0..).filter(|(_, cell)| is_shown(&request.scene, *cell));
     let shown: Vec<Tile> = shown.map(|(tile, _)| *tile).collect();
     let bytes = map_with_lines(
-        &MapPicture { scene: &request.scene, tiles: &shown, palette: Palette::default() },
+        &MapPicture { scene: &request.scene, cells: Cells::Classes(&shown), palette: Palette::default(), borders: &[] },
         &lines.iter().filter(|line| line.sum || args.all).map(|line| drawn(line, request.own)).collect::<Vec<_>>(),
         request.format,
     )

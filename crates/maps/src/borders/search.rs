@@ -103,11 +103,11 @@ struct Outcome {
 }
 
 impl Borders {
-    /// All borders in the window of a scene, and its regions between them; what lives where no place could tell is `None`. Threads are those of the pool of `rayon` that this is called in.
+    /// The window in which the borders of a scene are followed, and its ends along x and y.
     ///
     /// # Errors
-    /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges, a tolerance out of range.
-    pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<(Self, Regions<Option<Class>>), MapError> {
+    /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges.
+    pub fn window(scene: &Scene) -> Result<(Window, [[f64; 2]; 2]), MapError> {
         let window = Window::of(scene)?;
         let mut ends = [[0.0; 2]; 2];
         for (end, axis) in ends.iter_mut().zip(&scene.axes) {
@@ -117,6 +117,15 @@ impl Borders {
             };
             *end = [from, to];
         }
+        Ok((window, ends))
+    }
+
+    /// All borders in the window of a scene, and its regions between them; what lives where no place could tell is `None`. Threads are those of the pool of `rayon` that this is called in.
+    ///
+    /// # Errors
+    /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges, a tolerance out of range.
+    pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<(Self, Regions<Option<Class>>), MapError> {
+        let (window, ends) = Self::window(scene)?;
         if !(1e-9..=1e-3).contains(&asked.tolerance) {
             let advice = "give a part of the window from 1e-9 to 0.001";
             return Err(MapError::Request(format!("a tolerance of {} is out of range: {advice}", asked.tolerance)));

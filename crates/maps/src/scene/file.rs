@@ -189,6 +189,8 @@ pub(super) struct ComputeTable {
     pub(super) stability: bool,
     pub(super) threshold: Option<Spanned<f64>>,
     pub(super) collisions: Option<Spanned<bool>>,
+    #[serde(default)]
+    pub(super) impulse: bool,
 }
 
 /// Characters shown of a line: a terminal's width.
@@ -389,7 +391,8 @@ impl Source<'_> {
         if let Some(span) = asked.filter(|_| !table.stability).map(Spanned::span) {
             return Err(self.error(span, "collisions need stability = true: unstable orbits come from them"));
         }
-        Ok(Task { families, words, symmetric, stability: table.stability, tolerance, collisions: asked.is_some() })
+        let (stability, impulse) = (table.stability, table.impulse);
+        Ok(Task { families, words, symmetric, stability, tolerance, collisions: asked.is_some(), impulse })
     }
 }
 

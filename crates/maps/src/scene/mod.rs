@@ -3,6 +3,7 @@
 mod axis;
 mod file;
 mod given;
+mod slice;
 
 use std::path::Path;
 
@@ -12,6 +13,7 @@ use vibrochain_floquet::Tolerance;
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
 pub use crate::scene::file::{MAX_BYTES, Source, tolerance_from};
 pub use crate::scene::given::Given;
+pub use crate::scene::slice::Slice;
 
 use crate::cell::Task;
 use crate::error::MapError;
@@ -178,6 +180,13 @@ impl Scene {
             [x, y] => Some([x, y]),
             _ => None,
         }
+    }
+
+    /// The names of the axes, the fastest first: "omega, gamma2 and asymmetry".
+    pub fn axis_names(&self) -> String {
+        let mut names: Vec<&str> = self.axes.iter().map(|axis| axis.parameter.name()).collect();
+        let last = names.pop().unwrap_or_default();
+        if names.is_empty() { last.to_owned() } else { format!("{} and {last}", names.join(", ")) }
     }
 
     /// Whether `parameter` is an axis.

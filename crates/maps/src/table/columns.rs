@@ -3,7 +3,7 @@
 use vibrochain_floquet::{Collision, Mechanism};
 use vibrochain_lattice::Parameter;
 
-use crate::cell::{Cell, Class, Status};
+use crate::cell::{Cell, Class, Status, Task};
 use crate::scene::Scene;
 
 /// A value of a cell in a table.
@@ -128,6 +128,15 @@ const COLLISION: [Column; 3] = [
     },
 ];
 
+/// A further column where it is asked for.
+const IMPULSE: [Column; 1] = [Column {
+    name: "impulse",
+    kind: Kind::Number,
+    optional: true,
+    get: |cell| cell.impulse.map(Value::Number),
+    set: |cell, value| number(&mut cell.impulse, value),
+}];
+
 fn number(place: &mut Option<f64>, value: Value<'_>) -> Option<()> {
     let Value::Number(number) = value else { return None };
     *place = Some(number);
@@ -155,8 +164,9 @@ pub fn parameters(scene: &Scene) -> Vec<Parameter> {
 
 /// The columns after the parameters.
 pub fn columns(scene: &Scene) -> impl Iterator<Item = Column> + use<> {
-    let collisions = scene.task.collisions;
-    COLUMNS.into_iter().chain(COLLISION.into_iter().filter(move |_| collisions))
+    let Task { impulse, collisions, .. } = scene.task;
+    let further = IMPULSE.into_iter().filter(move |_| impulse);
+    COLUMNS.into_iter().chain(further).chain(COLLISION.into_iter().filter(move |_| collisions))
 }
 
 /// The names of all columns.

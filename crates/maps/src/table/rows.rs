@@ -224,6 +224,7 @@ mod tests {
         families = ["double-sided", "single-sided"]
         stability = true
         collisions = true
+        impulse = true
     "#;
 
     /// The rows of some cells, and their counts.

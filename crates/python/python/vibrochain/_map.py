@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import builtins
 import importlib
 import json
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
@@ -34,6 +35,16 @@ _COLOURS = {
     "unstable-word": (226, 160, 196),
 }
 _UNKNOWN = (204, 121, 167)
+
+# Of lines, a colour each family, as in mapgen's pictures.
+_LINES = {"double": "#103262", "single": "#ec8a3c", "word": "#00785a"}
+
+# A growth below this is none; growths are drawn by logarithms where the largest is so many times the smallest.
+_LEAST_GROWTH = 1e-8
+_DECADES = 100
+
+# A value in digits is that of an axis if it is no farther from it than this part of the largest one.
+_SAME = 16 * np.finfo(float).eps
 
 _PARTS = ("title", "model", "sweep", "compute")
 
@@ -322,15 +333,21 @@ class Map:
         dataset: xarray.Dataset = library.Dataset(data, coords={**self.coords, **fixed})
         return dataset
 
-    def plot(self, column: str = "class", ax: Axes | None = None) -> Axes:
-        """Draws the map: coloured by class, or by a column of numbers. A sweep over one parameter is a curve.
+    def plot(self, color: str = "class", ax: Axes | None = None, *, slice: Mapping[str, float] | None = None) -> Axes:
+        """Draws the map: coloured by class, or by a column of numbers. A sweep over one parameter is curves.
+
+        Over one parameter stable breathers are solid lines, unstable ones dashed, with gaps where none is; there is a colour for each
+        family.
 
         Parameters
         ----------
-        column : str
-            "class", or a column of numbers such as "spectral_radius" or "margin".
+        color : str
+            "class", or a column of numbers such as "spectral_radius", "margin" or "solutions". By its class a map over one parameter
+            has no height: the curve is then that of the first column of numbers that has values.
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure if not given.
+        slice : mapping of str to float, optional
+            A value for each axis that is not drawn: ``slice={"asymmetry": 0.4}``. One or two axes must be left.
 
         Returns
         -------
@@ -341,54 +358,132 @@ class Map:
         ImportError
             Without matplotlib.
         RequestError
-            For a map over more than two parameters, or a column that cannot be drawn.
+            For a map over more than two parameters without `slice`, a value that is none of its axis, or a column that cannot be drawn.
 
         Examples
         --------
         >>> import vibrochain as vc
         >>> scene = vc.read_scene("scenes/conservative-n20.toml")
-        >>> scene["sweep"]["x"]["points"], scene["sweep"]["y"]["points"] = 40, 30
-        >>> ax = vc.sweep(scene).plot()  # doctest: +MATPLOTLIB
+        >>> scene["sweep"]["x"]["points"], scene["sweep"]["y"]["points"] = 40, 31
+        >>> table = vc.sweep(scene)
+        >>> ax = table.plot()  # doctest: +MATPLOTLIB
         >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
         ('omega', 'gamma2')
+        >>> ax = table.plot("margin", slice={"gamma2": 0.1})  # doctest: +MATPLOTLIB
+        >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
+        ('omega', 'margin')
         """
         _needed("matplotlib", "plot")
         from matplotlib import pyplot
-        from matplotlib.colors import ListedColormap
-        from matplotlib.patches import Patch
 
-        if len(self.dims) > 2:
-            axes = ", ".join(self.dims)
-            raise RequestError(f"a map over {axes} has {len(self.dims)} axes: pictures have one or two, sweep fewer parameters")
-        if column != "class" and column not in self._numbers:
+        where = self._where(slice or {})
+        dims = tuple(name for name, at in zip(self.dims, where) if isinstance(at, builtins.slice))
+        if len(dims) not in (1, 2):
+            axes = ", ".join(dims) or "no axis"
+            example = f": fix the others by slice={{{dims[0]!r}: {self.coords[dims[0]][0]}}}" if dims else ""
+            raise RequestError(f"pictures have one or two axes, here are {len(dims)}, {axes}{example}")
+        if color != "class" and color not in self._numbers:
             known = ", ".join(["class", *self._numbers])
-            raise RequestError(f"{column!r} cannot be drawn: give one of {known}")
+            raise RequestError(f"{color!r} cannot be drawn: give one of {known}")
         if ax is None:
             _, ax = pyplot.subplots()
-        ax.set_xlabel(self.dims[-1])
-        ax.set_title(self.scene.get("title", ""))
-        if len(self.dims) == 1:
-            [values] = self.coords.values()
-            if column == "class":
-                ax.plot(values, self["class"], ".")
-            else:
-                ax.plot(values, self[column])
-                ax.set_ylabel(column)
-            return ax
-        y, x = (self.coords[name] for name in self.dims)
-        ax.set_ylabel(self.dims[0])
-        if column != "class":
-            mesh = ax.pcolormesh(x, y, self[column], shading="nearest")
-            ax.figure.colorbar(mesh, ax=ax, label=column)
-            return ax
+        ax.set_xlabel(dims[-1])
+        fixed = ", ".join(f"{name} = {self.coords[name][at]:g}" for name, at in zip(self.dims, where) if name not in dims)
+        ax.set_title(", ".join(part for part in (self.scene.get("title", ""), fixed) if part))
         codes, words = self._words["class"]
-        names = [*words, "unknown"]
-        colours = [(r / 255, g / 255, b / 255) for r, g, b in (_COLOURS.get(name, _UNKNOWN) for name in names)]
-        shown = np.where(codes < 0, len(words), codes)
-        ax.pcolormesh(x, y, shown, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) - 0.5, shading="nearest")
-        there = [i for i in range(len(names)) if i < len(words) or (codes < 0).any()]
-        ax.legend(handles=[Patch(facecolor=colours[i], edgecolor="grey", label=names[i]) for i in there], fontsize="small")
+        if len(dims) == 1:
+            self._curves(ax, dims[0], where, color)
+        else:
+            ax.set_ylabel(dims[0])
+            y, x = (self.coords[name] for name in dims)
+            if color == "class":
+                _classes(ax, x, y, codes[where], words)
+            else:
+                self._colours(ax, x, y, color, where)
         return ax
+
+    def _where(self, fixed: Mapping[str, float]) -> tuple[int | builtins.slice, ...]:
+        """The index of the cells at these values of axes."""
+        unknown = [name for name in fixed if name not in self.coords]
+        if unknown:
+            raise RequestError(f"slice: {unknown[0]!r} is no axis of this map: give one of {', '.join(self.dims)}")
+        return tuple(_place(name, self.coords[name], fixed[name]) if name in fixed else builtins.slice(None) for name in self.dims)
+
+    def _colours(self, ax: Axes, x: NDArray[Any], y: NDArray[Any], color: str, where: tuple[Any, ...]) -> None:
+        from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
+
+        values, label, norm = self._numbers[color][where].astype(float), color, None
+        growth = values - 1.0
+        there = growth[growth >= _LEAST_GROWTH]
+        if color == "spectral_radius" and there.size and there.max() >= _DECADES * there.min():
+            # Next to grazing a few are without bound.
+            low, high = np.floor(np.log10(there.min())), np.ceil(np.log10(np.quantile(there, 0.99)))
+            ends = 10.0**low, 10.0 ** max(high, low + 1)
+            none = growth < ends[0]
+            ax.pcolormesh(x, y, np.ma.masked_where(~none, none), cmap=ListedColormap(["#d7d7d7"]), shading="nearest")
+            values, label, norm = np.ma.masked_where(none, growth), f"spectral_radius - 1 (grey: less than {ends[0]:g})", LogNorm(*ends)
+        elif color == "solutions":
+            values[self["class"][where] == "none"] = np.nan
+            most = max(int(np.nanmax(values, initial=1)), 1)
+            norm = BoundaryNorm(np.arange(0.5, most + 1), 256) if most < 10 else None
+        mesh = ax.pcolormesh(x, y, values, cmap="viridis", norm=norm, shading="nearest")
+        beyond = isinstance(norm, LogNorm) and np.ma.max(values) > ends[1]
+        bar = ax.get_figure().colorbar(mesh, ax=ax, label=label, extend="max" if beyond else "neither")
+        if color == "solutions" and norm is not None:
+            bar.set_ticks(range(1, most + 1))
+
+    def _curves(self, ax: Axes, dim: str, where: tuple[Any, ...], color: str) -> None:
+        if color == "class":
+            color = next((name for name, values in self._numbers.items() if not np.isnan(values[where]).all()), "margin")
+        ax.set_ylabel(color)
+        place = self.coords[dim]
+        order = np.argsort(place)
+        values, classes = self._numbers[color][where][order].astype(float), self["class"][where][order]
+        place = place[order]
+        axis: dict[str, Any] = next(axis for axis in _axes(self.scene) if axis["parameter"] == dim)
+        if axis.get("spacing") == "log":
+            ax.set_xscale("log")
+        for name in dict.fromkeys(classes.tolist()):
+            if name == "none":
+                continue
+            # A line is one class's, and ends halfway to the next.
+            shown = np.where(classes == name, values, np.nan)
+            family = name.removeprefix("stable-").removeprefix("unstable-")
+            style = "--" if name.startswith("unstable") else "-"
+            alone = ~np.isnan(shown)
+            alone[1:] &= np.isnan(shown[:-1])
+            alone[:-1] &= np.isnan(shown[1:])
+            [line] = ax.plot(place, shown, style, color=_LINES.get(family, "grey"), label=name or "unknown")
+            ax.plot(place[alone], shown[alone], ".", color=line.get_color(), markersize=3)
+        if ax.get_legend_handles_labels()[1]:
+            ax.legend(fontsize="small")
+
+
+def _axes(scene: dict[str, Any]) -> list[dict[str, Any]]:
+    sweep = scene["sweep"]
+    return [*(sweep[name] for name in ("x", "y") if name in sweep), *sweep.get("axes", [])]
+
+
+def _place(name: str, values: NDArray[np.float64], wanted: float) -> int:
+    """Which of an axis' values this is, as it is written by people."""
+    nearest = int(np.argmin(np.abs(values - wanted)))
+    if abs(values[nearest] - wanted) <= _SAME * np.abs(values).max():
+        return nearest
+    beside = [values[values < wanted].max(initial=-np.inf), values[values > wanted].min(initial=np.inf)]
+    near = " and ".join(repr(float(value)) for value in beside if np.isfinite(value))
+    raise RequestError(f"slice: {name} = {wanted} is none of its {len(values)} values: next to it are {near}")
+
+
+def _classes(ax: Axes, x: NDArray[Any], y: NDArray[Any], codes: NDArray[np.int8], words: tuple[str, ...]) -> None:
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    names = [*words, "unknown"]
+    colours = [(r / 255, g / 255, b / 255) for r, g, b in (_COLOURS.get(name, _UNKNOWN) for name in names)]
+    shown = np.where(codes < 0, len(words), codes)
+    ax.pcolormesh(x, y, shown, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) - 0.5, shading="nearest")
+    there = [i for i in range(len(names)) if (shown == i).any()]
+    ax.legend(handles=[Patch(facecolor=colours[i], edgecolor="grey", label=names[i]) for i in there], fontsize="small")
 
 
 def _needed(package: str, method: str) -> Any:

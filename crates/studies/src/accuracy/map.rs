@@ -51,6 +51,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
         stability,
         tolerance: Tolerance::Rounding,
         collisions: false,
+        impulse: false,
     };
     let (with_stability, existence) = (task(true), task(false));
     // Cells whose class the closed form does not give are left out.

@@ -4,7 +4,9 @@ use vibrochain_cli::error::CliError;
 use vibrochain_maps::cell::Cell;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
-use vibrochain_plot::{Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture};
+use vibrochain_plot::{
+    Cells, Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture,
+};
 
 /// A figure that has been computed.
 pub(super) struct Drawn {
@@ -32,7 +34,10 @@ impl Picture {
     pub(super) fn bytes(&self, format: Format) -> Result<Vec<u8>, PlotError> {
         match self {
             Self::Curves(curves) => curves_picture(curves, format),
-            Self::Map { scene, tiles } => map_picture(&MapPicture { scene, tiles, palette: Palette::Colour }, format),
+            Self::Map { scene, tiles } => {
+                let cells = Cells::Classes(tiles);
+                map_picture(&MapPicture { scene, cells, palette: Palette::Colour, borders: &[] }, format)
+            }
         }
     }
 }

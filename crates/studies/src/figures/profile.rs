@@ -48,6 +48,7 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
                     x: "site n, from the impacting mass".to_owned(),
                     y: "displacement vₙ".to_owned(),
                     x_range: None,
+                    x_log: false,
                     scale: Scale::Linear,
                     levels: Vec::new(),
                     round: false,

@@ -68,6 +68,7 @@ pub(super) fn draw(scene: &LineScene) -> Result<Drawn, CliError> {
         x: "time t/T".to_owned(),
         y: "impacting mass v₀".to_owned(),
         x_range: Some(0.0..1.0),
+        x_log: false,
         scale: Scale::Linear,
         levels: Vec::new(),
         round: false,

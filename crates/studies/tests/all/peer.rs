@@ -25,7 +25,15 @@ fn the_2000_term_series_differs_only_where_the_series_is_wrong() {
     let (sites, mut worker) = (21, Worker::new(21));
     let families = vec![Family::DoubleSided, Family::SingleSided];
     let tolerance = Tolerance::Growth(BLUR);
-    let task = Task { families, words: Vec::new(), symmetric: false, stability: true, tolerance, collisions: false };
+    let task = Task {
+        families,
+        words: Vec::new(),
+        symmetric: false,
+        stability: true,
+        tolerance,
+        collisions: false,
+        impulse: false,
+    };
     let (mut compared, mut wrong, mut worst) = (0, 0, 0.0_f64);
     for (gamma2, omega) in grid(40, 24).filter(|(gamma2, _)| *gamma2 > 0.0) {
         let model = model(sites, gamma2, omega);

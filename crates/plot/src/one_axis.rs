@@ -1,0 +1,317 @@
+//! The picture of a sweep over one parameter: numbers of the breather that gives each cell its class, against the parameter.
+
+use vibrochain_maps::cell::{Cell, Class};
+use vibrochain_maps::scene::{Axis, Scene, Values};
+
+use crate::canvas::{Format, PlotError};
+use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
+use crate::decades::power_of_ten;
+use crate::quantity::{LEAST_GROWTH, Quantity, span_decades};
+use crate::sheet::{UNKNOWN, class_words, fixed, label};
+
+/// What is drawn.
+#[derive(Debug)]
+pub struct OneAxisPicture<'a> {
+    /// The scene, of one axis.
+    pub scene: &'a Scene,
+    /// The cells that are [shown](crate::is_shown).
+    pub cells: &'a [Cell],
+}
+
+/// Width and height of a panel, in pixels.
+const PANE: (u32, u32) = (1100, 400);
+
+/// Colours of families, and of what has none.
+const DOUBLE: usize = 0;
+const SINGLE: usize = 1;
+const WORD: usize = 2;
+const UNKNOWN_COLOUR: usize = 5;
+
+/// How breathers of a class are drawn: stable ones by solid lines, unstable ones by dashed ones, the families in a colour each.
+fn look(class: Option<Class>) -> (usize, Stroke) {
+    match class {
+        Some(Class::StableDouble | Class::Double) => (DOUBLE, Stroke::Solid(3)),
+        Some(Class::UnstableDouble) => (DOUBLE, Stroke::Dashed(2)),
+        Some(Class::StableSingle | Class::Single) => (SINGLE, Stroke::Solid(3)),
+        Some(Class::UnstableSingle) => (SINGLE, Stroke::Dashed(2)),
+        Some(Class::StableWord | Class::Word) => (WORD, Stroke::Solid(3)),
+        Some(Class::UnstableWord) => (WORD, Stroke::Dashed(2)),
+        Some(Class::None) | None => (UNKNOWN_COLOUR, Stroke::Solid(1)),
+    }
+}
+
+/// The bytes of the picture of a sweep over one parameter: a panel each for the largest multiplier, the margin and the strongest
+/// impulse, as far as its cells have them.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn one_axis_picture(picture: &OneAxisPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
+    let [axis] = picture.scene.axes.as_slice() else {
+        return Err(PlotError("curves are drawn over one axis".to_owned()));
+    };
+    let cells = ordered(axis, picture.cells);
+    let there = [Quantity::SpectralRadius, Quantity::Margin, Quantity::Impulse]
+        .into_iter()
+        .filter(|quantity| quantity.of_scene(picture.scene).is_ok());
+    let mut panes: Vec<Pane> = there.map(|quantity| pane(quantity, axis, &cells)).collect();
+    // One above the other they share what stands below the last one, and names.
+    if let Some((last, above)) = panes.split_last_mut() {
+        above.iter_mut().for_each(|pane| pane.x = String::new());
+        last.x = label(axis);
+    }
+    let mut named: Vec<String> = Vec::new();
+    for series in panes.iter_mut().flat_map(|pane| &mut pane.series) {
+        if named.contains(&series.name) {
+            series.name = String::new();
+        } else {
+            named.push(series.name.clone());
+        }
+    }
+    let title = format!("{}, {}", picture.scene.heading(), fixed(picture.scene));
+    curves_picture(&Curves { title, columns: 1, panes, pane: PANE }, format)
+}
+
+/// Cells with their places along the axis, from left to right.
+fn ordered<'a>(axis: &Axis, cells: &'a [Cell]) -> Vec<(f64, &'a Cell)> {
+    let stride = axis.points().div_ceil(cells.len().max(1));
+    let place = |value: f64| if is_logarithmic(axis) { value.log10() } else { value };
+    let mut placed: Vec<(f64, &Cell)> =
+        (0..axis.points()).step_by(stride.max(1)).map(|i| place(axis.value(i))).zip(cells).collect();
+    placed.sort_by(|one, other| one.0.total_cmp(&other.0));
+    placed
+}
+
+fn is_logarithmic(axis: &Axis) -> bool {
+    matches!(axis.values, Values::Logarithmic { .. })
+}
+
+fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
+    let numbers: Vec<Option<f64>> = cells.iter().map(|(_, cell)| quantity.of(cell)).collect();
+    let growths = || numbers.iter().flatten().map(|radius| radius - 1.0).filter(|growth| *growth >= LEAST_GROWTH);
+    let logarithmic = quantity == Quantity::SpectralRadius && span_decades(growths());
+    let (heights, y, foot) = if logarithmic {
+        // What does not grow has no logarithm: it stands at a decade below all that does.
+        let decade = (growths().fold(f64::INFINITY, f64::min).log10() - 0.1).floor();
+        let foot = 10f64.powf(decade);
+        let heights = numbers.iter().map(|number| number.map(|radius| (radius - 1.0).max(foot))).collect();
+        (heights, format!("growth |μ| − 1 a period ({}: less)", power_of_ten(decade)), Some(foot))
+    } else {
+        (numbers, quantity.label().to_owned(), None)
+    };
+    let points: Vec<Drawn> = cells
+        .iter()
+        .zip(&heights)
+        .map(|((place, cell), height)| Drawn {
+            place: *place,
+            class: cell.class,
+            solutions: cell.solutions,
+            height: *height,
+        })
+        .collect();
+    let mut series = Vec::new();
+    let all = || cells.iter().filter_map(|(_, cell)| cell.class);
+    for class in Class::ALL.into_iter().filter(|class| *class != Class::None).map(Some).chain([None]) {
+        let named = points.iter().any(|point| point.class == class && point.height.is_some());
+        let (colour, stroke) = look(class);
+        if named {
+            let name = if class.is_some() { class_words(class, all) } else { "class not known" };
+            let points = line(&points, class, foot);
+            series.push(Series { name: name.to_owned(), colour, stroke, mark: Mark::None, points });
+        }
+        let lone = lone(&points, class, foot);
+        if !lone.is_empty() {
+            let (name, mark) = (String::new(), Mark::Small(0));
+            series.push(Series { name, colour, stroke: Stroke::None, mark, points: lone });
+        }
+    }
+    series.extend(missing(&points));
+    let (scale, levels) = match quantity {
+        Quantity::SpectralRadius if logarithmic => (Scale::Logarithmic, Vec::new()),
+        Quantity::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
+        _ => (Scale::Linear, Vec::new()),
+    };
+    let ends = cells.first().zip(cells.last()).filter(|(first, last)| first.0 < last.0);
+    Pane {
+        caption: String::new(),
+        x: String::new(),
+        y,
+        x_range: ends.map(|(first, last)| first.0..last.0),
+        x_log: is_logarithmic(axis),
+        scale,
+        levels,
+        round: false,
+        series,
+    }
+}
+
+/// A cell in a panel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Drawn {
+    place: f64,
+    class: Option<Class>,
+    /// How many breathers are there.
+    solutions: u32,
+    height: Option<f64>,
+}
+
+/// Where the line from one cell to the next ends to be drawn as the first one; nowhere if no line joins them: breathers of two
+/// families are two orbits, where there is one more or less another one may give the class, and no logarithm leads to the foot of an
+/// axis that has one.
+fn joined(from: &Drawn, to: &Drawn, foot: Option<f64>) -> Option<(f64, f64)> {
+    let (low, high) = (from.height?, to.height?);
+    let at_foot = |height: f64| Some(height) == foot;
+    let alike = look(from.class).0 == look(to.class).0 && from.solutions == to.solutions;
+    if !alike || at_foot(low) != at_foot(high) {
+        return None;
+    }
+    if from.class == to.class {
+        return Some((to.place, high));
+    }
+    // Stability changes in between, nobody knows where.
+    let middle = if foot.is_some() { (low * high).sqrt() } else { 0.5 * (low + high) };
+    Some((0.5 * (from.place + to.place), middle))
+}
+
+/// The line through the cells of a class, with breaks.
+fn line(cells: &[Drawn], class: Option<Class>, foot: Option<f64>) -> Vec<(f64, f64)> {
+    let mut line: Vec<(f64, f64)> = Vec::new();
+    for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.class == class) {
+        let Some(height) = cell.height else { continue };
+        let before = i.checked_sub(1).and_then(|i| cells.get(i));
+        let reached = before.and_then(|before| joined(before, cell, foot));
+        if reached.is_none() || before.is_some_and(|before| before.class != class) {
+            line.push((f64::NAN, f64::NAN));
+            line.extend(reached);
+        }
+        line.push((cell.place, height));
+        let behind = cells.get(i + 1).filter(|behind| behind.class != class);
+        line.extend(behind.and_then(|behind| joined(cell, behind, foot)));
+    }
+    line
+}
+
+/// Cells of a class that no line reaches.
+fn lone(cells: &[Drawn], class: Option<Class>, foot: Option<f64>) -> Vec<(f64, f64)> {
+    let meets = |i: usize, j: Option<usize>| {
+        j.and_then(|j| cells.get(j)).is_some_and(|other| joined(&cells[i], other, foot).is_some())
+    };
+    let alone = |i: &usize| cells[*i].class == class && !meets(*i, i.checked_sub(1)) && !meets(*i, Some(i + 1));
+    (0..cells.len()).filter(alone).filter_map(|i| Some((cells[i].place, cells[i].height?))).collect()
+}
+
+/// A line across the panel at each cell of which nothing is known, so that it is not taken for one without a breather.
+fn missing(cells: &[Drawn]) -> Option<Series> {
+    let heights = || cells.iter().filter_map(|cell| cell.height);
+    let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    let (low, high) = if low < high { (low, high) } else { (0.5, 1.5) };
+    let unknown = cells.iter().filter(|cell| cell.class.is_none() && cell.height.is_none());
+    let points: Vec<(f64, f64)> =
+        unknown.flat_map(|cell| [(cell.place, low), (cell.place, high), (f64::NAN, f64::NAN)]).collect();
+    let (name, colour, stroke) = (UNKNOWN.to_owned(), UNKNOWN_COLOUR, Stroke::Solid(1));
+    (!points.is_empty()).then_some(Series { name, colour, stroke, mark: Mark::None, points })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn scene(axis: &str) -> Scene {
+        let text = format!(
+            "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\ngamma2 = 0.1\n[sweep]\n\
+             x = {{ parameter = \"omega\", {axis} }}\n[compute]\nfamilies = [\"double-sided\"]\nstability = true\n"
+        );
+        Scene::parse(Path::new("scene.toml"), &text).unwrap()
+    }
+
+    fn cell(class: Class, radius: f64) -> Cell {
+        Cell { class: Some(class), spectral_radius: Some(radius), margin: Some(0.5), solutions: 1, ..Cell::EMPTY }
+    }
+
+    fn drawn(classes: &[(Option<Class>, Option<f64>)]) -> Vec<Drawn> {
+        let cell = |(i, (class, height)): (usize, &(Option<Class>, Option<f64>))| Drawn {
+            place: i as f64,
+            class: *class,
+            solutions: 1,
+            height: *height,
+        };
+        classes.iter().enumerate().map(cell).collect()
+    }
+
+    /// The pieces of a line between its breaks.
+    fn pieces(line: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
+        let pieces = line.split(|point| point.0.is_nan()).filter(|piece| !piece.is_empty());
+        pieces.map(<[_]>::to_vec).collect()
+    }
+
+    #[test]
+    fn lines_break_where_no_breather_is_and_change_halfway_where_stability_does() {
+        let [stable, unstable, single] =
+            [Class::StableDouble, Class::UnstableDouble, Class::StableSingle].map(|class| Some(class));
+        let nothing = (Some(Class::None), None);
+        let cells = drawn(&[
+            (stable, Some(1.0)),
+            (stable, Some(2.0)),
+            (unstable, Some(4.0)),
+            nothing,
+            (unstable, Some(3.0)),
+            (single, Some(1.0)),
+            (single, Some(1.5)),
+            (None, None),
+        ]);
+        assert_eq!(pieces(&line(&cells, stable, None)), [[(0.0, 1.0), (1.0, 2.0), (1.5, 3.0)]]);
+        assert_eq!(pieces(&line(&cells, unstable, None)), [vec![(1.5, 3.0), (2.0, 4.0)], vec![(4.0, 3.0)]]);
+        assert_eq!(pieces(&line(&cells, single, None)), [[(5.0, 1.0), (6.0, 1.5)]]);
+        // By logarithms halfway is the geometric mean.
+        let [half] = pieces(&line(&cells, stable, Some(0.5))).try_into().unwrap();
+        assert!((half[2].1 - 8f64.sqrt()).abs() < 1e-15);
+        assert_eq!((lone(&cells, unstable, None), lone(&cells, stable, None)), (vec![(4.0, 3.0)], vec![]));
+        // No line leads to the foot of a logarithmic axis.
+        assert_eq!(pieces(&line(&cells, stable, Some(1.0)))[1], [(1.0, 2.0), (1.5, 8f64.sqrt())]);
+        assert_eq!(lone(&cells, stable, Some(1.0)), [(0.0, 1.0)]);
+        assert_eq!(lone(&cells, single, Some(1.0)), [(5.0, 1.0), (6.0, 1.5)]);
+        // One more breather may be another one.
+        let mut more = cells[..2].to_vec();
+        more[1].solutions = 2;
+        assert_eq!(pieces(&line(&more, stable, None)), [[(0.0, 1.0)], [(1.0, 2.0)]]);
+        let across = missing(&cells).unwrap().points;
+        assert_eq!(pieces(&across), [[(7.0, 1.0), (7.0, 4.0)]]);
+        assert!(missing(&cells[..7]).is_none());
+    }
+
+    #[test]
+    fn lists_are_drawn_in_order_of_their_values_and_logarithms_as_such() {
+        let cells = [0.5, 0.6, 0.7].map(|radius| cell(Class::StableDouble, radius));
+        let list = scene("values = [2.0, 1.0, 1.5]");
+        let radii: Vec<_> = ordered(&list.axes[0], &cells).iter().map(|(x, c)| (*x, c.spectral_radius)).collect();
+        assert_eq!(radii, [(1.0, Some(0.6)), (1.5, Some(0.7)), (2.0, Some(0.5))]);
+        let log = scene("from = 0.1, to = 10, points = 3, spacing = \"log\"");
+        let places: Vec<f64> = ordered(&log.axes[0], &cells).iter().map(|(x, _)| *x).collect();
+        assert_eq!(places, [-1.0, 0.0, 1.0]);
+        let svg =
+            String::from_utf8(one_axis_picture(&OneAxisPicture { scene: &log, cells: &cells }, Format::Svg).unwrap())
+                .unwrap();
+        assert!(["0.1\n", "1\n", "10\n"].iter().all(|tick| svg.contains(&format!(">\n{tick}"))), "{svg}");
+        assert!(svg.contains("frequency ω") && svg.contains("stable double-sided") && !svg.contains("unstable"));
+    }
+
+    #[test]
+    fn growths_over_decades_are_drawn_by_their_logarithms_and_none_at_their_foot() {
+        let scene = scene("from = 1, to = 2, points = 5");
+        let cells: Vec<Cell> = [1.0, 1.0 + 3e-4, 1.02, 3.0, 0.9]
+            .map(|radius| cell(if radius > 1.0 { Class::UnstableDouble } else { Class::StableDouble }, radius))
+            .to_vec();
+        let drawn = pane(Quantity::SpectralRadius, &scene.axes[0], &ordered(&scene.axes[0], &cells));
+        assert_eq!((drawn.scale, drawn.y.as_str()), (Scale::Logarithmic, "growth |μ| − 1 a period (10⁻⁴: less)"));
+        let named = |name: &str| drawn.series.iter().find(|series| series.name == name).unwrap();
+        let (stable, unstable) = (named("stable double-sided"), named("unstable double-sided"));
+        assert_eq!((stable.points[1], stable.points.last().unwrap()), ((1.0, 1e-4), &(2.0, 1e-4)));
+        assert!(unstable.points.len() > 3 && unstable.points.iter().all(|point| point.0.is_nan() || point.1 > 2e-4));
+        assert_eq!((stable.stroke, unstable.stroke), (Stroke::Solid(3), Stroke::Dashed(2)));
+        let few = &cells[1..2];
+        let drawn = pane(Quantity::SpectralRadius, &scene.axes[0], &ordered(&scene.axes[0], few));
+        assert!(matches!(drawn.scale, Scale::Between(_)) && drawn.levels == [1.0]);
+        assert_eq!(pane(Quantity::Margin, &scene.axes[0], &ordered(&scene.axes[0], &cells)).scale, Scale::Linear);
+    }
+}
