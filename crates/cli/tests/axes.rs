@@ -114,7 +114,7 @@ fn wrong_axes() {
             "from = 0 has no logarithm: give a positive one",
         ),
         (
-            ["omega", "gamma1", "asymmetry"]
+            ["omega", "amplitude", "restitution"]
                 .iter()
                 .map(|name| format!("{{ parameter = \"{name}\", from = 0.1, to = 0.2, points = 1000000 }}"))
                 .collect::<Vec<_>>()

@@ -247,8 +247,7 @@ mod tests {
 
     #[test]
     fn lines_break_where_no_breather_is_and_change_halfway_where_stability_does() {
-        let [stable, unstable, single] =
-            [Class::StableDouble, Class::UnstableDouble, Class::StableSingle].map(|class| Some(class));
+        let [stable, unstable, single] = [Class::StableDouble, Class::UnstableDouble, Class::StableSingle].map(Some);
         let nothing = (Some(Class::None), None);
         let cells = drawn(&[
             (stable, Some(1.0)),

@@ -155,7 +155,7 @@ struct Headed<'a> {
 
 impl Headed<'_> {
     /// Elements of an SVG, moved to the upper left corner of the map.
-    fn from_the_corner(&self, elements: &str) -> String {
+    fn moved(&self, elements: &str) -> String {
         format!("<g transform=\"translate({LEFT} {})\">\n{elements}</g>\n", self.top)
     }
 }
@@ -163,12 +163,12 @@ impl Headed<'_> {
 impl Drawing for Headed<'_> {
     fn shapes(&self) -> Option<String> {
         let Ground::Shapes(shapes) = &self.sheet.ground else { return None };
-        Some(self.from_the_corner(shapes))
+        Some(self.moved(shapes))
     }
 
     fn overlay(&self) -> Option<String> {
         let overlay = &self.sheet.overlay;
-        (!overlay.is_empty()).then(|| self.from_the_corner(overlay))
+        (!overlay.is_empty()).then(|| self.moved(overlay))
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
