@@ -14,6 +14,7 @@
 //! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
+//! | `schemas` | the form of every JSON that is written or read: the command `schema` |
 //! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
 //! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `simulate_command`, `words_command` | the subcommands |
 
@@ -47,6 +48,7 @@ pub mod recording;
 mod report;
 pub mod setup_command;
 pub mod simulate_command;
+pub mod schemas;
 mod solution;
 pub mod start;
 #[cfg(feature = "plot")]

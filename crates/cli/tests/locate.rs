@@ -5,7 +5,7 @@ use assert_cmd::Command;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
-use vibrochain_testkit::mapgen;
+use vibrochain_testkit::{mapgen, written};
 
 const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
 const FIGURE_9: &str =
@@ -19,7 +19,7 @@ fn locate(flags: &str, model: &str) -> Command {
 
 fn answer(flags: &str, model: &str) -> Value {
     let output = locate(flags, model).arg("--json").assert().success().get_output().stdout.clone();
-    serde_json::from_slice(&output).unwrap()
+    written(&output)
 }
 
 #[test]
