@@ -151,9 +151,10 @@ mod tests {
             let id = format!("urn:vibrochain:{name}:");
             let number = schema["$id"].as_str().and_then(|own| own.strip_prefix(&id)).and_then(|n| n.parse::<u32>().ok());
             assert!(number.is_some_and(|number| number > 0), "{name}: {}", schema["$id"]);
-            // What names its schema names this one.
+            // What names its schema names this one; what is begun with may be the answer to another question.
             if let Some(key) = schema["properties"].get("schema") {
-                assert_eq!(key["const"], schema["$id"], "{name}");
+                let own = if name == "near" { ORBIT.into() } else { schema["$id"].clone() };
+                assert_eq!(key["const"], own, "{name}");
             }
         }
         assert!(parts.is_empty(), "nothing asks for {:?}", parts.keys());

@@ -59,7 +59,7 @@ fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
     let csv = desk.path("lines.csv");
     let text = output(stripes(&desk, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
     assert_eq!(desk.names("."), ["lines.csv", "scene.toml", "stripes.svg"]);
-    assert!(text.starts_with("N = 5: share of cells within one cell of a line"));
+    assert!(text.starts_with("6 masses (N = 5): share of cells within one cell of a line"));
     for mechanism in ["neimark-sacker", "period-doubling"] {
         let row = printed(&text, "double-sided", mechanism);
         assert_eq!(row.len(), 9);
