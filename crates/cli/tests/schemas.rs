@@ -11,8 +11,8 @@ use vibrochain_lattice::{Ends, Parameter};
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_testkit::{Desk, Schema, written};
 
-const NAMES: [&str; 10] =
-    ["orbit", "locate", "branch", "curve", "curves", "manifest", "scene", "state", "near", "plan"];
+const NAMES: [&str; 12] =
+    ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "scene", "state", "near", "plan"];
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -48,6 +48,9 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
     ] {
         answers.push(("locate", told(&format!("locate --json {line}"))));
     }
+    let words = "--sites-used 2 --reach 2 --all --sites 5 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
+    answers.push(("words", told(&format!("words --json {words}"))));
+    answers.push(("simulate", told(&format!("simulate --json --periods 3.5 {}", ORBITS[3]))));
     answers.push(("branch", told(&format!("branch --json --free amplitude --to .17 --switch {DOUBLING}"))));
     let plane = "--free amplitude --from .1 --to .3 --and restitution --and-from .2 --and-to .4 --tolerance 1e-3";
     answers.push(("curve", told(&format!("curve --json --event period-doubling {plane} {DOUBLING}"))));
@@ -111,7 +114,8 @@ const MAY_BE_MISSING: [&str; 13] = [
 ];
 
 /// Text that may be anything.
-const PROSE: [&str; 13] = [
+const PROSE: [&str; 14] = [
+    "obstruction",
     "reason", "message", "stability_error", "multipliers_note", "doubt", "ends", "version", "revision", "scene", "title", "target",
     "scene_file", "threshold",
 ];
@@ -175,7 +179,7 @@ fn answers_have_their_form_and_nothing_near_them_has() {
     }
     assert!(answers.len() >= 20 && refused > 5000, "{} {refused}", answers.len());
     // Every key of a schema was in an answer, but for what the borders of a good window lack, and a table of scenes alone.
-    for name in ["orbit", "locate", "branch", "curve", "curves", "manifest", "plan"] {
+    for name in ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "plan"] {
         let mut keys = BTreeSet::new();
         properties(Schema::named(name).value(), &mut keys);
         let unseen: Vec<_> = keys.iter().filter(|key| !seen.contains(*key)).collect();
@@ -294,7 +298,7 @@ fn states_and_orbits_to_begin_with_are_read_as_their_schemas_say() {
         { "site": 0, "barrier": "upper", "time": 0, "impulse": -3.4 },
         { "site": 0, "layer": 0, "barrier": "lower", "time": 2.1, "impulse": 3.0 },
     ]);
-    let state = json!({ "schema": "urn:vibrochain:state:1", "displacement": [0.1, 0, 0, 0, 0], "velocity": [0, 0, 0, 0, 0.5] });
+    let state = json!({ "schema": "urn:vibrochain:state:1", "psi": 0.1, "displacement": [0.1, 0, 0, 0, 0], "velocity": [0, 0, 0, 0, 0.5] });
     let orbit = |name: &str| format!("orbit --json --near {name} {model}");
     let (mut taken, mut refused) = (0, 0);
     for (schema, value, line) in [
@@ -345,7 +349,7 @@ fn schemas_are_listed_and_printed_and_other_names_refused() {
         assert_eq!(printed["$schema"], "https://json-schema.org/draft/2020-12/schema");
         assert_eq!(printed["$id"], format!("urn:vibrochain:{name}:1"));
     }
-    desk.run("schema orbits").with(2, &["orbits", "orbit, locate, branch, curve, curves, manifest, scene, state, near, plan"]);
+    desk.run("schema orbits").with(2, &["orbits", "orbit, locate, branch, curve, curves, words, simulate, manifest, scene, state, near, plan"]);
     desk.run("schema orbit curve").with(2, &["curve"]);
     desk.shell("mapgen schema orbit | head -n 1").with(0, &[]);
     // Of a file that says to be something else, both are told.
