@@ -57,11 +57,10 @@ fn every_scene_that_comes_with_the_program_comes_back_from_its_manifest() {
         let path = entry.unwrap().path();
         if path.is_file() {
             let text = fs::read_to_string(&path).unwrap();
-            // Two of an axis of the widest ranges, so that both ends are in it.
             let manifest = thrice(&small(&text, 5));
             let file = path.file_stem().unwrap().to_string_lossy().into_owned();
             kinds.insert(file.split('-').next().unwrap().to_owned());
-            assert!(manifest["cells"].as_u64().unwrap() >= 25, "{file}");
+            assert!(manifest["cells"].as_u64().unwrap() >= 5, "{file}");
             scenes += 1;
         }
     }
