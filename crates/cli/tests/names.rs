@@ -70,14 +70,21 @@ const SCENE: &str = "[model]\nsites = 6\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\
     y = { parameter = \"gamma2\", from = 0.14, to = 0.16, points = 3 }\n\
     [compute]\nfamilies = [\"double-sided\"]\nstability = true\ncollisions = true\n";
 
+/// What varies has a column.
+const OTHER: &str = "[model]\nsites = 3\nlayers = 2\nomega = 1.5\ngamma2 = 0.1\n[sweep]\n\
+    axes = [{ parameter = \"gamma1\", values = [0.2] }, { parameter = \"gamma3\", values = [0.05] }, { parameter = \"asymmetry\", values = [0.4] }]\n\
+    [compute]\nfamilies = [\"0:0+0:1+,0:0-0:1-\"]\n";
+
 /// The columns of all tables that the program writes. Those of displacements and velocities are numbered by the mass.
 fn columns() -> Names {
     const ORBIT: &str = "--family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
     const FORCED: &str =
-        "--family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
-    let layered = "--family single-sided --sites 6 --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
+        "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
+    let layered = "--word 0:0+0:1+,0:0-0:1- --sites 6 --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
     let desk = Desk::with_scene(SCENE);
+    fs::write(desk.path("other.toml"), OTHER).unwrap();
     let mut commands = vec![
+        "sweep other.toml --out table".to_owned(),
         "sweep scene.toml --out table".to_owned(),
         "curves scene.toml --csv table --points more".to_owned(),
         format!("orbit {ORBIT} --multipliers table"),
@@ -100,7 +107,7 @@ fn columns() -> Names {
             tables += 1;
         }
     }
-    assert!(tables >= 11, "{tables}");
+    assert!(tables >= 12, "{tables}");
     let numbered = |name: &String| {
         let mass = ["displacement_", "velocity_"].iter().find_map(|begin| name.strip_prefix(begin)?.parse::<u32>().ok());
         mass.is_some_and(|mass| mass > 0)
