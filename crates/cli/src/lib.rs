@@ -46,9 +46,9 @@ mod pictures;
 pub mod program;
 pub mod recording;
 mod report;
+pub mod schemas;
 pub mod setup_command;
 pub mod simulate_command;
-pub mod schemas;
 mod solution;
 pub mod start;
 #[cfg(feature = "plot")]

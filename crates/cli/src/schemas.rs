@@ -149,7 +149,8 @@ mod tests {
             assert_eq!(wanted.len(), here, "{name}");
             wanted.iter().for_each(|part| drop(parts.remove(part)));
             let id = format!("urn:vibrochain:{name}:");
-            let number = schema["$id"].as_str().and_then(|own| own.strip_prefix(&id)).and_then(|n| n.parse::<u32>().ok());
+            let number =
+                schema["$id"].as_str().and_then(|own| own.strip_prefix(&id)).and_then(|n| n.parse::<u32>().ok());
             assert!(number.is_some_and(|number| number > 0), "{name}: {}", schema["$id"]);
             // What names its schema names this one; what is begun with may be the answer to another question.
             if let Some(key) = schema["properties"].get("schema") {

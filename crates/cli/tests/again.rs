@@ -78,8 +78,19 @@ fn scenes_at_random_come_back_from_their_manifests() {
         let manifest = thrice(&text);
         let written = manifest.to_string();
         for key in [
-            "\"values\"", "\"spacing\"", "\"axes\"", "\"layers\"", "\"ends\"", "\"force\"", "\"phase\"", "\"collisions\"",
-            "0+2+,0-2-", "double-sided-symmetric", "\"threshold\":0.", "\"threshold\":null", "\"title\":null",
+            "\"values\"",
+            "\"spacing\"",
+            "\"axes\"",
+            "\"layers\"",
+            "\"ends\"",
+            "\"force\"",
+            "\"phase\"",
+            "\"collisions\"",
+            "0+2+,0-2-",
+            "double-sided-symmetric",
+            "\"threshold\":0.",
+            "\"threshold\":null",
+            "\"title\":null",
         ] {
             if written.contains(key) {
                 had.insert(key);
@@ -143,7 +154,9 @@ fn scene(random: &mut Random, number: usize) -> String {
         (2, _) => "families = [\"0+2+,0-2-\", \"single-sided\"]\nstability = true\n".to_owned(),
         (4, 0) => "families = [\"double-sided-symmetric\"]\nstability = true\ncollisions = true\n".to_owned(),
         (5, _) => "families = [\"double-sided\"]\n".to_owned(),
-        (6, _) => format!("families = [\"double-sided\"]\nstability = true\nthreshold = {:?}\n", random.between(1e-3, 0.1)),
+        (6, _) => {
+            format!("families = [\"double-sided\"]\nstability = true\nthreshold = {:?}\n", random.between(1e-3, 0.1))
+        }
         _ => "families = [\"single-sided\", \"double-sided\"]\nstability = true\n".to_owned(),
     };
     let title = if number.is_multiple_of(2) { format!("title = \"scene {number}, 'γ₁'\"\n") } else { String::new() };

@@ -50,7 +50,9 @@ fn text_for_people() {
     branch("--free amplitude --to .17 --switch", DOUBLING)
         .assert()
         .success()
-        .stdout(contains("single-sided breathers, 21 masses (N = 20), gamma1 = 0.2").and(contains("from solution 1 of 2")))
+        .stdout(
+            contains("single-sided breathers, 21 masses (N = 20), gamma1 = 0.2").and(contains("from solution 1 of 2")),
+        )
         .stdout(contains("amplitude = 0.157927457266535").and(contains("fold: multiplier 1.0000000000")))
         .stdout(
             contains("period-doubling: multiplier -1.00000000").and(contains("neimark-sacker: multiplier -0.967033")),
@@ -195,7 +197,10 @@ fn words_and_orbits_of_files_are_followed() {
         .assert()
         .success()
         .stdout(contains("stripes thinner than the step may be missing"));
-    assert!((&json["family"], &json["word"]) == (&"word".into(), &"0+3+,0-3-".into()) && list(&json["branches"][0]["points"]).len() > 10);
+    assert!(
+        (&json["family"], &json["word"]) == (&"word".into(), &"0+3+,0-3-".into())
+            && list(&json["branches"][0]["points"]).len() > 10
+    );
     // The same breather by its file.
     let folder = tempdir().unwrap();
     let near = folder.path().join("near.json");

@@ -78,8 +78,7 @@ const OTHER: &str = "[model]\nsites = 3\nlayers = 2\nomega = 1.5\ngamma2 = 0.1\n
 /// The columns of all tables that the program writes. Those of displacements and velocities are numbered by the mass.
 fn columns() -> Names {
     const ORBIT: &str = "--family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
-    const FORCED: &str =
-        "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
+    const FORCED: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
     let layered = "--word 0:0+0:1+,0:0-0:1- --sites 6 --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
     let desk = Desk::with_scene(SCENE);
     fs::write(desk.path("other.toml"), OTHER).unwrap();
@@ -89,7 +88,8 @@ fn columns() -> Names {
         "curves scene.toml --csv table --points more".to_owned(),
         format!("orbit {ORBIT} --multipliers table"),
         format!("simulate {layered} --periods 1 --impacts table --trajectory more"),
-        "words --sites-used 1 --reach 0 --sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --csv table".to_owned(),
+        "words --sites-used 1 --reach 0 --sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --csv table"
+            .to_owned(),
         format!("locate {FORCED} --event fold --free amplitude --csv table"),
         format!("branch {FORCED} --free amplitude --from .16 --to .17 --csv table"),
         format!("curve {FORCED} --event fold --free amplitude --and restitution --tolerance 1e-2 --csv table"),
@@ -109,7 +109,8 @@ fn columns() -> Names {
     }
     assert!(tables >= 12, "{tables}");
     let numbered = |name: &String| {
-        let mass = ["displacement_", "velocity_"].iter().find_map(|begin| name.strip_prefix(begin)?.parse::<u32>().ok());
+        let mass =
+            ["displacement_", "velocity_"].iter().find_map(|begin| name.strip_prefix(begin)?.parse::<u32>().ok());
         mass.is_some_and(|mass| mass > 0)
     };
     found.retain(|name| !numbered(name));
@@ -155,9 +156,13 @@ fn is_python(name: &str) -> bool {
     let folder = repository().join("crates/python/python/vibrochain");
     ["_vibrochain.pyi", "_map.py", "_run.py"].iter().any(|file| {
         let text = fs::read_to_string(folder.join(file)).unwrap();
-        let class = text.split("\nclass ").find(|class| class.starts_with(&format!("{of}:")) || class.starts_with(&format!("{of}(")));
+        let class = text
+            .split("\nclass ")
+            .find(|class| class.starts_with(&format!("{of}:")) || class.starts_with(&format!("{of}(")));
         class.is_some_and(|class| {
-            [format!("def {name}("), format!("self.{name}:"), format!("self.{name} =")].iter().any(|form| class.contains(form))
+            [format!("def {name}("), format!("self.{name}:"), format!("self.{name} =")]
+                .iter()
+                .any(|form| class.contains(form))
         })
     })
 }

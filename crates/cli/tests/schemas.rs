@@ -32,8 +32,7 @@ const ORBITS: [&str; 10] = [
     "--family single-sided --sites 21 --gamma1 2.3e-308 --gamma2 .1 --omega .92 --asymmetry .7 --amplitude .05 --restitution .9",
 ];
 
-const DOUBLING: &str =
-    "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
+const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
 
 /// What the program writes: the name of its schema, and the value.
 fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
@@ -108,16 +107,38 @@ fn places(value: &Value) -> Vec<String> {
 /// Keys without which an answer is one, too.
 const MAY_BE_MISSING: [&str; 13] = [
     // Of one layer, of a ring, of a word, of what was searched.
-    "layer", "ends", "intervals", "boxes", "starts", "ended", "phases", "doubt",
+    "layer",
+    "ends",
+    "intervals",
+    "boxes",
+    "starts",
+    "ended",
+    "phases",
+    "doubt",
     // Of scenes, whose defaults they are; and what is swept is not fixed.
-    "spacing", "y", "axes", "collisions", "phase",
+    "spacing",
+    "y",
+    "axes",
+    "collisions",
+    "phase",
 ];
 
 /// Text that may be anything.
 const PROSE: [&str; 14] = [
     "obstruction",
-    "reason", "message", "stability_error", "multipliers_note", "doubt", "ends", "version", "revision", "scene", "title", "target",
-    "scene_file", "threshold",
+    "reason",
+    "message",
+    "stability_error",
+    "multipliers_note",
+    "doubt",
+    "ends",
+    "version",
+    "revision",
+    "scene",
+    "title",
+    "target",
+    "scene_file",
+    "threshold",
 ];
 
 #[test]
@@ -164,7 +185,8 @@ fn answers_have_their_form_and_nothing_near_them_has() {
             }
             if here.as_u64().is_some() && !parameters.contains(key) && !["x", "y"].contains(&of) {
                 // A count below zero; of numbers that are whole by chance nothing is said.
-                let count = !["values", "sides", "points", "range", "leading", "multipliers", "unresolved"].contains(&of);
+                let count =
+                    !["values", "sides", "points", "range", "leading", "multipliers", "unresolved"].contains(&of);
                 let whole = ["sites", "site", "layers", "solution", "evaluations", "spectra", "cells", "generation"];
                 if count && whole.contains(&key) {
                     wrong.push(("below zero", with(value, &place, |here| *here = (-1).into())));
@@ -321,7 +343,8 @@ fn states_and_orbits_to_begin_with_are_read_as_their_schemas_say() {
             fs::write(desk.path("given.json"), value.to_string()).unwrap();
             let ran = desk.run(&line);
             // What has its form may still be no orbit of this model: a sum of masses, a time beyond the period.
-            let said = ["starts at", "cannot be", "does not", "converge", "out of range", "masses", "no orbit", "times"];
+            let said =
+                ["starts at", "cannot be", "does not", "converge", "out of range", "masses", "no orbit", "times"];
             match &form {
                 Ok(()) => {
                     let of_values = ran.code == Some(0) || said.iter().any(|words| ran.err.contains(words));
@@ -349,13 +372,17 @@ fn schemas_are_listed_and_printed_and_other_names_refused() {
         assert_eq!(printed["$schema"], "https://json-schema.org/draft/2020-12/schema");
         assert_eq!(printed["$id"], format!("urn:vibrochain:{name}:1"));
     }
-    desk.run("schema orbits").with(2, &["orbits", "orbit, locate, branch, curve, curves, words, simulate, manifest, scene, state, near, plan"]);
+    desk.run("schema orbits").with(
+        2,
+        &["orbits", "orbit, locate, branch, curve, curves, words, simulate, manifest, scene, state, near, plan"],
+    );
     desk.run("schema orbit curve").with(2, &["curve"]);
     desk.shell("mapgen schema orbit | head -n 1").with(0, &[]);
     // Of a file that says to be something else, both are told.
     fs::write(desk.path("other.json"), r#"{"schema":"urn:vibrochain:curve:1","curves":[]}"#).unwrap();
     let model = "--sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
-    desk.run(&format!("orbit --near other.json {model}")).with(2, &["urn:vibrochain:curve:1", "urn:vibrochain:orbit:1"]);
+    desk.run(&format!("orbit --near other.json {model}"))
+        .with(2, &["urn:vibrochain:curve:1", "urn:vibrochain:orbit:1"]);
 }
 
 /// Tests of the program take JSON through what holds it against its schema.

@@ -170,7 +170,9 @@ impl Schema {
             }
             "additionalProperties" => {
                 let known = rules.get("properties").and_then(Value::as_object);
-                for (key, value) in entries.iter().filter(|(key, _)| !known.is_some_and(|known| known.contains_key(*key))) {
+                for (key, value) in
+                    entries.iter().filter(|(key, _)| !known.is_some_and(|known| known.contains_key(*key)))
+                {
                     self.against(rule, value, &format!("{path}.{key}"))?;
                     seen.insert(key);
                 }
@@ -311,7 +313,11 @@ mod tests {
             (json!({ "dependentRequired": { "a": ["b"] } }), json!({ "b": 1 }), json!({ "a": 1 })),
             (json!({ "properties": { "a": { "type": "null" } } }), json!({ "a": null, "b": 1 }), json!({ "a": 1 })),
             (json!({ "properties": { "a": false } }), json!({ "b": 1 }), json!({ "a": 1 })),
-            (json!({ "properties": { "a": true }, "additionalProperties": false }), json!({ "a": 1 }), json!({ "b": 1 })),
+            (
+                json!({ "properties": { "a": true }, "additionalProperties": false }),
+                json!({ "a": 1 }),
+                json!({ "b": 1 }),
+            ),
             (json!({ "additionalProperties": { "type": "null" } }), json!({ "a": null }), json!({ "a": 1 })),
             (json!({ "propertyNames": { "enum": ["a"] } }), json!({ "a": 1 }), json!({ "b": 1 })),
             (json!({ "anyOf": [{ "const": 1 }, { "minimum": 1 }] }), json!(1), json!(0)),
