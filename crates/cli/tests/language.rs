@@ -97,11 +97,11 @@ fn a_run_goes_on_from_its_own_answer() {
     let run = |state: &str, periods: f64, flags: &str| {
         desk.run(&format!("simulate --state {state} {model} --periods {periods} --json{flags}")).with(0, &[]).out
     };
-    let whole = written(&run("start.json", 3.75, " --psi .3"));
+    let whole = written(run("start.json", 3.75, " --psi .3"));
     fs::write(desk.path("half.json"), run("start.json", 1.3, " --psi .3")).unwrap();
     let half = desk.json("half.json");
     assert_eq!((&half["outcome"], &half["periods"]), (&"time-reached".into(), &1.into()));
-    let rest = written(&run("half.json", 2.45, ""));
+    let rest = written(run("half.json", 2.45, ""));
     for name in ["displacement", "velocity"] {
         let [one, other] = [&whole, &rest].map(|run| run["state"][name].as_array().unwrap());
         assert_eq!((one.len(), other.len()), (5, 5));

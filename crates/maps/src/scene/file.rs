@@ -160,7 +160,8 @@ pub(super) fn of_manifest(path: &Path, text: &str) -> Result<Option<Json>, MapEr
     }
     let wrong = |what: &dyn std::fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));
     let mut manifest: Map<String, Value> = serde_json::from_str(text).map_err(|error| wrong(&error))?;
-    let has_orbits = manifest.get("solutions").and_then(Value::as_array).is_some_and(|list| !list.is_empty());
+    let first = manifest.get("solutions").and_then(|list| list.get(0));
+    let has_orbits = first.is_some_and(|orbit| orbit.get("impacts").is_some());
     // Of a manifest or an answer the rest is not the scene's; of a scene, it is a mistake.
     let whole = !["program", "parameters"].iter().any(|key| manifest.contains_key(*key));
     let of_scene = |key: &str| matches!(key, "title" | "model" | "sweep" | "compute");
