@@ -38,7 +38,9 @@ fn lasting(value: &mut Value) {
     match value {
         Value::Array(all) => all.iter_mut().for_each(lasting),
         Value::Object(all) => {
-            for name in ["schema", "residual", "resolution", "impulse_error", "time_error", "error"] {
+            // The others stay in their order.
+            all.shift_remove("schema");
+            for name in ["residual", "resolution", "impulse_error", "time_error", "error"] {
                 all.remove(name);
             }
             if let Some(multipliers) = all.get_mut("multipliers") {
