@@ -158,7 +158,7 @@ fn wrong_requests() {
     let scene = desk.scene(SCENE);
     stripes(&desk, &scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png or .svg"));
     stripes(&desk, &desk.path("missing.toml"), "x.png", &[]).code(2).stderr(contains("cannot read scene"));
-    mapgen(&["stripes"]).arg(&scene).assert().code(2).stderr(contains("--out"));
+    mapgen(&["stripes"]).arg(&scene).assert().code(2).stderr(contains("--plot"));
     stripes(&desk, &scene, "scene.toml.png", &["--csv", desk.path("scene.toml.png").to_str().unwrap()])
         .code(2)
         .stderr(contains("are the same file"));
