@@ -296,7 +296,7 @@ pub enum FamilyName {
 /// The model: its parameters as flags, or a scene's, some of them changed by flags.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
-    /// Take the model from a file: a scene, a manifest, a file with [model] alone, or what --json has printed, whose orbit is then the
+    /// Take the model from a file: a scene, a manifest, a file with `[model]` alone, or what --json has printed, whose orbit is then the
     /// one to start near. Flags change its values; what the scene sweeps they must give.
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,

@@ -1,16 +1,13 @@
-//! `mapgen schema`: the form of every JSON that is written or read, as a JSON Schema (draft 2020-12).
+//! The form of every JSON that is written or read, as a JSON Schema (draft 2020-12).
 //!
 //! Each is a file in `schemas`; what several have in common is in `parts.json` and goes into each that asks for it, so that what
 //! is printed needs nothing else. The number at the end of an identifier rises when a key goes, or changes its meaning.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
-use crate::args::SchemaArgs;
-use crate::console::Console;
 use crate::error::CliError;
 use vibrochain_maps::text::clipped;
 
@@ -113,23 +110,6 @@ fn pointers(value: &Value, found: &mut Vec<String>) {
         Value::Array(values) => values.iter().for_each(|value| pointers(value, found)),
         _ => {}
     }
-}
-
-/// Runs the subcommand: prints the schema, or without a name lists all.
-///
-/// # Errors
-/// [`CliError`] if the answer cannot be written. A name that is unknown is refused by the command line.
-pub fn run(args: &SchemaArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    if let Some(schema) = args.name.as_deref().and_then(schema) {
-        return console.print(&format!("{schema:#}\n"));
-    }
-    let mut list = String::new();
-    for name in names() {
-        let told = schema(name).and_then(|schema| schema["title"].as_str().map(str::to_owned)).unwrap_or_default();
-        // Writing to a String cannot fail.
-        let _ = writeln!(list, "{name:<9} {told}");
-    }
-    console.print(&list)
 }
 
 #[cfg(test)]
