@@ -1,23 +1,23 @@
 #!/usr/bin/env bash
 # Tests the Python package against the program, both as `cargo test --workspace` builds them. Further arguments are pytest's.
 #
-#     scripts/python-tests.sh [-k WORDS]
+#     scripts/python-tests.sh [-k WORDS]          VENV=FOLDER: a virtual environment to use, and to keep
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-if ! python3 -m venv "$work/venv" 2>/dev/null; then
+if ! python3 -m venv "${VENV:=$work/venv}" 2>/dev/null; then
     echo "the Python package: not tested here, there is no python3 that makes virtual environments"
     exit 0
 fi
-python=$work/venv/bin/python
+python=$VENV/bin/python
 if ! "$python" -m pip install --quiet --no-compile --disable-pip-version-check 'maturin>=1.9.4,<2' numpy pytest; then
     echo "the Python package: not tested, NumPy and pytest cannot be had" >&2
     exit 1
 fi
 # What maps are handed on to; tests that need what is not there say so and are skipped.
-"$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib || true
+"$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib jsonschema || true
 
 # The features are those of the workspace's tests, so that all but the last crate is built already.
 cargo build --workspace --lib --bin mapgen --test imports
@@ -28,6 +28,6 @@ cp "$CARGO_TARGET_DIR/debug/lib_vibrochain.so" "$work/package/vibrochain/_vibroc
 PYTHONPATH=$work/package MPLBACKEND=Agg "$python" -m pytest -q -rs -p no:cacheprovider "$@"
 
 # The package's description is sound: maturin finds crate, sources and licences. (Built it is by scripts/wheels.sh.)
-"$work/venv/bin/maturin" pep517 write-dist-info --metadata-directory "$work/description" --interpreter "$python" >/dev/null
+"$VENV/bin/maturin" pep517 write-dist-info --metadata-directory "$work/description" --interpreter "$python" >/dev/null
 grep -qx 'Name: vibrochain' "$work"/description/*/METADATA
 echo "the Python package: sound"

@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use clap::builder::PossibleValuesParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use vibrochain_breather::Word;
 use vibrochain_lattice::Force;
@@ -88,6 +89,8 @@ pub enum Command {
     Completions(CompletionsArgs),
     /// Write manual pages.
     Man(ManArgs),
+    /// Print the JSON Schema of what is written or read; without a name, list them.
+    Schema(SchemaArgs),
     /// Commands that have become studies.
     #[command(hide = true, aliases = STUDIES)]
     Study(StudyArgs),
@@ -122,6 +125,14 @@ pub struct ManArgs {
 
 /// What is computed by the program `studies`.
 pub const STUDIES: [&str; 4] = ["validate", "figures", "errata", "accuracy"];
+
+/// Arguments of `mapgen schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// Of what.
+    #[arg(value_parser = PossibleValuesParser::new(crate::schemas::names()))]
+    pub name: Option<String>,
+}
 
 /// What was asked of a study.
 #[derive(Debug, Args)]
@@ -285,7 +296,7 @@ pub enum FamilyName {
 /// The model: its parameters as flags, or a scene's, some of them changed by flags.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
-    /// Take the model from a file: a scene, a manifest, a file with [model] alone, or what --json has printed, whose orbit is then the
+    /// Take the model from a file: a scene, a manifest, a file with `[model]` alone, or what --json has printed, whose orbit is then the
     /// one to start near. Flags change its values; what the scene sweeps they must give.
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,

@@ -16,13 +16,14 @@ use crate::error::CliError;
 use crate::locate_command::{
     Start, error_text, event, evidence_text, located_json, message, range, start, verdict_json,
 };
-use crate::orbit_command::point_value;
+use crate::orbit_command::{point_value, with_word};
+use crate::schemas::BRANCH;
 use crate::which;
 
 const HEADER: [&str; 15] = [
     "branch",
     "generation",
-    "kind",
+    "event",
     "value",
     "error",
     "impulse",
@@ -95,8 +96,8 @@ fn write_table(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
     let flag = |value: Option<bool>| value.map_or(String::new(), |value| value.to_string());
     for (i, branch) in diagram.branches.iter().enumerate() {
         for station in &branch.stations {
-            let (kind, value, error, orbit, point) = match station {
-                Station::Point(point) => ("point", point.value, None, &point.orbit, Some(point)),
+            let (event, value, error, orbit, point) = match station {
+                Station::Point(point) => ("", point.value, None, &point.orbit, Some(point)),
                 Station::Event(found) => (found.event.name(), found.value, Some(found.error), &found.orbit, None),
             };
             let verdict = point.and_then(|point| point.verdict);
@@ -108,7 +109,7 @@ fn write_table(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
             table.row([
                 (i + 1).to_string(),
                 branch.generation.to_string(),
-                kind.to_owned(),
+                event.to_owned(),
                 value.to_string(),
                 number(error.filter(|error| error.is_finite())),
                 orbit.strongest_impulse().unwrap_or(0.0).to_string(),
@@ -153,17 +154,21 @@ fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> V
         .iter()
         .map(|(value, end)| json!({ "value": value, "reason": end.name(), "message": ending(branch, course, *value, end) }))
         .collect();
-    json!({
+    let value = json!({
         "generation": branch.generation,
         "origin": origin,
-        "family": head(branch).map(which::name),
+        "family": head(branch).map(|orbit| orbit.family().name()),
         "force_periods": head(branch).map(Orbit::force_periods),
         "points": branch.points().map(point_json).collect::<Vec<_>>(),
         "events": branch.events().map(located_json).collect::<Vec<_>>(),
         "untold": branch.untold,
         "unresolved": branch.unresolved.iter().map(|place| [place.from, place.to]).collect::<Vec<_>>(),
         "ends": ends,
-    })
+    });
+    match head(branch) {
+        Some(orbit) => with_word(orbit, value),
+        None => value,
+    }
 }
 
 fn event_at(diagram: &Diagram, branch: usize, station: usize) -> Option<&Located> {
@@ -174,10 +179,11 @@ fn event_at(diagram: &Diagram, branch: usize, station: usize) -> Option<&Located
 }
 
 fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
-    json!({
+    let value = json!({
+        "schema": BRANCH,
         "free": course.free.name(),
         "parameters": point_value(start.orbit.model()),
-        "family": which::name(&start.orbit),
+        "family": start.orbit.family().name(),
         "solution": start.number,
         "range": [course.from, course.to],
         "branches": diagram.branches.iter().map(|branch| branch_json(diagram, course, branch)).collect::<Vec<_>>(),
@@ -185,7 +191,8 @@ fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
         "complete": diagram.complete,
         "evaluations": diagram.evaluations,
         "spectra": diagram.spectra,
-    })
+    });
+    with_word(&start.orbit, value)
 }
 
 /// The answer for people. Writing to a String cannot fail.

@@ -4,7 +4,7 @@ use vibrochain_breather::{Impact, Orbit};
 use vibrochain_lattice::{Model, Parameter, Spectrum, far_motion};
 use vibrochain_maps::force;
 
-/// "N = 20, γ₁ = 0.2, …": all that is fixed.
+/// "21 masses (N = 20), γ₁ = 0.2, …": all that is fixed.
 pub fn describe(model: &Model) -> String {
     in_common(&[model])
 }
@@ -21,7 +21,7 @@ pub fn in_common(models: &[&Model]) -> String {
     let parts = |model: &Model| {
         let chain = model.chain();
         let mut parts = vec![
-            if chain.is_ring() { format!("N = {}", chain.sites() - 1) } else { chain.layout().to_string() },
+            chain.layout().to_string(),
             format!("γ₁ = {}", chain.gamma1()),
             format!("γ₂ = {}", chain.gamma2()),
             format!("ω = {}", model.omega()),

@@ -12,8 +12,8 @@ use crate::args::CurveArgs;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::locate_command::{Start, event, message, range, start};
-use crate::orbit_command::point_value;
-use crate::which;
+use crate::orbit_command::{point_value, with_word};
+use crate::schemas::CURVE;
 
 /// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
 const ON_IT: f64 = 2.0;
@@ -193,15 +193,17 @@ impl Curves {
                 })
             })
             .collect();
-        json!({
+        let value = json!({
+            "schema": CURVE,
             "parameters": point_value(start.orbit.model()),
-            "family": which::name(&start.orbit),
+            "family": start.orbit.family().name(),
             "solution": start.number,
             "free": self.window.parameters.map(Parameter::name),
             "from": self.window.from,
             "to": self.window.to,
             "curves": list,
-        })
+        });
+        with_word(&start.orbit, value)
     }
 
     /// The answer for people. Writing to a String cannot fail.

@@ -17,6 +17,7 @@ use crate::args::CurvesArgs;
 use crate::border_search::BorderSearch;
 use crate::console::Console;
 use crate::error::CliError;
+use crate::schemas::CURVES;
 use crate::threads::threads;
 
 /// So many of what is left unexplained are told to people.
@@ -170,7 +171,8 @@ impl Answer<'_> {
             })
         };
         json!({
-            "parameters": parameters.map(Parameter::name),
+            "schema": CURVES,
+            "free": parameters.map(Parameter::name),
             "borders": borders.iter().map(border).collect::<Vec<_>>(),
             "areas": self.areas().map(|area| json!({
                 "class": area.class.map(Class::name), "share": area.share, "error": area.error,

@@ -14,8 +14,9 @@
 //! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
+//! | `schemas` | the form of every JSON that is written or read |
 //! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
-//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `simulate_command`, `words_command` | the subcommands |
+//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `words_command` | the subcommands |
 
 pub mod args;
 mod border_search;
@@ -45,6 +46,8 @@ mod pictures;
 pub mod program;
 pub mod recording;
 mod report;
+pub mod schema_command;
+pub mod schemas;
 pub mod setup_command;
 pub mod simulate_command;
 mod solution;

@@ -11,7 +11,8 @@ use crate::args::{AlongArgs, EventName, LocateArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::model::{Chosen, chosen};
-use crate::orbit_command::{orbit_value, point_value, with_layer};
+use crate::orbit_command::{orbit_value, point_value, with_layer, with_word};
+use crate::schemas::LOCATE;
 use crate::which;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -154,8 +155,8 @@ pub(crate) fn verdict_json(verdict: &Verdict) -> Value {
     })
 }
 
-fn sign_json(model: &Model, sign: &Evidence) -> Value {
-    match sign {
+fn evidence_json(model: &Model, evidence: &Evidence) -> Value {
+    match evidence {
         Evidence::Multiplier(multiplier) => json!({ "multiplier": [multiplier.re, multiplier.im] }),
         Evidence::Touch(touch) => {
             let value = json!({ "site": touch.site, "barrier": touch.barrier.name(), "time": touch.time });
@@ -188,7 +189,7 @@ pub(crate) fn located_json(found: &Located) -> Value {
         "event": found.event.name(),
         "value": found.value,
         "error": found.error.is_finite().then_some(found.error),
-        "sign": sign_json(found.orbit.model(), &found.evidence),
+        "evidence": evidence_json(found.orbit.model(), &found.evidence),
         "physical": found.physical,
         "orbit": orbit_value(&found.orbit),
         "sides": sides,
@@ -207,11 +208,12 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
         .iter()
         .map(|(value, end)| json!({ "value": value, "reason": end.name(), "message": message(search.free, *value, end) }))
         .collect();
-    json!({
+    let value = json!({
+        "schema": LOCATE,
         "event": search.event.name(),
         "free": search.free.name(),
         "parameters": point_value(start.orbit.model()),
-        "family": which::name(&start.orbit),
+        "family": start.orbit.family().name(),
         "solution": start.number,
         "range": [search.from, search.to],
         "points": answer.located.iter().map(located_json).collect::<Vec<_>>(),
@@ -219,7 +221,8 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
         "ends": ends,
         "evaluations": answer.evaluations,
         "spectra": answer.spectra,
-    })
+    });
+    with_word(&start.orbit, value)
 }
 
 /// How the way in one direction ended, as a sentence.

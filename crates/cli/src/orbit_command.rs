@@ -13,6 +13,7 @@ use crate::error::CliError;
 use crate::model::chosen;
 use crate::multiplier_file::MultiplierFile;
 use crate::orbit_modes::OrbitModes;
+use crate::schemas::ORBIT;
 use crate::solution::Solution;
 use crate::which;
 use vibrochain_maps::files::distinct;
@@ -132,6 +133,7 @@ fn completeness_value(completeness: Completeness) -> Value {
 fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
     let (unresolved, exhausted) = found.completeness.open();
     let mut value = json!({
+        "schema": ORBIT,
         "parameters": point_value(model),
         "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
         "reason": found.completeness.reason().map(|reason| reason.to_string()),
@@ -174,7 +176,7 @@ pub(crate) fn orbit_value(orbit: &Orbit) -> Value {
             with_layer(orbit.model(), impact.site, value)
         })
         .collect();
-    let mut value = json!({
+    let value = json!({
         "family": orbit.family().name(),
         "period": orbit.period(),
         "phi": orbit.phi(),
@@ -182,6 +184,11 @@ pub(crate) fn orbit_value(orbit: &Orbit) -> Value {
         "impacts": impacts,
         "residual": orbit.residual(),
     });
+    with_word(orbit, value)
+}
+
+/// `value`, which names the orbit's `family`, with the `word` of one that is of none.
+pub(crate) fn with_word(orbit: &Orbit, mut value: Value) -> Value {
     if orbit.family() == Family::Word {
         value["word"] = Word::of(orbit).to_string().into();
     }

@@ -16,6 +16,7 @@ use crate::model::{Chosen, chosen};
 use crate::orbit_command::point_value;
 use crate::pace::{self, Pace};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
+use crate::schemas::SIMULATE;
 use crate::start::{Start, leading_mode_at};
 use crate::which;
 use vibrochain_maps::files::distinct;
@@ -262,6 +263,7 @@ impl Counts {
         // The force repeats: its phase at the end needs no whole periods.
         let psi = (state.psi + time.offset()).rem_euclid(simulation.model().period());
         json!({
+            "schema": SIMULATE,
             "outcome": outcome,
             "parameters": point_value(simulation.model()),
             "start": start,

@@ -11,6 +11,7 @@ use vibrochain_floquet::{Complex, FloquetError, leading_modes};
 use vibrochain_lattice::{Model, Propagator, Spectrum};
 
 use crate::error::CliError;
+use crate::schemas::{self, SIMULATE, STATE, expect};
 use vibrochain_maps::numbers::plain;
 
 /// Displacements and velocities, and what is needed to place them in time.
@@ -29,6 +30,8 @@ pub struct Start {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StateFile {
+    #[serde(default, deserialize_with = "schemas::text")]
+    schema: Option<String>,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     psi: Option<f64>,
@@ -37,6 +40,8 @@ struct StateFile {
 /// The answer of a run, of which the state at its end is taken.
 #[derive(Deserialize)]
 struct RunFile {
+    #[serde(default, deserialize_with = "schemas::text")]
+    schema: Option<String>,
     state: StateFile,
 }
 
@@ -60,11 +65,18 @@ impl Start {
     /// [`CliError::Request`] for a file that cannot be read or is not such an object.
     pub fn read(path: &Path, psi: Option<f64>) -> Result<Self, CliError> {
         let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read state", path, &error))?;
-        let of_a_run = serde_json::from_str(&text).map(|RunFile { state }| state);
-        let state: StateFile = of_a_run.or_else(|_| serde_json::from_str(&text)).map_err(|error| {
-            let form = r#"give {"displacement":[…],"velocity":[…]}, one number a mass in each"#;
-            CliError::Request(format!("{}: {}; {form}", path.display(), plain(&error.to_string())))
-        })?;
+        let (state, told, wanted) = match serde_json::from_str(&text) {
+            Ok(RunFile { schema, state }) => (state, schema, SIMULATE),
+            Err(_) => {
+                let mut state: StateFile = serde_json::from_str(&text).map_err(|error| {
+                    let form = r#"give {"displacement":[…],"velocity":[…]}, one number a mass in each"#;
+                    CliError::Request(format!("{}: {}; {form}", path.display(), plain(&error.to_string())))
+                })?;
+                let told = state.schema.take();
+                (state, told, STATE)
+            }
+        };
+        expect(path, told.as_deref(), wanted)?;
         Ok(Self {
             displacement: state.displacement,
             velocity: state.velocity,

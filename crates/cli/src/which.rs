@@ -11,6 +11,7 @@ use vibrochain_lattice::{Barrier, Model};
 use crate::args::{FamilyName, WhichArgs};
 use crate::console::Console;
 use crate::error::CliError;
+use crate::schemas::{self, ORBIT, expect};
 use vibrochain_maps::cell::SYMMETRIC;
 use vibrochain_maps::numbers::plain;
 use vibrochain_maps::scene::Given;
@@ -105,6 +106,8 @@ pub(crate) fn of_branch(branch: &FollowedBranch) -> String {
 
 #[derive(Deserialize)]
 struct OrbitFile {
+    #[serde(default, deserialize_with = "schemas::text")]
+    schema: Option<String>,
     #[serde(default)]
     solutions: Vec<OrbitFile>,
     #[serde(default)]
@@ -131,6 +134,7 @@ fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
         CliError::Request(format!("{}: {what}; {form}", path.display()))
     };
     let mut file: OrbitFile = serde_json::from_str(&text).map_err(|error| wrong(&plain(&error.to_string())))?;
+    expect(path, file.schema.as_deref(), ORBIT)?;
     if file.impacts.is_empty() && !file.solutions.is_empty() {
         file = file.solutions.swap_remove(0);
     }

@@ -13,6 +13,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::model::chosen;
 use crate::orbit_command::point_value;
+use crate::schemas::WORDS;
 use vibrochain_maps::files::{CsvFile, distinct};
 
 /// The most words that are looked at, before symmetry makes them fewer: some minutes of work.
@@ -234,7 +235,13 @@ fn as_json(model: &Model, words: &[Word], rows: &[Row], all: bool) -> String {
     let listed: Vec<Value> = rows.iter().filter(|row| all || row.is_physical()).map(one).collect();
     format!(
         "{:#}\n",
-        json!({ "parameters": point_value(model), "words": words.len(), "solutions": rows.len(), "orbits": listed })
+        json!({
+            "schema": WORDS,
+            "parameters": point_value(model),
+            "words": words.len(),
+            "orbits": rows.len(),
+            "solutions": listed,
+        })
     )
 }
 

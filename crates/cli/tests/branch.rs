@@ -10,7 +10,7 @@ use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
 use tempfile::tempdir;
-use vibrochain_testkit::mapgen;
+use vibrochain_testkit::{mapgen, written};
 
 const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
 const FIGURE_9: &str = "--family double-sided --sites 21 --gamma1 .1 --gamma2 .05 --omega 1.33 --asymmetry 0 --amplitude 1.5 --restitution .6";
@@ -29,7 +29,7 @@ fn branch(flags: &str, model: &str) -> Command {
 
 fn answer(flags: &str, model: &str) -> Value {
     let output = branch(flags, model).arg("--json").assert().success().get_output().stdout.clone();
-    serde_json::from_slice(&output).unwrap()
+    written(&output)
 }
 
 fn list(value: &Value) -> &[Value] {
@@ -50,7 +50,9 @@ fn text_for_people() {
     branch("--free amplitude --to .17 --switch", DOUBLING)
         .assert()
         .success()
-        .stdout(contains("single-sided breathers, 21 masses, gamma1 = 0.2").and(contains("from solution 1 of 2")))
+        .stdout(
+            contains("single-sided breathers, 21 masses (N = 20), gamma1 = 0.2").and(contains("from solution 1 of 2")),
+        )
         .stdout(contains("amplitude = 0.157927457266535").and(contains("fold: multiplier 1.0000000000")))
         .stdout(
             contains("period-doubling: multiplier -1.00000000").and(contains("neimark-sacker: multiplier -0.967033")),
@@ -83,7 +85,7 @@ fn a_table_has_a_row_for_each_station() {
     let json = answer(&flags, DOUBLING);
     let mut table = csv::Reader::from_path(&path).unwrap();
     let header: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
-    let columns = "branch,generation,kind,value,error,impulse,impulses,phi,psi,period,margin,physical,stable,mechanism,spectral_radius";
+    let columns = "branch,generation,event,value,error,impulse,impulses,phi,psi,period,margin,physical,stable,mechanism,spectral_radius";
     assert_eq!(header.join(","), columns);
     let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
     let number = |row: &csv::StringRecord, name: &str| {
@@ -92,7 +94,7 @@ fn a_table_has_a_row_for_each_station() {
     };
     for (i, branch) in list(&json["branches"]).iter().enumerate() {
         let of_it: Vec<_> = rows.iter().filter(|row| row[0] == (i + 1).to_string()).collect();
-        let (points, others): (Vec<_>, Vec<_>) = of_it.into_iter().partition(|row| &row[2] == "point");
+        let (points, others): (Vec<_>, Vec<_>) = of_it.into_iter().partition(|row| row[2].is_empty());
         let values = |name: &str| points.iter().map(|row| number(row, name)).collect::<Vec<_>>();
         let told = |name: &str| list(&branch["points"]).iter().map(|point| point[name].as_f64()).collect::<Vec<_>>();
         assert!(points.len() > 50 && values("value") == told("value") && values("margin") == told("margin"));
@@ -195,7 +197,10 @@ fn words_and_orbits_of_files_are_followed() {
         .assert()
         .success()
         .stdout(contains("stripes thinner than the step may be missing"));
-    assert!(json["family"] == "0+3+,0-3-" && list(&json["branches"][0]["points"]).len() > 10);
+    assert!(
+        (&json["family"], &json["word"]) == (&"word".into(), &"0+3+,0-3-".into())
+            && list(&json["branches"][0]["points"]).len() > 10
+    );
     // The same breather by its file.
     let folder = tempdir().unwrap();
     let near = folder.path().join("near.json");
@@ -349,7 +354,7 @@ fn a_resonance_on_the_way_is_an_end() {
 fn tables_go_to_standard_output() {
     let output = branch("--free amplitude --to .17 --events fold --csv -", DOUBLING);
     let text = String::from_utf8({ output }.assert().success().get_output().stdout.clone()).unwrap();
-    assert!(text.starts_with("branch,generation,kind,value") && text.contains(",fold,0.15792745726653"), "{text}");
+    assert!(text.starts_with("branch,generation,event,value") && text.contains(",fold,0.15792745726653"), "{text}");
     assert!(!Path::new("-").exists());
 }
 

@@ -6,9 +6,8 @@ use std::fs;
 use assert_cmd::Command;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
-use serde_json::Value;
 use tempfile::tempdir;
-use vibrochain_testkit::mapgen;
+use vibrochain_testkit::{mapgen, written};
 
 const MODEL: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
 const PLANE: &str = "--free amplitude --from .1 --to .3 --and restitution --and-from .2 --and-to .4 --tolerance 1e-4";
@@ -38,7 +37,7 @@ fn json_and_table_tell_the_same_points() {
     let desk = tempdir().unwrap();
     let csv = desk.path().join("points.csv");
     let output = curve("period-doubling", PLANE).arg("--csv").arg(&csv).arg("--json").assert().success();
-    let answer: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let answer = written(&output.get_output().stdout);
     let points = answer["curves"][0]["points"].as_array().unwrap();
     let table = fs::read_to_string(&csv).unwrap();
     let mut lines = table.lines();

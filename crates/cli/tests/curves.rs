@@ -9,7 +9,7 @@ use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
 use tempfile::tempdir;
-use vibrochain_testkit::mapgen;
+use vibrochain_testkit::{mapgen, written};
 
 /// Double-sided breathers of a ring of three above their band.
 const SCENE: &str = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
@@ -42,7 +42,7 @@ fn text_tables_json_and_pictures_tell_the_same() {
     assert!(drawn.starts_with("<svg") && drawn.contains("<path") && drawn.contains("stable double-sided"));
 
     let output = curves(&at("scene.toml")).arg("--json").arg("--points").arg(at("points.csv")).assert().success();
-    let answer: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let answer = written(&output.get_output().stdout);
     let told = answer["borders"].as_array().unwrap();
     let table = fs::read_to_string(at("borders.csv")).unwrap();
     let mut lines = table.lines();

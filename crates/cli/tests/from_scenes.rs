@@ -3,8 +3,7 @@
 
 use std::fs;
 
-use serde_json::Value;
-use vibrochain_testkit::{Desk, Random};
+use vibrochain_testkit::{Desk, Random, written};
 
 const SCENE: &str = r#"
 [model]
@@ -19,10 +18,6 @@ families = ["double-sided", "single-sided"]
 stability = true
 threshold = 0.5
 "#;
-
-fn value(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
-}
 
 /// A point of any kind of lattice and force: as flags, and as a file's `[model]`.
 fn random_point(random: &mut Random) -> (String, String) {
@@ -81,7 +76,7 @@ fn a_file_gives_the_answer_that_flags_give() {
         fs::write(desk.path("orbit.json"), &by_flags.out).unwrap();
         let by_answer = desk.run("orbit --family double-sided --json --scene orbit.json").with(0, &[]);
         assert_eq!(by_answer.out, by_flags.out, "{model}");
-        let solutions = &value(&by_flags.out)["solutions"];
+        let solutions = &written(&by_flags.out)["solutions"];
         let Some(first) = solutions.get(0) else { continue };
         orbits += 1;
         let near = desk.run("orbit --json --scene orbit.json");
@@ -90,7 +85,7 @@ fn a_file_gives_the_answer_that_flags_give() {
             assert!(near.err.contains("--near"), "{near:?}");
             continue;
         }
-        let near = &value(&near.out)["solutions"][0];
+        let near = &written(&near.out)["solutions"][0];
         for (one, other) in first["impacts"].as_array().unwrap().iter().zip(near["impacts"].as_array().unwrap()) {
             let [one, other] = [one, other].map(|impact| impact["impulse"].as_f64().unwrap());
             let error = first["condition"]["impulse_error"].as_f64().unwrap();
@@ -143,16 +138,16 @@ fn flags_change_a_scene_and_give_what_it_sweeps() {
 fn a_scene_says_which_breathers_and_how_far() {
     let desk = Desk::with_scene(&SCENE.replace(r#"["double-sided", "single-sided"]"#, r#"["0+2-,0-2+"]"#));
     let word = desk.run("orbit --scene scene.toml --omega 1.5 --gamma2 .05 --json").with(0, &[]);
-    assert_eq!(value(&word.out)["solutions"][0]["word"], "0+2-,0-2+");
+    assert_eq!(written(&word.out)["solutions"][0]["word"], "0+2-,0-2+");
 
     let desk = Desk::with_scene(&SCENE.replace(r#", "single-sided"]"#, "]"));
     let start = "--scene scene.toml --omega 1.5 --gamma2 .1";
     let found = desk.run(&format!("locate --event grazing --free omega {start} --json")).with(0, &[]);
-    assert_eq!(value(&found.out)["range"], serde_json::json!([0.9, 2.5]));
+    assert_eq!(written(&found.out)["range"], serde_json::json!([0.9, 2.5]));
     let found = desk.run(&format!("locate --event grazing --free omega --to 2 {start} --json")).with(0, &[]);
-    assert_eq!(value(&found.out)["range"], serde_json::json!([0.9, 2.0]));
+    assert_eq!(written(&found.out)["range"], serde_json::json!([0.9, 2.0]));
     let curve = desk.run(&format!("curve --event grazing --free omega --and gamma2 {start} --tolerance 1e-3 --json"));
-    let curve = value(&curve.with(0, &[]).out);
+    let curve = written(&curve.with(0, &[]).out);
     assert_eq!((&curve["from"], &curve["to"]), (&serde_json::json!([0.9, 0.0]), &serde_json::json!([2.5, 0.3])));
     // A manifest is as good as its scene.
     desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
@@ -174,5 +169,5 @@ fn a_point_without_a_breather_is_exit_code_three() {
     }
     // That there is none is what `orbit` was asked.
     let none = desk.run(&format!("orbit --json {model}")).with(0, &[]);
-    assert!(value(&none.out)["solutions"].as_array().unwrap().is_empty());
+    assert!(written(&none.out)["solutions"].as_array().unwrap().is_empty());
 }

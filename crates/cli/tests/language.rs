@@ -5,13 +5,9 @@ use std::collections::BTreeSet;
 use std::fs;
 
 use serde_json::Value;
-use vibrochain_testkit::Desk;
+use vibrochain_testkit::{Desk, written};
 
 const MODEL: &str = "--sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
-
-fn value(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
-}
 
 #[test]
 fn a_new_scene_computes_as_it_is_and_names_every_key() {
@@ -101,11 +97,11 @@ fn a_run_goes_on_from_its_own_answer() {
     let run = |state: &str, periods: f64, flags: &str| {
         desk.run(&format!("simulate --state {state} {model} --periods {periods} --json{flags}")).with(0, &[]).out
     };
-    let whole = value(&run("start.json", 3.75, " --psi .3"));
+    let whole = written(run("start.json", 3.75, " --psi .3"));
     fs::write(desk.path("half.json"), run("start.json", 1.3, " --psi .3")).unwrap();
     let half = desk.json("half.json");
     assert_eq!((&half["outcome"], &half["periods"]), (&"time-reached".into(), &1.into()));
-    let rest = value(&run("half.json", 2.45, ""));
+    let rest = written(run("half.json", 2.45, ""));
     for name in ["displacement", "velocity"] {
         let [one, other] = [&whole, &rest].map(|run| run["state"][name].as_array().unwrap());
         assert_eq!((one.len(), other.len()), (5, 5));
@@ -121,7 +117,7 @@ fn a_run_goes_on_from_its_own_answer() {
 fn tables_and_json_of_an_answer_agree() {
     let desk = Desk::new();
     let doubling = "--event period-doubling --free amplitude --family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
-    let located = value(&desk.run(&format!("locate {doubling} --csv events.csv --json")).with(0, &[]).out);
+    let located = written(&desk.run(&format!("locate {doubling} --csv events.csv --json")).with(0, &[]).out);
     let mut table = csv::Reader::from_path(desk.path("events.csv")).unwrap();
     assert_eq!(table.headers().unwrap().iter().take(3).collect::<Vec<_>>(), ["event", "amplitude", "error"]);
     let rows: Vec<_> = table.records().map(Result::unwrap).collect();
@@ -134,7 +130,7 @@ fn tables_and_json_of_an_answer_agree() {
 
     let words =
         desk.run(&format!("words --sites-used 2 --reach 2 {MODEL} --all --csv words.csv --json")).with(0, &[]).out;
-    let orbits = value(&words)["orbits"].as_array().unwrap().clone();
+    let orbits = written(&words)["solutions"].as_array().unwrap().clone();
     let mut table = csv::Reader::from_path(desk.path("words.csv")).unwrap();
     let rows: Vec<_> = table.records().map(Result::unwrap).collect();
     assert!(rows.len() == orbits.len() && rows.len() >= 4, "{}", rows.len());

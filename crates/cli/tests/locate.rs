@@ -5,7 +5,7 @@ use assert_cmd::Command;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
-use vibrochain_testkit::mapgen;
+use vibrochain_testkit::{mapgen, written};
 
 const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
 const FIGURE_9: &str =
@@ -19,7 +19,7 @@ fn locate(flags: &str, model: &str) -> Command {
 
 fn answer(flags: &str, model: &str) -> Value {
     let output = locate(flags, model).arg("--json").assert().success().get_output().stdout.clone();
-    serde_json::from_slice(&output).unwrap()
+    written(&output)
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn a_period_doubling_with_the_orbit_that_takes_over() {
     let json = answer("--event period-doubling --free amplitude", DOUBLING);
     let point = &json["points"][0];
     let close = |value: &Value, expected: f64, error: f64| (value.as_f64().unwrap() - expected).abs() < error;
-    assert!(close(&point["value"], 0.158908086, 5e-10) && close(&point["sign"]["multiplier"][0], -1.0, 1e-10));
+    assert!(close(&point["value"], 0.158908086, 5e-10) && close(&point["evidence"]["multiplier"][0], -1.0, 1e-10));
     assert!(point["error"].as_f64().unwrap() < 1e-12 && point["physical"] == true);
     let branching = &point["branching"];
     assert!(branching["side"] == "below" && branching["orbits"].as_array().unwrap().len() == 1);

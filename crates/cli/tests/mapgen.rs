@@ -7,7 +7,7 @@ use std::path::Path;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
-use vibrochain_testkit::{Desk, mapgen};
+use vibrochain_testkit::{Desk, mapgen, written};
 
 const SCENE: &str = r#"
 [model]
@@ -52,7 +52,7 @@ fn a_sweep_writes_table_manifest_and_pictures_and_nothing_else() {
     }
     assert_eq!((&rows[0][0], &rows[0][1], &rows[1199][0], &rows[1199][1]), ("0", "0.4", "0.3", "3"));
 
-    let manifest: Value = serde_json::from_slice(&fs::read(desk.path("map.manifest.json")).unwrap()).unwrap();
+    let manifest = desk.json("map.manifest.json");
     assert_eq!((&manifest["cells"], &manifest["model"]["sites"]), (&1200.into(), &11.into()));
     assert_eq!(manifest["sweep"]["x"]["parameter"], "omega");
     assert!(manifest["wall_seconds"].as_f64().unwrap() > 0.0 && manifest["version"].is_string());
@@ -89,7 +89,7 @@ fn a_manifest_is_a_scene() {
         mapgen(&["sweep"]).arg(desk.path("again.json")).arg("--out").arg(desk.path("again.csv")).assert().success();
         assert_eq!(fs::read(desk.path("again.csv")).unwrap(), table, "{text}");
         // The model alone, as `key = value`.
-        let manifest: Value = serde_json::from_slice(&fs::read(manifest).unwrap()).unwrap();
+        let manifest = written(fs::read(manifest).unwrap());
         let line = |(key, value): (&String, &Value)| format!("{key} = {}\n", value.to_string().replace("\":", "\"="));
         let model: String = manifest["model"].as_object().unwrap().iter().map(line).collect();
         let text = small(&text);
@@ -294,7 +294,7 @@ fn wrong_orbit_flags() {
 
 fn orbit_json(family: &str, flags: &[&str]) -> Value {
     let output = mapgen(&[]).args(["orbit", "--json", "--family", family]).args(flags).assert().success();
-    serde_json::from_slice(&output.get_output().stdout).unwrap()
+    written(&output.get_output().stdout)
 }
 
 #[test]
@@ -371,7 +371,7 @@ fn a_scene_with_several_harmonics() {
     assert!(String::from_utf8(one).unwrap().contains("-double,"));
     assert!(fs::read_to_string(picture).unwrap().contains("force 1:0.1:0,3:-0.03:0.5"));
     table(&square, &[]);
-    let manifest: Value = serde_json::from_slice(&fs::read(desk.path("map.manifest.json")).unwrap()).unwrap();
+    let manifest = desk.json("map.manifest.json");
     assert_eq!(manifest["model"]["force"][1]["phase"], 0.5);
     assert!(manifest["model"].get("amplitude").is_none());
     // An amplitude on an axis has nothing to act on.
@@ -491,7 +491,7 @@ fn a_monodromy_matrix_next_to_grazing_is_refused_not_half_answered() {
         .assert()
         .code(1)
         .stderr(contains("beyond the range of numbers"));
-    let value: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
+    let value = written(&run.get_output().stdout);
     let first = &value["solutions"][0];
     assert!(first["stability"].is_null() && first["stability_error"].as_str().unwrap().contains("grazing"));
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use serde_json::Value;
-use vibrochain_testkit::mapgen;
+use vibrochain_testkit::{mapgen, written};
 
 fn orbit(sites: &str, file: &std::path::Path, more: &[&str]) -> Value {
     let point = ["--gamma1", ".2", "--gamma2", ".1", "--omega", ".8", "--asymmetry", ".4", "--family", "single-sided"];
@@ -13,7 +13,7 @@ fn orbit(sites: &str, file: &std::path::Path, more: &[&str]) -> Value {
         .output()
         .unwrap();
     assert!(output.status.success(), "{output:?}");
-    serde_json::from_slice(&output.stdout).unwrap()
+    written(&output.stdout)
 }
 
 fn rows(file: &std::path::Path) -> Vec<Vec<String>> {

@@ -12,7 +12,7 @@ use predicates::str::contains;
 use serde_json::Value;
 #[cfg(unix)]
 use vibrochain_testkit::signal;
-use vibrochain_testkit::{Desk, mapgen};
+use vibrochain_testkit::{Desk, mapgen, written};
 
 const SCENE: &str = r#"
 [model]
@@ -59,7 +59,7 @@ fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
     let csv = desk.path("lines.csv");
     let text = output(stripes(&desk, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
     assert_eq!(desk.names("."), ["lines.csv", "scene.toml", "stripes.svg"]);
-    assert!(text.starts_with("N = 5: share of cells within one cell of a line"));
+    assert!(text.starts_with("6 masses (N = 5): share of cells within one cell of a line"));
     for mechanism in ["neimark-sacker", "period-doubling"] {
         let row = printed(&text, "double-sided", mechanism);
         assert_eq!(row.len(), 9);
@@ -158,7 +158,7 @@ fn wrong_requests() {
     let scene = desk.scene(SCENE);
     stripes(&desk, &scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png or .svg"));
     stripes(&desk, &desk.path("missing.toml"), "x.png", &[]).code(2).stderr(contains("cannot read scene"));
-    mapgen(&["stripes"]).arg(&scene).assert().code(2).stderr(contains("--out"));
+    mapgen(&["stripes"]).arg(&scene).assert().code(2).stderr(contains("--plot"));
     stripes(&desk, &scene, "scene.toml.png", &["--csv", desk.path("scene.toml.png").to_str().unwrap()])
         .code(2)
         .stderr(contains("are the same file"));
@@ -243,7 +243,7 @@ fn orbit(family: &str, omega: &str, flags: &str) -> assert_cmd::assert::Assert {
 
 fn solution(family: &str, omega: &str) -> Value {
     let assert = orbit(family, omega, "--json");
-    let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let value = written(&assert.get_output().stdout);
     value["solutions"][0].clone()
 }
 
@@ -291,7 +291,7 @@ fn an_orbit_tells_of_the_breathers_own_mode() {
         mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success()
     };
     let solution = |omega: &str| {
-        let value: Value = serde_json::from_slice(&line(omega, "--json").get_output().stdout).unwrap();
+        let value = written(&line(omega, "--json").get_output().stdout);
         value["solutions"][0].clone()
     };
     // Stable; ω is between Ω₁ and Ω₂, so that no mode is.
@@ -319,7 +319,7 @@ fn an_orbit_tells_of_the_breathers_own_mode() {
 fn a_mode_that_the_breather_has_carried_past_minus_one_has_the_signature_of_its_multiplier() {
     let line = "orbit --json --family single-sided --sites 15 --gamma1 0.5448393244032546 --gamma2 0.049273526372998165 --omega 1.6210549604807942 --asymmetry 0";
     let assert = mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success();
-    let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let value = written(&assert.get_output().stdout);
     let mode = &value["solutions"][0]["modes"][4];
     let phase = |frequency: &str| mode[frequency].as_f64().unwrap() * std::f64::consts::TAU / 1.6210549604807942;
     assert!((phase("frequency") - 3.134).abs() < 1e-3 && (phase("dressed") - 3.1805).abs() < 1e-3);
@@ -331,7 +331,7 @@ fn modes_in_doubt_and_orbits_without_modes() {
     // 2Ω₀ = ω to the last digit: Ω₀ = 0.5.
     let line = "orbit --json --family double-sided --sites 6 --gamma1 .25 --gamma2 .15 --asymmetry .4 --omega 1";
     let assert = mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success();
-    let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let value = written(&assert.get_output().stdout);
     assert_eq!(value["solutions"][0]["modes"][0]["bare_signature"], Value::Null);
     // Stable: nothing has collided.
     let value = solution("double-sided", "2.5");
@@ -342,7 +342,7 @@ fn modes_in_doubt_and_orbits_without_modes() {
     assert!(last["signature"].is_null() && last["dressed"].is_null());
     // Losses: none of this is defined.
     let forced = orbit("double-sided", "1.6", "--json --amplitude .1 --restitution .9");
-    let value: Value = serde_json::from_slice(&forced.get_output().stdout).unwrap();
+    let value = written(&forced.get_output().stdout);
     let solutions = value["solutions"].as_array().unwrap();
     assert!(!solutions.is_empty() && solutions.iter().all(|s| s["modes"].is_null() && s["collision"].is_null()));
 }
@@ -369,7 +369,7 @@ fn a_map_names_the_modes_that_have_collided() {
         }
     }
     assert!(named > 300, "{named}");
-    let manifest: Value = serde_json::from_slice(&fs::read(desk.path("map.manifest.json")).unwrap()).unwrap();
+    let manifest = desk.json("map.manifest.json");
     assert_eq!(manifest["compute"]["collisions"], true);
 
     let wrong = |from: &str, to: &str, message: &str| {
@@ -427,7 +427,7 @@ fn rows_and_layers_have_stripes_too() {
     }
     let line = "orbit --sites 3 --ends free --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .1 --omega 1.7 --asymmetry .4 --word 1+,1- --json";
     let assert = mapgen(&line.split_whitespace().collect::<Vec<_>>()).assert().success();
-    let value: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let value = written(&assert.get_output().stdout);
     let modes = value["solutions"][0]["modes"].as_array().unwrap();
     // In the middle of a row of three the second mode has a node.
     let bare = [0.2, 0.3, 0.5, 0.6].map(f64::sqrt);
@@ -471,7 +471,7 @@ fn the_table_of_widths_says_where_stripes_begin_and_end() {
         let text = output(
             mapgen(&["orbit", "--json"]).args(flags).args(["--gamma2", &row["gamma2"], "--omega", &omega]).assert(),
         );
-        let value: Value = serde_json::from_str(&text).unwrap();
+        let value = written(&text);
         let stability = &value["solutions"][0]["stability"];
         (stability["stable"].as_bool().unwrap(), stability["spectral_radius"].as_f64().unwrap().ln())
     };

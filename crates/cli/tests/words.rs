@@ -7,13 +7,13 @@ use serde_json::Value;
 use vibrochain_breather::{Finder, Found, Wanted, Word};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_maps::scene::Scene;
-use vibrochain_testkit::{Desk, words};
+use vibrochain_testkit::{Desk, words, written};
 
 const MODEL: &str = "--sites 21 --gamma1 0.2 --gamma2 0.05 --omega 1.5 --asymmetry 0.2";
 const FORCED: &str = "--sites 13 --gamma1 0.2 --omega 1.5 --asymmetry 0.1 --amplitude 0.3 --restitution 0.9";
 
 fn orbit(desk: &Desk, line: &str) -> Value {
-    serde_json::from_str(&desk.run(&format!("orbit {line} --json")).with(0, &[]).out).unwrap()
+    written(&desk.run(&format!("orbit {line} --json")).with(0, &[]).out)
 }
 
 #[test]

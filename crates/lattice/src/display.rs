@@ -40,10 +40,14 @@ impl Display for Force {
     }
 }
 
-/// "21 masses", "12 masses, free ends", "11 masses × 2 layers".
+/// "21 masses (N = 20)", "12 masses, free ends", "11 masses × 2 layers".
 impl Display for Layout {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(f, "{} {}", self.length, if self.length == 1 { "mass" } else { "masses" })?;
+        // The paper's letter, of what it treats.
+        if self.is_ring() && self.length > 1 {
+            write!(f, " (N = {})", self.length - 1)?;
+        }
         if self.layers > 1 {
             write!(f, " × {} layers", self.layers)?;
         }
@@ -85,6 +89,8 @@ mod tests {
         let plain = Model::forced(chain, 1.5, 0.1 + 0.2, 0.0, 1.0).unwrap();
         let words = "1 mass, gamma1 = 0.2, gamma2 = 1e-9, omega = 1.5, asymmetry = 0.30000000000000004";
         assert_eq!(plain.to_string(), format!("{words}, amplitude = 0, restitution = 1"));
+        let ring = Chain::new(21, 0.2, 0.1).unwrap();
+        assert_eq!(ring.to_string(), "21 masses (N = 20), gamma1 = 0.2, gamma2 = 0.1");
         let layered = Chain::new(4, 0.2, 0.1).unwrap().with_ends(Ends::Fixed).with_layers(2, 0.3, Ends::Free).unwrap();
         let expected = "4 masses × 2 layers, fixed ends, gamma1 = 0.2, gamma2 = 0.1, gamma3 = 0.3";
         assert_eq!(layered.to_string(), expected);

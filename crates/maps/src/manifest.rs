@@ -13,6 +13,9 @@ use crate::summary::Summary;
 /// The program's version.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// The form of manifests, as `mapgen schema manifest` prints it.
+pub const SCHEMA: &str = "urn:vibrochain:manifest:1";
+
 /// The git revision it was built from, if known.
 pub const REVISION: Option<&str> = option_env!("VIBROCHAIN_REVISION");
 
@@ -121,6 +124,7 @@ pub fn manifest(run: &Run<'_>) -> Value {
     };
     let mut all = Map::new();
     let mut add = |name: &str, value: Value| drop(all.insert(name.to_owned(), value));
+    add("schema", SCHEMA.into());
     add("program", "mapgen".into());
     add("version", run.version.into());
     add("revision", run.revision.into());

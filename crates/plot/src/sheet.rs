@@ -63,10 +63,10 @@ pub(crate) fn label(axis: &Axis) -> String {
     format!("{} {}", axis.parameter.meaning(), axis.parameter.symbol())
 }
 
-/// "N = 20 (21 masses), γ₁ = 0.2, …": what is fixed.
+/// "21 masses (N = 20), γ₁ = 0.2, …": what is fixed.
 pub(crate) fn fixed(scene: &Scene) -> String {
     let layout = scene.base.layout;
-    let mut text = if layout.is_ring() { format!("N = {} ({layout})", layout.length - 1) } else { layout.to_string() };
+    let mut text = layout.to_string();
     for &parameter in Parameter::of(scene.base.layout.layers) {
         let swept = scene.sweeps(parameter);
         let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);

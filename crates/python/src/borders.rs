@@ -95,7 +95,7 @@ impl PyBorder {
 /// --------
 /// >>> import vibrochain as vc
 /// >>> found = vc.curves("scenes/conservative-n5.toml", places=2000)
-/// >>> found.parameters, found.stripes, found.class_at(1.5, 0.1)
+/// >>> found.free, found.stripes, found.class_at(1.5, 0.1)
 /// (('omega', 'gamma2'), 8, 'stable-double')
 #[pyclass(frozen, name = "Borders", module = "vibrochain")]
 pub(crate) struct PyBorders {
@@ -112,7 +112,7 @@ fn name(class: Option<Class>) -> &'static str {
 impl PyBorders {
     /// tuple of (str, str) : the parameters along x and y.
     #[getter]
-    fn parameters(&self) -> (&'static str, &'static str) {
+    fn free(&self) -> (&'static str, &'static str) {
         let [x, y] = self.found.parameters.map(Parameter::name);
         (x, y)
     }
@@ -171,7 +171,7 @@ impl PyBorders {
     }
 
     fn __repr__(&self) -> String {
-        let (x, y) = self.parameters();
+        let (x, y) = self.free();
         format!("<Borders: {} over {x} and {y}, {} stripes among them>", self.found.borders.len(), self.found.stripes())
     }
 }

@@ -18,7 +18,7 @@ use crate::params::parameter;
 /// >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.07, asymmetry=0.8, amplitude=0.165, restitution=0.25)
 /// >>> point = vc.locate(model.breathers("single-sided").physical(), "period-doubling", "amplitude").points[0]
 /// >>> curve = vc.curve(point, "restitution", from_=0.1, to=0.3, and_from=0.2, and_to=0.3, tolerance=1e-3)
-/// >>> curve.parameters, curve.values.shape == (len(curve.orbits), 2), bool(curve.errors.max() < 1e-9)
+/// >>> curve.free, curve.values.shape == (len(curve.orbits), 2), bool(curve.errors.max() < 1e-9)
 /// (('amplitude', 'restitution'), True, True)
 #[pyclass(frozen, name = "EventCurve", module = "vibrochain")]
 pub(crate) struct PyEventCurve {
@@ -27,7 +27,7 @@ pub(crate) struct PyEventCurve {
     event: &'static str,
     /// tuple of (str, str) : the two parameters.
     #[pyo3(get)]
-    parameters: (&'static str, &'static str),
+    free: (&'static str, &'static str),
     curve: EventCurve,
     orbits: Vec<PyOrbit>,
 }
@@ -80,7 +80,7 @@ impl PyEventCurve {
     }
 
     fn __repr__(&self) -> String {
-        let (first, second) = self.parameters;
+        let (first, second) = self.free;
         format!("<EventCurve of {} in {first} and {second}: {} points>", self.event, self.curve.points.len())
     }
 }
@@ -130,16 +130,16 @@ pub(crate) fn curve(
     tolerance: f64,
 ) -> PyResult<PyEventCurve> {
     let Located { event, evidence, orbit, .. } = point.located.clone();
-    let parameters = [point.free, parameter("and_", and_)?];
-    let usual = parameters.map(|parameter| Search::new(&orbit, event, parameter));
+    let free = [point.free, parameter("and_", and_)?];
+    let usual = free.map(|parameter| Search::new(&orbit, event, parameter));
     let window = Window {
-        parameters,
+        parameters: free,
         from: [from_.unwrap_or(usual[0].from), and_from.unwrap_or(usual[1].from)],
         to: [to.unwrap_or(usual[0].to), and_to.unwrap_or(usual[1].to)],
     };
     let follow = move |_: &_| vibrochain_floquet::curve(&orbit, event, evidence, &window, tolerance);
     let curve = long(py, |_| Ok(()), follow)?;
     let orbits = curve.points.iter().map(|point| PyOrbit::new(point.orbit.clone())).collect();
-    let [first, second] = parameters.map(Parameter::name);
-    Ok(PyEventCurve { event: event.name(), parameters: (first, second), curve, orbits })
+    let [first, second] = free.map(Parameter::name);
+    Ok(PyEventCurve { event: event.name(), free: (first, second), curve, orbits })
 }

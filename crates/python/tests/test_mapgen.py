@@ -1,6 +1,5 @@
 """What Python is told is what the program prints, to the bit. (Numbers that are printed read back as they were.)"""
 
-import json
 import math
 import subprocess
 
@@ -9,6 +8,7 @@ import pytest
 
 import vibrochain as vc
 
+from answers import written
 from models import random_models
 
 
@@ -85,7 +85,7 @@ def test_two_hundred_models(mapgen):
             refused += 1
             continue
         assert told.stdout, f"{model!r} {which}: {told.stderr}"
-        value = json.loads(told.stdout)
+        value = written(mapgen, told.stdout)
         assert value["reason"] == found.reason
         known = value["completeness"]
         assert (found.completeness.established, found.completeness.by) == (known["established"], known["by"])
@@ -103,7 +103,7 @@ def test_words_of_several_sites(mapgen):
     orbits = 0
     for word in ["0+3+,0-3-", "0+3-,0-3+", "0-,2-"]:
         model = vc.Model(vc.Chain(21, 0.2, 0.05), omega=1.5, asymmetry=0.2)
-        value = json.loads(run(mapgen, "orbit", "--json", *flags(model), "--word", word).stdout)
+        value = written(mapgen, run(mapgen, "orbit", "--json", *flags(model), "--word", word).stdout)
         found = model.breathers(word)
         assert len(found) == len(value["solutions"])
         for orbit, solution in zip(found, value["solutions"]):
@@ -169,7 +169,7 @@ def test_a_map_is_the_table(name, mapgen, tmp_path):
     maps = [vc.sweep(scene, threads=1), vc.sweep(scene, threads=3)]
     # A dictionary, and the manifest of the table, are the same scene.
     maps += [vc.sweep(vc.read_scene(scene)), vc.sweep(tmp_path / "map.manifest.json"), vc.sweep(maps[0].scene)]
-    manifest = json.loads((tmp_path / "map.manifest.json").read_text())
+    manifest = written(mapgen, (tmp_path / "map.manifest.json").read_text())
     for table in maps:
         assert list(table.columns) == header and len(table) == len(rows) > 40
         for place, column in enumerate(header):
@@ -210,19 +210,19 @@ def test_events_along_a_parameter(mapgen):
     model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.07, asymmetry=0.8, amplitude=0.165, restitution=0.25)
     orbit = model.breathers("single-sided").physical()
     start = [*flags(model), "--family", "single-sided", "--free", "amplitude", "--json"]
-    told = json.loads(run(mapgen, "locate", "--event", "period-doubling", *start).stdout)
+    told = written(mapgen, run(mapgen, "locate", "--event", "period-doubling", *start).stdout)
     answer = vc.locate(orbit, "period-doubling", "amplitude")
     assert list(answer.range) == told["range"] and len(answer.points) == len(told["points"]) == 1
     for point, theirs in zip(answer.points, told["points"]):
         compare(point, theirs, ["event", "value", "error", "physical"])
-        assert [point.multiplier.real, point.multiplier.imag] == theirs["sign"]["multiplier"]
+        assert [point.multiplier.real, point.multiplier.imag] == theirs["evidence"]["multiplier"]
         assert [side[0] for side in point.sides] == [side["value"] for side in theirs["sides"]]
         assert len(point.branching) == len(theirs["branching"]["orbits"]) == 1
         for branched, solution in zip(point.branching, theirs["branching"]["orbits"]):
             assert branched.orbit.period == solution["period"] and branched.physical == solution["physical"]
     assert [(end.value, end.reason) for end in answer.ends] == [(end["value"], end["reason"]) for end in told["ends"]]
 
-    told = json.loads(run(mapgen, "branch", *start, "--to", "0.17", "--switch").stdout)
+    told = written(mapgen, run(mapgen, "branch", *start, "--to", "0.17", "--switch").stdout)
     diagram = vc.branch(orbit, "amplitude", to=0.17, generations=1)
     assert diagram.complete == told["complete"] and len(diagram.branches) == len(told["branches"]) >= 2
     for branch, theirs in zip(diagram.branches, told["branches"]):
@@ -243,7 +243,7 @@ def test_a_curve_of_events(mapgen):
         mapgen, "curve", *flags(model), "--family", "single-sided", "--event", "period-doubling",
         "--free", "amplitude", "--and", "restitution", "--tolerance", "1e-4", "--json", *words,
     )  # fmt: skip
-    [theirs] = json.loads(told.stdout)["curves"]
+    [theirs] = written(mapgen, told.stdout)["curves"]
     [point] = vc.locate(model.breathers("single-sided").physical(), "period-doubling", "amplitude", from_=0.1, to=0.3).points
     curve = vc.curve(point, "restitution", tolerance=1e-4, **window)
     assert curve.values.tolist() == [point["values"] for point in theirs["points"]]
@@ -253,7 +253,7 @@ def test_a_curve_of_events(mapgen):
 def test_borders(mapgen):
     scene, options = "scenes/conservative-n5.toml", {"tolerance": 1e-5, "places": 2000}
     ours = vc.curves(scene, special=True, threads=2, **options)
-    theirs = json.loads(run(mapgen, "curves", scene, "--tolerance", 1e-5, "--places", 2000, "--json").stdout)
+    theirs = written(mapgen, run(mapgen, "curves", scene, "--tolerance", 1e-5, "--places", 2000, "--json").stdout)
     assert len(ours.borders) == len(theirs["borders"]) > 20
     for one, other in zip(ours.borders, theirs["borders"]):
         assert (one.family, one.event, list(one.ends)) == (other["family"], other["event"], other["ends"])

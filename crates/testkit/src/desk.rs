@@ -10,6 +10,8 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::schema::written;
+
 /// 480 000 cells of a small ring without stability: fifteen chunks, half a second.
 pub const SCENE: &str = r#"
 [model]
@@ -128,10 +130,14 @@ impl Desk {
         command
     }
 
-    /// Runs the program to its end.
+    /// Runs the program to its end. An answer in JSON must have the form that it names.
     #[must_use]
     pub fn run(&self, line: &str) -> Ran {
-        self.command(line).output().unwrap().into()
+        let ran = Ran::from(self.command(line).output().unwrap());
+        if ran.out.starts_with('{') && !line.starts_with("schema") {
+            drop(written(&ran.out));
+        }
+        ran
     }
 
     /// A line for the shell in this folder, with `mapgen` on its path.
@@ -158,10 +164,10 @@ impl Desk {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// A file's value.
+    /// The value of a file that the program has written; it must have the form that it names.
     #[must_use]
     pub fn json(&self, name: &str) -> Value {
-        serde_json::from_slice(&self.read(name)).unwrap()
+        written(self.read(name))
     }
 
     /// Names in a folder, hidden ones too.
@@ -222,6 +228,7 @@ pub fn undisturbed(scene: &str) -> &'static [u8] {
         let desk = Desk::with_scene(scene);
         desk.run("sweep scene.toml --out map.csv --threads 1 --quiet").with(0, &[]);
         assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+        drop(desk.json("map.manifest.json"));
         Box::leak(desk.read("map.csv").into_boxed_slice())
     })
 }

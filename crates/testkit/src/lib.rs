@@ -1,5 +1,5 @@
 //! What the tests of all crates share, for tests only: random models, a simulated return map that shares nothing with the
-//! crates, the table of checked cases, the program on a desk of its own, and checksums that forgive rounding.
+//! crates, the table of checked cases, the program on a desk of its own and the form of what it writes, and checksums that forgive rounding.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::missing_panics_doc, reason = "a test stops at the first surprise")]
 
 mod desk;
@@ -9,6 +9,7 @@ mod net;
 mod random;
 mod reference;
 mod ring;
+mod schema;
 mod words;
 
 pub use desk::*;
@@ -18,4 +19,5 @@ pub use net::Net;
 pub use random::Random;
 pub use reference::{Case, reference};
 pub use ring::{ReturnMap, Ring, dense, stiffness};
+pub use schema::{Schema, checked, written};
 pub use words::{WordCase, words};

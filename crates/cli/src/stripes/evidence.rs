@@ -46,8 +46,7 @@ fn widened(request: &Request, marks: &[bool]) -> Vec<bool> {
 /// The table that is printed.
 pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String {
     let layout = request.scene.base.layout;
-    let lattice = if layout.is_ring() { format!("N = {}", layout.length - 1) } else { layout.to_string() };
-    let mut text = format!("{lattice}: share of cells within one cell of a line\n");
+    let mut text = format!("{layout}: share of cells within one cell of a line\n");
     let bare = rows.bare.each_ref().map(|marks| widened(request, marks));
     let mut growing = vec![false; tiles.len()];
     rows.growing.iter().for_each(|&cell| growing[cell] = true);

@@ -1,9 +1,8 @@
 //! What every answer must be like, whatever was asked.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
-use serde_json::Value;
+use vibrochain_testkit::checked;
 
 /// One run's result.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,70 +13,12 @@ pub(crate) struct Outcome {
     pub(crate) message: String,
 }
 
-/// Keys of JSON answers whose value may be missing; errors are where no bound is known, and the amplitude where the force
-/// is a list.
-const OPTIONAL: [&str; 25] = [
-    "bare_signature",
-    "amplitude",
-    "residual",
-    "phi",
-    "psi",
-    "margin",
-    "obstruction",
-    "mechanism",
-    "reason",
-    "stability",
-    "title",
-    "revision",
-    "threshold",
-    "resolution",
-    "impulse_error",
-    "time_error",
-    // Of located events that nothing branches off from.
-    "branching",
-    // How a list is complete, if it is.
-    "by",
-    // Of conservative orbits alone, and where rounding leaves them.
-    "modes",
-    "collision",
-    "own_mode",
-    "signature",
-    "residue",
-    "dressed",
-    "detuning",
-];
-
 /// No word of it is a number that is none.
 fn unfit_number(text: &str) -> Option<&str> {
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '-' && c != '_');
     words
         .map(|word| word.trim_start_matches('-'))
         .find(|word| ["nan", "inf", "infinity"].contains(&word.to_lowercase().as_str()))
-}
-
-fn missing(value: &Value, path: &str, complaints: &mut String) {
-    match value {
-        Value::Object(map) => {
-            for (key, value) in map {
-                if value.is_null() && !OPTIONAL.contains(&key.as_str()) {
-                    let _ = writeln!(complaints, "{path}.{key} is null");
-                }
-                if key == "stability" && value.is_null() && !map.contains_key("stability_error") {
-                    let _ = writeln!(complaints, "{path}.stability is null without a reason");
-                }
-                missing(value, &format!("{path}.{key}"), complaints);
-            }
-        }
-        Value::Array(list) => {
-            for (i, value) in list.iter().enumerate() {
-                if value.is_null() {
-                    let _ = writeln!(complaints, "{path}[{i}] is null");
-                }
-                missing(value, &format!("{path}[{i}]"), complaints);
-            }
-        }
-        _ => {}
-    }
 }
 
 /// What is wrong with an outcome; empty if nothing is. `stopped` tells whether the run was told to stop.
@@ -107,11 +48,12 @@ pub(crate) fn complaints(outcome: &Outcome, stopped: bool) -> String {
     if let Some(word) = unfit_number(&outcome.out) {
         complain(&format!("`{word}` in an answer"));
     }
-    if outcome.out.starts_with('{') {
-        match serde_json::from_str(&outcome.out) {
-            Ok(value) => missing(&value, "", &mut complaints),
-            Err(error) => complaints.push_str(&format!("not JSON: {error}\n")),
-        }
+    // A schema is an answer in JSON that names none.
+    if outcome.out.starts_with('{')
+        && !outcome.out.contains("json-schema.org")
+        && let Err(error) = checked(&outcome.out)
+    {
+        complaints.push_str(&format!("{error}\n"));
     }
     complaints
 }
@@ -121,9 +63,8 @@ pub(crate) fn file_complaints(path: &Path) -> String {
     let Ok(text) = std::fs::read_to_string(path) else { return String::new() };
     let mut complaints = String::new();
     if path.extension().is_some_and(|extension| extension == "json") {
-        match serde_json::from_str(&text) {
-            Ok(value) => missing(&value, "", &mut complaints),
-            Err(error) => complaints.push_str(&format!("{}: not JSON: {error}\n", path.display())),
+        if let Err(error) = checked(&text) {
+            complaints.push_str(&format!("{}: {error}\n", path.display()));
         }
     } else if let Some(word) = unfit_number(&text) {
         complaints.push_str(&format!("`{word}` in {}\n", path.display()));

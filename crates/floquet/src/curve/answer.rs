@@ -196,7 +196,6 @@ pub struct EventCurve {
     /// Which event.
     pub event: Event,
     /// What showed it where the curve was taken up.
-    #[cfg_attr(feature = "serde", serde(rename = "sign"))]
     pub evidence: Evidence,
     /// Points in their order; a closed curve has its first one once more at the end.
     pub points: Vec<CurvePoint>,

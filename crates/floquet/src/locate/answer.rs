@@ -130,7 +130,6 @@ pub struct Located {
     /// The orbit there.
     pub orbit: Orbit,
     /// What shows the event.
-    #[cfg_attr(feature = "serde", serde(rename = "sign"))]
     pub evidence: Evidence,
     /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
     pub physical: Option<bool>,

@@ -152,7 +152,7 @@ pub(super) struct Json {
     pub(super) has_orbits: bool,
 }
 
-/// The scene of a manifest, or of the answer of a command, which calls its model `parameters`. A scene file itself never begins with
+/// The scene in JSON, of a manifest, or of the answer of a command, which calls its model `parameters`. A scene file itself never begins with
 /// a brace.
 pub(super) fn of_manifest(path: &Path, text: &str) -> Result<Option<Json>, MapError> {
     if !text.trim_start().starts_with('{') {
@@ -160,11 +160,15 @@ pub(super) fn of_manifest(path: &Path, text: &str) -> Result<Option<Json>, MapEr
     }
     let wrong = |what: &dyn std::fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));
     let mut manifest: Map<String, Value> = serde_json::from_str(text).map_err(|error| wrong(&error))?;
-    let has_orbits = manifest.get("solutions").and_then(Value::as_array).is_some_and(|list| !list.is_empty());
+    let first = manifest.get("solutions").and_then(|list| list.get(0));
+    let has_orbits = first.is_some_and(|orbit| orbit.get("impacts").is_some());
+    // Of a manifest or an answer the rest is not the scene's; of a scene, it is a mistake.
+    let whole = !["program", "parameters"].iter().any(|key| manifest.contains_key(*key));
+    let of_scene = |key: &str| matches!(key, "title" | "model" | "sweep" | "compute");
     if let Some(parameters) = manifest.remove("parameters") {
         manifest.entry("model").or_insert(parameters);
     }
-    manifest.retain(|key, value| matches!(key.as_str(), "title" | "model" | "sweep" | "compute") && !value.is_null());
+    manifest.retain(|key, value| (whole || of_scene(key)) && !value.is_null());
     // TOML has no null; what is null in a manifest is absent in a scene.
     for part in manifest.values_mut().filter_map(Value::as_object_mut) {
         part.retain(|_, value| !value.is_null());

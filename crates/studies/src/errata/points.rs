@@ -5,7 +5,7 @@ use crate::errata::evidence::Evidence;
 pub(super) const HEADING: &str = "
 ## Points of change
 
-N = 20 (21 masses). `mapgen locate` follows the branch through a breather and solves for the points on it, each with the
+21 masses (N = 20). `mapgen locate` follows the branch through a breather and solves for the points on it, each with the
 error that rounding may have left; it prints more than is quoted.
 ";
 
