@@ -16,7 +16,7 @@ use crate::model::{Chosen, chosen};
 use crate::orbit_command::point_value;
 use crate::pace::{self, Pace};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
-use crate::start::{Start, leading_mode_at};
+use crate::start::{self, Start, leading_mode_at};
 use crate::which;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::numbers::Number;
@@ -156,7 +156,7 @@ fn starting_point(
     console: &mut Console<'_>,
 ) -> Result<(Start, Option<Orbit>), CliError> {
     if let Some(path) = &args.state {
-        return Ok((Start::read(path, args.psi)?, None));
+        return Ok((start::read(path, args.psi)?, None));
     }
     let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
     let mut finder = Finder::new(model.chain().sites());
