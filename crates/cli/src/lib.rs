@@ -14,8 +14,9 @@
 //! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
-//! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
-//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `simulate_command`, `words_command` | the subcommands |
+//! | `fate_report`, `fate_plot` | what an ensemble has come to, in words and as a picture |
+//! | `start`, `recording`, `section`, `pace` | where a simulation starts, what it leaves behind, how far it is |
+//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `simulate_command`, `fate_command`, `words_command` | the subcommands |
 
 pub mod args;
 mod border_search;
@@ -32,6 +33,9 @@ pub mod curves_command;
 pub mod entry;
 pub mod error;
 mod estimate;
+pub mod fate_command;
+mod fate_plot;
+mod fate_report;
 pub mod locate_command;
 pub mod merge_command;
 pub mod model;
@@ -45,6 +49,7 @@ mod pictures;
 pub mod program;
 pub mod recording;
 mod report;
+mod section;
 pub mod setup_command;
 pub mod simulate_command;
 mod solution;

@@ -11,7 +11,7 @@ use crate::error::CliError;
 use crate::threads::{cores, number};
 use crate::version::about;
 use crate::{
-    branch_command, curve_command, curves_command, locate_command, merge_command, orbit_command, setup_command,
+    branch_command, curve_command, curves_command, fate_command, locate_command, merge_command, orbit_command, setup_command,
     simulate_command, sweep_command, words_command,
 };
 
@@ -63,6 +63,7 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Curve(args) => curve_command::run(args, console),
         Command::Curves(args) => curves_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
+        Command::Fate(args) => fate_command::run(args, console),
         #[cfg(feature = "plot")]
         Command::Stripes(args) => crate::stripes::run(args, console),
         #[cfg(not(feature = "plot"))]

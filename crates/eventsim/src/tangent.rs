@@ -177,6 +177,11 @@ impl Tangents {
         self.grazed
     }
 
+    /// What [`Tangents::orthonormalise`] has told last; zeros if the vectors have not been made orthonormal yet, by that or on the way.
+    pub fn growth(&self) -> &[f64] {
+        &self.logs
+    }
+
     /// Makes the vectors orthonormal, in their order, and tells the logarithm of what each direction has grown since the
     /// beginning: of the first the length, of the first two the area, and so on, are their sums. −∞ where rest has taken all
     /// of a direction.

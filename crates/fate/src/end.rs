@@ -7,16 +7,17 @@ use vibrochain_breather::Word;
 pub enum End {
     /// The breather it started on: its impacts, within the tolerance.
     Breather,
-    /// Another periodic motion with impacts, and its word.
-    Other(Word),
+    /// Another motion whose impacts repeat, and its word.
+    Another(Word),
     /// No impact any more.
     Quiet,
     /// The largest Lyapunov exponent is clearly positive.
     Chaos,
-    /// Impacts that do not repeat, and neighbours that do not part faster than any power of time.
+    /// Impacts that do not repeat, while neighbours part no faster than by a power of time: quasi-periodic, or so slow to settle
+    /// that the run does not tell it from that.
     QuasiPeriodic,
-    /// None of these: it has not settled, or repeats after more impacts than a word has, or with rests.
-    Unsettled,
+    /// None of these: still on its way, or periodic with more impacts than a word has, or with rests.
+    Other,
     /// The run could not be completed: a cascade that does not end, a mass behind its barrier at the start, the limit of work.
     Incomplete,
 }
@@ -24,18 +25,18 @@ pub enum End {
 impl End {
     /// Names of the kinds, in the order of tables.
     pub const NAMES: [&'static str; 7] =
-        ["breather", "other-breather", "quiet", "chaos", "quasi-periodic", "unsettled", "incomplete"];
+        ["breather", "another", "quiet", "chaos", "quasi-periodic", "other", "incomplete"];
 
     /// Number of its kind in [`End::NAMES`].
     #[must_use]
     pub fn kind(&self) -> usize {
         match self {
             Self::Breather => 0,
-            Self::Other(_) => 1,
+            Self::Another(_) => 1,
             Self::Quiet => 2,
             Self::Chaos => 3,
             Self::QuasiPeriodic => 4,
-            Self::Unsettled => 5,
+            Self::Other => 5,
             Self::Incomplete => 6,
         }
     }

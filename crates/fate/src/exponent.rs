@@ -5,11 +5,15 @@
 //! Every period does the same to it. Of three of its states in a row, x₀, x₁ and x₂, two multipliers are left that explain
 //! x₂ = s x₁ − p x₀: their sum s and product p, which for a complex pair is |μ|². (The growth of a period alone would swing with the
 //! phase of the pair for ever.)
+//!
+//! Where many multipliers have nearly the same modulus, as where a force drives a breather that radiates, no direction settles in any
+//! reasonable time. Then all directions ride along at once, and the multipliers are those of what a period makes of them.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use thiserror::Error;
 use vibrochain_breather::{BreatherError, Orbit};
+use vibrochain_floquet::{Square, eigenvalues};
 use vibrochain_eventsim::{Limits, Outcome, StateError, TangentError, Tangents, Time};
 
 use crate::start::Start;
@@ -27,6 +31,9 @@ const ALONE: f64 = 1e-7;
 /// Where the estimate of all periods and that of half of them agree to this, more would not be seen: in the growth of a period.
 const SETTLED: f64 = 1e-11;
 
+/// Lattices on which all directions at once are no work.
+const FEW_MASSES: usize = 128;
+
 /// Periods before which nothing is settled, whatever it looks like.
 const LEAST: usize = 16;
 
@@ -35,7 +42,7 @@ const LEAST: usize = 16;
 pub struct Measured {
     /// Largest Lyapunov exponent, per unit of time.
     pub value: f64,
-    /// How far the estimate has moved since half of the periods.
+    /// How far the estimate has moved since half of the periods; of all directions at once, the difference of one period and two.
     pub error: f64,
     /// Periods of the breather that it took.
     pub periods: u64,
@@ -102,12 +109,16 @@ pub fn measure(orbit: &Orbit, periods: u64, stop: &AtomicBool) -> Result<Measure
             && report.work.impacts - before == orbit.impacts().len() as u64
             && report.work.sticks == 0;
         let log = tangents.orthonormalise()[0];
+        let state = tangents.vector(0).map(|(u, v)| [u, v].concat()).unwrap_or_default();
+        // (Its own units, not those in which the tangents have length 1.)
+        let length = dot(&state, &state).sqrt();
+        let log = log + length.ln();
         if !followed || tangents.has_grazed() || !log.is_finite() {
             return Err(Unmeasured::NotFollowed);
         }
         grown += log - logs[2];
         states.rotate_left(1);
-        states[2] = tangents.vector(0).map(|(u, v)| [u, v].concat()).unwrap_or_default();
+        states[2] = state.into_iter().map(|x| x / length).collect();
         (logs[0], logs[1], logs[2]) = (logs[1], logs[2], log);
         if period < 3 {
             continue;
@@ -119,25 +130,49 @@ pub fn measure(orbit: &Orbit, periods: u64, stop: &AtomicBool) -> Result<Measure
             break;
         }
     }
-    // What settles by turns is best told by its mean.
-    let late = &estimates[estimates.len() / 2..];
     let last = estimates.last().copied().unwrap_or(logs[2]);
+    let late = &estimates[estimates.len() / 2..];
     let moved = late.iter().fold(0.0, |most: f64, estimate| most.max((estimate - last).abs()));
     let periods = estimates.len() as u64 + 2;
-    let mean = logs[2] / periods as f64;
     let scale = orbit.period();
-    // Where multipliers crowd, two cannot explain the states; the mean growth is known as the inverse of the time.
-    let of_mean = (states[2].len() as f64).ln().max(1.0) / periods as f64 + (mean - last).abs().min(1.0 / periods as f64);
-    if moved <= of_mean || estimates.is_empty() {
-        return Ok(Measured { value: last / scale, error: moved / scale, periods });
+    let settled = estimates.len() >= LEAST && moved <= SETTLED;
+    if !settled && model.chain().sites() <= FEW_MASSES {
+        return in_all_directions(orbit, &start).map(|measured| Measured { periods: periods + measured.periods, ..measured });
     }
-    Ok(Measured { value: mean / scale, error: of_mean / scale, periods })
+    Ok(Measured { value: last / scale, error: moved / scale, periods })
+}
+
+/// The same from all directions at once: tangent vectors along every displacement and velocity, over one period and over two.
+fn in_all_directions(orbit: &Orbit, start: &Start) -> Result<Measured, Unmeasured> {
+    let model = orbit.model();
+    let sites = model.chain().sites();
+    let unit = |i: usize| (0..sites).map(|n| f64::from(u8::from(n == i))).collect::<Vec<_>>();
+    let units: Vec<_> = (0..2 * sites).map(|i| (unit(i), unit(i.wrapping_sub(sites)))).collect();
+    let mut run = start.simulation(model)?;
+    let mut tangents = Tangents::of(model, &units)?;
+    let mut logs = [0.0; 2];
+    for (count, log) in (1..).zip(&mut logs) {
+        let end = Time::new(model, count * u64::from(orbit.force_periods()), 0.0);
+        let report = run.run_with(&mut tangents, &Limits::until(end), |_| {})?;
+        if report.outcome != Outcome::TimeReached || tangents.has_grazed() {
+            return Err(Unmeasured::NotFollowed);
+        }
+        let columns: Vec<Vec<f64>> =
+            (0..2 * sites).filter_map(|i| tangents.vector(i)).map(|(u, v)| [u, v].concat()).collect();
+        // By columns: the transpose, which has the same multipliers. (Vectors made orthonormal on the way are none of it.)
+        let whole = tangents.growth().iter().all(|log| *log == 0.0);
+        let flow = Square::from_rows(2 * sites, columns.concat()).filter(|_| whole).ok_or(Unmeasured::NotFollowed)?;
+        let mut multipliers = Vec::new();
+        eigenvalues(&flow, &mut multipliers).map_err(|_| Unmeasured::NotFollowed)?;
+        *log = multipliers.iter().fold(0.0, |most: f64, z| most.max(z.norm())).ln() / count as f64;
+    }
+    let scale = orbit.period();
+    Ok(Measured { value: logs[0] / scale, error: (logs[1] - logs[0]).abs() / scale, periods: 2 })
 }
 
 /// ln of the larger modulus of the two multipliers that explain three states of length 1 in a row, between which the growth was
 /// e to the power `grown`.
 fn leading([x0, x1, x2]: &[Vec<f64>; 3], grown: [f64; 2]) -> f64 {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     // In the plane of x₀ and x₁: x₁ = c x₀ + ρ n, x₂ = a x₀ + b n + a rest.
     let c = dot(x0, x1);
     let mut normal: Vec<f64> = x1.iter().zip(x0).map(|(x1, x0)| x1 - c * x0).collect();
@@ -152,6 +187,10 @@ fn leading([x0, x1, x2]: &[Vec<f64>; 3], grown: [f64; 2]) -> f64 {
     let product = (grown[0] + grown[1]).exp() * (b * c / rho - a);
     let discriminant = 0.25 * sum * sum - product;
     if discriminant < 0.0 { 0.5 * product.ln() } else { (0.5 * sum.abs() + discriminant.sqrt()).ln() }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

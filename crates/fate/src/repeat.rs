@@ -79,9 +79,11 @@ impl Latest {
         }
     }
 
-    /// Forgets all.
-    pub(crate) fn clear(&mut self) {
-        *self = Self::default();
+    /// Leaves out the first and the last instant, of which impacts may be missing.
+    pub(crate) fn trim(&mut self) {
+        for instant in [self.instants.pop_front(), self.instants.pop_back()].into_iter().flatten() {
+            self.hits -= instant.hits.len();
+        }
     }
 
     /// Whether there are no impacts.

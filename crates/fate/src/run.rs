@@ -105,27 +105,28 @@ impl Home {
         }
         let growth = growth.filter(|_| !tangents.has_grazed());
         let exponent = growth.as_ref().and_then(Growth::exponent);
-        let end = self.end(&latest, growth.map(|growth| growth.total()), exponent, ensemble);
+        let end = self.end(latest, growth.map(|growth| growth.total()), exponent, ensemble);
         Some(Fate { end, left: follower.left(), exponent })
     }
 
-    fn end(&self, latest: &Latest, grown: Option<f64>, exponent: Option<Exponent>, ensemble: &Ensemble) -> End {
+    fn end(&self, mut latest: Latest, grown: Option<f64>, exponent: Option<Exponent>, ensemble: &Ensemble) -> End {
         let (model, tolerance) = (self.orbit.model(), ensemble.tolerance);
         if latest.is_empty() {
             return End::Quiet;
         }
+        latest.trim();
         if latest.is(&self.track, self.start.time, tolerance) {
             return End::Breather;
         }
         if let Some(word) = latest.word(&model.chain().layout(), tolerance, self.track.forced) {
-            return End::Other(word.canonical(model));
+            return End::Another(word.canonical(model));
         }
         // What a power of time allows.
         let powers = 2.0 * ((ensemble.periods - ensemble.skipped()) as f64).ln() + BEYOND_POWERS;
         match (grown, exponent) {
             (Some(grown), Some(exponent)) if grown > powers && exponent.value > CLEARLY * exponent.error => End::Chaos,
             (Some(grown), _) if grown.abs() <= powers => End::QuasiPeriodic,
-            _ => End::Unsettled,
+            _ => End::Other,
         }
     }
 }
