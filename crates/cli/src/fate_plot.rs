@@ -113,7 +113,7 @@ mod with_plot {
                         name: String::new(),
                         colour: 0,
                         stroke: Stroke::None,
-                        mark: Mark::Small(0),
+                        mark: Mark::Dot,
                         points,
                     };
                     let shown = |series: &Series| series.points.iter().any(|point| point.1 > 0.0);

@@ -93,7 +93,9 @@ impl Ensemble {
     /// computed.
     #[must_use]
     pub fn seed_of(&self, cell: u64, breather: u64, start: u64) -> u64 {
-        [cell, breather, start].into_iter().fold(mixed(self.seed), |seed, number| mixed(seed ^ mixed(number)))
+        // Twice at the beginning, or the seed would cancel the cell of its own number.
+        let seed = mixed(mixed(self.seed));
+        [cell, breather, start].into_iter().fold(seed, |seed, number| mixed(seed ^ mixed(number)))
     }
 }
 

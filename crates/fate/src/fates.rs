@@ -15,8 +15,8 @@ use crate::ensemble::Ensemble;
 use crate::exponent::{Measured, measure};
 use crate::run::{Fate, Home};
 
-/// Runs of a block of cells, whose results wait for each other: some hundred kilobytes, and seconds of work or more.
-const BLOCK: u64 = 1024;
+/// Runs of a block of cells, whose results wait for each other: a hundred kilobytes, and a second of work or more.
+const BLOCK: u64 = 512;
 
 /// Periods of a breather over which its exponent is measured at most, where no more than its directions settle.
 const MEASURED: u64 = 2000;

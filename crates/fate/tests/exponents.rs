@@ -1,9 +1,12 @@
-//! Tangent vectors of the simulation against multipliers, which share no code with them.
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+//! Tangent vectors of the simulation, and exponents measured by them, against multipliers, which share no code with them.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::sync::atomic::AtomicBool;
 
 use vibrochain_breather::{Family, Motion, Orbit, admissibility, breathers};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Tangents, Time};
-use vibrochain_floquet::full_monodromy;
+use vibrochain_fate::{Start, measure};
+use vibrochain_floquet::{Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Chain, Model, Propagator, Spectrum};
 
 fn forced(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitution]: [f64; 6]) -> Model {
@@ -83,4 +86,58 @@ fn tangents_of_a_period_are_the_monodromy_matrix() {
     println!("{} orbits, {worst:e}", orbits.len());
     // Of the largest entry; impacts come at their instants to rounding, and the saltation feels that.
     assert!(orbits.len() >= 20 && worst < 1e-10, "{} {worst:e}", orbits.len());
+}
+
+/// ln|μ|/T of the largest multiplier.
+fn predicted(orbit: &Orbit) -> f64 {
+    let multipliers = stability(orbit, Tolerance::Rounding).unwrap().multipliers;
+    multipliers.iter().fold(0.0_f64, |most, multiplier| most.max(multiplier.norm())).ln() / orbit.period()
+}
+
+/// One run from an unstable breather, and no other: its direction settles as μ⁻ⁿ while rounding grows as μⁿ, and where the two meet a
+/// period tells the exponent.
+#[test]
+fn a_run_that_starts_on_a_breather_has_its_exponent_before_it_leaves() {
+    let (mut compared, mut forced, mut worst) = (0, 0, 0.0_f64);
+    for orbit in orbits() {
+        let expected = predicted(&orbit);
+        let growth = expected * orbit.period();
+        if growth < 0.4 {
+            continue;
+        }
+        let start = Start::on(&orbit).unwrap();
+        let mut simulation = start.simulation(orbit.model()).unwrap();
+        let mut tangents = Tangents::random(orbit.model(), 1, 3).unwrap();
+        let periods = (16.5 / growth).ceil() as u64;
+        let mut logs = vec![0.0];
+        for period in 1..=periods {
+            let until = Time::new(orbit.model(), period * u64::from(orbit.force_periods()), 0.0);
+            simulation.run_with(&mut tangents, &Limits::until(until), |_| {}).unwrap();
+            logs.push(tangents.orthonormalise()[0]);
+        }
+        let [.., before, last] = logs[..] else { panic!("too short") };
+        let measured = (last - before) / orbit.period();
+        worst = worst.max((measured - expected).abs());
+        compared += 1;
+        forced += usize::from(orbit.model().amplitude() > 0.0);
+    }
+    println!("{compared} breathers, {forced} forced, {worst:e}");
+    assert!(compared >= 13 && forced >= 12 && worst < 1e-6, "{compared} {forced} {worst:e}");
+}
+
+#[test]
+fn exponents_measured_along_breathers_are_those_of_their_multipliers() {
+    let orbits = orbits();
+    let (mut settled, mut worst) = (0, 0.0_f64);
+    for orbit in &orbits {
+        let measured = measure(orbit, 2000, &AtomicBool::new(false)).unwrap();
+        let difference = (measured.value - predicted(orbit)).abs();
+        // More than a few periods: by one direction that settled.
+        settled += usize::from(measured.periods > 2 && measured.periods < 2000);
+        worst = worst.max(difference);
+        assert!(difference < 1e-6, "{orbit:?} {measured:?} {}", predicted(orbit));
+        assert!(measured.error < 1e-6, "{measured:?}");
+    }
+    println!("{} breathers, {settled} by one direction, {worst:e}", orbits.len());
+    assert!(orbits.len() >= 26 && settled >= 12, "{} {settled}", orbits.len());
 }
