@@ -806,7 +806,7 @@ pub struct SimulateArgs {
     #[arg(long, value_enum, default_value_t, requires = "section")]
     pub section_at: SectionName,
     /// Masses that the section looks at, a list with commas [default: those that the breather hits, or 0].
-    #[arg(long, value_name = "SITES", value_delimiter = ',', requires = "section", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SITES", value_delimiter = ',', requires = "section", value_parser = whole::<usize>)]
     pub section_sites: Vec<usize>,
     /// Phase of the force at which a stroboscopic section is taken, in periods: 0 where the force is greatest.
     #[arg(long, value_name = "PART", default_value_t = 0.0, requires = "section", value_parser = real, allow_negative_numbers = true)]

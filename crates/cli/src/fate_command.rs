@@ -40,14 +40,12 @@ pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let runs = scene.cells().saturating_mul(args.starts);
     if args.diagram.is_none() && runs > MAX_RUNS {
         let cells = scene.cells();
-        let message = format!("{cells} cells with --starts {} are {runs} runs, the limit is {MAX_RUNS}: give fewer", args.starts);
+        let message =
+            format!("{cells} cells with --starts {} are {runs} runs, the limit is {MAX_RUNS}: give fewer", args.starts);
         return Err(CliError::Request(message));
     }
-    let files = [
-        ("--csv", args.csv.as_deref()),
-        ("--diagram", args.diagram.as_deref()),
-        ("--plot", args.plot.as_deref()),
-    ];
+    let files =
+        [("--csv", args.csv.as_deref()), ("--diagram", args.diagram.as_deref()), ("--plot", args.plot.as_deref())];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
     match &args.diagram {
         Some(path) => diagram(args, path, &scene, &ensemble, taken, console),
@@ -75,14 +73,20 @@ fn ends(
     };
     let job = Job { scene, pool: &pool, stop: &stop };
     let mut totals = Totals::default();
-    let ended = fates(&job, ensemble, from, |runs| bar.inc(runs), |cell| {
-        totals.add(&cell);
-        plot.see(&cell);
-        for row in table::rows(scene, &cell) {
-            file.as_mut().map_or(Ok(()), |file| file.row(row))?;
-        }
-        Ok::<(), MapError>(())
-    });
+    let ended = fates(
+        &job,
+        ensemble,
+        from,
+        |runs| bar.inc(runs),
+        |cell| {
+            totals.add(&cell);
+            plot.see(&cell);
+            for row in table::rows(scene, &cell) {
+                file.as_mut().map_or(Ok(()), |file| file.row(row))?;
+            }
+            Ok::<(), MapError>(())
+        },
+    );
     bar.finish_and_clear();
     let stopped = is_stopped(ended)?;
     if let Some(file) = file.filter(|_| !stopped || totals.cells > 0) {
@@ -91,7 +95,8 @@ fn ends(
     if stopped {
         return Err(kept(&args.csv, totals.cells, scene.cells()));
     }
-    let text = if args.json { format!("{:#}\n", totals.as_json(scene, ensemble)) } else { totals.as_text(scene, ensemble) };
+    let text =
+        if args.json { format!("{:#}\n", totals.as_json(scene, ensemble)) } else { totals.as_text(scene, ensemble) };
     console.answer(&text, taken)?;
     plot.finish(scene, ensemble)
 }
@@ -125,18 +130,22 @@ fn diagram(
     let bar = bar(scene.cells(), "cells", console.progress && !taken);
     let job = Job { scene, pool: &pool, stop: &stop };
     let (mut cells, mut incomplete) = (0_u64, 0_u64);
-    let ended = diagram.compute(&job, |cells| bar.inc(cells), |column| {
-        cells += 1;
-        incomplete += u64::from(!column.complete);
-        let value = axis.value(column.number as usize);
-        plot.see_column(value, &column);
-        for point in &column.points {
-            let states = point.states.iter().map(|state| state.0).chain(point.states.iter().map(|state| state.1));
-            let row = [Number(value).to_string(), point.period.to_string()];
-            file.row(row.into_iter().chain(states.map(|x| Number(x).to_string())))?;
-        }
-        Ok::<(), MapError>(())
-    });
+    let ended = diagram.compute(
+        &job,
+        |cells| bar.inc(cells),
+        |column| {
+            cells += 1;
+            incomplete += u64::from(!column.complete);
+            let value = axis.value(column.number as usize);
+            plot.see_column(value, &column);
+            for point in &column.points {
+                let states = point.states.iter().map(|state| state.0).chain(point.states.iter().map(|state| state.1));
+                let row = [Number(value).to_string(), point.period.to_string()];
+                file.row(row.into_iter().chain(states.map(|x| Number(x).to_string())))?;
+            }
+            Ok::<(), MapError>(())
+        },
+    );
     bar.finish_and_clear();
     let stopped = is_stopped(ended)?;
     if !stopped || cells > 0 {
@@ -165,9 +174,10 @@ fn is_stopped(ended: Ended<MapError>) -> Result<bool, CliError> {
 /// What an early end leaves.
 fn kept(file: &Option<PathBuf>, done: u64, cells: u64) -> CliError {
     match file {
-        Some(path) if done > 0 => {
-            CliError::Paused(format!("{} holds the first {done} of {cells} cells, whole; no picture was drawn", path.display()))
-        }
+        Some(path) if done > 0 => CliError::Paused(format!(
+            "{} holds the first {done} of {cells} cells, whole; no picture was drawn",
+            path.display()
+        )),
         _ => CliError::Interrupted,
     }
 }
@@ -177,7 +187,8 @@ fn bar(length: u64, what: &str, wanted: bool) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(length);
-    if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3}%  {human_pos}/{human_len} {msg}  {eta} left") {
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3}%  {human_pos}/{human_len} {msg}  {eta} left")
+    {
         bar.set_style(style);
     }
     bar.set_message(what.to_owned());

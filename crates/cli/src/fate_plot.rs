@@ -25,6 +25,9 @@ mod with_plot {
     /// The most points of a diagram that are drawn: dozens for every pixel.
     const MOST_POINTS: usize = 2_000_000;
 
+    /// Values along an axis up to which each has a mark of its own.
+    const MARKED: u64 = 40;
+
     /// What is collected of a picture.
     pub(crate) struct Plot {
         file: Option<(Format, Output)>,
@@ -42,7 +45,8 @@ mod with_plot {
         pub(crate) fn of_ends(path: Option<&Path>, scene: &Scene) -> Result<Self, CliError> {
             let axes = scene.axes.len();
             if path.is_some() && (axes > 2 || scene.cells() > MOST_CELLS) {
-                let message = format!("--plot needs one axis or two with at most {MOST_CELLS} cells, the scene has {axes}");
+                let message =
+                    format!("--plot needs one axis or two with at most {MOST_CELLS} cells, the scene has {axes}");
                 return Err(CliError::Request(message));
             }
             Self::new(path, scene, false)
@@ -61,7 +65,7 @@ mod with_plot {
                 name: (*name).to_owned(),
                 colour,
                 stroke: Stroke::Solid(2),
-                mark: Mark::Small(colour),
+                mark: if scene.cells() > MARKED { Mark::None } else { Mark::Small(colour) },
                 points: Vec::new(),
             };
             let shares = End::NAMES.iter().enumerate().map(share).collect();
@@ -134,7 +138,10 @@ mod with_plot {
                         round: false,
                         series,
                     };
-                    curves_picture(&Curves { title: scene.heading(), panes: vec![pane], columns: 1, pane: (960, 560) }, format)
+                    curves_picture(
+                        &Curves { title: scene.heading(), panes: vec![pane], columns: 1, pane: (960, 560) },
+                        format,
+                    )
                 }
             };
             Ok(file.finish_with(&bytes.map_err(|error| CliError::Computation(error.to_string()))?)?)

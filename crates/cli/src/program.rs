@@ -11,8 +11,8 @@ use crate::error::CliError;
 use crate::threads::{cores, number};
 use crate::version::about;
 use crate::{
-    branch_command, curve_command, curves_command, fate_command, locate_command, merge_command, orbit_command, setup_command,
-    simulate_command, sweep_command, words_command,
+    branch_command, curve_command, curves_command, fate_command, locate_command, merge_command, orbit_command,
+    setup_command, simulate_command, sweep_command, words_command,
 };
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.

@@ -49,7 +49,9 @@ impl Section {
             return Err(CliError::Request(message));
         }
         if !(0.0..1.0).contains(&phase) {
-            return Err(CliError::Request(format!("--section-phase {phase} is out of range: give a part from 0, below 1")));
+            return Err(CliError::Request(format!(
+                "--section-phase {phase} is out of range: give a part from 0, below 1"
+            )));
         }
         let mut sites = args.section_sites.clone();
         if sites.is_empty() {
@@ -59,7 +61,9 @@ impl Section {
         sites.dedup();
         let last = model.chain().sites() - 1;
         if let Some(site) = sites.iter().find(|site| **site > last) {
-            return Err(CliError::Request(format!("--section-sites {site} does not exist: give sites from 0 to {last}")));
+            return Err(CliError::Request(format!(
+                "--section-sites {site} does not exist: give sites from 0 to {last}"
+            )));
         }
         if sites.len() > MAX_SITES {
             return Err(CliError::Request(format!("--section-sites has more than {MAX_SITES} sites: give fewer")));

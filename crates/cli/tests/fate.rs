@@ -81,7 +81,11 @@ fn the_answer_counts_every_run_as_text_and_as_json() {
     let ends: u64 = json["ends"].as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum();
     assert_eq!(json["runs"].as_u64(), Some(ends));
     assert_eq!(ends, 2 * json["breathers"].as_u64().unwrap());
-    assert!(json["ensemble"]["starts"] == 2 && json["model"]["sites"] == 5 && json["exponent_difference"].as_f64().unwrap() < 1e-6);
+    assert!(
+        json["ensemble"]["starts"] == 2
+            && json["model"]["sites"] == 5
+            && json["exponent_difference"].as_f64().unwrap() < 1e-6
+    );
 }
 
 #[test]
@@ -153,8 +157,10 @@ fn a_stroboscopic_section_is_the_trajectory_at_the_force_s_own_instants() {
     // A quarter of a period before the force is greatest: samples 4 to a period meet the section at the second of each.
     let quarter = -0.25 * std::f64::consts::TAU / 1.5;
     let run = format!("simulate --state state.json --psi {quarter} {POINT} --periods 12");
-    desk.run(&format!("{run} --section s.csv --section-sites 2,0 --skip 3 --trajectory t.csv --samples 4 --impacts i.csv"))
-        .with(0, &[]);
+    desk.run(&format!(
+        "{run} --section s.csv --section-sites 2,0 --skip 3 --trajectory t.csv --samples 4 --impacts i.csv"
+    ))
+    .with(0, &[]);
     let (section, samples) = (table(&desk.read("s.csv")), table(&desk.read("t.csv")));
     assert_eq!(section[0], ["time", "period", "phase", "displacement_0", "displacement_2", "velocity_0", "velocity_2"]);
     assert_eq!(section.len(), 10);

@@ -221,12 +221,7 @@ impl Tangents {
     }
 
     /// The vectors on a run that is at `now` since the base of its engine.
-    pub(crate) fn mount(
-        &mut self,
-        model: &Model,
-        engine: &Engine,
-        now: f64,
-    ) -> Result<Riders<'_>, TangentError> {
+    pub(crate) fn mount(&mut self, model: &Model, engine: &Engine, now: f64) -> Result<Riders<'_>, TangentError> {
         if self.model != *model {
             return Err(TangentError::OtherModel);
         }

@@ -65,7 +65,11 @@ impl Diagram<'_> {
     pub fn sites(&self) -> Vec<usize> {
         let layout = self.scene.base.layout;
         let task = &self.scene.task;
-        let of_words = task.words.iter().flat_map(|word| word.letters()).filter_map(|letter| layout.index(letter.site, letter.layer));
+        let of_words = task
+            .words
+            .iter()
+            .flat_map(|word| word.letters())
+            .filter_map(|letter| layout.index(letter.site, letter.layer));
         let mut sites: Vec<usize> = of_words.chain((!task.families.is_empty()).then_some(0)).collect();
         sites.sort_unstable();
         sites.dedup();

@@ -143,6 +143,9 @@ mod tests {
         for (ensemble, told) in bad {
             assert_eq!(ensemble.check(21).unwrap_err().to_string(), told);
         }
-        assert_eq!(fine.check(10_001).unwrap_err().to_string(), "sites 10001 is out of range: give at most 10000 masses");
+        assert_eq!(
+            fine.check(10_001).unwrap_err().to_string(),
+            "sites 10001 is out of range: give at most 10000 masses"
+        );
     }
 }

@@ -13,8 +13,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use thiserror::Error;
 use vibrochain_breather::{BreatherError, Orbit};
-use vibrochain_floquet::{Square, eigenvalues};
 use vibrochain_eventsim::{Limits, Outcome, StateError, TangentError, Tangents, Time};
+use vibrochain_floquet::{Square, eigenvalues};
 
 use crate::start::Start;
 
@@ -137,7 +137,8 @@ pub fn measure(orbit: &Orbit, periods: u64, stop: &AtomicBool) -> Result<Measure
     let scale = orbit.period();
     let settled = estimates.len() >= LEAST && moved <= SETTLED;
     if !settled && model.chain().sites() <= FEW_MASSES {
-        return in_all_directions(orbit, &start).map(|measured| Measured { periods: periods + measured.periods, ..measured });
+        return in_all_directions(orbit, &start)
+            .map(|measured| Measured { periods: periods + measured.periods, ..measured });
     }
     Ok(Measured { value: last / scale, error: moved / scale, periods })
 }

@@ -290,4 +290,3 @@ fn departure(number: u32, orbit: &Orbit) -> Option<Departure> {
     };
     Some(Departure { number, name, spectral_radius, predicted, home })
 }
-

@@ -98,7 +98,8 @@ impl Latest {
         if self.rested {
             return None;
         }
-        let fastest = all.iter().flat_map(|instant| &instant.hits).fold(0.0, |most: f64, hit| most.max(hit.velocity.abs()));
+        let fastest =
+            all.iter().flat_map(|instant| &instant.hits).fold(0.0, |most: f64, hit| most.max(hit.velocity.abs()));
         let repeats = |length: usize| {
             let first = all[length].since(&all[0]);
             let whole = if forced { first.round().max(1.0) } else { first };

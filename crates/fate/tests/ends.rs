@@ -119,10 +119,16 @@ fn all(threads: usize, ensemble: &Ensemble, from: From, text: &str) -> Vec<CellF
     let (scene, stop) = (scene(text), AtomicBool::new(false));
     let mut cells = Vec::new();
     let job = Job { scene: &scene, pool: &pool, stop: &stop };
-    let ended = fates(&job, ensemble, from, |_| {}, |cell| {
-        cells.push(cell);
-        Ok::<(), ()>(())
-    });
+    let ended = fates(
+        &job,
+        ensemble,
+        from,
+        |_| {},
+        |cell| {
+            cells.push(cell);
+            Ok::<(), ()>(())
+        },
+    );
     assert_eq!(ended, Ended::Complete);
     cells
 }
@@ -218,10 +224,14 @@ fn columns(threads: usize, carry: bool, text: &str) -> Vec<Column> {
     assert_eq!(diagram.sites(), [0]);
     let mut columns = Vec::new();
     let job = Job { scene: &scene, pool: &pool, stop: &stop };
-    let ended = diagram.compute(&job, |_| {}, |column| {
-        columns.push(column);
-        Ok::<(), ()>(())
-    });
+    let ended = diagram.compute(
+        &job,
+        |_| {},
+        |column| {
+            columns.push(column);
+            Ok::<(), ()>(())
+        },
+    );
     assert_eq!(ended, Ended::Complete);
     columns
 }
@@ -237,7 +247,8 @@ fn a_diagram_has_the_breather_where_that_is_stable() {
         assert!(column.complete && column.points.len() == 8 && column.points[7].period == 399);
         let model = scene.point(column.number).model().unwrap();
         let orbits = physical(&model, Family::SingleSided);
-        let stable = orbits.iter().find(|orbit| stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius < 0.9);
+        let stable =
+            orbits.iter().find(|orbit| stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius < 0.9);
         let Some(orbit) = stable else { continue };
         // Where the force is greatest: t + ψ a whole period.
         let time = (-orbit.psi().unwrap()).rem_euclid(model.period());
@@ -254,4 +265,26 @@ fn a_diagram_has_the_breather_where_that_is_stable() {
         followed += usize::from(is_there(carried));
     }
     assert!(compared >= 5 && followed >= 3, "{compared} {followed}");
+}
+
+/// Where a period has doubled there are two points; where that is, multipliers know.
+#[test]
+fn a_diagram_has_two_points_below_the_period_doubling() {
+    let text = LINE.replace("from = 0.15, to = 0.5, points = 12", "from = 0.29, to = 0.32, points = 16");
+    let scene = scene(&text);
+    let mut seen = [0; 2];
+    for column in columns(2, false, &text) {
+        let model = scene.point(column.number).model().unwrap();
+        let orbit = &physical(&model, Family::SingleSided)[0];
+        let radius = stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius;
+        // Next to the doubling runs take longer to settle than these are.
+        if (radius - 1.0).abs() < 0.04 {
+            continue;
+        }
+        let at = |i: usize| column.points[i].states[0].0;
+        let (every, every_other) = ((at(7) - at(6)).abs(), (at(7) - at(5)).abs());
+        assert!(every_other < 1e-6 && (every > 1e-3) == (radius > 1.0), "{radius}: {every:e} {every_other:e}");
+        seen[usize::from(radius > 1.0)] += 1;
+    }
+    assert!(seen.iter().all(|&seen| seen >= 4), "{seen:?}");
 }

@@ -17,7 +17,8 @@ fn forced(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitutio
 fn orbits() -> Vec<Orbit> {
     let default = [0.2, 0.1, 1.5, 0.4, 0.1, 0.9];
     let mut models = vec![forced(21, default), forced(5, default)];
-    for (place, values) in [(2, [1.2, 1.35, 1.7]), (3, [0.1, 0.3, 0.6]), (1, [0.02, 0.06, 0.15]), (5, [0.7, 0.8, 0.95])] {
+    for (place, values) in [(2, [1.2, 1.35, 1.7]), (3, [0.1, 0.3, 0.6]), (1, [0.02, 0.06, 0.15]), (5, [0.7, 0.8, 0.95])]
+    {
         models.extend(values.map(|value| {
             let mut point = default;
             point[place] = value;

@@ -17,15 +17,8 @@ use crate::words::Heading;
 
 /// Colours of the ends in their order: blues for what stays periodic, white for quiet, warm ones for what does not repeat, greys for what is
 /// not known. Apart for colour-blind eyes.
-const COLOURS: [[u8; 3]; 7] = [
-    [16, 50, 98],
-    [46, 134, 171],
-    [250, 250, 235],
-    [214, 60, 40],
-    [250, 200, 90],
-    [150, 150, 150],
-    [90, 90, 90],
-];
+const COLOURS: [[u8; 3]; 7] =
+    [[16, 50, 98], [46, 134, 171], [250, 250, 235], [214, 60, 40], [250, 200, 90], [150, 150, 150], [90, 90, 90]];
 
 /// Of cells from which no run has started.
 const NONE: [u8; 3] = [225, 225, 225];
