@@ -13,17 +13,11 @@ use vibrochain_maps::files::CsvFile;
 /// The most masses of a section.
 const MAX_SITES: usize = 1000;
 
-/// Where the section is.
-enum At {
-    /// Once a period, and the number of the next instant.
-    Strobe(Strobe, u64),
-    Impact,
-}
-
 /// A section under way.
 pub(crate) struct Section {
     file: CsvFile,
-    at: At,
+    /// Instants once a period, and the number of the next one; without them the section is at impacts.
+    strobe: Option<(Strobe, u64)>,
     sites: Vec<usize>,
     /// Time of the run's start, and the phase of the force there, as a time.
     start: f64,
@@ -70,27 +64,27 @@ impl Section {
         }
         let columns = |name: &'static str| sites.iter().map(move |site| format!("{name}_{site}"));
         let words = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-        let (at, header) = match args.section_at {
+        let (strobe, header) = match args.section_at {
             SectionName::Strobe => {
                 let strobe = Strobe::new(model, start.psi, phase);
                 let first = (0..=skip.ceil() as u64).find(|&i| part(strobe.time(i)) >= skip);
                 let columns = columns("displacement").chain(columns("velocity"));
                 let header = words(&["time", "period", "phase"]).into_iter().chain(columns).collect();
-                (At::Strobe(strobe, first.unwrap_or(skip.ceil() as u64)), header)
+                (Some((strobe, first.unwrap_or(skip.ceil() as u64))), header)
             }
             SectionName::Impact => {
                 let names = ["time", "period", "phase", "site", "barrier", "velocity_before", "velocity_after"];
-                (At::Impact, words(&names))
+                (None, words(&names))
             }
         };
         let file = CsvFile::create("--section", path, header)?;
         let (period, psi) = (model.period(), start.psi);
-        Ok(Some(Self { file, at, sites, start: start.time, psi, period, skip, failure: None }))
+        Ok(Some(Self { file, strobe, sites, start: start.time, psi, period, skip, failure: None }))
     }
 
     /// The next instant at which the section looks at the run, if that is not after `end`.
     pub(crate) fn due(&self, end: Time) -> Option<Time> {
-        let At::Strobe(strobe, next) = &self.at else { return None };
+        let (strobe, next) = self.strobe.as_ref()?;
         let time = strobe.time(*next);
         ((time.periods(), time.offset()) <= (end.periods(), end.offset())).then_some(time)
     }
@@ -105,7 +99,7 @@ impl Section {
 
     /// Looks at the run at a time that was due.
     pub(crate) fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
-        let At::Strobe(_, next) = &mut self.at else { return Ok(()) };
+        let Some((_, next)) = &mut self.strobe else { return Ok(()) };
         *next += 1;
         let state = simulation.state();
         let of = |values: &[f64]| self.sites.iter().map(|&n| values[n].to_string()).collect::<Vec<_>>();
@@ -116,7 +110,7 @@ impl Section {
 
     /// Takes note of an event.
     pub(crate) fn see(&mut self, event: &Event) {
-        let wanted = matches!(self.at, At::Impact)
+        let wanted = self.strobe.is_none()
             && event.kind == EventKind::Impact
             && part(event.time) >= self.skip
             && self.sites.binary_search(&event.site).is_ok();
