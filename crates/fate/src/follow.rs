@@ -47,6 +47,18 @@ impl Track {
         }
     }
 
+    /// How long after the instant before it an instant comes; the only one of a period comes a period after itself.
+    pub(crate) fn wait(&self, instant: usize) -> f64 {
+        let count = self.instants.len();
+        let [now, before] = [instant, (instant + count - 1) % count].map(|i| self.instants[i][0].time);
+        if count == 1 { self.period } else { (now - before).rem_euclid(self.period) }
+    }
+
+    /// The shortest time between two instants.
+    pub(crate) fn shortest_wait(&self) -> f64 {
+        (0..self.instants.len()).map(|i| self.wait(i)).fold(self.period, f64::min)
+    }
+
     /// The shortest distance of two times on the breather's period.
     pub(crate) fn apart(&self, one: f64, other: f64) -> f64 {
         let apart = (one - other).rem_euclid(self.period);
@@ -109,10 +121,7 @@ impl<'a> Follower<'a> {
         } else {
             // Without a force nothing says when, only how long after the one before: of impacts of one instant none.
             let first = self.open.iter().all(|open| *open);
-            let before = track.instants[(self.instant + track.instants.len() - 1) % track.instants.len()][0].time;
-            let wait = if first { (expected.time - before).rem_euclid(track.period) } else { 0.0 };
-            // The only instant of a period comes a period after itself.
-            let wait = if first && wait == 0.0 { track.period } else { wait };
+            let wait = if first { track.wait(self.instant) } else { 0.0 };
             self.since_last(event.time).map_or(0.0, |since| (since - wait).abs())
         };
         if self.open.iter().all(|open| *open) {

@@ -127,15 +127,14 @@ impl Latest {
                         && (one.velocity - hit.velocity).abs() <= tolerance * track.fastest
                 })
             };
-            let due = if track.forced {
-                let clock = ((instant.periods % track.span) as f64 + instant.part) * track.unit + start;
-                track.apart(clock, expected[0].time)
-            } else if i == 0 {
-                0.0
+            let clock = ((instant.periods % track.span) as f64 + instant.part) * track.unit + start;
+            let off_clock = if track.forced { track.apart(clock, expected[0].time) } else { 0.0 };
+            let off_wait = if i > 0 {
+                (instant.since(&self.instants[i - 1]) * track.unit - track.wait((at + i) % own)).abs()
             } else {
-                let wait = expected[0].time - track.instants[(at + i - 1) % own][0].time;
-                track.apart(instant.since(&self.instants[i - 1]) * track.unit, wait)
+                0.0
             };
+            let due = off_clock.max(off_wait);
             instant.hits.len() == expected.len() && instant.hits.iter().all(same) && due <= tolerance * track.period
         };
         (0..own).any(|at| (0..count).all(|i| matches(at, i)))

@@ -21,7 +21,7 @@ const MAX_FLIGHTS: u64 = 10_000_000_000;
 const LOOKED_AT: u64 = 64;
 
 /// What is nearer than this part of the tolerance to the impact before is of its instant: what a tolerance of times makes of masses
-/// that hit together.
+/// that hit together. (The breather's own instants stay apart, however near they are.)
 const CLOSE: f64 = 0.5;
 
 /// A perturbation has grown faster than by a power of time if it has grown so often by e more than the square of the periods gone by:
@@ -77,7 +77,7 @@ impl Home {
         };
         let mut follower = Follower::new(&self.track, start.time, ensemble.leave);
         let mut latest = Latest::default();
-        let close = CLOSE * ensemble.tolerance;
+        let close = CLOSE * ensemble.tolerance.min(self.track.shortest_wait() / self.track.unit);
         let (skipped, periods) = (ensemble.skipped(), ensemble.periods);
         let looked_at = periods - LOOKED_AT.min(periods - skipped);
         let mut growth = None;
