@@ -81,6 +81,8 @@ pub enum Command {
     Curves(CurvesArgs),
     /// Simulate event by event, from a breather or from any state.
     Simulate(SimulateArgs),
+    /// What becomes of the breathers of a scene when they are perturbed: many simulated runs of each.
+    Fate(FateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
     Stripes(StripesArgs),
     /// Write a scene to begin with, every key explained.
@@ -687,6 +689,83 @@ pub enum Direction {
     Unstable,
 }
 
+/// Kinds of Poincaré sections.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum SectionName {
+    /// A row a period of the force, always at one phase of it: displacements and velocities.
+    #[default]
+    Strobe,
+    /// A row an impact: when, at which phase of the force, how fast.
+    Impact,
+}
+
+/// Breathers of a cell from which runs start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum StartFrom {
+    /// The one that gives the cell its class: a stable one, if there is one.
+    #[default]
+    Class,
+    /// Every physical one.
+    Every,
+    /// Every unstable one.
+    Unstable,
+}
+
+/// Arguments of `mapgen fate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A run ends as `breather` (its impacts are the breather's, within the tolerance), `another` (they repeat, as another word), \
+                  `quiet` (none any more), `chaos` (the largest Lyapunov exponent is clearly positive), `quasi-periodic` (they do not repeat, and \
+                  neighbours part no faster than by a power of time), `other`, or `incomplete`. All numbers follow from the seed, whatever \
+                  the number of threads. Interrupted by Ctrl-C or SIGTERM it keeps the rows of the cells that are finished."
+)]
+pub struct FateArgs {
+    /// Scene file (TOML), see scenes/.
+    pub scene: PathBuf,
+    /// Table to write (CSV), a row a breather.
+    #[arg(long, alias = "out", value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Picture, .png or .svg: over two axes the most frequent end of each cell, over one the shares of all ends, or the diagram.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// From which breathers of a cell runs start.
+    #[arg(long, value_enum, default_value_t)]
+    pub breathers: StartFrom,
+    /// Runs from each breather.
+    #[arg(long, value_name = "K", default_value_t = 16, value_parser = whole::<u64>, allow_negative_numbers = true)]
+    pub starts: u64,
+    /// Size of the perturbations: largest change of a displacement, or of a velocity over ω.
+    #[arg(long, value_name = "SIZE", default_value_t = 1e-3, value_parser = real, allow_negative_numbers = true)]
+    pub perturb: f64,
+    /// Seed of all perturbations.
+    #[arg(long, default_value_t = 1, value_parser = whole::<u64>, allow_negative_numbers = true)]
+    pub seed: u64,
+    /// Periods of the force of each run.
+    #[arg(long, value_name = "P", default_value_t = 2000, value_parser = whole::<u64>, allow_negative_numbers = true)]
+    pub periods: u64,
+    /// Share of a run that is left out before its end is looked at.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = real, allow_negative_numbers = true)]
+    pub transient: f64,
+    /// By how much impacts may differ and still repeat: times in periods, velocities in the fastest.
+    #[arg(long, value_name = "PART", default_value_t = 0.02, value_parser = real, allow_negative_numbers = true)]
+    pub tolerance: f64,
+    /// By how much impacts must differ from the breather's before a run has left it, likewise.
+    #[arg(long, value_name = "PART", default_value_t = 0.1, value_parser = real, allow_negative_numbers = true)]
+    pub leave: f64,
+    /// Instead, a bifurcation diagram by simulation over a scene with one axis (CSV): the last points of a stroboscopic section of one run a cell.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "starts", "breathers", "json"])]
+    pub diagram: Option<PathBuf>,
+    /// Points that the diagram keeps of each run.
+    #[arg(long, value_name = "K", default_value_t = 100, requires = "diagram", value_parser = whole::<u64>, allow_negative_numbers = true)]
+    pub points: u64,
+    /// Start each run of the diagram from the end of the one before.
+    #[arg(long, requires = "diagram")]
+    pub carry: bool,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `mapgen simulate`.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("start").args(["family", "word", "near", "state", "scene"]).required(true).multiple(true))]
@@ -731,6 +810,21 @@ pub struct SimulateArgs {
     /// Samples a period of tables and pictures.
     #[arg(long, value_name = "S", default_value_t = 64, value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub samples: u64,
+    /// Table of a Poincaré section (CSV), as --section-at says.
+    #[arg(long, value_name = "FILE")]
+    pub section: Option<PathBuf>,
+    /// Where the section is: once a period of the force, or at every impact.
+    #[arg(long, value_enum, default_value_t, requires = "section")]
+    pub section_at: SectionName,
+    /// Masses that the section looks at, a list with commas [default: those that the breather hits, or 0].
+    #[arg(long, value_name = "SITES", value_delimiter = ',', requires = "section", value_parser = whole::<usize>)]
+    pub section_sites: Vec<usize>,
+    /// Phase of the force at which a stroboscopic section is taken, in periods: 0 where the force is greatest.
+    #[arg(long, value_name = "PART", default_value_t = 0.0, requires = "section", value_parser = real, allow_negative_numbers = true)]
+    pub section_phase: f64,
+    /// Periods at the beginning that the section leaves out.
+    #[arg(long, value_name = "P", default_value_t = 0.0, requires = "section", value_parser = real, allow_negative_numbers = true)]
+    pub skip: f64,
     /// Picture of the run, .png or .svg: the impacting mass over the analytic orbit, all masses in space and time.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,

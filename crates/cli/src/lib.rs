@@ -15,8 +15,9 @@
 //! | `stripes` | where two modes collide, over a map (feature `plot`) |
 //! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
 //! | `schemas` | the form of every JSON that is written or read |
-//! | `start`, `recording`, `pace` | where a simulation starts, what it leaves behind, how far it is |
-//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `words_command` | the subcommands |
+//! | `fate_report`, `fate_plot` | what an ensemble has come to, in words and as a picture |
+//! | `start`, `recording`, `section`, `pace` | where a simulation starts, what it leaves behind, how far it is |
+//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `fate_command`, `words_command` | the subcommands |
 
 pub mod args;
 mod border_search;
@@ -33,6 +34,9 @@ pub mod curves_command;
 pub mod entry;
 pub mod error;
 mod estimate;
+pub mod fate_command;
+mod fate_plot;
+mod fate_report;
 pub mod locate_command;
 pub mod merge_command;
 pub mod model;
@@ -48,6 +52,7 @@ pub mod recording;
 mod report;
 pub mod schema_command;
 pub mod schemas;
+mod section;
 pub mod setup_command;
 pub mod simulate_command;
 mod solution;

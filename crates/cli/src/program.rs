@@ -11,8 +11,8 @@ use crate::error::CliError;
 use crate::threads::{cores, number};
 use crate::version::about;
 use crate::{
-    branch_command, curve_command, curves_command, locate_command, merge_command, orbit_command, schema_command,
-    setup_command, simulate_command, sweep_command, words_command,
+    branch_command, curve_command, curves_command, fate_command, locate_command, merge_command, orbit_command,
+    schema_command, setup_command, simulate_command, sweep_command, words_command,
 };
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
@@ -64,6 +64,7 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Curves(args) => curves_command::run(args, console),
         Command::Simulate(args) => simulate_command::run(args, console),
         Command::Schema(args) => schema_command::run(args, console),
+        Command::Fate(args) => fate_command::run(args, console),
         #[cfg(feature = "plot")]
         Command::Stripes(args) => crate::stripes::run(args, console),
         #[cfg(not(feature = "plot"))]

@@ -17,7 +17,8 @@ use crate::orbit_command::point_value;
 use crate::pace::{self, Pace};
 use crate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::schemas::SIMULATE;
-use crate::start::{Start, leading_mode_at};
+use crate::section::Section;
+use crate::start::{self, Start, leading_mode_at};
 use crate::which;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::numbers::Number;
@@ -62,6 +63,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         &[
             ("--impacts", args.impacts.as_deref()),
             ("--trajectory", args.trajectory.as_deref()),
+            ("--section", args.section.as_deref()),
             ("--plot", args.plot.as_deref()),
         ],
     )?;
@@ -82,6 +84,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
     let mut trajectory =
         args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
+    let mut section = Section::open(args, &model, orbit.as_ref(), &start)?;
     let mut plot = Plot::open(args, &model, orbit.as_ref(), &start)?;
     let stop = (console.interrupt)()?;
 
@@ -92,13 +95,19 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut pace = Pace::new(periods, args.max_impacts, console);
     let portion = (FLIGHTS / model.chain().sites()).max(1) as u64;
     let mut counts = Counts::default();
-    let mut report = simulation.run(&Limits::until(Time::new(&model, 0, 0.0)), |event| counts.see(event, &mut impacts));
+    let mut observe = |event: &Event, impacts: &mut Option<ImpactTable>, section: &mut Option<Section>| {
+        counts.see(event, impacts);
+        section.iter_mut().for_each(|section| section.see(event));
+    };
+    let begin = Limits::until(Time::new(&model, 0, 0.0));
+    let mut report = simulation.run(&begin, |event| observe(event, &mut impacts, &mut section));
     let mut step = 0_u64;
     let mut stopped = false;
     loop {
         trajectory.iter_mut().try_for_each(|trajectory| trajectory.write(&simulation))?;
         plot.see(&simulation);
-        if let Some(error) = impacts.as_mut().and_then(|table| table.failure.take()) {
+        let unwritten = impacts.as_mut().and_then(|table| table.failure.take());
+        if let Some(error) = unwritten.or_else(|| section.as_mut().and_then(Section::failed)) {
             return Err(error);
         }
         if stopped || report.outcome != Outcome::TimeReached || step >= total {
@@ -110,14 +119,20 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         } else {
             Time::new(&model, step / samples, (step % samples) as f64 / samples as f64)
         };
-        // In portions of work, so that Ctrl-C is heard however long a period takes.
+        // In portions of work, so that Ctrl-C is heard however long a period takes; with the looks of the section on the way.
         loop {
+            let look = section.as_ref().and_then(|section| section.due(time));
             let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
-            let limits = Limits { until: Some(time), impacts: left, flights: portion, ..Limits::default() };
-            report = simulation.run(&limits, |event| counts.see(event, &mut impacts));
+            let limits = Limits { until: look.or(Some(time)), impacts: left, flights: portion, ..Limits::default() };
+            report = simulation.run(&limits, |event| observe(event, &mut impacts, &mut section));
             stopped = stop.load(Ordering::Relaxed);
             pace.see(&report, console);
-            if stopped || report.outcome != Outcome::WorkLimit {
+            if let (Some(_), Outcome::TimeReached, Some(section)) = (look, report.outcome, &mut section) {
+                section.look(&simulation)?;
+            } else if report.outcome != Outcome::WorkLimit {
+                break;
+            }
+            if stopped {
                 break;
             }
         }
@@ -127,6 +142,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     // What was simulated is kept, however the run ended.
     impacts.map_or(Ok(()), ImpactTable::finish)?;
     trajectory.map_or(Ok(()), Trajectory::finish)?;
+    section.map_or(Ok(()), Section::finish)?;
     plot.finish()?;
     let distance = orbit.as_ref().map(|orbit| deviation(orbit, &simulation, start.time)).transpose()?;
     let mut text = counts.summary(&simulation, report.outcome, stopped);
@@ -157,7 +173,7 @@ fn starting_point(
     console: &mut Console<'_>,
 ) -> Result<(Start, Option<Orbit>), CliError> {
     if let Some(path) = &args.state {
-        return Ok((Start::read(path, args.psi)?, None));
+        return Ok((start::read(path, args.psi)?, None));
     }
     let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
     let mut finder = Finder::new(model.chain().sites());
@@ -219,7 +235,7 @@ fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, 
 /// What is there of a run that was interrupted.
 fn interrupted(args: &SimulateArgs, simulation: &Simulation) -> CliError {
     let time = simulation.time();
-    let files = [&args.impacts, &args.trajectory, &args.plot].into_iter().flatten();
+    let files = [&args.impacts, &args.trajectory, &args.section, &args.plot].into_iter().flatten();
     let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
     let kept = match files.as_slice() {
         [] => "no file was asked for".to_owned(),

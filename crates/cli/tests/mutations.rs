@@ -135,7 +135,7 @@ const SWEEP: &str = "mapgen sweep scene.toml --out map.csv --quiet --threads 1";
 
 const MERGE: &str = "mapgen merge parts --out map.csv --quiet";
 
-const LINES: [&str; 17] = [
+const LINES: [&str; 20] = [
     "mapgen orbit --word 0+2+,0-2- --json --sites 5 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2",
     "mapgen orbit --word 0+2-,0-2+ --sites 5 --gamma1 .2 --gamma2 .02 --omega 1.5 --asymmetry .1 --amplitude .3 --restitution .9",
     "mapgen words --sites-used 2 --reach 2 --families double-sided,single-sided --all --csv words.csv --sites 5 --gamma1 .2 --gamma2 .05 --omega .75 --asymmetry .4",
@@ -149,6 +149,9 @@ const LINES: [&str; 17] = [
     "mapgen orbit --family double-sided --sites 2 --gamma1 0 --gamma2 .1 --omega 1.3 --asymmetry 0 --amplitude 1.5 --restitution 1",
     "mapgen orbit --family double-sided --json --sites 1 --gamma1 .2 --gamma2 0 --omega .42 --asymmetry 0 --amplitude 0 --restitution 1",
     "mapgen simulate --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --periods 3 --impacts impacts.csv",
+    "mapgen simulate --family double-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --periods 4 --section section.csv --section-sites 0,2 --section-phase .25 --skip 1.5",
+    "mapgen fate scene.toml --starts 2 --periods 12 --perturb 1e-3 --seed 3 --transient .25 --csv fate.csv --plot fate.svg",
+    "mapgen fate scene.toml --periods 12 --diagram diagram.csv --points 3 --carry",
     "mapgen simulate --family single-sided --sites 4 --gamma1 .2 --gamma2 .1 --omega .93 --asymmetry .4 --periods 2 --perturb 1e-8 --direction unstable --samples 4 --trajectory trajectory.csv",
     "mapgen simulate --family double-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9 --solution 1 --perturb 1e-3 --seed 5 --max-impacts 7",
     "mapgen simulate --state state.json --psi .3 --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .4 --restitution .5 --periods 2 --impacts impacts.csv --trajectory trajectory.csv --samples 3",
@@ -341,8 +344,8 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let cost = scene.cells() as f64 * scene.base.sites() as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
-        // Every border of a window.
-        Ok(Command::Curves(_)) => Plan::Stopped,
+        // Every border of a window; hundreds of periods of many runs.
+        Ok(Command::Curves(_) | Command::Fate(_)) => Plan::Stopped,
         // Each word by a dense matrix.
         Ok(Command::Words(args)) => match model::model(&args.model).map(|chosen| chosen.model) {
             Ok(model) => {

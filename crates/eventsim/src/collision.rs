@@ -37,6 +37,8 @@ pub(crate) struct Change {
     pub(crate) barrier: Barrier,
     pub(crate) before: f64,
     pub(crate) after: f64,
+    /// Of an impact, which does not change it.
+    pub(crate) acceleration: f64,
     pub(crate) kind: EventKind,
     /// How much later than the contact: the limit of a cascade.
     pub(crate) delay: f64,
@@ -88,12 +90,13 @@ impl Engine {
         self.ring.v[site] = after;
         self.fastest = self.fastest.max(before.abs());
         self.work.impacts += 1;
-        changes.push(Change { site, barrier, before, after, kind: EventKind::Impact, delay: 0.0 });
+        let kind = EventKind::Impact;
+        changes.push(Change { site, barrier, before, after, acceleration, kind, delay: 0.0 });
     }
 
     fn part(&mut self, contact: &Due, changes: &mut Vec<Change>) {
         let &Due { site, barrier, release, pull } = contact;
-        let still = |kind, delay| Change { site, barrier, before: 0.0, after: 0.0, kind, delay };
+        let still = |kind, delay| Change { site, barrier, before: 0.0, after: 0.0, acceleration: 0.0, kind, delay };
         if release {
             // Its force is zero now, and was positive before; or zero, too, until a far neighbour set out.
             let tendency = self.ring.tendency(&self.units, &self.force, site, barrier, 3);

@@ -13,7 +13,7 @@ use crate::event::Work;
 use crate::ring::{Contact, Ring};
 use crate::series::{CORRECTED, Extent, LANES, Rows, Weights, links};
 use crate::time::Clock;
-use crate::units::{MAX_ORDER, ORDERS, Units};
+use crate::units::{MAX_ORDER, ORDERS, Units, spread};
 use crate::watch::{Kind, Step, Watch, safe_step};
 use vibrochain_lattice::{Barrier, Ends};
 
@@ -95,7 +95,7 @@ pub(crate) struct Engine {
     pub(crate) weights: Weights,
     /// Events a unit of internal time, a running mean.
     pub(crate) event_rate: f64,
-    /// State of the generator that spreads the instants of restarts.
+    /// State of the generator ([`spread`]) of the instants of restarts.
     pub(crate) seed: u64,
     /// Masses that leave a barrier, and what rounding took from their series.
     departures: Vec<usize>,
@@ -207,7 +207,7 @@ impl Engine {
         let least = self.soft.iter().map(|(_, order)| *order).max().unwrap_or(0);
         let (order, longest) = self.choose_order(least);
         // Windows of varying length, so that the rounding errors of their weights do not add up.
-        let horizon = longest * (1.0 - self.spread().abs() / 64.0);
+        let horizon = longest * (1.0 - spread(&mut self.seed).abs() / 64.0);
         self.horizon = horizon;
         for watch in &self.watches {
             self.slot[watch.site] = NONE;
@@ -397,12 +397,6 @@ impl Engine {
             weights.plain(s, self.rows.order, &self.units.inverse_factorial);
         }
         weights
-    }
-
-    /// The next number of a reproducible sequence in −1 … 1 (Knuth's linear congruential generator).
-    pub(crate) fn spread(&mut self) -> f64 {
-        self.seed = self.seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-        f64::from((self.seed >> 32) as i32) * 2f64.powi(-31)
     }
 
     /// Moves the base to `s`: the states of all masses there, and nothing in flight.

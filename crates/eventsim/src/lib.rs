@@ -55,6 +55,8 @@
 //! | `engine` | windows, and the queue of contacts |
 //! | `restart` | new series after an event, for the masses that feel it |
 //! | `collision` | impact law, chatter, rest and release |
+//! | `tangent` | [`Tangents`]: small perturbations of a run, to first order |
+//! | `growth` | [`Growth`]: from what they have grown to an exponent and its error |
 //! | `simulation` | [`Simulation`]: the event loop |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s tables; those without a [`Time`] are read, too.
@@ -84,10 +86,12 @@ mod collision;
 mod engine;
 mod error;
 mod event;
+mod growth;
 mod restart;
 mod ring;
 mod series;
 mod simulation;
+mod tangent;
 mod time;
 mod units;
 mod watch;
@@ -95,5 +99,7 @@ mod watch;
 pub use collision::CHATTER_TIME;
 pub use error::StateError;
 pub use event::{BOUNCE_TIME, Event, EventKind, Limits, MAX_BOUNCES, MAX_FLIGHTS, Outcome, Report, Work};
+pub use growth::{Exponent, Growth};
 pub use simulation::{Simulation, State};
+pub use tangent::{TangentError, Tangents};
 pub use time::Time;

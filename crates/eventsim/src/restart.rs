@@ -12,7 +12,7 @@ use crate::bound;
 use crate::collision::Change;
 use crate::engine::Engine;
 use crate::series::{Extent, LANES};
-use crate::units::MAX_ORDER;
+use crate::units::{MAX_ORDER, spread};
 use vibrochain_lattice::Ends;
 
 /// Least number of neighbours restarted on either side: the derivatives that decide a contact look two masses far.
@@ -31,7 +31,7 @@ impl Engine {
     /// restart, and whether the base has moved there.
     pub(crate) fn restart(&mut self, s: f64, floor: f64, changes: &mut Vec<Change>) -> (f64, bool) {
         self.note_event(s);
-        let s = (s + s * (DITHER * self.spread())).max(floor);
+        let s = (s + s * (DITHER * spread(&mut self.seed))).max(floor);
         let reach = self.units.reach(self.horizon - s, self.fastest.max(1.0)).max(LEAST_REACH);
         let mut parts = std::mem::take(&mut self.parts);
         let apart = self.split(reach, &mut parts);

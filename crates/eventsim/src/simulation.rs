@@ -5,6 +5,7 @@ use crate::engine::Engine;
 use crate::error::StateError;
 use crate::event::{BOUNCE_TIME, Event, EventKind, Limits, Outcome, Report, Work};
 use crate::ring::{FORGET, Ring};
+use crate::tangent::{Alone, Company, TangentError, Tangents};
 use crate::time::Time;
 use crate::units::Units;
 use vibrochain_lattice::{Barrier, Model};
@@ -248,8 +249,25 @@ impl Simulation {
     ///
     /// A run can be continued by another; its limits on impacts and work count anew.
     pub fn run(&mut self, limits: &Limits, mut observer: impl FnMut(&Event)) -> Report {
-        let outcome = self.advance(limits, &mut observer);
+        let outcome = self.advance(limits, &mut observer, &mut Alone);
         Report { outcome, time: self.time(), work: self.engine.work }
+    }
+
+    /// As [`Simulation::run`], with tangent vectors that ride along: perturbations of the state as it is now, carried to
+    /// where the run ends. The run is the same to the bit as without them.
+    ///
+    /// # Errors
+    /// [`TangentError::OtherModel`]: the vectors belong to another model than the simulation.
+    pub fn run_with(
+        &mut self,
+        tangents: &mut Tangents,
+        limits: &Limits,
+        mut observer: impl FnMut(&Event),
+    ) -> Result<Report, TangentError> {
+        let mut riders = tangents.mount(&self.model, &self.engine, self.now)?;
+        let outcome = self.advance(limits, &mut observer, &mut riders);
+        riders.fly_to(&self.engine, self.now);
+        Ok(Report { outcome, time: self.time(), work: self.engine.work })
     }
 
     /// The events of a run, as [`Simulation::run`], collected.
@@ -271,7 +289,7 @@ impl Simulation {
         (report, events)
     }
 
-    fn advance(&mut self, limits: &Limits, observer: &mut impl FnMut(&Event)) -> Outcome {
+    fn advance(&mut self, limits: &Limits, observer: &mut impl FnMut(&Event), company: &mut impl Company) -> Outcome {
         let impacts = self.engine.work.impacts.saturating_add(limits.impacts);
         let flights = self.flights().saturating_add(limits.flights);
         loop {
@@ -289,7 +307,7 @@ impl Simulation {
             let pending = self.pending.iter().map(|p| p.at).fold(f64::INFINITY, f64::min);
             let limit = target.min(horizon).min(pending);
             if let Some(first) = self.engine.next_contacts(limit) {
-                if let Some(outcome) = self.event(first, limits, observer) {
+                if let Some(outcome) = self.event(first, limits, observer, company) {
                     return outcome;
                 }
             } else if pending <= limit {
@@ -320,7 +338,13 @@ impl Simulation {
     }
 
     /// The contacts that are due at `first`.
-    fn event(&mut self, first: f64, limits: &Limits, observer: &mut impl FnMut(&Event)) -> Option<Outcome> {
+    fn event(
+        &mut self,
+        first: f64,
+        limits: &Limits,
+        observer: &mut impl FnMut(&Event),
+        company: &mut impl Company,
+    ) -> Option<Outcome> {
         let mut changes = std::mem::take(&mut self.changes);
         changes.clear();
         let (at, moved) = self.engine.restart(first, self.told, &mut changes);
@@ -329,6 +353,7 @@ impl Simulation {
         } else {
             (self.now, self.told) = (at, at);
         }
+        company.meet(&self.engine, self.now, &changes);
         let outcome = self.tell(&changes, limits, observer);
         self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };
         self.changes = changes;
@@ -344,7 +369,7 @@ impl Simulation {
         let scale = self.engine.units.scale;
         let mut outcome = None;
         for change in changes {
-            let &Change { site, barrier, before, after, kind, delay } = change;
+            let &Change { site, barrier, before, after, kind, delay, .. } = change;
             if kind == EventKind::Stick && delay > 0.0 {
                 self.pending.push(Pending { site, barrier, at: self.now + delay });
                 continue;

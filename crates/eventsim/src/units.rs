@@ -30,6 +30,12 @@ pub(crate) fn inverse_factorials() -> [f64; MAX_ORDER + 1] {
     table
 }
 
+/// The next number of a reproducible sequence in −1 … 1 (Knuth's linear congruential generator).
+pub(crate) fn spread(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+    f64::from((*seed >> 32) as i32) * 2f64.powi(-31)
+}
+
 /// The model in internal units.
 #[derive(Debug, Clone)]
 pub(crate) struct Units {
@@ -117,9 +123,17 @@ impl Units {
         ORDERS.map(|order| {
             let k = order as f64;
             let amplitude = size + 0.5 * k * self.amplitude / (self.rate * self.rate);
-            let z = (REMAINDER / amplitude / self.inverse_factorial[order]).powf(1.0 / k);
-            z / self.rate
+            self.horizon(order, amplitude)
         })
+    }
+
+    /// The same of each order for perturbations: no force, and a size of one with room for its growth in a window.
+    pub(crate) fn free_horizons(&self) -> [f64; ORDERS.len()] {
+        ORDERS.map(|order| self.horizon(order, 4.0))
+    }
+
+    fn horizon(&self, order: usize, amplitude: f64) -> f64 {
+        (REMAINDER / amplitude / self.inverse_factorial[order]).powf(1.0 / order as f64) / self.rate
     }
 
     /// How many neighbours on either side in a row can feel, within `time`, what happens to a mass now.

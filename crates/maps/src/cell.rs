@@ -279,6 +279,12 @@ impl Worker {
 
     /// Computes one cell.
     pub fn cell(&mut self, model: &Model, task: &Task) -> Cell {
+        self.examine(model, task, |_, _| {})
+    }
+
+    /// Computes one cell, and shows every physical orbit of it; with `true` one that is the best so far: the last of these gives
+    /// the cell its class.
+    pub fn examine(&mut self, model: &Model, task: &Task, mut show: impl FnMut(&Orbit, bool)) -> Cell {
         let mut cell = Cell::EMPTY;
         let mut best: Option<Candidate> = None;
         let wanted = if task.symmetric { Wanted::SymmetricCandidates } else { Wanted::Candidates };
@@ -328,7 +334,9 @@ impl Worker {
                 };
                 let (margin, impulse) = (admissibility.margin, orbit.strongest_impulse());
                 let candidate = Candidate { family, verdict, margin, impulse, collision };
-                if best.as_ref().is_none_or(|best| candidate.rank() < best.rank()) {
+                let better = best.as_ref().is_none_or(|best| candidate.rank() < best.rank());
+                show(orbit, better);
+                if better {
                     best = Some(candidate);
                 }
             }

@@ -104,6 +104,8 @@ pub enum Mark {
     Filled(usize),
     /// By a filled shape of about half the size, where many points are close.
     Small(usize),
+    /// By a dot of two pixels, where there are thousands.
+    Dot,
     /// By the outline of a shape, larger, so that a filled one shows inside.
     Hollow(usize),
 }
@@ -339,7 +341,7 @@ where
         let points = placed.iter().flatten().copied();
         match series.mark {
             Mark::None => {}
-            Mark::Filled(_) | Mark::Small(_) => {
+            Mark::Filled(_) | Mark::Small(_) | Mark::Dot => {
                 let marks = points.map(|point| EmptyElement::at(point) + Polygon::new(filled(series.mark), shade));
                 chart.draw_series(marks).map_err(PlotError::from)?;
             }
@@ -357,6 +359,7 @@ where
 fn filled(mark: Mark) -> Vec<(i32, i32)> {
     match mark {
         Mark::None => Vec::new(),
+        Mark::Dot => vec![(0, 0), (1, 0), (1, 1), (0, 1)],
         Mark::Filled(shape) | Mark::Hollow(shape) => marker(shape),
         Mark::Small(shape) => marker(shape).into_iter().map(|(x, y)| (x * 3 / 5, y * 3 / 5)).collect(),
     }
@@ -395,7 +398,7 @@ fn draw_marks<B: DrawingBackend>(
         let at = |corners: Vec<(i32, i32)>| corners.into_iter().map(|(dx, dy)| (x + dx, y + dy)).collect::<Vec<_>>();
         match series.mark {
             Mark::None => {}
-            Mark::Filled(_) | Mark::Small(_) => {
+            Mark::Filled(_) | Mark::Small(_) | Mark::Dot => {
                 area.draw(&Polygon::new(at(filled(series.mark)), shade)).map_err(PlotError::from)?;
             }
             Mark::Hollow(shape) => {

@@ -8,6 +8,7 @@
 //! | `quantity` | numbers of cells, and how they become colours |
 //! | `one_axis` | the curves of a sweep over one parameter |
 //! | `strokes` | thin lines over a map |
+//! | `ends` | what becomes of perturbed breathers, over a map |
 //! | `regions`, `coverage` | the picture of a map by its regions: shapes, or pixels by exact area |
 //! | `curves`, `axes`, `ticks`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
 //! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
@@ -27,6 +28,7 @@ pub mod canvas;
 mod coverage;
 mod curves;
 pub mod decades;
+mod ends;
 pub mod field;
 mod lines;
 mod map;
@@ -45,6 +47,7 @@ mod words;
 
 pub use canvas::{Format, PlotError, open};
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
+pub use ends::{EndsPicture, ends_picture};
 pub use map::{Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines};
 pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};

@@ -314,7 +314,7 @@ fn draw_bar<B: DrawingBackend>(
 }
 
 /// The sample of a legend's entry.
-fn swatch<B: DrawingBackend>(
+pub(crate) fn swatch<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     pixel: impl Fn(u32, u32) -> [u8; 3],
     (x, y): (i32, i32),

@@ -1,0 +1,292 @@
+//! Ensembles over a scene: many runs from the breathers of every cell, on many threads, in an order that does not depend on them.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::Ordering;
+
+use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use vibrochain_breather::{Family, Orbit, Word};
+use vibrochain_floquet::{Tolerance, stability};
+use vibrochain_maps::cell::{Cell, Worker};
+use vibrochain_maps::point::Point;
+use vibrochain_maps::sweep::Job;
+
+use crate::end::End;
+use crate::ensemble::Ensemble;
+use crate::exponent::{Measured, measure};
+use crate::run::{Fate, Home};
+
+/// Runs of a block of cells, whose results wait for each other: a hundred kilobytes, and a second of work or more.
+const BLOCK: u64 = 512;
+
+/// Periods of a breather over which its exponent is measured at most, where no more than its directions settle.
+const MEASURED: u64 = 2000;
+
+/// From which breathers of a cell runs start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum From {
+    /// The one that gives the cell its class: a stable one, if there is one.
+    #[default]
+    Class,
+    /// Every physical one.
+    Every,
+    /// Every one that is unstable.
+    Unstable,
+}
+
+/// What has become of the runs from one breather.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BreatherFates {
+    /// Its number among the physical breathers of the cell, from 1.
+    pub number: u32,
+    /// Its family, or its word.
+    pub name: String,
+    /// Its spectral radius, where that is known.
+    pub spectral_radius: Option<f64>,
+    /// ln|μ|/T of its largest multiplier, those that feel no impact included: the exponent predicted.
+    pub predicted: Option<f64>,
+    /// The exponent measured along it.
+    pub measured: Option<Measured>,
+    /// Runs of each kind of end, in the order of [`End::NAMES`].
+    pub ends: [u32; End::NAMES.len()],
+    /// Words of other breathers that runs have come to, and how many each.
+    pub words: BTreeMap<Word, u32>,
+    /// Runs that have left it.
+    pub left: u32,
+    /// Their mean time to leave, in periods of the force, and its standard error if there are two or more.
+    pub leave_time: Option<(f64, Option<f64>)>,
+    /// Mean largest exponent of the chaotic ends.
+    pub chaos_exponent: Option<f64>,
+}
+
+impl BreatherFates {
+    /// The most frequent kind of end, the first of equals; none without runs.
+    #[must_use]
+    pub fn dominant(&self) -> Option<usize> {
+        let most = self.ends.iter().max().filter(|most| **most > 0)?;
+        self.ends.iter().position(|count| count == most)
+    }
+
+    /// Runs in all.
+    #[must_use]
+    pub fn runs(&self) -> u32 {
+        self.ends.iter().sum()
+    }
+
+    fn of(departure: &Departure, measured: Option<Measured>, fates: &[Fate]) -> Self {
+        let mut words = BTreeMap::new();
+        let mut ends = [0; End::NAMES.len()];
+        for fate in fates {
+            ends[fate.end.kind()] += 1;
+            if let End::Another(word) = &fate.end {
+                *words.entry(word.clone()).or_default() += 1;
+            }
+        }
+        let times: Vec<f64> = fates.iter().filter_map(|fate| fate.left).collect();
+        let chaotic = fates.iter().filter(|fate| fate.end == End::Chaos);
+        let exponents: Vec<f64> = chaotic.filter_map(|fate| Some(fate.exponent?.value)).collect();
+        Self {
+            number: departure.number,
+            name: departure.name.clone(),
+            spectral_radius: departure.spectral_radius,
+            predicted: departure.predicted,
+            measured,
+            ends,
+            words,
+            left: times.len() as u32,
+            leave_time: mean(&times),
+            chaos_exponent: mean(&exponents).map(|(mean, _)| mean),
+        }
+    }
+}
+
+/// Mean and standard error of the mean.
+fn mean(values: &[f64]) -> Option<(f64, Option<f64>)> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let scatter = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+    match values.len() {
+        0 => None,
+        1 => Some((mean, None)),
+        _ => Some((mean, Some((scatter / (n * (n - 1.0))).sqrt()))),
+    }
+}
+
+/// A cell, and what becomes of what lives there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellFates {
+    /// Its number in the scene.
+    pub number: u64,
+    /// Its point.
+    pub point: Point,
+    /// What a sweep finds there.
+    pub cell: Cell,
+    /// Those of its breathers that were asked for.
+    pub breathers: Vec<BreatherFates>,
+}
+
+/// How the work ended.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Ended<E> {
+    /// All cells are done.
+    Complete,
+    /// The stop flag was raised; the cells handed on are whole.
+    Stopped,
+    /// The sink refused.
+    Failed(E),
+}
+
+/// A breather with all that its runs need.
+struct Departure {
+    number: u32,
+    name: String,
+    spectral_radius: Option<f64>,
+    predicted: Option<f64>,
+    home: Home,
+}
+
+/// A cell before its runs.
+struct Found {
+    number: u64,
+    cell: Cell,
+    departures: Vec<Departure>,
+}
+
+/// What one thread does at a time.
+enum Work {
+    Measure,
+    Run(u64),
+}
+
+/// What came of it.
+enum Done {
+    Measured(Option<Measured>),
+    Run(Fate),
+}
+
+/// Computes all cells of a scene and hands them to `sink` in order. `tick` is called, from any thread, with each number of runs that is
+/// done, of as many as cells times starts.
+///
+/// What is handed on is the same for any number of threads: every run has a seed of its own, [`Ensemble::seed_of`].
+pub fn fates<E>(
+    job: &Job<'_>,
+    ensemble: &Ensemble,
+    from: From,
+    tick: impl Fn(u64) + Sync,
+    mut sink: impl FnMut(CellFates) -> Result<(), E>,
+) -> Ended<E> {
+    let cells = job.scene.cells();
+    let block = (BLOCK / ensemble.starts.max(1)).max(1);
+    let mut first = 0;
+    while first < cells {
+        let numbers = first..(first + block).min(cells);
+        first = numbers.end;
+        let (done, whole) = job.pool.install(|| of_block(job, ensemble, from, numbers, &tick));
+        for cell in done {
+            if let Err(error) = sink(cell) {
+                return Ended::Failed(error);
+            }
+        }
+        if !whole {
+            return Ended::Stopped;
+        }
+    }
+    Ended::Complete
+}
+
+/// The cells of one block up to the first that is not finished, and whether that is all of them.
+fn of_block(
+    job: &Job<'_>,
+    ensemble: &Ensemble,
+    from: From,
+    numbers: std::ops::Range<u64>,
+    tick: &(impl Fn(u64) + Sync),
+) -> (Vec<CellFates>, bool) {
+    let worker = || Worker::new(job.scene.base.sites());
+    let numbers: Vec<u64> = numbers.collect();
+    let find = |worker: &mut Worker, &number: &u64| {
+        let found = find(job, from, number, worker)?;
+        if found.departures.is_empty() {
+            tick(ensemble.starts);
+        }
+        Some(found)
+    };
+    let found: Vec<Option<Found>> = numbers.par_iter().map_init(worker, find).collect();
+    let mut work: Vec<(&Departure, u64, u64, Work)> = Vec::new();
+    for found in found.iter().flatten() {
+        for (breather, departure) in (0..).zip(&found.departures) {
+            work.push((departure, found.number, breather, Work::Measure));
+            work.extend((0..ensemble.starts).map(|start| (departure, found.number, breather, Work::Run(start))));
+        }
+    }
+    let run = |(departure, cell, breather, work): (&Departure, u64, u64, Work)| -> Option<Done> {
+        let start = match work {
+            Work::Measure => {
+                let measured = measure(departure.home.orbit(), MEASURED, job.stop).ok();
+                return (!job.stop.load(Ordering::Relaxed)).then_some(Done::Measured(measured));
+            }
+            Work::Run(start) => start,
+        };
+        let seed = ensemble.seed_of(cell, departure.number.into(), start);
+        let fate = departure.home.run(ensemble, seed, job.stop)?;
+        if breather == 0 {
+            tick(1);
+        }
+        Some(Done::Run(fate))
+    };
+    let mut done = work.into_par_iter().map(run).collect::<Vec<_>>().into_iter();
+    let mut finished = Vec::with_capacity(found.len());
+    for (found, &number) in found.iter().zip(&numbers) {
+        let Some(found) = found else { return (finished, false) };
+        let mut breathers = Vec::with_capacity(found.departures.len());
+        for departure in &found.departures {
+            let (mut measured, mut fates) = (None, Vec::new());
+            for done in done.by_ref().take(ensemble.starts as usize + 1) {
+                match done {
+                    Some(Done::Measured(value)) => measured = value,
+                    Some(Done::Run(fate)) => fates.push(fate),
+                    None => return (finished, false),
+                }
+            }
+            breathers.push(BreatherFates::of(departure, measured, &fates));
+        }
+        finished.push(CellFates { number, point: job.scene.point(number), cell: found.cell, breathers });
+    }
+    (finished, true)
+}
+
+/// What lives in a cell, and whence runs start. `None` if stopped.
+fn find(job: &Job<'_>, from: From, number: u64, worker: &mut Worker) -> Option<Found> {
+    if job.stop.load(Ordering::Relaxed) {
+        return None;
+    }
+    // The scene's corners were checked, so that every point between is a valid model.
+    let model = job.scene.point(number).model().ok()?;
+    let (mut orbits, mut count): (Vec<(u32, Orbit)>, _) = (Vec::new(), 0);
+    let cell = worker.examine(&model, &job.scene.task, |orbit, best| {
+        count += 1;
+        if from == From::Class && best {
+            orbits.clear();
+        }
+        if from != From::Class || best {
+            orbits.push((count, orbit.clone()));
+        }
+    });
+    let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit));
+    let unstable = |departure: &Departure| from != From::Unstable || departure.spectral_radius.is_some_and(|r| r > 1.0);
+    Some(Found { number, cell, departures: departures.filter(unstable).collect() })
+}
+
+fn departure(number: u32, orbit: &Orbit) -> Option<Departure> {
+    let home = Home::of(orbit).ok()?;
+    let known = stability(orbit, Tolerance::Rounding).ok();
+    let spectral_radius = known.as_ref().map(|known| known.verdict.spectral_radius);
+    let predicted = known.filter(|known| !known.multipliers.is_empty()).map(|known| {
+        let largest = known.multipliers.iter().fold(0.0, |most: f64, multiplier| most.max(multiplier.norm()));
+        largest.ln() / orbit.period()
+    });
+    let name = match orbit.family() {
+        Family::Word => Word::of(orbit).to_string(),
+        family => family.name().to_owned(),
+    };
+    Some(Departure { number, name, spectral_radius, predicted, home })
+}

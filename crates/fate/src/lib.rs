@@ -1,0 +1,57 @@
+//! What becomes of perturbed breathers: many simulated runs from each, over the cells of a map, and what they end in.
+//!
+//! Breathers are found as maps find them, and runs are simulated by `vibrochain_eventsim`, which knows nothing of them.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `start` | [`Start`]: on an orbit, perturbed |
+//! | `follow` | whether a run follows its breather, and when it leaves |
+//! | `repeat` | the word of what repeats in the latest impacts |
+//! | `end` | [`End`]: how a run ends |
+//! | `exponent` | [`measure`]: the Lyapunov exponent along a breather |
+//! | `ensemble` | [`Ensemble`]: what is asked, within limits; seeds |
+//! | `run` | [`Home`], [`Fate`]: one run |
+//! | `fates` | [`fates()`]: all cells of a scene, in parallel, in order |
+//! | `section`, `diagram` | [`Strobe`], [`Diagram`]: sections, and bifurcation diagrams by simulation |
+//! | `table` | columns and rows |
+//!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//! use vibrochain_breather::{Family, breathers};
+//! use vibrochain_fate::{End, Ensemble, Home};
+//! use vibrochain_lattice::{Chain, Model};
+//!
+//! // A pair of a saddle and a node: the first is left, the second is come back to.
+//! let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+//! let ensemble = Ensemble { periods: 200, ..Ensemble::default() };
+//! let orbits = breathers(&model, Family::DoubleSided)?.orbits;
+//! let runs = orbits.iter().map(|orbit| {
+//!     let run = Home::of(orbit)?.run(&ensemble, 1, &AtomicBool::new(false));
+//!     Ok(run.map(|fate| fate.left))
+//! });
+//! let left: Vec<_> = runs.collect::<Result<_, vibrochain_breather::BreatherError>>()?;
+//! assert_eq!(left[0], Some(None));
+//! assert!(left[1].flatten().is_some_and(|periods| periods < 10.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod diagram;
+mod end;
+mod ensemble;
+mod exponent;
+mod fates;
+mod follow;
+mod repeat;
+mod run;
+mod section;
+mod start;
+pub mod table;
+
+pub use diagram::{Column, Diagram, MAX_POINTS, SectionPoint};
+pub use end::End;
+pub use ensemble::{Ensemble, OutOfRange};
+pub use exponent::{Measured, Unmeasured, measure};
+pub use fates::{BreatherFates, CellFates, Ended, From, fates};
+pub use run::{Fate, Home};
+pub use section::Strobe;
+pub use start::{ModeShape, Start};

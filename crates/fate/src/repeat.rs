@@ -1,0 +1,153 @@
+//! What repeats in the latest impacts of a run: their word, if they have one.
+//!
+//! Modes that feel no impact keep what a perturbation has given them, for ever. So it is not the state that must repeat, but all that
+//! impacts know of it: who hits what, when, and how fast.
+
+use std::collections::VecDeque;
+
+use vibrochain_breather::{Letter, MAX_IMPACTS, Word};
+use vibrochain_eventsim::{Event, EventKind};
+use vibrochain_lattice::{Barrier, Layout};
+
+use crate::follow::Track;
+
+/// Impacts that are kept: of a word of the longest kind 64 repetitions.
+const MOST: usize = 64 * MAX_IMPACTS;
+
+/// A sequence must be seen so often before it is said to repeat.
+const REPETITIONS: usize = 4;
+
+#[derive(Debug, Clone, Copy)]
+struct Hit {
+    site: usize,
+    barrier: Barrier,
+    velocity: f64,
+}
+
+/// Impacts at one time.
+#[derive(Debug, Clone)]
+struct Instant {
+    periods: u64,
+    /// In periods of the force.
+    part: f64,
+    hits: Vec<Hit>,
+}
+
+impl Instant {
+    /// Time from `other` until here, in periods of the force.
+    fn since(&self, other: &Self) -> f64 {
+        (self.periods as f64 - other.periods as f64) + (self.part - other.part)
+    }
+
+    /// Same masses, same barriers; then the largest difference of velocities.
+    fn differs(&self, other: &Self) -> Option<f64> {
+        let pairs = || self.hits.iter().zip(&other.hits);
+        let same = self.hits.len() == other.hits.len()
+            && pairs().all(|(one, other)| (one.site, one.barrier) == (other.site, other.barrier));
+        same.then(|| pairs().fold(0.0, |most: f64, (one, other)| most.max((one.velocity - other.velocity).abs())))
+    }
+}
+
+/// The latest impacts of a run.
+#[derive(Debug, Default)]
+pub(crate) struct Latest {
+    instants: VecDeque<Instant>,
+    hits: usize,
+    /// A mass has rested on a barrier: no word says that.
+    rested: bool,
+}
+
+impl Latest {
+    /// Takes note of an event. What is nearer to the one before than `close`, in periods, is of its instant.
+    pub(crate) fn see(&mut self, event: &Event, close: f64) {
+        if event.kind != EventKind::Impact {
+            self.rested = true;
+            return;
+        }
+        let hit = Hit { site: event.site, barrier: event.barrier, velocity: event.velocity_before };
+        let now = Instant { periods: event.time.periods(), part: event.time.part(), hits: vec![hit] };
+        self.hits += 1;
+        match self.instants.back_mut() {
+            Some(last) if now.since(last) <= close && last.hits.iter().all(|other| other.site != hit.site) => {
+                let place = last.hits.partition_point(|other| other.site < hit.site);
+                last.hits.insert(place, hit);
+            }
+            _ => self.instants.push_back(now),
+        }
+        while self.hits > MOST {
+            self.hits -= self.instants.pop_front().map_or(self.hits, |first| first.hits.len());
+        }
+    }
+
+    /// Leaves out the first and the last instant, of which impacts may be missing.
+    pub(crate) fn trim(&mut self) {
+        for instant in [self.instants.pop_front(), self.instants.pop_back()].into_iter().flatten() {
+            self.hits -= instant.hits.len();
+        }
+    }
+
+    /// Whether there are no impacts.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.instants.is_empty() && !self.rested
+    }
+
+    /// The shortest sequence that repeats throughout, in times (of a period) and velocities (of the fastest) to `tolerance`: how many
+    /// instants it has. Under a force it takes whole periods of that.
+    fn cycle(&self, tolerance: f64, forced: bool) -> Option<usize> {
+        let (all, count) = (&self.instants, self.instants.len());
+        if self.rested {
+            return None;
+        }
+        let fastest =
+            all.iter().flat_map(|instant| &instant.hits).fold(0.0, |most: f64, hit| most.max(hit.velocity.abs()));
+        let repeats = |length: usize| {
+            let first = all[length].since(&all[0]);
+            let whole = if forced { first.round().max(1.0) } else { first };
+            (0..count - length).all(|i| {
+                let (one, next) = (&all[i], &all[i + length]);
+                (next.since(one) - whole).abs() <= tolerance
+                    && next.differs(one).is_some_and(|differs| differs <= tolerance * fastest)
+            })
+        };
+        let of = |length: usize| all.iter().take(length).map(|instant| instant.hits.len()).sum::<usize>();
+        (1..=count / REPETITIONS).take_while(|&length| of(length) <= MAX_IMPACTS).find(|&length| repeats(length))
+    }
+
+    /// Whether the latest impacts are those of the breather, at its own places and (under a force) times.
+    pub(crate) fn is(&self, track: &Track, start: f64, tolerance: f64) -> bool {
+        let (count, own) = (self.instants.len(), track.instants.len());
+        if self.rested || count < own.max(2) {
+            return false;
+        }
+        let matches = |at: usize, i: usize| {
+            let (instant, expected) = (&self.instants[i], &track.instants[(at + i) % own]);
+            let same = |hit: &Hit| {
+                expected.iter().any(|one| {
+                    (one.site, one.barrier) == (hit.site, hit.barrier)
+                        && (one.velocity - hit.velocity).abs() <= tolerance * track.fastest
+                })
+            };
+            let clock = ((instant.periods % track.span) as f64 + instant.part) * track.unit + start;
+            let off_clock = if track.forced { track.apart(clock, expected[0].time) } else { 0.0 };
+            let off_wait = if i > 0 {
+                (instant.since(&self.instants[i - 1]) * track.unit - track.wait((at + i) % own)).abs()
+            } else {
+                0.0
+            };
+            let due = off_clock.max(off_wait);
+            instant.hits.len() == expected.len() && instant.hits.iter().all(same) && due <= tolerance * track.period
+        };
+        (0..own).any(|at| (0..count).all(|i| matches(at, i)))
+    }
+
+    /// The word of what repeats, if something does.
+    pub(crate) fn word(&self, layout: &Layout, tolerance: f64, forced: bool) -> Option<Word> {
+        let length = self.cycle(tolerance, forced)?;
+        let letter = |hit: &Hit| {
+            let (site, layer) = layout.place(hit.site);
+            Letter { site, layer, barrier: hit.barrier }
+        };
+        let instants = self.instants.iter().take(length).map(|instant| instant.hits.iter().map(letter).collect());
+        Word::new(instants.collect()).ok()
+    }
+}

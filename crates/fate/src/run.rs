@@ -1,0 +1,158 @@
+//! One run from a perturbed breather: how it ends, and when it leaves.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use vibrochain_breather::{BreatherError, Orbit};
+use vibrochain_eventsim::{Event, Exponent, Growth, Limits, Outcome, Simulation, Tangents, Time};
+
+use crate::end::End;
+use crate::ensemble::Ensemble;
+use crate::follow::{Follower, Track};
+use crate::repeat::Latest;
+use crate::start::Start;
+
+/// Flights of single masses between two looks at the stop flag: some tens of milliseconds of work.
+const FLIGHTS: usize = 100_000;
+
+/// Flights of one run: hours of work of a few masses. Met where a period is astronomically long against the swing of a mass.
+const MAX_FLIGHTS: u64 = 10_000_000_000;
+
+/// Periods at the end whose impacts are looked at: enough for a slow drift to show, few enough for a run that has just settled.
+const LOOKED_AT: u64 = 64;
+
+/// What is nearer than this part of the tolerance to the impact before is of its instant: what a tolerance of times makes of masses
+/// that hit together. (The breather's own instants stay apart, however near they are.)
+const CLOSE: f64 = 0.5;
+
+/// A perturbation has grown faster than by a power of time if it has grown so often by e more than the square of the periods gone by:
+/// neighbours that run ahead of each other grow by the first power, where two such motions feed each other by the second.
+const BEYOND_POWERS: f64 = 7.0;
+
+/// Standard errors that an exponent must be away from zero.
+const CLEARLY: f64 = 3.0;
+
+/// A breather to start from, with what every run from it needs.
+#[derive(Debug, Clone)]
+pub struct Home {
+    orbit: Orbit,
+    track: Track,
+    start: Start,
+}
+
+/// What has become of one run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fate {
+    /// How it ended.
+    pub end: End,
+    /// When it left the breather, in periods of the force since the start, if it did. It may have come back since.
+    pub left: Option<f64>,
+    /// The largest Lyapunov exponent after the transient, where there is one.
+    pub exponent: Option<Exponent>,
+}
+
+impl Home {
+    /// Prepares runs from a breather.
+    ///
+    /// # Errors
+    /// [`BreatherError`] if its motion is not defined.
+    pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
+        Ok(Self { track: Track::of(orbit), start: Start::on(orbit)?, orbit: orbit.clone() })
+    }
+
+    /// The breather.
+    #[must_use]
+    pub fn orbit(&self) -> &Orbit {
+        &self.orbit
+    }
+
+    /// Runs from a perturbation drawn from `seed`. `None` if the stop flag is raised.
+    #[must_use]
+    pub fn run(&self, ensemble: &Ensemble, seed: u64, stop: &AtomicBool) -> Option<Fate> {
+        let model = self.orbit.model();
+        let mut start = self.start.clone();
+        start.perturb_at_random(model, ensemble.size, seed);
+        let incomplete = |left| Some(Fate { end: End::Incomplete, left, exponent: None });
+        let (Ok(mut simulation), Ok(mut tangents)) = (start.simulation(model), Tangents::random(model, 1, seed)) else {
+            return incomplete(None);
+        };
+        let mut follower = Follower::new(&self.track, start.time, ensemble.leave);
+        let mut latest = Latest::default();
+        let close = CLOSE * ensemble.tolerance.min(self.track.shortest_wait() / self.track.unit);
+        let (skipped, periods) = (ensemble.skipped(), ensemble.periods);
+        let looked_at = periods - LOOKED_AT.min(periods - skipped);
+        let mut growth = None;
+        for period in 1..=periods {
+            let until = Time::new(model, period, 0.0);
+            let observe = |event: &Event| {
+                follower.see(event);
+                if period > looked_at {
+                    latest.see(event, close);
+                }
+            };
+            let riders = (period > skipped).then_some(&mut tangents);
+            let reached = reach(&mut simulation, riders, until, stop, observe)?;
+            follower.reach(simulation.time());
+            if reached != Outcome::TimeReached {
+                return incomplete(follower.left());
+            }
+            if period > skipped {
+                let now = simulation.time().to_f64();
+                let growth = growth.get_or_insert_with(|| Growth::from(now - model.period(), 0.0));
+                growth.reach(now, tangents.orthonormalise()[0]);
+            } else if period == skipped {
+                growth = Some(Growth::from(simulation.time().to_f64(), 0.0));
+            }
+        }
+        let growth = growth.filter(|_| !tangents.has_grazed());
+        let exponent = growth.as_ref().and_then(Growth::exponent);
+        let end = self.end(latest, growth.map(|growth| growth.total()), exponent, ensemble);
+        Some(Fate { end, left: follower.left(), exponent })
+    }
+
+    fn end(&self, mut latest: Latest, grown: Option<f64>, exponent: Option<Exponent>, ensemble: &Ensemble) -> End {
+        let (model, tolerance) = (self.orbit.model(), ensemble.tolerance);
+        if latest.is_empty() {
+            return End::Quiet;
+        }
+        latest.trim();
+        if latest.is(&self.track, self.start.time, tolerance) {
+            return End::Breather;
+        }
+        if let Some(word) = latest.word(&model.chain().layout(), tolerance, self.track.forced) {
+            return End::Another(word.canonical(model));
+        }
+        // What a power of time allows.
+        let powers = 2.0 * ((ensemble.periods - ensemble.skipped()) as f64).ln() + BEYOND_POWERS;
+        match (grown, exponent) {
+            (Some(grown), Some(exponent)) if grown > powers && exponent.value > CLEARLY * exponent.error => End::Chaos,
+            (Some(grown), _) if grown.abs() <= powers => End::QuasiPeriodic,
+            _ => End::Other,
+        }
+    }
+}
+
+/// Carries a run to a time, in portions of work, with tangent vectors or without. `None` if the stop flag is raised.
+pub(crate) fn reach(
+    simulation: &mut Simulation,
+    mut tangents: Option<&mut Tangents>,
+    until: Time,
+    stop: &AtomicBool,
+    mut observe: impl FnMut(&Event),
+) -> Option<Outcome> {
+    let portion = (FLIGHTS / simulation.model().chain().sites()).max(1) as u64;
+    let limits = Limits { flights: portion, ..Limits::until(until) };
+    loop {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let report = match &mut tangents {
+            // (They are of this model.)
+            Some(tangents) => simulation.run_with(tangents, &limits, &mut observe).ok()?,
+            None => simulation.run(&limits, &mut observe),
+        };
+        let flights = report.work.windows + report.work.restarts;
+        if report.outcome != Outcome::WorkLimit || flights > MAX_FLIGHTS {
+            return Some(report.outcome);
+        }
+    }
+}

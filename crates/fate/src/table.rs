@@ -1,0 +1,55 @@
+//! The table of an ensemble: a row a breather, and one for a cell without any.
+
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::table::parameters;
+
+use crate::end::End;
+use crate::fates::{BreatherFates, CellFates};
+
+/// The names of the columns.
+#[must_use]
+pub fn header(scene: &Scene) -> Vec<String> {
+    let before = ["solutions", "status", "number", "breather", "spectral_radius"];
+    let exponents = ["predicted_exponent", "measured_exponent", "measured_error", "starts", "end"];
+    let after = ["words", "left", "leave_time", "leave_error", "chaos_exponent"];
+    let named = |names: &[&'static str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let parameters = parameters(scene).into_iter().map(|parameter| parameter.name().to_owned());
+    let shares = End::NAMES.iter().map(|name| format!("share_{}", name.replace('-', "_")));
+    let columns = parameters.chain(named(&before)).chain(named(&exponents)).chain(shares).chain(named(&after));
+    columns.collect()
+}
+
+/// The rows of a cell.
+#[must_use]
+pub fn rows(scene: &Scene, cell: &CellFates) -> Vec<Vec<String>> {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| Number(value).to_string());
+    let point = || parameters(scene).into_iter().map(|parameter| Number(cell.point.get(parameter)).to_string());
+    let found = || [cell.cell.solutions.to_string(), cell.cell.status.name().to_owned()];
+    let row = |of: &BreatherFates| {
+        let runs = of.runs();
+        let words: Vec<String> = of.words.iter().map(|(word, count)| format!("{word} {count}")).collect();
+        let before = [of.number.to_string(), of.name.clone(), number(of.spectral_radius)];
+        let exponents = [
+            number(of.predicted),
+            number(of.measured.map(|measured| measured.value)),
+            number(of.measured.map(|measured| measured.error)),
+            runs.to_string(),
+            of.dominant().map_or(String::new(), |kind| End::NAMES[kind].to_owned()),
+        ];
+        let shares = of.ends.map(|count| Number(f64::from(count) / f64::from(runs.max(1))).to_string());
+        let after = [
+            words.join("; "),
+            of.left.to_string(),
+            number(of.leave_time.map(|(mean, _)| mean)),
+            number(of.leave_time.and_then(|(_, error)| error)),
+            number(of.chaos_exponent),
+        ];
+        point().chain(found()).chain(before).chain(exponents).chain(shares).chain(after).collect()
+    };
+    if cell.breathers.is_empty() {
+        let empty = vec![String::new(); header(scene).len() - parameters(scene).len() - found().len()];
+        return vec![point().chain(found()).chain(empty).collect()];
+    }
+    cell.breathers.iter().map(row).collect()
+}
