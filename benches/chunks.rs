@@ -54,7 +54,7 @@ fn one_file(scene: &Scene, threads: usize, out: &Path) {
 
 fn mapgen(scene: &Path, threads: usize, out: &Path) {
     let (mut quiet, mut silent) = (sink(), sink());
-    let mut console = Console { out: &mut quiet, err: &mut silent, progress: false, interrupt: &ctrl_c };
+    let mut console = Console::new(&mut quiet, &mut silent, &ctrl_c);
     let threads = threads.to_string();
     let words = ["mapgen".as_ref(), "sweep".as_ref(), scene.as_os_str(), "--out".as_ref(), out.as_os_str()];
     let words = words.into_iter().chain(["--threads", &threads, "--quiet"].map(OsStr::new));

@@ -64,7 +64,7 @@ fn models(seed: u64, count: usize) -> Vec<Model> {
 
 fn answer(line: &str) -> Value {
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let mut console = Console { out: &mut out, err: &mut err, progress: false, interrupt: &ctrl_c };
+    let mut console = Console::new(&mut out, &mut err, &ctrl_c);
     vibrochain_cli::program::run(line.split(' ').map(Into::into), &mut console).unwrap();
     serde_json::from_slice(&out).unwrap()
 }
