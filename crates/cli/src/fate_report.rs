@@ -11,6 +11,7 @@ use vibrochain_maps::manifest::scene_parts;
 use vibrochain_maps::scene::Scene;
 
 use crate::report::grid;
+use crate::schemas::FATE;
 
 /// Words of other breathers that people are told.
 const SHOWN: usize = 8;
@@ -114,7 +115,8 @@ impl Totals {
             End::NAMES.iter().zip(self.ends).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
         let words: serde_json::Map<String, Value> =
             self.words().into_iter().map(|(word, count)| (word.to_string(), count.into())).collect();
-        let mut all = scene_parts(scene);
+        let mut all = serde_json::Map::from_iter([("schema".to_owned(), FATE.into())]);
+        all.extend(scene_parts(scene));
         let own = json!({
             "ensemble": {
                 "starts": starts, "perturb": size, "seed": seed, "periods": periods, "transient": transient,

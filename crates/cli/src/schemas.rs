@@ -19,10 +19,11 @@ pub(crate) const CURVE: &str = "urn:vibrochain:curve:1";
 pub(crate) const CURVES: &str = "urn:vibrochain:curves:1";
 pub(crate) const SIMULATE: &str = "urn:vibrochain:simulate:1";
 pub(crate) const WORDS: &str = "urn:vibrochain:words:1";
+pub(crate) const FATE: &str = "urn:vibrochain:fate:1";
 pub(crate) const STATE: &str = "urn:vibrochain:state:1";
 
 /// Names, and the files.
-const SCHEMAS: [(&str, &str); 12] = [
+const SCHEMAS: [(&str, &str); 13] = [
     ("orbit", include_str!("../schemas/orbit.json")),
     ("locate", include_str!("../schemas/locate.json")),
     ("branch", include_str!("../schemas/branch.json")),
@@ -30,6 +31,7 @@ const SCHEMAS: [(&str, &str); 12] = [
     ("curves", include_str!("../schemas/curves.json")),
     ("words", include_str!("../schemas/words.json")),
     ("simulate", include_str!("../schemas/simulate.json")),
+    ("fate", include_str!("../schemas/fate.json")),
     ("manifest", include_str!("../schemas/manifest.json")),
     ("scene", include_str!("../schemas/scene.json")),
     ("state", include_str!("../schemas/state.json")),

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use vibrochain_testkit::Desk;
+use vibrochain_testkit::{Desk, written};
 
 const SCENE: &str = r#"
 [model]
@@ -77,7 +77,7 @@ fn the_answer_counts_every_run_as_text_and_as_json() {
     assert!(text.starts_with("12 cells (4 × 3), "), "{text}");
     assert!(text.contains("differ from ln|μ|/T by at most"), "{text}");
     assert!(desk.read("map.png").starts_with(b"\x89PNG"));
-    let json: serde_json::Value = serde_json::from_str(&desk.run(&format!("{line} --json")).with(0, &[]).out).unwrap();
+    let json = written(&desk.run(&format!("{line} --json")).with(0, &[]).out);
     let ends: u64 = json["ends"].as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum();
     assert_eq!(json["runs"].as_u64(), Some(ends));
     assert_eq!(ends, 2 * json["breathers"].as_u64().unwrap());

@@ -57,9 +57,10 @@ fn properties(schema: &Value, keys: &mut Names) {
 fn keys() -> [Names; 2] {
     let (mut scene, mut rest) = (Names::new(), Names::new());
     properties(Schema::named("scene").value(), &mut scene);
-    for name in
-        ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "state", "near", "plan"]
-    {
+    for name in [
+        "orbit", "locate", "branch", "curve", "curves", "words", "simulate", "fate", "manifest", "state", "near",
+        "plan",
+    ] {
         properties(Schema::named(name).value(), &mut rest);
     }
     [scene, rest]
@@ -88,6 +89,8 @@ fn columns() -> Names {
         "curves scene.toml --csv table --points more".to_owned(),
         format!("orbit {ORBIT} --multipliers table"),
         format!("simulate {layered} --periods 1 --impacts table --trajectory more"),
+        "fate other.toml --starts 1 --periods 20 --csv table".to_owned(),
+        format!("simulate {layered} --periods 2 --section table --skip 1"),
         "words --sites-used 1 --reach 0 --sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --csv table"
             .to_owned(),
         format!("locate {FORCED} --event fold --free amplitude --csv table"),
@@ -129,7 +132,7 @@ fn sources() -> Vec<String> {
         }
     }
     let mut found = Vec::new();
-    for name in ["lattice", "breather", "floquet", "eventsim", "maps"] {
+    for name in ["lattice", "breather", "floquet", "eventsim", "maps", "fate"] {
         collect(&repository().join("crates").join(name).join("src"), &mut found);
     }
     found

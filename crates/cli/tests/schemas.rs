@@ -11,8 +11,10 @@ use vibrochain_lattice::{Ends, Parameter};
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_testkit::{Desk, Schema, written};
 
-const NAMES: [&str; 12] =
-    ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "scene", "state", "near", "plan"];
+const NAMES: [&str; 13] = [
+    "orbit", "locate", "branch", "curve", "curves", "words", "simulate", "fate", "manifest", "scene", "state", "near",
+    "plan",
+];
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -69,6 +71,8 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
         desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
         answers.push(("manifest", desk.json("map.manifest.json")));
     }
+    // Of stable breathers that a thousandth does not drive away: no words of other motions, whose list is as long as it comes.
+    answers.push(("fate", told("fate scene.toml --starts 1 --periods 80 --json")));
     answers
 }
 
@@ -201,13 +205,13 @@ fn answers_have_their_form_and_nothing_near_them_has() {
     }
     assert!(answers.len() >= 20 && refused > 5000, "{} {refused}", answers.len());
     // Every key of a schema was in an answer, but for what the borders of a good window lack, and a table of scenes alone.
-    for name in ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "plan"] {
+    for name in ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "plan", "fate"] {
         let mut keys = BTreeSet::new();
         properties(Schema::named(name).value(), &mut keys);
         let unseen: Vec<_> = keys.iter().filter(|key| !seen.contains(*key)).collect();
         let allowed: &[&str] = match name {
             "curves" => &["at", "between"],
-            "manifest" => &["forcing"],
+            "manifest" | "fate" => &["forcing"],
             _ => &[],
         };
         assert!(keys.len() > 10 && unseen == allowed, "{name}: {unseen:?} of {} keys unseen", keys.len());
@@ -374,7 +378,7 @@ fn schemas_are_listed_and_printed_and_other_names_refused() {
     }
     desk.run("schema orbits").with(
         2,
-        &["orbits", "orbit, locate, branch, curve, curves, words, simulate, manifest, scene, state, near, plan"],
+        &["orbits", "orbit, locate, branch, curve, curves, words, simulate, fate, manifest, scene, state, near, plan"],
     );
     desk.run("schema orbit curve").with(2, &["curve"]);
     desk.shell("mapgen schema orbit | head -n 1").with(0, &[]);
