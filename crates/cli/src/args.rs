@@ -755,11 +755,11 @@ pub struct FateArgs {
     /// Instead, a bifurcation diagram by simulation over a scene with one axis (CSV): the last points of a stroboscopic section of one run a cell.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "starts", "breathers", "json"])]
     pub diagram: Option<PathBuf>,
-    /// Points that the diagram keeps of each run.
-    #[arg(long, value_name = "K", default_value_t = 100, requires = "diagram", value_parser = whole::<u64>, allow_negative_numbers = true)]
-    pub points: u64,
+    /// Points that the diagram keeps of each run [default: 100].
+    #[arg(long, value_name = "K", value_parser = whole::<u64>, allow_negative_numbers = true)]
+    pub points: Option<u64>,
     /// Start each run of the diagram from the end of the one before.
-    #[arg(long, requires = "diagram")]
+    #[arg(long)]
     pub carry: bool,
     /// Print JSON instead of text.
     #[arg(long)]

@@ -11,7 +11,7 @@ use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 
 use crate::args::{BranchArgs, QuantityName};
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::locate_command::{
     Start, error_text, event, evidence_text, located_json, message, range, start, verdict_json,
@@ -46,6 +46,7 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
     let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
     let taken = distinct(&inputs, &files)?;
+    nothing_else(args.json, taken)?;
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let plot = Plot::open(args)?;
     let start = start(&args.along, console)?;

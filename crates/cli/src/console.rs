@@ -81,6 +81,15 @@ impl<'a> Console<'a> {
     }
 }
 
+/// JSON is not printed where a file goes already.
+pub(crate) fn nothing_else(json: bool, taken: bool) -> Result<(), CliError> {
+    if json && taken {
+        let message = "--json prints to standard output, where another file goes: name a file for that one";
+        return Err(CliError::Request(message.to_owned()));
+    }
+    Ok(())
+}
+
 /// Raised by signals; or why it cannot be.
 static FLAG: OnceLock<Result<Arc<AtomicBool>, String>> = OnceLock::new();
 

@@ -9,7 +9,7 @@ use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 
 use crate::args::CurveArgs;
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::locate_command::{Start, event, message, range, start};
 use crate::orbit_command::{point_value, with_word};
@@ -33,6 +33,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
     let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
     let taken = distinct(&inputs, &files)?;
+    nothing_else(args.json, taken)?;
     let [first, second] = [args.along.free, args.and].map(Parameter::from);
     let header = [
         "curve",

@@ -15,7 +15,7 @@ use vibrochain_maps::sweep::Plan;
 
 use crate::args::CurvesArgs;
 use crate::border_search::BorderSearch;
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::schemas::CURVES;
 use crate::threads::threads;
@@ -35,6 +35,7 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let files =
         [("--csv", args.csv.as_deref()), ("--points", args.points.as_deref()), ("--plot", args.plot.as_deref())];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
+    nothing_else(args.json, taken)?;
     let names = match scene.axes.as_slice() {
         [x, y] => [x, y].map(|axis| axis.parameter.name()),
         _ => ["x", "y"],

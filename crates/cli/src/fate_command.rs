@@ -12,7 +12,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::Job;
 
 use crate::args::{FateArgs, StartFrom};
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::fate_plot::Plot;
 use crate::fate_report::Totals;
@@ -20,6 +20,9 @@ use crate::threads::threads;
 
 /// The most runs of one command: years of work.
 const MAX_RUNS: u64 = 100_000_000;
+
+/// Points that a diagram keeps of each run, unless more or fewer are asked for.
+const POINTS: u64 = 100;
 
 /// Runs the subcommand.
 ///
@@ -36,6 +39,11 @@ pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
         tolerance: args.tolerance,
         leave: args.leave,
     };
+    // (clap does not ask for --diagram where something is given that conflicts with it.)
+    if args.diagram.is_none() && (args.carry || args.points.is_some()) {
+        let flag = if args.carry { "--carry" } else { "--points" };
+        return Err(CliError::Request(format!("{flag} is of a diagram: give --diagram FILE, too, without --starts")));
+    }
     ensemble.check(scene.base.sites()).map_err(|error| CliError::Request(error.to_string()))?;
     let runs = scene.cells().saturating_mul(args.starts);
     if args.diagram.is_none() && runs > MAX_RUNS {
@@ -47,6 +55,7 @@ pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let files =
         [("--csv", args.csv.as_deref()), ("--diagram", args.diagram.as_deref()), ("--plot", args.plot.as_deref())];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
+    nothing_else(args.json, taken)?;
     match &args.diagram {
         Some(path) => diagram(args, path, &scene, &ensemble, taken, console),
         None => ends(args, &scene, &ensemble, taken, console),
@@ -93,7 +102,7 @@ fn ends(
         file.finish()?;
     }
     if stopped {
-        return Err(kept(&args.csv, totals.cells, scene.cells()));
+        return Err(kept(&args.csv, args.plot.is_some(), totals.cells, scene.cells()));
     }
     let text =
         if args.json { format!("{:#}\n", totals.as_json(scene, ensemble)) } else { totals.as_text(scene, ensemble) };
@@ -113,12 +122,13 @@ fn diagram(
         let axes = scene.axes.len();
         return Err(CliError::Request(format!("--diagram needs a scene with one axis, this one has {axes}")));
     };
-    if !(1..=args.periods.min(MAX_POINTS)).contains(&args.points) {
-        let most = args.periods.min(MAX_POINTS);
-        let message = format!("--points {} is out of range: give a whole number from 1 to {most}", args.points);
+    let most = args.periods.min(MAX_POINTS);
+    let points = args.points.unwrap_or(POINTS.min(most));
+    if !(1..=most).contains(&points) {
+        let message = format!("--points {points} is out of range: give a whole number from 1 to {most}");
         return Err(CliError::Request(message));
     }
-    let diagram = Diagram { scene, ensemble, points: args.points, carry: args.carry };
+    let diagram = Diagram { scene, ensemble, points, carry: args.carry };
     let sites = diagram.sites();
     let columns = |name: &'static str| sites.iter().map(move |site| format!("{name}_{site}"));
     let header = [axis.parameter.name().to_owned(), "period".to_owned()];
@@ -152,10 +162,10 @@ fn diagram(
         file.finish()?;
     }
     if stopped {
-        return Err(kept(&args.diagram, cells, scene.cells()));
+        return Err(kept(&args.diagram, args.plot.is_some(), cells, scene.cells()));
     }
     let carried = if args.carry { ", each from the end of the one before" } else { "" };
-    let mut text = format!("{cells} runs of {} periods{carried}, {} points each\n", args.periods, args.points);
+    let mut text = format!("{cells} runs of {} periods{carried}, {points} points each\n", args.periods);
     if incomplete > 0 {
         text += &format!("{incomplete} of them could not be completed\n");
     }
@@ -172,12 +182,12 @@ fn is_stopped(ended: Ended<MapError>) -> Result<bool, CliError> {
 }
 
 /// What an early end leaves.
-fn kept(file: &Option<PathBuf>, done: u64, cells: u64) -> CliError {
+fn kept(file: &Option<PathBuf>, plot: bool, done: u64, cells: u64) -> CliError {
+    let picture = if plot { "; no picture was drawn" } else { "" };
     match file {
-        Some(path) if done > 0 => CliError::Paused(format!(
-            "{} holds the first {done} of {cells} cells, whole; no picture was drawn",
-            path.display()
-        )),
+        Some(path) if done > 0 => {
+            CliError::Paused(format!("{} holds the first {done} of {cells} cells, whole{picture}", path.display()))
+        }
         _ => CliError::Interrupted,
     }
 }

@@ -14,7 +14,7 @@ mod with_plot {
     use vibrochain_maps::files::Output;
     use vibrochain_maps::scene::{Axis, Scene, Values};
     use vibrochain_plot::{
-        Curves, EndsPicture, Format, Mark, Pane, Scale, Series, Stroke, curves_picture, ends_picture, open,
+        Curves, EndsPicture, Format, MOST_VALUES, Mark, Pane, Scale, Series, Stroke, curves_picture, ends_picture, open,
     };
 
     use crate::error::CliError;
@@ -44,9 +44,11 @@ mod with_plot {
     impl Plot {
         pub(crate) fn of_ends(path: Option<&Path>, scene: &Scene) -> Result<Self, CliError> {
             let axes = scene.axes.len();
-            if path.is_some() && (axes > 2 || scene.cells() > MOST_CELLS) {
-                let message =
-                    format!("--plot needs one axis or two with at most {MOST_CELLS} cells, the scene has {axes}");
+            let longest = scene.axes.iter().map(Axis::points).max().unwrap_or(0);
+            if path.is_some() && (axes > 2 || axes == 2 && longest > MOST_VALUES || scene.cells() > MOST_CELLS) {
+                let message = format!(
+                    "--plot needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
+                );
                 return Err(CliError::Request(message));
             }
             Self::new(path, scene, false)
@@ -76,9 +78,13 @@ mod with_plot {
             if self.file.is_none() {
                 return;
             }
-            let first = cell.breathers.first();
             match &self.axis {
-                None => self.cells.push(first.and_then(|breather| breather.dominant())),
+                // The most frequent end of all runs of the cell, the first of several.
+                None => {
+                    let count = |kind: usize| cell.breathers.iter().map(|breather| breather.ends[kind]).sum::<u32>();
+                    let most = (0..End::NAMES.len()).rev().max_by_key(|&kind| count(kind));
+                    self.cells.push(most.filter(|&kind| count(kind) > 0));
+                }
                 Some(axis) => {
                     let x = place(axis, axis.value(cell.number as usize));
                     let runs: u32 = cell.breathers.iter().map(|breather| breather.runs()).sum();
@@ -101,12 +107,13 @@ mod with_plot {
             self.points.extend(points.take(room));
         }
 
-        pub(crate) fn finish(self, scene: &Scene, ensemble: &Ensemble) -> Result<(), CliError> {
+        pub(crate) fn finish(mut self, scene: &Scene, ensemble: &Ensemble) -> Result<(), CliError> {
             let Some((format, file)) = self.file else { return Ok(()) };
             let Ensemble { starts, size, periods, .. } = *ensemble;
             let what = if self.is_diagram { "section" } else { "ends" };
             let each = if self.is_diagram { String::new() } else { format!("{starts} ") };
-            let caption = format!("{what} of {each}runs of {periods} periods, perturbed by {}", Short(size));
+            let runs = if !self.is_diagram && starts == 1 { "run" } else { "runs" };
+            let caption = format!("{what} of {each}{runs} of {periods} periods, perturbed by {}", Short(size));
             let bytes = match &self.axis {
                 None => {
                     let picture = EndsPicture { scene, caption, names: &End::NAMES, cells: &self.cells };
@@ -120,6 +127,10 @@ mod with_plot {
                         mark: Mark::Dot,
                         points,
                     };
+                    for series in &mut self.shares {
+                        // A list of values may come in any order.
+                        series.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                    }
                     let shown = |series: &Series| series.points.iter().any(|point| point.1 > 0.0);
                     let (y, scale, series) = if self.is_diagram {
                         ("displacement, once a period", Scale::Linear, vec![dots(self.points)])

@@ -102,8 +102,8 @@ impl Totals {
         if self.compared > 0 {
             let _ = writeln!(
                 out,
-                "exponents measured along {} breathers differ from ln|μ|/T by at most {:.1e}",
-                self.compared, self.difference
+                "exponents measured along {} of {} breathers differ from ln|μ|/T by at most {:.1e}",
+                self.compared, self.breathers, self.difference
             );
         }
         out

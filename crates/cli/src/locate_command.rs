@@ -8,7 +8,7 @@ use vibrochain_floquet::{Answer, BranchedOrbit, End, Event, Evidence, Located, M
 use vibrochain_lattice::{Model, Parameter, Short};
 
 use crate::args::{AlongArgs, EventName, LocateArgs};
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::model::{Chosen, chosen};
 use crate::orbit_command::{orbit_value, point_value, with_layer, with_word};
@@ -50,6 +50,7 @@ pub(crate) fn range(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 
 pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
     let taken = distinct(&inputs, &[("--csv", args.csv.as_deref())])?;
+    nothing_else(args.json, taken)?;
     let header = HEADER.map(|name| if name == FREE { Parameter::from(args.along.free).name() } else { name });
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
     let start = start(&args.along, console)?;

@@ -4,11 +4,11 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_lattice::Short;
 
 use crate::args::MergeArgs;
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::pictures::Pictures;
 use crate::report::report;
-use crate::sweep_command::{manifest_path, manifest_text, nothing_else, place, quoted, tell};
+use crate::sweep_command::{manifest_path, manifest_text, place, quoted, tell};
 use crate::threads::threads;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{distinct, name_within};

@@ -8,7 +8,7 @@ use vibrochain_floquet::{Analyser, Complex, Mechanism, Verdict, leading_modes, p
 use vibrochain_lattice::{Ends, Model};
 
 use crate::args::OrbitArgs;
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::model::chosen;
 use crate::multiplier_file::MultiplierFile;
@@ -40,6 +40,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
             ("--all-plots", args.all_plots.as_deref()),
         ],
     )?;
+    nothing_else(args.json, taken)?;
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let plot = Plot::open(args)?;
     let mut finder = Finder::new(model.chain().sites());

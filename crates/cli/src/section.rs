@@ -67,7 +67,9 @@ impl Section {
         let (strobe, header) = match args.section_at {
             SectionName::Strobe => {
                 let strobe = Strobe::new(model, start.psi, phase);
-                let first = (0..=skip.ceil() as u64).find(|&i| part(strobe.time(i)) >= skip);
+                // The phase is less than a period away.
+                let first = ((skip.floor() as u64).saturating_sub(1)..=skip.ceil() as u64)
+                    .find(|&i| part(strobe.time(i)) >= skip);
                 let columns = columns("displacement").chain(columns("velocity"));
                 let header = words(&["time", "period", "phase"]).into_iter().chain(columns).collect();
                 (Some((strobe, first.unwrap_or(skip.ceil() as u64))), header)

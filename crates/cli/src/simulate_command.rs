@@ -10,7 +10,7 @@ use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::Short;
 
 use crate::args::{Direction, SimulateArgs};
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::model::{Chosen, chosen};
 use crate::orbit_command::point_value;
@@ -67,6 +67,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
             ("--plot", args.plot.as_deref()),
         ],
     )?;
+    nothing_else(args.json, taken)?;
     let (start, orbit) = starting_point(args, &chosen, console)?;
     let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;

@@ -11,7 +11,7 @@ use rayon::ThreadPool;
 use vibrochain_lattice::Short;
 
 use crate::args::{ColorName, SweepArgs};
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::estimate::estimate;
 use crate::pictures::Pictures;
@@ -384,16 +384,6 @@ pub(crate) fn manifest_text(plan: &Plan, summary: &Summary, effort: Option<Effor
         effort,
     };
     format!("{:#}\n", manifest(&about))
-}
-
-/// The manifest is not printed where a file goes already.
-pub(crate) fn nothing_else(json: bool, taken: bool) -> Result<(), CliError> {
-    if json && taken {
-        let message =
-            "--json prints the manifest to standard output, where another file goes: name a file for that one";
-        return Err(CliError::Request(message.to_owned()));
-    }
-    Ok(())
 }
 
 /// What is told at the end: the manifest, if it was asked for, or a summary.

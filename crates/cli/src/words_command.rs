@@ -9,7 +9,7 @@ use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Layout, Model, Parameter};
 
 use crate::args::{SiteFamily, WordsArgs};
-use crate::console::Console;
+use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::model::chosen;
 use crate::orbit_command::point_value;
@@ -73,6 +73,7 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let families = families(args, &model.chain().layout())?;
     let tolerance = chosen.tolerance(args.threshold)?;
     let taken = distinct(&[("--scene", args.model.scene.as_deref())], &[("--csv", args.csv.as_deref())])?;
+    nothing_else(args.json, taken)?;
     let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let words = Word::enumerate(&model, args.sites_used, args.reach, &families)
         .map_err(|error| CliError::Request(error.to_string()))?;

@@ -146,12 +146,12 @@ fn the_manifest_is_printed_for_those_who_ask() {
     let desk = Desk::with_scene(scene);
     let ran = desk.run("sweep scene.toml --out map.csv --json").with(0, &[]);
     assert_eq!((ran.out.into_bytes(), ran.err.as_str()), (desk.read("map.manifest.json"), ""));
-    desk.run("sweep scene.toml --out - --json").with(2, &["--json prints the manifest"]);
+    desk.run("sweep scene.toml --out - --json").with(2, &["--json prints to standard output"]);
     desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
     let merged = desk.run("merge parts --out again.csv --json").with(0, &[]);
     assert_eq!(merged.out.into_bytes(), desk.read("again.manifest.json"));
     assert_eq!(desk.read("again.csv"), desk.read("map.csv"));
-    desk.run("merge parts --out - --json").with(2, &["--json prints the manifest"]);
+    desk.run("merge parts --out - --json").with(2, &["--json prints to standard output"]);
 }
 
 /// The commands that a document shows in blocks of shell, a line each.

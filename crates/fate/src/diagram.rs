@@ -16,8 +16,9 @@ use crate::run::reach;
 use crate::section::Strobe;
 use crate::start::Start;
 
-/// Cells whose points wait for each other.
+/// Cells whose points wait for each other, and how many numbers they may be together: a quarter of a gigabyte.
 const BLOCK: u64 = 64;
+const MOST_WAITING: u64 = 1 << 24;
 
 /// Points of one cell at most.
 pub const MAX_POINTS: u64 = 100_000;
@@ -84,7 +85,8 @@ impl Diagram<'_> {
         mut sink: impl FnMut(Column) -> Result<(), E>,
     ) -> Ended<E> {
         let cells = self.scene.cells();
-        let block = if self.carry { 1 } else { BLOCK };
+        let numbers = (2 * self.points).saturating_mul(self.sites().len() as u64).max(1);
+        let block = if self.carry { 1 } else { (MOST_WAITING / numbers).clamp(1, BLOCK) };
         let mut carried: Option<State> = None;
         let mut first = 0;
         while first < cells {
@@ -109,6 +111,9 @@ impl Diagram<'_> {
 
     /// One run. `None` if stopped.
     fn column(&self, number: u64, carried: Option<State>, stop: &AtomicBool) -> Option<(Column, State)> {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
         let model = self.scene.point(number).model().ok()?;
         let (u, v, psi) = match carried {
             Some((u, v, psi)) => (within(u, &model), v, psi),

@@ -27,6 +27,9 @@ pub struct OutOfRange {
     pub range: String,
 }
 
+/// Periods that are looked at, at least: two of the longest breather's, whose first and last instants may be cut, and one more each.
+const LEAST: u64 = 8;
+
 /// Many runs from each breather.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ensemble {
@@ -71,6 +74,10 @@ impl Ensemble {
         }
         if !(0.0..=0.95).contains(&transient) {
             return wrong("--transient", Short(transient).to_string(), "a share from 0 to 0.95".to_owned());
+        }
+        if periods - self.skipped() < LEAST {
+            let told = format!("a share that leaves at least {LEAST} of {periods} periods");
+            return wrong("--transient", Short(transient).to_string(), told);
         }
         for (name, value) in [("--tolerance", tolerance), ("--leave", leave)] {
             if !(value > 0.0 && value <= 0.5) {

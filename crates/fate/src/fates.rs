@@ -271,22 +271,27 @@ fn find(job: &Job<'_>, from: From, number: u64, worker: &mut Worker) -> Option<F
             orbits.push((count, orbit.clone()));
         }
     });
-    let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit));
-    let unstable = |departure: &Departure| from != From::Unstable || departure.spectral_radius.is_some_and(|r| r > 1.0);
-    Some(Found { number, cell, departures: departures.filter(unstable).collect() })
+    let tolerance = job.scene.task.tolerance;
+    let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance));
+    let asked = |(_, unstable): &(Departure, bool)| from != From::Unstable || *unstable;
+    let departures = departures.filter(asked).map(|(departure, _)| departure).collect();
+    Some(Found { number, cell, departures })
 }
 
-fn departure(number: u32, orbit: &Orbit) -> Option<Departure> {
+/// Whence runs start, and whether the breather is unstable, as the scene counts it.
+fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance) -> Option<(Departure, bool)> {
     let home = Home::of(orbit).ok()?;
-    let known = stability(orbit, Tolerance::Rounding).ok();
+    let known = stability(orbit, tolerance).ok();
+    let unstable = known.as_ref().is_some_and(|known| !known.verdict.stable && !known.verdict.marginal);
     let spectral_radius = known.as_ref().map(|known| known.verdict.spectral_radius);
     let predicted = known.filter(|known| !known.multipliers.is_empty()).map(|known| {
         let largest = known.multipliers.iter().fold(0.0, |most: f64, multiplier| most.max(multiplier.norm()));
-        largest.ln() / orbit.period()
+        // On the circle exactly, as structure keeps it, it has no rounding.
+        if known.verdict.spectral_radius == 1.0 { 0.0 } else { largest.ln() / orbit.period() }
     });
     let name = match orbit.family() {
         Family::Word => Word::of(orbit).to_string(),
         family => family.name().to_owned(),
     };
-    Some(Departure { number, name, spectral_radius, predicted, home })
+    Some((Departure { number, name, spectral_radius, predicted, home }, unstable))
 }

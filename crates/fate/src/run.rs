@@ -28,6 +28,9 @@ const CLOSE: f64 = 0.5;
 /// neighbours that run ahead of each other grow by the first power, where two such motions feed each other by the second.
 const BEYOND_POWERS: f64 = 7.0;
 
+/// Periods after the transient from which on a power of time can be told from a run that is still on its way.
+const TOLD_APART: u64 = 256;
+
 /// Standard errors that an exponent must be away from zero.
 const CLEARLY: f64 = 3.0;
 
@@ -122,10 +125,11 @@ impl Home {
             return End::Another(word.canonical(model));
         }
         // What a power of time allows.
-        let powers = 2.0 * ((ensemble.periods - ensemble.skipped()) as f64).ln() + BEYOND_POWERS;
+        let looked_at = ensemble.periods - ensemble.skipped();
+        let powers = 2.0 * (looked_at as f64).ln() + BEYOND_POWERS;
         match (grown, exponent) {
             (Some(grown), Some(exponent)) if grown > powers && exponent.value > CLEARLY * exponent.error => End::Chaos,
-            (Some(grown), _) if grown.abs() <= powers => End::QuasiPeriodic,
+            (Some(grown), _) if grown.abs() <= powers && looked_at >= TOLD_APART => End::QuasiPeriodic,
             _ => End::Other,
         }
     }

@@ -33,7 +33,7 @@ const EDGE: u32 = 12;
 const LEAST: u32 = 360;
 
 /// The most cells along an axis that are drawn.
-const MOST: usize = 6000;
+pub const MOST_VALUES: usize = 6000;
 
 /// What is drawn.
 #[derive(Debug)]
@@ -56,8 +56,8 @@ pub fn ends_picture(picture: &EndsPicture<'_>, format: Format) -> Result<Vec<u8>
     let Some([x, y]) = picture.scene.plane() else {
         return Err(PlotError("a map has two axes".to_owned()));
     };
-    if x.points().max(y.points()) > MOST {
-        return Err(PlotError(format!("more than {MOST} values along an axis")));
+    if x.points().max(y.points()) > MOST_VALUES {
+        return Err(PlotError(format!("more than {MOST_VALUES} values along an axis")));
     }
     let cell = [x, y].map(|axis| (TARGET / axis.points()).clamp(1, 60) as u32);
     let size = [x.points() as u32 * cell[0], y.points() as u32 * cell[1]];
@@ -133,7 +133,7 @@ impl Drawing for Sheet<'_> {
         let text = ("sans-serif", 17).into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
         let ends = (0..self.picture.names.len()).map(Some).chain([None]);
         for end in ends.filter(|end| self.picture.cells.contains(end)) {
-            let name = end.map_or("no breather", |end| self.picture.names[end]);
+            let name = end.map_or("no breather to start from", |end| self.picture.names[end]);
             swatch(area, |_, _| colour(end), (x, y))?;
             area.draw(&Text::new(name.to_owned(), (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
             y += 34;

@@ -47,7 +47,7 @@ mod words;
 
 pub use canvas::{Format, PlotError, open};
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
-pub use ends::{EndsPicture, ends_picture};
+pub use ends::{EndsPicture, MOST_VALUES, ends_picture};
 pub use map::{Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines};
 pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};

@@ -163,10 +163,15 @@ pub(super) fn of_manifest(path: &Path, text: &str) -> Result<Option<Json>, MapEr
     let first = manifest.get("solutions").and_then(|list| list.get(0));
     let has_orbits = first.is_some_and(|orbit| orbit.get("impacts").is_some());
     // Of a manifest or an answer the rest is not the scene's; of a scene, it is a mistake.
-    let whole = !["program", "parameters"].iter().any(|key| manifest.contains_key(*key));
+    let whole = !["program", "parameters", "ensemble"].iter().any(|key| manifest.contains_key(*key));
     let of_scene = |key: &str| matches!(key, "title" | "model" | "sweep" | "compute");
     if let Some(parameters) = manifest.remove("parameters") {
         manifest.entry("model").or_insert(parameters);
+    }
+    if !manifest.contains_key("model") {
+        let schema = manifest.get("schema").and_then(Value::as_str);
+        let what = schema.map_or(String::new(), |name| format!(" ({})", clipped(name, SHOWN)));
+        return Err(wrong(&format!("it has no model{what}: give a scene, a manifest, or an answer about one point")));
     }
     manifest.retain(|key, value| (whole || of_scene(key)) && !value.is_null());
     // TOML has no null; what is null in a manifest is absent in a scene.
