@@ -29,9 +29,6 @@ const MAX_STEPS: u64 = 1 << 48;
 /// Windows of flight that a run may need at least, impacts aside; of a single mass 1e15 are some three years.
 const MAX_WINDOWS: f64 = 1e15;
 
-/// Flights of single masses between two looks at the stop flag: some tens of milliseconds of work.
-const FLIGHTS: usize = 100_000;
-
 /// Runs the subcommand.
 ///
 /// # Errors
@@ -94,7 +91,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let sampled = (periods * samples as f64) as u64;
     let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
     let mut pace = Pace::new(periods, args.max_impacts, console);
-    let portion = (FLIGHTS / model.chain().sites()).max(1) as u64;
+    let portion = Limits::portion(model.chain().sites());
     let mut counts = Counts::default();
     let mut observe = |event: &Event, impacts: &mut Option<ImpactTable>, section: &mut Option<Section>| {
         counts.see(event, impacts);

@@ -3,19 +3,13 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use vibrochain_breather::{BreatherError, Orbit};
-use vibrochain_eventsim::{Event, Exponent, Growth, Limits, Outcome, Simulation, Tangents, Time};
+use vibrochain_eventsim::{Event, Exponent, Growth, Limits, MAX_FLIGHTS, Outcome, Simulation, Tangents, Time};
 
 use crate::end::End;
 use crate::ensemble::Ensemble;
 use crate::follow::{Follower, Track};
 use crate::repeat::Latest;
 use crate::start::Start;
-
-/// Flights of single masses between two looks at the stop flag: some tens of milliseconds of work.
-const FLIGHTS: usize = 100_000;
-
-/// Flights of one run: hours of work of a few masses. Met where a period is astronomically long against the swing of a mass.
-const MAX_FLIGHTS: u64 = 10_000_000_000;
 
 /// Periods at the end whose impacts are looked at: enough for a slow drift to show, few enough for a run that has just settled.
 const LOOKED_AT: u64 = 64;
@@ -143,7 +137,7 @@ pub(crate) fn reach(
     stop: &AtomicBool,
     mut observe: impl FnMut(&Event),
 ) -> Option<Outcome> {
-    let portion = (FLIGHTS / simulation.model().chain().sites()).max(1) as u64;
+    let portion = Limits::portion(simulation.model().chain().sites());
     let limits = Limits { flights: portion, ..Limits::until(until) };
     loop {
         if stop.load(Ordering::Relaxed) {

@@ -20,9 +20,6 @@ const MOST_EVENTS: usize = 50_000_000;
 /// Windows of flight that a run may need at least, as of `mapgen`: of a single mass 1e15 are some three years.
 const MOST_WINDOWS: f64 = 1e15;
 
-/// Flights of single masses between two looks at the stop flag: some tens of milliseconds of work.
-const FLIGHTS: usize = 100_000;
-
 /// Where a run on an orbit starts: the time before the first impact, displacements, velocities, the phase of the force there.
 #[pyfunction]
 pub(crate) fn _start(py: Python<'_>, orbit: PyRef<'_, PyOrbit>) -> PyResult<Py<PyAny>> {
@@ -114,7 +111,7 @@ impl Course {
         let (mut displacement, mut velocity) = (room(numbers)?, room(numbers)?);
         let (mut events, mut times) = (Events::default(), Vec::new());
         let (mut now, mut speed) = (vec![0.0; sites], vec![0.0; sites]);
-        let flights = (FLIGHTS / sites).max(1) as u64;
+        let flights = Limits::portion(sites);
         let watched = |time: Time| looks.contains(&time);
         let mut report = None;
         for (place, &target) in looks.iter().chain((!watched(end)).then_some(&end)).enumerate() {
