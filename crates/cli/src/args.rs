@@ -1,7 +1,7 @@
 //! The command line.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -526,6 +526,13 @@ pub struct AlongArgs {
     /// The model.
     #[command(flatten)]
     pub model: ModelArgs,
+}
+
+impl AlongArgs {
+    /// The files that are read, by their flags: none of them is written to.
+    pub(crate) fn reads(&self) -> [(&'static str, Option<&Path>); 2] {
+        [("--scene", self.model.scene.as_deref()), ("--near", self.which.near.as_deref())]
+    }
 }
 
 /// Arguments of `mapgen locate`.

@@ -44,8 +44,7 @@ const HEADER: [&str; 15] = [
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
-    let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
-    let taken = distinct(&inputs, &files)?;
+    let taken = distinct(&args.along.reads(), &files)?;
     nothing_else(args.json, taken)?;
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let plot = Plot::open(args)?;

@@ -31,8 +31,7 @@ struct Curves {
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
-    let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
-    let taken = distinct(&inputs, &files)?;
+    let taken = distinct(&args.along.reads(), &files)?;
     nothing_else(args.json, taken)?;
     let [first, second] = [args.along.free, args.and].map(Parameter::from);
     let header = [

@@ -48,8 +48,7 @@ pub(crate) fn range(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let inputs = [("--scene", args.along.model.scene.as_deref()), ("--near", args.along.which.near.as_deref())];
-    let taken = distinct(&inputs, &[("--csv", args.csv.as_deref())])?;
+    let taken = distinct(&args.along.reads(), &[("--csv", args.csv.as_deref())])?;
     nothing_else(args.json, taken)?;
     let header = HEADER.map(|name| if name == FREE { Parameter::from(args.along.free).name() } else { name });
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
