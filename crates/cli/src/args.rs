@@ -12,6 +12,8 @@ use vibrochain_maps::numbers::{real, whole};
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::sweep::ShardFlag;
 
+use crate::page_args::PageArgs;
+
 /// Existence and stability of breathers in vibro-impact chains.
 #[derive(Debug, Parser)]
 #[command(
@@ -173,7 +175,7 @@ pub struct SweepArgs {
     pub resume: bool,
     /// Compute one share of the chunks: shard i of n, from 0, or `slurm` for the share of a job array's task. Then `mapgen
     /// merge` makes the table.
-    #[arg(long, value_name = "i/n", conflicts_with_all = ["png", "svg"], allow_hyphen_values = true)]
+    #[arg(long, value_name = "i/n", conflicts_with_all = ["png", "svg", "pdf"], allow_hyphen_values = true)]
     pub shard: Option<ShardFlag>,
     /// Compute a few cells only, and tell how many there are, how long they will take and how much they will fill.
     #[arg(long)]
@@ -217,7 +219,7 @@ fn axis_value(text: &str) -> Result<(Parameter, f64), String> {
 
 /// Pictures of a map.
 #[derive(Debug, Clone, Args)]
-#[command(group = ArgGroup::new("picture").args(["png", "svg"]).multiple(true))]
+#[command(group = ArgGroup::new("picture").args(["png", "svg", "pdf"]).multiple(true))]
 pub struct PictureArgs {
     /// Picture as PNG: a map over two axes; over one, curves of |μ|, margin and (with `impulse = true`) impulse.
     #[arg(long, value_name = "FILE")]
@@ -225,6 +227,9 @@ pub struct PictureArgs {
     /// The same as SVG.
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
+    /// The same as PDF.
+    #[arg(long, value_name = "FILE")]
+    pub pdf: Option<PathBuf>,
     /// Draw the cells at this value of an axis; again for further axes, until one or two are left. The table stays whole.
     #[arg(long, value_name = "PARAMETER=VALUE", value_parser = axis_value, requires = "picture")]
     pub slice: Vec<(Parameter, f64)>,
@@ -237,6 +242,9 @@ pub struct PictureArgs {
     /// Colours of the pictures of maps.
     #[arg(long, value_enum, default_value_t)]
     pub palette: PaletteName,
+    /// How they are made.
+    #[command(flatten)]
+    pub page: PageArgs,
 }
 
 /// Arguments of `mapgen merge`.
@@ -267,9 +275,12 @@ pub struct MergeArgs {
 pub struct StripesArgs {
     /// Scene file (TOML) of a conservative map with x = omega and y = gamma2.
     pub scene: PathBuf,
-    /// Picture of the map and the lines, .png or .svg.
+    /// Picture of the map and the lines, .png, .svg or .pdf.
     #[arg(long, value_name = "FILE", alias = "out")]
     pub plot: PathBuf,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Table of the lines (CSV).
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -396,9 +407,12 @@ pub struct OrbitArgs {
     /// JSON lists up to 4096 of a solution.
     #[arg(long, value_name = "FILE")]
     pub multipliers: Option<PathBuf>,
-    /// Picture of the orbits, .png or .svg: profile at the impacts, impacting mass over a period.
+    /// Picture of the orbits, .png, .svg or .pdf: profile at the impacts, impacting mass over a period.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Folder for pictures of each solution: profile, space and time, trace, phase portrait, multipliers, leading eigenvector, decay.
     #[arg(long, value_name = "DIR")]
     pub all_plots: Option<PathBuf>,
@@ -601,9 +615,12 @@ pub struct BranchArgs {
     /// Points and events as a table (CSV).
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Picture of the diagram, .png or .svg: solid stable, dashed unstable; with --all, thin not physical.
+    /// Picture of the diagram, .png, .svg or .pdf: solid stable, dashed unstable; with --all, thin not physical.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// What the picture shows, a list with commas.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "impulse,spectral-radius", requires = "plot")]
     pub show: Vec<QuantityName>,
@@ -642,9 +659,12 @@ pub struct CurveArgs {
     /// Points of all curves as a table (CSV).
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Picture of the curves, .png or .svg: solid where the orbit is physical.
+    /// Picture of the curves, .png, .svg or .pdf: solid where the orbit is physical.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,
@@ -668,9 +688,12 @@ pub struct CurvesArgs {
     /// Points of codimension two as a table (CSV).
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
-    /// Picture of the map by its regions, .png or .svg: a stripe thinner than a pixel is drawn by its share.
+    /// Picture of the map by its regions, .png, .svg or .pdf: a stripe thinner than a pixel is drawn by its share.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,
@@ -732,9 +755,12 @@ pub struct FateArgs {
     /// Table to write (CSV), a row a breather.
     #[arg(long, alias = "out", value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Picture, .png or .svg: over two axes the most frequent end of each cell, over one the shares of all ends, or the diagram.
+    /// Picture, .png, .svg or .pdf: over two axes the most frequent end of each cell, over one the shares of all ends, or the diagram.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// From which breathers of a cell runs start.
     #[arg(long, value_enum, default_value_t)]
     pub breathers: StartFrom,
@@ -832,9 +858,12 @@ pub struct SimulateArgs {
     /// Periods at the beginning that the section leaves out.
     #[arg(long, value_name = "P", default_value_t = 0.0, requires = "section", value_parser = real, allow_negative_numbers = true)]
     pub skip: f64,
-    /// Picture of the run, .png or .svg: the impacting mass over the analytic orbit, all masses in space and time.
+    /// Picture of the run, .png, .svg or .pdf: the impacting mass over the analytic orbit, all masses in space and time.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Print JSON instead of text, with the state at the end, which --state takes up again.
     #[arg(long)]
     pub json: bool,

@@ -3,7 +3,7 @@
 use vibrochain_breather::Orbit;
 use vibrochain_floquet::{Course, Diagram, DiagramPoint, Event, FollowedBranch, Station, Verdict};
 use vibrochain_maps::files::Output;
-use vibrochain_plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture, open};
+use vibrochain_plot::{Curves, Mark, Page, Pane, Scale, Series, Stroke, curves_picture};
 
 use crate::args::{BranchArgs, QuantityName};
 use crate::caption::describe_without;
@@ -24,22 +24,22 @@ const HIGHEST: f64 = 1e5;
 
 /// A picture under way.
 pub(crate) struct Plot {
-    file: Option<(Format, Output)>,
+    file: Option<(Page, Output)>,
     shown: Vec<QuantityName>,
     all: bool,
 }
 
 impl Plot {
     pub(crate) fn open(args: &BranchArgs) -> Result<Self, CliError> {
-        Ok(Self { file: open("--plot", args.plot.as_deref())?, shown: args.show.clone(), all: args.all })
+        Ok(Self { file: args.page.open("--plot", args.plot.as_deref())?, shown: args.show.clone(), all: args.all })
     }
 
     pub(crate) fn finish(self, start: &Start, course: &Course, diagram: &Diagram) -> Result<(), CliError> {
-        let Some((format, file)) = self.file else { return Ok(()) };
+        let Some((page, file)) = self.file else { return Ok(()) };
         let panes: Vec<Pane> = self.shown.iter().map(|quantity| pane(*quantity, self.all, course, diagram)).collect();
         let title = format!("branches of breathers, {}", describe_without(start.orbit.model(), course.free));
-        let picture = Curves { title, columns: panes.len().min(2), panes, pane: (860, 620) };
-        let bytes = curves_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
+        let picture = Curves { title, columns: panes.len().min(2), panes, pane: (860, 620), ..Curves::default() };
+        let bytes = curves_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
         Ok(file.finish_with(&bytes)?)
     }
 }
@@ -133,7 +133,7 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
     }
     Pane {
         caption: String::new(),
-        x: course.free.symbol().to_owned(),
+        x: format!("{} {}", course.free.meaning(), course.free.symbol()),
         y: label(quantity).to_owned(),
         x_range: None,
         x_log: false,

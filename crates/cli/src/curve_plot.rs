@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use vibrochain_floquet::{EventCurve, Window};
 use vibrochain_maps::files::Output;
-use vibrochain_plot::{Curves as Picture, Format, Mark, Pane, Scale, Series, Stroke, curves_picture, open};
+use vibrochain_plot::{Curves as Picture, Mark, Page, Pane, Scale, Series, Stroke, curves_picture};
 
 use crate::args::CurveArgs;
 use crate::caption::in_common;
@@ -17,16 +17,16 @@ const GREY: usize = 5;
 
 /// A picture under way.
 pub(crate) struct Plot {
-    file: Option<(Format, Output)>,
+    file: Option<(Page, Output)>,
 }
 
 impl Plot {
     pub(crate) fn open(args: &CurveArgs) -> Result<Self, CliError> {
-        Ok(Self { file: open("--plot", args.plot.as_deref())? })
+        Ok(Self { file: args.page.open("--plot", args.plot.as_deref())? })
     }
 
     pub(crate) fn finish(self, start: &Start, window: &Window, curves: &[EventCurve]) -> Result<(), CliError> {
-        let Some((format, file)) = self.file else { return Ok(()) };
+        let Some((page, file)) = self.file else { return Ok(()) };
         let [x, y] = window.parameters;
         let event = curves.first().map_or(String::new(), |curve| format!("{} of breathers, ", curve.event));
         let common = common(start, curves);
@@ -41,8 +41,14 @@ impl Plot {
             round: false,
             series: series(curves),
         };
-        let picture = Picture { title: format!("{event}{common}"), columns: 1, panes: vec![pane], pane: (1000, 720) };
-        let bytes = curves_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
+        let picture = Picture {
+            title: format!("{event}{common}"),
+            columns: 1,
+            panes: vec![pane],
+            pane: (1000, 720),
+            ..Picture::default()
+        };
+        let bytes = curves_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
         Ok(file.finish_with(&bytes)?)
     }
 }

@@ -257,24 +257,24 @@ mod with_plot {
     use vibrochain_maps::files::Output;
     use vibrochain_maps::regions::Regions;
     use vibrochain_maps::scene::Scene;
-    use vibrochain_plot::{Format, Palette, RegionsPicture, Tile, open, regions_picture};
+    use vibrochain_plot::{Page, Palette, RegionsPicture, Tile, regions_picture};
 
     use super::{CliError, CurvesArgs, Lives};
 
     pub(super) struct Map {
-        file: Option<(Format, Output)>,
+        file: Option<(Page, Output)>,
     }
 
     impl Map {
         pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
-            Ok(Self { file: open("--plot", args.plot.as_deref())? })
+            Ok(Self { file: args.page.open("--plot", args.plot.as_deref())? })
         }
 
         pub(super) fn finish(self, scene: &Scene, regions: &Regions<Lives>) -> Result<(), CliError> {
-            let Some((format, file)) = self.file else { return Ok(()) };
+            let Some((page, file)) = self.file else { return Ok(()) };
             let regions = regions.named(|class| Tile { class: *class, mechanism: None });
             let picture = RegionsPicture { scene, regions: &regions, borders: &[], palette: Palette::default() };
-            let bytes = regions_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
+            let bytes = regions_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
             Ok(file.finish_with(&bytes)?)
         }
     }
@@ -292,7 +292,7 @@ mod without_plot {
     impl Map {
         pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
             match args.plot {
-                Some(_) => Err(CliError::Request("--map needs a build with the feature `plot`".to_owned())),
+                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
                 None => Ok(Self),
             }
         }

@@ -71,7 +71,7 @@ fn ends(
 ) -> Result<(), CliError> {
     // Destinations first: an impossible one should not cost a computation.
     let mut file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, table::header(scene))).transpose()?;
-    let mut plot = Plot::of_ends(args.plot.as_deref(), scene)?;
+    let mut plot = Plot::of_ends(args.plot.as_deref(), &args.page, scene)?;
     let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let bar = bar(scene.cells() * args.starts, "runs", console.progress && !taken);
@@ -134,7 +134,7 @@ fn diagram(
     let header = [axis.parameter.name().to_owned(), "period".to_owned()];
     let header = header.into_iter().chain(columns("displacement")).chain(columns("velocity"));
     let mut file = CsvFile::create("--diagram", path, header)?;
-    let mut plot = Plot::of_diagram(args.plot.as_deref(), scene)?;
+    let mut plot = Plot::of_diagram(args.plot.as_deref(), &args.page, scene)?;
     let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let bar = bar(scene.cells(), "cells", console.progress && !taken);

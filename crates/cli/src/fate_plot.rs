@@ -14,10 +14,11 @@ mod with_plot {
     use vibrochain_maps::files::Output;
     use vibrochain_maps::scene::{Axis, Scene, Values};
     use vibrochain_plot::{
-        Curves, EndsPicture, Format, MOST_VALUES, Mark, Pane, Scale, Series, Stroke, curves_picture, ends_picture, open,
+        Curves, EndsPicture, MOST_VALUES, Mark, Page, Pane, Scale, Series, Stroke, curves_picture, ends_picture,
     };
 
     use crate::error::CliError;
+    use crate::page_args::PageArgs;
 
     /// The most cells of a picture.
     const MOST_CELLS: u64 = 36_000_000;
@@ -30,7 +31,7 @@ mod with_plot {
 
     /// What is collected of a picture.
     pub(crate) struct Plot {
-        file: Option<(Format, Output)>,
+        file: Option<(Page, Output)>,
         /// Of each cell the number of its most frequent end.
         cells: Vec<Option<usize>>,
         /// Of each end, its share at each value of the axis.
@@ -42,7 +43,7 @@ mod with_plot {
     }
 
     impl Plot {
-        pub(crate) fn of_ends(path: Option<&Path>, scene: &Scene) -> Result<Self, CliError> {
+        pub(crate) fn of_ends(path: Option<&Path>, page: &PageArgs, scene: &Scene) -> Result<Self, CliError> {
             let axes = scene.axes.len();
             let longest = scene.axes.iter().map(Axis::points).max().unwrap_or(0);
             if path.is_some() && (axes > 2 || axes == 2 && longest > MOST_VALUES || scene.cells() > MOST_CELLS) {
@@ -51,14 +52,14 @@ mod with_plot {
                 );
                 return Err(CliError::Request(message));
             }
-            Self::new(path, scene, false)
+            Self::new(path, page, scene, false)
         }
 
-        pub(crate) fn of_diagram(path: Option<&Path>, scene: &Scene) -> Result<Self, CliError> {
-            Self::new(path, scene, true)
+        pub(crate) fn of_diagram(path: Option<&Path>, page: &PageArgs, scene: &Scene) -> Result<Self, CliError> {
+            Self::new(path, page, scene, true)
         }
 
-        fn new(path: Option<&Path>, scene: &Scene, is_diagram: bool) -> Result<Self, CliError> {
+        fn new(path: Option<&Path>, page: &PageArgs, scene: &Scene, is_diagram: bool) -> Result<Self, CliError> {
             let axis = match scene.axes.as_slice() {
                 [axis] => Some(axis.clone()),
                 _ => None,
@@ -71,7 +72,14 @@ mod with_plot {
                 points: Vec::new(),
             };
             let shares = End::NAMES.iter().enumerate().map(share).collect();
-            Ok(Self { file: open("--plot", path)?, cells: Vec::new(), shares, points: Vec::new(), axis, is_diagram })
+            Ok(Self {
+                file: page.open("--plot", path)?,
+                cells: Vec::new(),
+                shares,
+                points: Vec::new(),
+                axis,
+                is_diagram,
+            })
         }
 
         pub(crate) fn see(&mut self, cell: &CellFates) {
@@ -108,7 +116,7 @@ mod with_plot {
         }
 
         pub(crate) fn finish(mut self, scene: &Scene, ensemble: &Ensemble) -> Result<(), CliError> {
-            let Some((format, file)) = self.file else { return Ok(()) };
+            let Some((page, file)) = self.file else { return Ok(()) };
             let Ensemble { starts, size, periods, .. } = *ensemble;
             let what = if self.is_diagram { "section" } else { "ends" };
             let each = if self.is_diagram { String::new() } else { format!("{starts} ") };
@@ -117,7 +125,7 @@ mod with_plot {
             let bytes = match &self.axis {
                 None => {
                     let picture = EndsPicture { scene, caption, names: &End::NAMES, cells: &self.cells };
-                    ends_picture(&picture, format)
+                    ends_picture(&picture, page)
                 }
                 Some(axis) => {
                     let dots = |points| Series {
@@ -150,8 +158,14 @@ mod with_plot {
                         series,
                     };
                     curves_picture(
-                        &Curves { title: scene.heading(), panes: vec![pane], columns: 1, pane: (960, 560) },
-                        format,
+                        &Curves {
+                            title: scene.heading(),
+                            panes: vec![pane],
+                            columns: 1,
+                            pane: (960, 560),
+                            ..Curves::default()
+                        },
+                        page,
                     )
                 }
             };
@@ -181,20 +195,21 @@ mod without_plot {
     use vibrochain_maps::scene::Scene;
 
     use crate::error::CliError;
+    use crate::page_args::PageArgs;
 
     /// This build draws nothing.
     pub(crate) struct Plot;
 
     impl Plot {
-        pub(crate) fn of_ends(path: Option<&Path>, _: &Scene) -> Result<Self, CliError> {
+        pub(crate) fn of_ends(path: Option<&Path>, _: &PageArgs, _: &Scene) -> Result<Self, CliError> {
             match path {
                 Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
                 None => Ok(Self),
             }
         }
 
-        pub(crate) fn of_diagram(path: Option<&Path>, scene: &Scene) -> Result<Self, CliError> {
-            Self::of_ends(path, scene)
+        pub(crate) fn of_diagram(path: Option<&Path>, page: &PageArgs, scene: &Scene) -> Result<Self, CliError> {
+            Self::of_ends(path, page, scene)
         }
 
         pub(crate) fn see(&mut self, _: &CellFates) {}

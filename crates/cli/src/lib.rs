@@ -46,6 +46,7 @@ mod orbit_modes;
 #[cfg(feature = "plot")]
 mod orbit_plots;
 mod pace;
+pub mod page_args;
 mod pictures;
 pub mod program;
 pub mod recording;

@@ -32,6 +32,7 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         ("the manifest of --out", manifest_file.as_deref()),
         ("--png", wanted.png.as_deref()),
         ("--svg", wanted.svg.as_deref()),
+        ("--pdf", wanted.pdf.as_deref()),
     ];
     nothing_else(args.json, distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?)?;
     for (flag, path) in outputs {

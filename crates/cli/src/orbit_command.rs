@@ -396,7 +396,7 @@ mod with_plot {
     use crate::orbit_plots;
     use vibrochain_maps::files::Output;
     use vibrochain_maps::files::{name_within, promises_folder};
-    use vibrochain_plot::{Format, OrbitPanels, open, orbit_picture};
+    use vibrochain_plot::{Format, OrbitPanels, Page, orbit_picture};
 
     /// Points of a trace: a few pixels each, smooth to the eye.
     const SAMPLES: usize = 160;
@@ -405,14 +405,15 @@ mod with_plot {
     const MOST: usize = 8;
 
     pub(super) struct Plot {
-        one: Option<(Format, Output)>,
+        one: Option<(Page, Output)>,
         /// The folder of --all-plots.
-        all: Option<(Format, PathBuf)>,
+        all: Option<(Page, PathBuf)>,
     }
 
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            let format = if args.svg { Format::Svg } else { Format::Png };
+            let page = args.page.page(if args.svg { Format::Svg } else { Format::Png });
+            args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
             if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
                 && name_within(folder, plot).is_some_and(|name| orbit_plots::is_own(&name))
             {
@@ -423,20 +424,21 @@ mod with_plot {
                 promises_folder("--all-plots", folder)?;
                 std::fs::create_dir_all(folder)
                     .map_err(|error| CliError::file("cannot make folder", folder, &error))?;
-                Ok::<_, CliError>((format, folder.to_owned()))
+                Ok::<_, CliError>((page, folder.to_owned()))
             });
-            Ok(Self { one: open("--plot", args.plot.as_deref())?, all: all.transpose()? })
+            let one = args.plot.as_deref().map(|plot| args.page.open("--plot", Some(plot))).transpose()?.flatten();
+            Ok(Self { one, all: all.transpose()? })
         }
 
         pub(super) fn finish(self, solutions: &[Solution], console: &mut Console<'_>) -> Result<(), CliError> {
-            if let Some((format, folder)) = &self.all {
+            if let Some((page, folder)) = &self.all {
                 for (i, solution) in solutions.iter().enumerate().take(MOST) {
-                    orbit_plots::write(folder, *format, i + 1, &solution.orbit, solution.stability.as_ref().ok())?;
+                    orbit_plots::write(folder, *page, i + 1, &solution.orbit, solution.stability.as_ref().ok())?;
                 }
                 let (drawn, folder) = (solutions.len().min(MOST), folder.display());
                 console.summary(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
             }
-            let Some((format, file)) = self.one else { return Ok(()) };
+            let Some((page, file)) = self.one else { return Ok(()) };
             let mut panels = Vec::new();
             for (i, solution) in solutions.iter().enumerate().take(MOST) {
                 panels.push(panel(i, solution)?);
@@ -447,7 +449,7 @@ mod with_plot {
                 console.remark(&format!("nothing to plot: there is no solution, {path} was not written"));
                 return Ok(());
             }
-            let bytes = orbit_picture(&panels, format).map_err(|error| CliError::Computation(error.to_string()))?;
+            let bytes = orbit_picture(&panels, page).map_err(|error| CliError::Computation(error.to_string()))?;
             Ok(file.finish_with(&bytes)?)
         }
     }
@@ -474,7 +476,11 @@ mod with_plot {
                 None if stability.verdict.marginal => "marginal".to_owned(),
                 None => "stable".to_owned(),
                 Some(mechanism) => {
-                    format!("unstable by {}, |μ| = {:.6}", mechanism.name(), stability.verdict.spectral_radius)
+                    format!(
+                        "unstable, {}, |μ| = {:.6}",
+                        orbit_plots::loss(mechanism),
+                        stability.verdict.spectral_radius
+                    )
                 }
             },
         };

@@ -21,8 +21,9 @@ use crate::caption::{beside, describe};
 use crate::error::CliError;
 use vibrochain_maps::files::Output;
 use vibrochain_plot::field::FieldWriter;
+pub(crate) use vibrochain_plot::loss;
 use vibrochain_plot::{
-    Curves, Format, Mark, Pane, Profile, Scale, Series, Spacetime, Stroke, curves_picture, spacetime_picture,
+    Curves, Mark, Page, Pane, Profile, Scale, Series, Spacetime, Stroke, curves_picture, spacetime_picture,
 };
 
 /// Samples of one flight between impacts.
@@ -52,17 +53,17 @@ pub(crate) fn is_own(name: &OsStr) -> bool {
 /// [`CliError`].
 pub(crate) fn write(
     folder: &Path,
-    format: Format,
+    page: Page,
     number: usize,
     orbit: &Orbit,
     stability: Option<&Stability>,
 ) -> Result<(), CliError> {
     let title = format!("{} breather {number}: {}", crate::which::name(orbit), describe(orbit.model()));
-    let ending = if format == Format::Png { "png" } else { "svg" };
+    let ending = page.format.ending();
     let save = |name: &str, pane: (u32, u32), panes: Vec<Pane>| {
         let columns = panes.len();
-        let picture = Curves { title: title.clone(), panes, columns, pane };
-        let bytes = curves_picture(&picture, format).map_err(computation)?;
+        let picture = Curves { title: title.clone(), panes, columns, pane, ..Curves::default() };
+        let bytes = curves_picture(&picture, page).map_err(computation)?;
         let file = Output::create(&folder.join(format!("{NAME}{number}-{name}.{ending}")))?;
         Ok::<_, CliError>(file.finish_with(&bytes)?)
     };
@@ -70,7 +71,7 @@ pub(crate) fn write(
     let (trace, phase) = flights(orbit)?;
     save("trace", (960, 480), vec![trace])?;
     save("phase", (960, 560), vec![phase])?;
-    let picture = spacetime_picture(&spacetime(orbit, title.clone())?, format).map_err(computation)?;
+    let picture = spacetime_picture(&spacetime(orbit, title.clone())?, page).map_err(computation)?;
     let file = Output::create(&folder.join(format!("{NAME}{number}-spacetime.{ending}")))?;
     file.finish_with(&picture)?;
     if orbit.centre().is_some() {
@@ -243,7 +244,7 @@ fn multipliers(stability: &Stability) -> Pane {
     let series =
         |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
     let state = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |mechanism| {
-        format!("unstable, {}", mechanism.name())
+        format!("unstable, {}", loss(mechanism))
     });
     let caption =
         format!("{state}; |μ| = {:.9}, leading μ = {}", verdict.spectral_radius, in_six_digits(verdict.leading));
@@ -302,8 +303,7 @@ fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliErr
     let caption = format!("leading perturbation just before the first impact, |μ| = {:.6}", mode.multiplier.norm());
     Ok(vec![
         panel(&caption, "displacement δvₙ", &mode.displacement),
-        // A dot over v would be taken for a prime.
-        panel("its velocities", "velocity d(δvₙ)/dt", &mode.velocity),
+        panel("its velocities", "velocity δv\u{307}ₙ", &mode.velocity),
     ])
 }
 

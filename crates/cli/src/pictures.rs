@@ -17,8 +17,8 @@ mod with_pictures {
     use vibrochain_maps::scene::{Scene, Slice};
     use vibrochain_maps::sweep::Watcher;
     use vibrochain_plot::{
-        Cells, Format, MapBorder, MapPicture, OneAxisPicture, Palette, Quantity, Shade, Tile, is_shown, map_picture,
-        one_axis_picture,
+        Cells, Format, MapBorder, MapPicture, OneAxisPicture, Page, Palette, Quantity, Shade, Tile, is_shown,
+        map_picture, one_axis_picture,
     };
 
     use crate::args::{ColorName, PaletteName, PictureArgs};
@@ -36,7 +36,7 @@ mod with_pictures {
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures {
         slice: Slice,
-        files: Vec<(Format, PathBuf)>,
+        files: Vec<(Page, PathBuf)>,
         palette: Palette,
         seen: Seen,
         curves: bool,
@@ -85,12 +85,13 @@ mod with_pictures {
                 PaletteName::Colour => Palette::Colour,
                 PaletteName::Paper => Palette::Paper,
             };
-            if wanted.png.is_none() && wanted.svg.is_none() {
+            let flags = [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg), (&wanted.pdf, Format::Pdf)];
+            let asked = || flags.iter().filter_map(|(path, format)| Some((path.as_ref()?, *format)));
+            wanted.page.checked(asked().next().is_some(), "--png, --svg or --pdf")?;
+            if asked().next().is_none() {
                 let (slice, seen) = (Slice::of(scene, &[])?, Seen::Cells(Vec::new()));
                 return Ok(Self { slice, files: Vec::new(), palette, seen, curves: false, borders: Vec::new() });
             }
-            let flags = [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg)];
-            let asked = || flags.iter().filter_map(|(path, format)| Some((path.as_ref()?, *format)));
             asked().try_for_each(|(path, format)| format.promised(path))?;
             let slice = slice(wanted, scene)?;
             let seen = Self::kept(wanted.color, slice.scene())?;
@@ -106,7 +107,7 @@ mod with_pictures {
             let mut files = Vec::new();
             for (path, format) in asked() {
                 Output::create(path)?;
-                files.push((format, path.clone()));
+                files.push((wanted.page.page(format), path.clone()));
             }
             Ok(Self { slice, files, palette, seen, curves: wanted.curves, borders: Vec::new() })
         }
@@ -170,12 +171,12 @@ mod with_pictures {
         /// Draws and writes them.
         pub(crate) fn finish(self) -> Result<(), CliError> {
             let (scene, palette, borders) = (self.slice.scene(), self.palette, self.borders.as_slice());
-            let map = |cells, format| map_picture(&MapPicture { scene, cells, palette, borders }, format);
-            for (format, path) in self.files {
+            let map = |cells, page| map_picture(&MapPicture { scene, cells, palette, borders }, page);
+            for (page, path) in self.files {
                 let bytes = match &self.seen {
-                    Seen::Classes(tiles) => map(Cells::Classes(tiles), format),
-                    Seen::Numbers(quantity, shades) => map(Cells::Numbers(*quantity, shades), format),
-                    Seen::Cells(cells) => one_axis_picture(&OneAxisPicture { scene, cells }, format),
+                    Seen::Classes(tiles) => map(Cells::Classes(tiles), page),
+                    Seen::Numbers(quantity, shades) => map(Cells::Numbers(*quantity, shades), page),
+                    Seen::Cells(cells) => one_axis_picture(&OneAxisPicture { scene, cells }, page),
                 };
                 let bytes = bytes.map_err(|error| CliError::Computation(error.to_string()))?;
                 Output::create(&path)?.finish_with(&bytes)?;
@@ -245,8 +246,10 @@ mod without_pictures {
 
     impl Pictures {
         pub(crate) fn plan(wanted: &PictureArgs, _: &Scene) -> Result<Self, CliError> {
-            if wanted.png.is_some() || wanted.svg.is_some() {
-                return Err(CliError::Request("--png and --svg need a build with the feature `plot`".to_owned()));
+            if wanted.png.is_some() || wanted.svg.is_some() || wanted.pdf.is_some() {
+                return Err(CliError::Request(
+                    "--png, --svg and --pdf need a build with the feature `plot`".to_owned(),
+                ));
             }
             Ok(Self)
         }

@@ -102,7 +102,7 @@ mod with_plot {
     use super::{CliError, SimulateArgs, Start, orbit_time};
     use vibrochain_maps::files::Output;
     use vibrochain_plot::field::FieldWriter;
-    use vibrochain_plot::{Format, RunPicture, open, run_picture};
+    use vibrochain_plot::{Page, RunPicture, run_picture};
 
     /// Periods at the end of the run of which the impacting mass is shown.
     const SHOWN: f64 = 8.0;
@@ -114,7 +114,7 @@ mod with_plot {
     pub(crate) struct Plot(Option<Collected>);
 
     struct Collected {
-        format: Format,
+        page: Page,
         file: Output,
         title: String,
         barriers: (f64, f64),
@@ -138,12 +138,12 @@ mod with_plot {
             orbit: Option<&Orbit>,
             start: &Start,
         ) -> Result<Self, CliError> {
-            let Some((format, file)) = open("--plot", args.plot.as_deref())? else { return Ok(Self(None)) };
+            let Some((page, file)) = args.page.open("--plot", args.plot.as_deref())? else { return Ok(Self(None)) };
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
             let sites = model.chain().sites();
             let title = crate::caption::describe(model);
             Ok(Self(Some(Collected {
-                format,
+                page,
                 file,
                 title,
                 barriers: (model.asymmetry() - 1.0, model.asymmetry() + 1.0),
@@ -185,12 +185,12 @@ mod with_plot {
         }
 
         pub(crate) fn finish(self) -> Result<(), CliError> {
-            let Some(Collected { format, file, title, barriers, periods, simulated, analytic, field, .. }) = self.0
+            let Some(Collected { page, file, title, barriers, periods, simulated, analytic, field, .. }) = self.0
             else {
                 return Ok(());
             };
             let picture = RunPicture { title, barriers, simulated, analytic, field: field.finish(), periods };
-            let bytes = run_picture(&picture, format).map_err(|error| CliError::Computation(error.to_string()))?;
+            let bytes = run_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
             Ok(file.finish_with(&bytes)?)
         }
     }

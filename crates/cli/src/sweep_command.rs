@@ -112,6 +112,7 @@ impl SweepRun<'_> {
                 ("the folder of chunks", Some(&parts)),
                 ("--png", wanted.png.as_deref()),
                 ("--svg", wanted.svg.as_deref()),
+                ("--pdf", wanted.pdf.as_deref()),
             ],
         )?;
         nothing_else(self.args.json, taken)?;
@@ -185,7 +186,12 @@ impl SweepRun<'_> {
         let wanted = &self.args.pictures;
         let taken = distinct(
             &[("the scene", Some(&self.args.scene))],
-            &[("--out", Some(out)), ("--png", wanted.png.as_deref()), ("--svg", wanted.svg.as_deref())],
+            &[
+                ("--out", Some(out)),
+                ("--png", wanted.png.as_deref()),
+                ("--svg", wanted.svg.as_deref()),
+                ("--pdf", wanted.pdf.as_deref()),
+            ],
         )?;
         nothing_else(self.args.json, taken)?;
         let scene = &self.plan.scene;
@@ -329,7 +335,9 @@ impl SweepRun<'_> {
     fn command(&self) -> String {
         let mut words = vec!["mapgen sweep".to_owned(), quoted(&self.args.scene)];
         let pictures = &self.args.pictures;
-        for (flag, path) in [("--out", &self.args.out), ("--png", &pictures.png), ("--svg", &pictures.svg)] {
+        for (flag, path) in
+            [("--out", &self.args.out), ("--png", &pictures.png), ("--svg", &pictures.svg), ("--pdf", &pictures.pdf)]
+        {
             words.extend(path.iter().map(|path| format!("{flag} {}", quoted(path))));
         }
         words.extend(

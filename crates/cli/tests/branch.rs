@@ -320,7 +320,7 @@ fn wrong_requests() {
     wrong("--free amplitude --threshold -1", "growth");
     // A table into a folder.
     if cfg!(feature = "plot") {
-        wrong(&format!("--free amplitude --plot {}", file("branch.pdf")), "end the name in .png or .svg");
+        wrong(&format!("--free amplitude --plot {}", file("branch.gif")), "end the name in .png, .svg or .pdf");
     }
     let table = folder.path().display();
     wrong(&format!("--free amplitude --csv {table}"), "it is a folder; name a file");

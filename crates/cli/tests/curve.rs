@@ -63,7 +63,7 @@ fn a_picture_and_what_no_picture_can_be() {
     curve("fold", PLANE).arg("--plot").arg(&picture).assert().success();
     let drawn = fs::read_to_string(&picture).unwrap();
     assert!(drawn.starts_with("<svg") && drawn.contains("curve 1") && drawn.contains("restitution e"));
-    curve("fold", PLANE).args(["--plot", "curve.pdf"]).assert().code(2);
+    curve("fold", PLANE).args(["--plot", "curve.gif"]).assert().code(2);
 }
 
 #[test]

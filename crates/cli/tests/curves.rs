@@ -80,7 +80,7 @@ fn what_cannot_be_asked_is_refused() {
     let scene = desk.path().join("scene.toml");
     fs::write(&scene, SCENE).unwrap();
     curves(&scene).args(["--tolerance", ".5"]).assert().code(2).stderr(contains("give a part of the window"));
-    curves(&scene).args(["--plot", "map.pdf"]).assert().code(2).stderr(contains("--plot map.pdf"));
+    curves(&scene).args(["--plot", "map.gif"]).assert().code(2).stderr(contains("--plot map.gif"));
     curves(&scene).arg("--csv").arg(&scene).assert().code(2).stderr(contains("the scene"));
     curves(&desk.path().join("none.toml")).assert().code(2);
     let line = SCENE.replace("y = { parameter = \"gamma2\", from = 0.0, to = 0.2, points = 40 }\n", "");

@@ -41,6 +41,7 @@ fn options() -> Vec<(String, &'static str)> {
             ("sweep scene.toml --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
             ("sweep scene.toml --out elsewhere/map.csv --svg FILE --quiet".to_owned(), "svg"),
             ("merge parts --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
+            ("sweep scene.toml --out elsewhere/map.csv --pdf FILE --quiet".to_owned(), "pdf"),
             (format!("{orbit} --plot FILE"), "png"),
             (format!("{simulate} --plot FILE"), "png"),
             ("stripes scene.toml --plot FILE".to_owned(), "png"),
@@ -243,12 +244,12 @@ fn endings_that_promise_something_else_are_refused() {
     let before = (desk.names("."), desk.names("elsewhere"));
     let mut asked = 0;
     for (line, ending) in options() {
-        let others = ["csv", "csv.gz", "png", "svg", "jpg", "md", "json", "h5", "toml", "PDF", "5"];
+        let others = ["csv", "csv.gz", "png", "svg", "jpg", "md", "json", "h5", "toml", "GIF", "pdf", "5"];
         // A table may be compressed, a picture of --plot and of stripes have either form.
         let either = |other: &str| match ending {
             _ if other == ending => true,
             "csv" | "csv.gz" if line.contains("--out FILE --quiet") => other.starts_with("csv"),
-            "png" if !line.contains("--png") => other == "svg",
+            "png" if !line.contains("--png") => other == "svg" || other == "pdf",
             _ => false,
         };
         for other in others.into_iter().filter(|other| !either(other)) {

@@ -100,7 +100,7 @@ fn what_cannot_be_asked_is_refused_with_what_can() {
         ("fate scene.toml --transient 1", "--transient 1 is out of range: give a share from 0 to 0.95"),
         ("fate scene.toml --tolerance 2", "--tolerance 2 is out of range"),
         ("fate scene.toml --csv map.parquet", "--csv map.parquet"),
-        ("fate scene.toml --plot map.gif", "end the name in .png or .svg"),
+        ("fate scene.toml --plot map.gif", "end the name in .png, .svg or .pdf"),
         ("fate scene.toml --csv scene.toml", "scene.toml"),
         ("fate scene.toml --diagram d.csv", "--diagram needs a scene with one axis, this one has 2"),
         ("fate line.toml --diagram d.csv --points 0", "--points 0 is out of range"),

@@ -289,7 +289,7 @@ fn wrong_orbit_flags() {
     let alone = ["orbit", "--family", "double-sided", "--amplitude", ".1"];
     mapgen(&[]).args(alone).args(POINT).assert().code(2).stderr(contains("--restitution"));
     let picture = ["orbit", "--family", "double-sided", "--plot", "orbit.gif"];
-    mapgen(&[]).args(picture).args(POINT).assert().code(2).stderr(contains("end the name in .png or .svg"));
+    mapgen(&[]).args(picture).args(POINT).assert().code(2).stderr(contains("end the name in .png, .svg or .pdf"));
 }
 
 fn orbit_json(family: &str, flags: &[&str]) -> Value {
@@ -652,7 +652,7 @@ fn wrong_simulations() {
         (vec!["--family", "double-sided", "--periods", "-1"], "--periods -1 is out of range: give a number from 0"),
         (vec!["--family", "double-sided", "--perturb", "1e-3", "--direction", "unstable"], "this breather is stable"),
         (vec!["--family", "double-sided", "--periods", "288230376151711744"], "give at most"),
-        (vec!["--family", "double-sided", "--plot", "run.jpg"], "end the name in .png or .svg"),
+        (vec!["--family", "double-sided", "--plot", "run.jpg"], "end the name in .png, .svg or .pdf"),
     ] {
         mapgen(&[]).arg("simulate").args(POINT).args(&flags).assert().code(2).stdout("").stderr(contains(message));
     }

@@ -24,7 +24,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use tempfile::TempDir;
 use vibrochain_breather::{Family, Word};
-use vibrochain_cli::args::{Cli, Command, read};
+use vibrochain_cli::args::{Cli, Command, PictureArgs, read};
 use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
 use vibrochain_cli::model;
@@ -177,8 +177,8 @@ const MORE_LINES: [&str; 8] = [
     "mapgen locate --event grazing --free omega --from .9 --to 1.1 --family single-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1 --asymmetry .4",
     "mapgen locate --json --event fold --free amplitude --family double-sided --sites 2 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
     "mapgen stripes scene.toml --out stripes.png --csv stripes.csv",
-    "mapgen stripes scene.toml --out stripes.svg --all",
-    "mapgen sweep scene.toml --out map.csv --png map.png --svg map.svg --threads 2",
+    "mapgen stripes scene.toml --out stripes.svg --all --style column --letters",
+    "mapgen sweep scene.toml --out map.csv --png map.png --svg map.svg --pdf map.pdf --threads 2 --width 86mm --dpi 150 --font-size 8",
     "mapgen merge parts --out map.csv --png map.png",
     "mapgen orbit --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --all-plots plots --multipliers multipliers.csv",
     "mapgen simulate --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --periods 3 --plot run.png --samples 9",
@@ -339,8 +339,9 @@ fn plan(line: &[OsString], work: f64) -> Plan {
                 windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model, false)));
             }
             // A picture takes longer than its cells, threads longer than they are worth.
+            let PictureArgs { png, svg, pdf, .. } = &args.pictures;
             let pictures =
-                args.pictures.png.is_some() || args.pictures.svg.is_some() || threads.is_none_or(|threads| threads > 4);
+                [png, svg, pdf].iter().any(|file| file.is_some()) || threads.is_none_or(|threads| threads > 4);
             let cost = scene.cells() as f64 * scene.base.sites() as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
@@ -399,11 +400,8 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         }
         // What is there is read, nothing is computed; pictures take longer.
         Ok(Command::Merge(args)) => {
-            if args.pictures.png.is_some() || args.pictures.svg.is_some() {
-                Plan::Stopped
-            } else {
-                Plan::Whole
-            }
+            let PictureArgs { png, svg, pdf, .. } = &args.pictures;
+            if [png, svg, pdf].iter().any(|file| file.is_some()) { Plan::Stopped } else { Plan::Whole }
         }
         // Minutes of work, tested elsewhere.
         Ok(Command::Init(_) | Command::Completions(_) | Command::Man(_)) => Plan::Whole,

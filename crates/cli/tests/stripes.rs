@@ -156,7 +156,7 @@ fn wrong_requests() {
         assert_eq!(desk.names("."), ["scene.toml"], "{message}");
     }
     let scene = desk.scene(SCENE);
-    stripes(&desk, &scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png or .svg"));
+    stripes(&desk, &scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png, .svg or .pdf"));
     stripes(&desk, &desk.path("missing.toml"), "x.png", &[]).code(2).stderr(contains("cannot read scene"));
     mapgen(&["stripes"]).arg(&scene).assert().code(2).stderr(contains("--plot"));
     stripes(&desk, &scene, "scene.toml.png", &["--csv", desk.path("scene.toml.png").to_str().unwrap()])

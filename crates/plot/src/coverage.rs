@@ -1,7 +1,6 @@
 //! How much of each pixel shapes cover, exactly: from the edges of their outlines, each of which adds to all pixels on its right.
 
-/// A place in pixels, from the upper left corner.
-pub(crate) type Place = [f64; 2];
+use crate::drawing::Place;
 
 /// The shares of the pixels of a picture.
 #[derive(Debug, Clone)]

@@ -1,16 +1,20 @@
-//! Pictures: maps, curves, orbits, runs, as bytes of PNG or SVG. All of them are drawn with a font that is shipped with the crate,
-//! so that a bare machine will do.
+//! Pictures: maps, curves, orbits, runs, as bytes of PNG, SVG or PDF. A picture is drawn once, as vectors, for a [`Page`]; all letters
+//! are outlines of a font that is shipped with the crate, so that a bare machine will do.
 //!
 //! | module | holds |
 //! |---|---|
+//! | `page` | [`Page`]: width, resolution, size of letters |
 //! | `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
-//! | `map`, `sheet`, `lines`, `palette` | the picture of a map, what stands about it, lines over it, its colours and textures |
+//! | `drawing` | shapes, circles, words and rasters as values |
+//! | `svg`, `pixels`, `pdf` | the three kinds of files |
+//! | `font`, `typeset`, `words` | letters, where they stand, lines of a heading |
+//! | `axis`, `frame`, `markers`, `strokes` | ticks, panels, marks and lines of all pictures |
+//! | `map`, `sheet`, `key`, `lines`, `palette` | the picture of a map, what stands about it, its legend, lines over it, its colours and textures |
 //! | `quantity` | numbers of cells, and how they become colours |
 //! | `one_axis` | the curves of a sweep over one parameter |
-//! | `strokes` | thin lines over a map |
 //! | `ends` | what becomes of perturbed breathers, over a map |
 //! | `regions`, `coverage` | the picture of a map by its regions: shapes, or pixels by exact area |
-//! | `curves`, `axes`, `ticks`, `decades`, `markers`, `words` | curves in panes; axes, marks and headings of all pictures |
+//! | `curves` | curves in panes |
 //! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
 //! | `field` | all masses of a run in space and time, thinned while it runs |
 //!
@@ -23,36 +27,46 @@
 //! # Ok::<(), vibrochain_plot::PlotError>(())
 //! ```
 
-pub mod axes;
-pub mod canvas;
+mod axis;
+mod canvas;
 mod coverage;
 mod curves;
-pub mod decades;
+pub mod drawing;
 mod ends;
 pub mod field;
+mod font;
+mod frame;
+mod key;
 mod lines;
 mod map;
-pub mod markers;
+mod markers;
 mod one_axis;
 mod orbit;
+mod page;
 pub mod palette;
+mod pdf;
+mod pixels;
 mod quantity;
 mod regions;
 mod run;
 mod sheet;
 mod spacetime;
 mod strokes;
-mod ticks;
+mod svg;
+mod typeset;
 mod words;
 
-pub use canvas::{Format, PlotError, open};
+pub use axis::power_of_ten;
+pub use canvas::{Format, PlotError, open, render};
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 pub use ends::{EndsPicture, MOST_VALUES, ends_picture};
 pub use map::{Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines};
 pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};
+pub use page::{Page, Purpose};
 pub use palette::{Palette, Tile};
 pub use quantity::{Quantity, Shade};
 pub use regions::{RegionsPicture, regions_picture};
 pub use run::{RunPicture, run_picture};
+pub use sheet::loss;
 pub use spacetime::{Spacetime, spacetime_picture};

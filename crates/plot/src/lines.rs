@@ -1,14 +1,11 @@
 //! Lines with labels over the raster of a map: white on dark cells and black on light ones, and broken, so that the cells
 //! under them show.
 
-use std::ops::Range;
-
-use plotters::coord::Shift;
-use plotters::element::{PathElement, Rectangle, Text};
-use plotters::prelude::{BLACK, Color, DrawingArea, DrawingBackend, IntoFont, RGBColor, WHITE};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-use crate::canvas::PlotError;
+use crate::drawing::{Across, BLACK, Drawing, Line, Place, Rgb, Upright, WHITE};
+use crate::font::width;
+use crate::key::Entry;
+use crate::map::Raster;
+use crate::sheet::Placed;
 
 /// A line over a map.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,79 +20,45 @@ pub struct MapLine {
     pub own: Option<usize>,
 }
 
-/// Where the raster lies, in pixels and in units of the axes.
-#[derive(Debug, Clone)]
-pub(crate) struct Frame<'a> {
-    pub(crate) left: i32,
-    pub(crate) top: i32,
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    pub(crate) x: Range<f64>,
-    pub(crate) y: Range<f64>,
-    /// Its pixels, three bytes each.
-    pub(crate) raster: &'a [u8],
-}
-
-impl Frame<'_> {
-    /// Whether the raster is dark at a pixel.
-    fn is_dark(&self, (x, y): (i32, i32)) -> bool {
-        let column = (x - self.left).clamp(0, self.width as i32 - 1) as usize;
-        let row = (y - self.top).clamp(0, self.height as i32 - 1) as usize;
-        let first = 3 * (row * self.width as usize + column);
-        let grey =
-            |rgb: &[u8]| rgb.iter().zip([0.3, 0.59, 0.11]).map(|(c, weight)| f64::from(*c) * weight).sum::<f64>();
-        self.raster.get(first..first + 3).is_some_and(|rgb| grey(rgb) < 110.0)
-    }
-
-    fn pixel(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        let part = |value: f64, range: &Range<f64>| (value - range.start) / (range.end - range.start);
-        (
-            f64::from(self.left) + part(x, &self.x) * f64::from(self.width),
-            f64::from(self.top) + (1.0 - part(y, &self.y)) * f64::from(self.height),
-        )
-    }
-
-    fn holds(&self, (left, top, right, bottom): Box) -> bool {
-        left > self.left
-            && top > self.top
-            && right < self.left + self.width as i32
-            && bottom < self.top + self.height as i32
-    }
-}
-
 /// Left, top, right, bottom.
-type Box = (i32, i32, i32, i32);
+type Bounds = [f64; 4];
 
-/// Dash and gap, in pixels.
-const DASH: (f64, f64) = (7.0, 9.0);
+/// Dash and gap, and the steps in which the cells below are looked at, on a screen.
+const DASH: [f64; 2] = [7.0, 9.0];
+const STEP: f64 = 1.0;
 
 /// Shorter lines have no label.
 const LABELLED: f64 = 60.0;
 
-const SIZE: i32 = 13;
+/// Size of the labels against the letters of legends, and the air about them in em.
+const SIZE: f64 = 0.87;
+const AIR: f64 = 0.2;
 
-/// The dashes of line number `number`, pixel by pixel. Lines begin their dashes at different places, or those side by side
-/// would make a pattern of their own.
-fn dashes(points: &[(f64, f64)], number: usize) -> Vec<Vec<(i32, i32)>> {
-    let (on, off) = DASH;
+/// Of lines that are not the main matter.
+const FAINT: Rgb = [120, 120, 120];
+
+/// The dashes of line number `number`, so many times as large as on a screen. Lines begin their dashes at different places, or those
+/// side by side would make a pattern of their own.
+fn dashes(points: &[Place], number: usize, times: f64) -> Vec<Vec<Place>> {
+    let [on, off] = DASH.map(|part| part * times);
     let (mut all, mut dash) = (Vec::new(), Vec::new());
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let mut along = (number as f64 * golden).fract() * (on + off);
-    let pixel = |(x, y): (f64, f64)| (x.round() as i32, y.round() as i32);
     for pair in points.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let length = (to.0 - from.0).hypot(to.1 - from.1);
-        // Steps of a pixel: enough for the eye, and no case is special.
-        let steps = length.ceil().max(1.0) as usize;
-        for step in 0..steps {
+        let ([x0, y0], [x1, y1]) = (pair[0], pair[1]);
+        let length = (x1 - x0).hypot(y1 - y0);
+        // Small steps: enough for the eye, and no case is special.
+        let steps = (length / (STEP * times)).ceil().clamp(1.0, 1e5) as usize;
+        for step in 0..=steps {
             let part = step as f64 / steps as f64;
-            let at = (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1));
             if along % (on + off) < on {
-                dash.push(pixel(at));
+                dash.push([x0 + part * (x1 - x0), y0 + part * (y1 - y0)]);
             } else if !dash.is_empty() {
                 all.push(std::mem::take(&mut dash));
             }
-            along += length / steps as f64;
+            if step < steps {
+                along += length / steps as f64;
+            }
         }
     }
     if !dash.is_empty() {
@@ -105,100 +68,90 @@ fn dashes(points: &[(f64, f64)], number: usize) -> Vec<Vec<(i32, i32)>> {
 }
 
 /// Draws lines and as many labels as do not meet.
-pub(crate) fn draw_lines<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    frame: &Frame<'_>,
+pub(crate) fn draw_lines(
+    drawing: &mut Drawing,
+    placed: &Placed,
+    raster: &Raster,
     lines: &[MapLine],
-) -> Result<(), PlotError> {
-    let pixels: Vec<Vec<(f64, f64)>> =
-        lines.iter().map(|line| line.points.iter().map(|point| frame.pixel(*point)).collect()).collect();
-    for (number, (_, points)) in lines.iter().zip(&pixels).filter(|(line, _)| line.faint).enumerate() {
-        for dash in dashes(points, number) {
-            area.draw(&PathElement::new(dash, RGBColor(120, 120, 120).stroke_width(1))).map_err(PlotError::from)?;
-        }
-    }
-    let strong = || lines.iter().zip(&pixels).filter(|(line, _)| !line.faint);
-    for (number, (_, points)) in strong().enumerate() {
-        for dash in dashes(points, number) {
-            // A dash may run from dark to light cells.
-            for part in dash.chunk_by(|a, b| frame.is_dark(*a) == frame.is_dark(*b)) {
-                let dark = part.first().is_some_and(|pixel| frame.is_dark(*pixel));
-                let colour = if dark { WHITE } else { BLACK };
-                area.draw(&PathElement::new(part.to_vec(), colour.stroke_width(1))).map_err(PlotError::from)?;
+    part: &dyn Fn([f64; 2]) -> [f64; 2],
+) {
+    let page = &placed.page;
+    let (times, corners) = (page.px(1.0), placed.corners());
+    let points: Vec<Vec<Place>> =
+        lines.iter().map(|line| line.points.iter().map(|&(x, y)| placed.within(part([x, y]))).collect()).collect();
+    let of = |faint: bool| lines.iter().zip(&points).filter(move |(line, _)| line.faint == faint);
+    drawing.clipped(corners, |drawing| {
+        for (number, (_, points)) in of(true).enumerate() {
+            for dash in dashes(points, number, times) {
+                drawing.line(dash, Line::new(FAINT, times));
             }
         }
-    }
-    let mut taken: Vec<Box> = Vec::new();
-    for (line, points) in strong().filter(|(_, points)| length(points) > LABELLED) {
-        let (width, height) = (label_width(&line.label), SIZE + 3);
+        let is_dark = |[x, y]: &Place| {
+            let [[left, top], [right, bottom]] = corners;
+            raster.is_dark([(x - left) / (right - left), (y - top) / (bottom - top)])
+        };
+        for (number, (_, points)) in of(false).enumerate() {
+            for dash in dashes(points, number, times) {
+                // A dash may run from dark to light cells.
+                for part in dash.chunk_by(|a, b| is_dark(a) == is_dark(b)) {
+                    let dark = part.first().is_some_and(is_dark);
+                    drawing.line(part.to_vec(), Line::new(if dark { WHITE } else { BLACK }, 1.2 * times));
+                }
+            }
+        }
+    });
+    let em = SIZE * page.font;
+    let mut taken: Vec<Bounds> = Vec::new();
+    for (line, own) in of(false).filter(|(_, points)| length(points) > LABELLED * times) {
+        let (half, high) = (0.5 * em * width(&line.label) + AIR * em, 0.62 * em);
         // From the top of the line down: that is where lines are farthest apart.
-        let place =
-            points.iter().rev().map(|(x, y)| (x.round() as i32, y.round() as i32 + height)).find_map(|(x, y)| {
-                let own = (x - width / 2, y - height / 2, x + width / 2, y + height / 2);
-                let free = taken.iter().all(|other| apart(own, *other));
-                (frame.holds(own) && free && lone(own, points, &pixels)).then_some(own)
-            });
-        let Some(own) = place else { continue };
-        taken.push(own);
-        let (left, top, right, bottom) = own;
-        area.draw(&Rectangle::new([(left, top), (right, bottom)], WHITE.filled())).map_err(PlotError::from)?;
-        let centre = ((left + right) / 2, (top + bottom) / 2);
-        let font = ("sans-serif", SIZE).into_font().color(&BLACK).pos(Pos::new(HPos::Center, VPos::Center));
-        area.draw(&Text::new(line.label.clone(), centre, font)).map_err(PlotError::from)?;
+        let place = own.iter().rev().find_map(|&[x, y]| {
+            let y = y + 2.0 * high;
+            let bounds = [x - half, y - high, x + half, y + high];
+            let free = taken.iter().all(|other| apart(bounds, *other, 3.0 * times));
+            (holds(corners, bounds) && free && lone(bounds, own, &points)).then_some(bounds)
+        });
+        let Some(bounds) = place else { continue };
+        taken.push(bounds);
+        let [left, top, right, bottom] = bounds;
+        drawing.area(vec![[left, top], [right, top], [right, bottom], [left, bottom]], WHITE);
+        let centre = [0.5 * (left + right), 0.5 * (top + bottom)];
+        drawing.anchored(&line.label, centre, em, BLACK, (Across::Centre, Upright::Middle));
     }
-    Ok(())
 }
 
-/// Length of a line in pixels.
-fn length(points: &[(f64, f64)]) -> f64 {
-    points.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).sum()
+fn holds([[left, top], [right, bottom]]: [Place; 2], bounds: Bounds) -> bool {
+    bounds[0] > left && bounds[1] > top && bounds[2] < right && bounds[3] < bottom
 }
 
-fn label_width(label: &str) -> i32 {
-    label.chars().map(|c| if c == ',' { 5 } else { 9 }).sum::<i32>() + 4
+fn length(points: &[Place]) -> f64 {
+    points.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum()
 }
 
-fn apart(a: Box, b: Box) -> bool {
-    const AIR: i32 = 3;
-    a.2 + AIR < b.0 || b.2 + AIR < a.0 || a.3 + AIR < b.1 || b.3 + AIR < a.1
+fn apart(a: Bounds, b: Bounds, air: f64) -> bool {
+    a[2] + air < b[0] || b[2] + air < a[0] || a[3] + air < b[1] || b[3] + air < a[1]
 }
 
 /// No other line passes under the label: it would be unclear whose it is.
-fn lone(own: Box, points: &[(f64, f64)], all: &[Vec<(f64, f64)>]) -> bool {
-    let inside = |(x, y): &(f64, f64)| {
-        *x > f64::from(own.0) && *x < f64::from(own.2) && *y > f64::from(own.1) && *y < f64::from(own.3)
-    };
+fn lone(own: Bounds, points: &[Place], all: &[Vec<Place>]) -> bool {
+    let inside = |[x, y]: &Place| *x > own[0] && *x < own[2] && *y > own[1] && *y < own[3];
     all.iter().filter(|other| !std::ptr::eq(other.as_slice(), points)).all(|other| !other.iter().any(inside))
 }
 
 /// The entries of the legend.
-pub(crate) fn draw_key<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    lines: &[MapLine],
-    (x, y): (i32, i32),
-) -> Result<(), PlotError> {
-    let small = |size: i32, grey: u8| {
-        ("sans-serif", size).into_font().color(&RGBColor(grey, grey, grey)).pos(Pos::new(HPos::Left, VPos::Center))
-    };
-    let mut y = y;
-    area.draw(&Text::new("two modes meet", (x, y), small(16, 60))).map_err(PlotError::from)?;
-    y += 28;
-    for (faint, text) in [(false, "k,l,j: Ωₖ + Ωₗ = jω"), (true, "Ωₖ − Ωₗ = jω")] {
-        if !lines.iter().any(|line| line.faint == faint) {
-            continue;
-        }
-        let sample = [(f64::from(x), f64::from(y)), (f64::from(x) + 34.0, f64::from(y))];
-        for dash in dashes(&sample, 0) {
-            let colour = if faint { RGBColor(120, 120, 120) } else { RGBColor(0, 0, 0) };
-            area.draw(&PathElement::new(dash, colour.stroke_width(1))).map_err(PlotError::from)?;
-        }
-        area.draw(&Text::new(text, (x + 44, y), small(17, 0))).map_err(PlotError::from)?;
-        y += 30;
+pub(crate) fn key(lines: &[MapLine]) -> Vec<Entry<'static>> {
+    if lines.is_empty() {
+        return Vec::new();
     }
-    let own = lines.iter().find_map(|line| line.own).map(|mode| format!("{mode}: the breather's own"));
-    for text in [Some("Ω of the modes as the"), Some("breather shifts them"), own.as_deref()].into_iter().flatten() {
-        area.draw(&Text::new(text, (x, y), small(15, 60))).map_err(PlotError::from)?;
-        y += 22;
+    let mut all = vec![Entry::Heading("two modes meet".to_owned())];
+    for (faint, colour, text) in [(false, BLACK, "k,l,j: Ωₖ + Ωₗ = jω"), (true, FAINT, "Ωₖ − Ωₗ = jω")]
+    {
+        if lines.iter().any(|line| line.faint == faint) {
+            all.push(Entry::Stroke(colour, Some(DASH), text.to_owned()));
+        }
     }
-    Ok(())
+    let own = lines.iter().find_map(|line| line.own).map(|mode| format!("{mode}: the breather’s own"));
+    let notes = [Some("Ω of the modes as the".to_owned()), Some("breather shifts them".to_owned()), own];
+    all.extend(notes.into_iter().flatten().map(Entry::Note));
+    all
 }

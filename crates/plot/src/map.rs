@@ -1,22 +1,21 @@
 //! The picture of a map: classes as colours, mechanisms as textures, or a number as a scale of colours; every cell the same whole
 //! number of pixels.
 
-use std::fmt::Write;
 use std::ops::Range;
 
 use vibrochain_maps::scene::{Axis, Scene};
 
-use crate::canvas::{Format, PlotError};
-use crate::coverage::Place;
+use crate::axis::places;
+use crate::canvas::PlotError;
+use crate::drawing::Rgb;
+use crate::key::{Entry, texture};
 pub use crate::lines::MapLine;
+use crate::lines::{draw_lines, key};
+use crate::page::Page;
 use crate::palette::{BORDERS, Palette, Tile};
 use crate::quantity::{Bar, Quantity, Shade};
-use crate::sheet::{Ground, Sheet};
-use crate::strokes::{Stroke, hex, path, shares};
-use crate::ticks::places;
-
-/// About this many pixels wide and high the map itself becomes.
-pub(crate) const TARGET: usize = 900;
+use crate::sheet::{Placed, Sheet, draw_borders};
+use crate::strokes::thinned;
 
 /// A map wider or higher than this in cells shows every second (third …) one only.
 const MOST: usize = 6000;
@@ -75,153 +74,136 @@ fn stride(points: usize) -> usize {
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn map_picture(picture: &MapPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
-    map_with_lines(picture, &[], format)
+pub fn map_picture(picture: &MapPicture<'_>, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
+    map_with_lines(picture, &[], page)
 }
 
 /// The same with lines over the cells.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn map_with_lines(picture: &MapPicture<'_>, lines: &[MapLine], format: Format) -> Result<Vec<u8>, PlotError> {
+pub fn map_with_lines(
+    picture: &MapPicture<'_>,
+    lines: &[MapLine],
+    page: impl Into<Page>,
+) -> Result<Vec<u8>, PlotError> {
     let Some([x, y]) = picture.scene.plane() else {
         return Err(PlotError("a map has two axes".to_owned()));
     };
-    let grids = [Grid::new(x.points()), Grid::new(y.points())];
-    // A cell covers half a step on either side of its value.
-    let span = |axis: &Axis, grid: Grid| {
-        let (from, step) = places(axis);
-        from - 0.5 * step..from - 0.5 * step + step * (grid.shown * grid.stride) as f64
-    };
-    let spans = [span(x, grids[0]), span(y, grids[1])];
-    let size = grids.map(|grid| grid.pixels());
+    let shown = [x, y].map(|axis| axis.points().div_ceil(stride(axis.points())));
+    let spans = [span(x), span(y)];
     let palette = picture.palette;
-    let (mut tiles, mut bar): (Vec<Tile>, _) = (Vec::new(), None);
-    let mut pixels = match picture.cells {
+    let mut sheet = Sheet::new(picture.scene, [x, y], spans.clone());
+    let colour: Box<dyn Fn(usize, u32, u32) -> Rgb> = match picture.cells {
         Cells::Classes(cells) => {
+            let mut tiles: Vec<Tile> = Vec::new();
             for tile in cells {
                 if !tiles.contains(tile) {
                     tiles.push(*tile);
                 }
             }
+            sheet.tell_classes(&tiles, palette);
             let unknown = Tile { class: None, mechanism: None };
-            let tile = |cell: usize| cells.get(cell).copied().unwrap_or(unknown);
-            raster(grids, |cell, x, y| palette.pixel(tile(cell), x, y))
+            Box::new(move |cell, x, y| palette.pixel(cells.get(cell).copied().unwrap_or(unknown), x, y))
         }
         Cells::Numbers(quantity, cells) => {
-            let Bar { colours, .. } = *bar.insert(Bar::of(quantity, cells));
-            let shade = |cell: usize| cells.get(cell).copied().unwrap_or(Shade::Unknown);
-            raster(grids, |cell, x, y| colours.pixel(palette, shade(cell), x, y))
+            let bar = Bar::of(quantity, cells);
+            sheet.entries.extend(bar.entries(palette));
+            sheet.bar = Some((bar, palette));
+            let shade = move |cell: usize| cells.get(cell).copied().unwrap_or(Shade::Unknown);
+            Box::new(move |cell, x, y| bar.colours.pixel(palette, shade(cell), x, y))
         }
     };
-    let strokes = strokes(picture.borders, &spans, size);
-    let mut overlay = String::new();
-    match format {
-        Format::Png => strokes.iter().for_each(|stroke| paint(&mut pixels, stroke, size)),
-        Format::Svg => overlay = paths(picture.borders, &strokes),
+    let kinds = kinds(picture.borders);
+    if !kinds.is_empty() {
+        sheet.entries.push(Entry::Heading("borders".to_owned()));
     }
-    let key: Vec<(&str, [u8; 3])> = strokes.iter().map(|stroke| (stroke.kind, stroke.colour)).collect();
-    let ground = Ground::Raster(pixels);
-    let (scene, axes, key) = (picture.scene, [x, y], key.as_slice());
-    Sheet { scene, palette, axes, tiles, bar, lines, key, spans, size, ground, overlay }.bytes(format)
+    sheet.entries.extend(kinds.iter().map(|(kind, colour)| Entry::Stroke(*colour, None, (*kind).to_owned())));
+    sheet.entries.extend(key(lines));
+    let placed = sheet.placed(shown, page.into());
+    let raster = Raster::of(shown, &placed, &colour);
+    sheet.bytes(&placed, Vec::new(), |drawing| {
+        let (corners, part) = (placed.corners(), parts(&spans));
+        let size = [0, 1].map(|i| corners[1][i] - corners[0][i]);
+        drawing.image(corners[0], size, raster.size, raster.rgb.clone());
+        drawing.clipped(corners, |drawing| {
+            for (kind, colour) in &kinds {
+                let of_kind = picture.borders.iter().filter(|border| border.kind == *kind);
+                let line = |border: &MapBorder| {
+                    thinned(&border.points.iter().map(|point| placed.within(part(*point))).collect::<Vec<_>>())
+                };
+                let lines: Vec<_> = of_kind.map(|border| (line(border), border.title.as_str())).collect();
+                draw_borders(drawing, *colour, &lines, &placed.page);
+            }
+        });
+        draw_lines(drawing, &placed, &raster, lines, &part);
+    })
 }
 
-/// The pixels of a map's cells, of each by its number and the place of the pixel.
-fn raster([columns, rows]: [Grid; 2], colour: impl Fn(usize, u32, u32) -> [u8; 3]) -> Vec<u8> {
-    let (width, height) = (columns.pixels(), rows.pixels());
-    let mut pixels = Vec::with_capacity(3 * (width * height) as usize);
-    for py in 0..height {
-        let row = (rows.shown as u32 - 1 - py / rows.cell) as usize;
-        for px in 0..width {
-            let column = (px / columns.cell) as usize;
-            pixels.extend(colour(row * columns.shown + column, px, py));
-        }
-    }
-    pixels
-}
-
-/// Width of a border, and of the light line under it that sets it off from dark cells, in pixels; and how much of that is seen.
-const BORDER: f64 = 0.9;
-const HALO: f64 = 2.2;
-const FAINT: f64 = 0.5;
-
-/// The borders of each kind, in pixels.
-fn strokes<'a>(borders: &'a [MapBorder], [x, y]: &[Range<f64>; 2], size: [u32; 2]) -> Vec<Stroke<'a>> {
+/// Places along both axes as parts of the map, from its upper left corner.
+fn parts([x, y]: &[Range<f64>; 2]) -> impl Fn([f64; 2]) -> [f64; 2] + use<> {
+    let (x, y) = (x.clone(), y.clone());
     let part = |value: f64, span: &Range<f64>| (value - span.start) / (span.end - span.start);
-    let pixel = |point: &[f64; 2]| -> Place {
-        [part(point[0], x) * f64::from(size[0]), (1.0 - part(point[1], y)) * f64::from(size[1])]
-    };
-    let mut strokes: Vec<Stroke<'a>> = Vec::new();
-    for border in borders {
-        let line: Vec<Place> = border.points.iter().map(pixel).collect();
-        match strokes.iter_mut().find(|stroke| stroke.kind == border.kind) {
-            Some(stroke) => stroke.lines.push(line),
-            None => {
-                let colour = BORDERS[strokes.len() % BORDERS.len()];
-                strokes.push(Stroke { kind: &border.kind, colour, lines: vec![line] });
+    move |point| [part(point[0], &x), 1.0 - part(point[1], &y)]
+}
+
+/// What a map spans of an axis: a cell covers half a step on either side of its value.
+pub(crate) fn span(axis: &Axis) -> Range<f64> {
+    let (from, step) = places(axis);
+    let stride = stride(axis.points());
+    let shown = axis.points().div_ceil(stride);
+    from - 0.5 * step..from - 0.5 * step + step * (shown * stride) as f64
+}
+
+/// Kinds of borders and their colours.
+fn kinds(borders: &[MapBorder]) -> Vec<(&str, Rgb)> {
+    let mut kinds: Vec<(&str, Rgb)> = Vec::new();
+    for border in borders.iter().filter(|border| !border.points.is_empty()) {
+        if kinds.iter().all(|(kind, _)| *kind != border.kind) {
+            kinds.push((&border.kind, BORDERS[kinds.len() % BORDERS.len()]));
+        }
+    }
+    kinds
+}
+
+/// The pixels of a map.
+pub(crate) struct Raster {
+    pub(crate) size: [u32; 2],
+    pub(crate) rgb: Vec<u8>,
+}
+
+impl Raster {
+    /// Of so many cells along the axes, each by its number and the place of the pixel; one pixel each at least.
+    pub(crate) fn of([columns, rows]: [usize; 2], placed: &Placed, colour: &dyn Fn(usize, u32, u32) -> Rgb) -> Self {
+        let [[left, top], [right, bottom]] = placed.corners();
+        let times = |length: f64, cells: usize| {
+            let pixels = (length * placed.page.scale()).round();
+            (pixels / cells.max(1) as f64).round().max(1.0) as u32
+        };
+        let (wide, high) = (times(right - left, columns), times(bottom - top, rows));
+        let size = [columns as u32 * wide, rows as u32 * high];
+        let grain = texture(&placed.page);
+        let mut rgb = Vec::with_capacity(3 * size[0] as usize * size[1] as usize);
+        for py in 0..size[1] {
+            let row = rows - 1 - (py / high) as usize;
+            for px in 0..size[0] {
+                let column = (px / wide) as usize;
+                rgb.extend(colour(row * columns + column, px / grain, py / grain));
             }
         }
-    }
-    strokes
-}
-
-/// Draws borders into pixels.
-fn paint(pixels: &mut [u8], stroke: &Stroke<'_>, size: [u32; 2]) {
-    for (width, colour, seen) in [(HALO, [255; 3], FAINT), (BORDER, stroke.colour, 1.0)] {
-        for (share, pixel) in shares(&stroke.lines, width, size).zip(pixels.chunks_exact_mut(3)) {
-            for (part, colour) in pixel.iter_mut().zip(colour) {
-                let mixed = f64::from(*part) + seen * share * (f64::from(colour) - f64::from(*part));
-                *part = mixed.round() as u8;
-            }
-        }
-    }
-}
-
-/// The same as elements of an SVG, from the upper left corner of the map.
-fn paths(borders: &[MapBorder], strokes: &[Stroke<'_>]) -> String {
-    let mut text = String::new();
-    for stroke in strokes {
-        let lines = || stroke.lines.iter().map(|line| path(line.iter().copied(), false));
-        let style = "fill=\"none\" stroke-linejoin=\"round\"";
-        let (under, colour) = (lines().collect::<String>(), hex(stroke.colour));
-        let _ = writeln!(
-            text,
-            "<path {style} stroke=\"#ffffff\" stroke-opacity=\"{FAINT}\" stroke-width=\"{HALO}\" d=\"{under}\"/>"
-        );
-        let of_kind = borders.iter().filter(|border| border.kind == stroke.kind);
-        for (border, d) in of_kind.zip(lines()).filter(|(_, d)| !d.is_empty()) {
-            let title = escaped(&border.title);
-            let _ = writeln!(
-                text,
-                "<path {style} stroke=\"{colour}\" stroke-width=\"{BORDER}\" d=\"{d}\"><title>{title}</title></path>"
-            );
-        }
-    }
-    text
-}
-
-/// A text within XML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
-}
-
-/// Cells along one axis.
-#[derive(Debug, Clone, Copy)]
-struct Grid {
-    shown: usize,
-    stride: usize,
-    cell: u32,
-}
-
-impl Grid {
-    fn new(points: usize) -> Self {
-        let stride = stride(points);
-        let shown = points.div_ceil(stride);
-        Self { shown, stride, cell: (TARGET / shown.max(1)).clamp(1, 60) as u32 }
+        Self { size, rgb }
     }
 
-    fn pixels(&self) -> u32 {
-        self.shown as u32 * self.cell
+    /// Whether it is dark at a place, given by its parts.
+    pub(crate) fn is_dark(&self, parts: [f64; 2]) -> bool {
+        let [x, y] = [0, 1].map(|i| {
+            let last = self.size[i].saturating_sub(1);
+            (parts[i] * f64::from(self.size[i])).clamp(0.0, f64::from(last)) as usize
+        });
+        let first = 3 * (y * self.size[0] as usize + x);
+        let grey =
+            |rgb: &[u8]| rgb.iter().zip([0.3, 0.59, 0.11]).map(|(c, weight)| f64::from(*c) * weight).sum::<f64>();
+        self.rgb.get(first..first + 3).is_some_and(|rgb| grey(rgb) < 110.0)
     }
 }
 
@@ -245,6 +227,6 @@ mod tests {
         let shown: Vec<u64> = (0..scene.cells()).filter(|&cell| is_shown(&scene, cell)).collect();
         let expected: Vec<u64> = (0..2).flat_map(|row| (0..4001).map(move |i| 12_001 * row + 3 * i)).collect();
         assert_eq!(shown, expected);
-        assert_eq!(Grid::new(12_001).shown, 4001);
+        assert_eq!(12_001_usize.div_ceil(stride(12_001)), 4001);
     }
 }

@@ -1,20 +1,31 @@
 //! Shapes of points: told apart without colour.
 
-/// Corners of marker number `index` in pixels about its point: circle, square, triangle, diamond, triangle on its head,
-/// star.
-pub fn marker(index: usize) -> Vec<(i32, i32)> {
-    match index % 6 {
-        0 => (0..16).map(|i| f64::from(i) * std::f64::consts::TAU / 16.0).map(|t| polar(5.0, t)).collect(),
-        1 => vec![(-4, -4), (4, -4), (4, 4), (-4, 4)],
-        2 => vec![(0, -6), (6, 4), (-6, 4)],
-        3 => vec![(0, -6), (6, 0), (0, 6), (-6, 0)],
-        4 => vec![(0, 6), (6, -4), (-6, -4)],
-        _ => (0..10)
-            .map(|i| polar(if i % 2 == 0 { 7.0 } else { 3.0 }, std::f64::consts::TAU * (f64::from(i) / 10.0 - 0.25)))
-            .collect(),
+use std::f64::consts::TAU;
+
+use crate::drawing::{Drawing, Fill, Line, Place, Rgb, Shape};
+
+/// Draws marker number `index`, so many times as large as it is: circle, square, triangle, diamond, triangle on its head, star.
+pub(crate) fn draw(drawing: &mut Drawing, index: usize, at: Place, times: f64, fill: Option<Rgb>, line: Option<Line>) {
+    if index.is_multiple_of(6) {
+        drawing.circle(at, 5.0 * times, fill, line);
+        return;
     }
+    let place = |[x, y]: Place| [at[0] + times * x, at[1] + times * y];
+    let outlines = vec![corners(index).into_iter().map(place).collect()];
+    drawing.shape(Shape { outlines, closed: true, fill: fill.map(Fill::Colour), line, title: String::new() });
 }
 
-fn polar(radius: f64, angle: f64) -> (i32, i32) {
-    ((radius * angle.cos()).round() as i32, (radius * angle.sin()).round() as i32)
+/// Corners about the point; of the circle, none.
+fn corners(index: usize) -> Vec<Place> {
+    match index % 6 {
+        0 => Vec::new(),
+        1 => vec![[-4.4, -4.4], [4.4, -4.4], [4.4, 4.4], [-4.4, 4.4]],
+        2 => vec![[0.0, -6.0], [5.8, 4.2], [-5.8, 4.2]],
+        3 => vec![[0.0, -6.2], [6.2, 0.0], [0.0, 6.2], [-6.2, 0.0]],
+        4 => vec![[0.0, 6.0], [5.8, -4.2], [-5.8, -4.2]],
+        _ => (0..10)
+            .map(|i| (if i % 2 == 0 { 7.0 } else { 3.0 }, TAU * (f64::from(i) / 10.0 - 0.25)))
+            .map(|(radius, angle)| [radius * angle.cos(), radius * angle.sin()])
+            .collect(),
+    }
 }

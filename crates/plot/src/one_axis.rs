@@ -3,11 +3,12 @@
 use vibrochain_maps::cell::{Cell, Class};
 use vibrochain_maps::scene::{Axis, Scene, Values};
 
-use crate::canvas::{Format, PlotError};
+use crate::axis::power_of_ten;
+use crate::canvas::PlotError;
 use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
-use crate::decades::power_of_ten;
+use crate::page::Page;
 use crate::quantity::{LEAST_GROWTH, Quantity, span_decades};
-use crate::sheet::{UNKNOWN, class_words, fixed, label};
+use crate::sheet::{UNKNOWN, class_words, criterion, fixed, label};
 
 /// What is drawn.
 #[derive(Debug)]
@@ -45,7 +46,7 @@ fn look(class: Option<Class>) -> (usize, Stroke) {
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn one_axis_picture(picture: &OneAxisPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
+pub fn one_axis_picture(picture: &OneAxisPicture<'_>, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
     let [axis] = picture.scene.axes.as_slice() else {
         return Err(PlotError("curves are drawn over one axis".to_owned()));
     };
@@ -67,8 +68,8 @@ pub fn one_axis_picture(picture: &OneAxisPicture<'_>, format: Format) -> Result<
             named.push(series.name.clone());
         }
     }
-    let title = format!("{}, {}", picture.scene.heading(), fixed(picture.scene));
-    curves_picture(&Curves { title, columns: 1, panes, pane: PANE }, format)
+    let title = [picture.scene.heading(), fixed(picture.scene), criterion(picture.scene)].join(", ");
+    curves_picture(&Curves { title, columns: 1, panes, pane: PANE, ..Curves::default() }, page)
 }
 
 /// Cells with their places along the axis, from left to right.
@@ -216,6 +217,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::canvas::Format;
 
     fn scene(axis: &str) -> Scene {
         let text = format!(
@@ -291,7 +293,7 @@ mod tests {
         let svg =
             String::from_utf8(one_axis_picture(&OneAxisPicture { scene: &log, cells: &cells }, Format::Svg).unwrap())
                 .unwrap();
-        assert!(["0.1\n", "1\n", "10\n"].iter().all(|tick| svg.contains(&format!(">\n{tick}"))), "{svg}");
+        assert!(["0.1", "1", "10"].iter().all(|tick| svg.contains(&format!("aria-label=\"{tick}\""))), "{svg}");
         assert!(svg.contains("frequency ω") && svg.contains("stable double-sided") && !svg.contains("unstable"));
     }
 

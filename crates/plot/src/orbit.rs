@@ -1,11 +1,8 @@
 //! The picture of orbits: for each, the profile along the ring at its impacts, and the impacting mass over a period.
 
-use plotters::coord::Shift;
-use plotters::prelude::{BLACK, DrawingArea, DrawingBackend, WHITE};
-
-use crate::canvas::{Drawing, Format, PlotError, render};
-use crate::curves::{Mark, Pane, Scale, Series, Stroke, draw_row};
-use crate::words::Heading;
+use crate::canvas::PlotError;
+use crate::curves::{Curves, Mark, Pane, Series, Stroke, curves_picture};
+use crate::page::Page;
 
 /// Displacements of a row of masses at one instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,54 +30,22 @@ pub struct OrbitPanels {
     pub barriers: (f64, f64),
 }
 
-const WIDTH: u32 = 1200;
-/// Height of the panels of an orbit, and of the air about its caption.
-const PANELS: u32 = 400;
-const AIR: u32 = 16;
+/// Width and height of a panel.
+const PANEL: (u32, u32) = (600, 400);
 
 /// The bytes of a picture with one row of panels for each orbit.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn orbit_picture(orbits: &[OrbitPanels], format: Format) -> Result<Vec<u8>, PlotError> {
-    let captions: Vec<_> = orbits.iter().map(|orbit| Heading::new(&orbit.caption, WIDTH - 40, 17)).collect();
-    // Rows are of one height.
-    let caption = AIR + captions.iter().map(Heading::height).max().unwrap_or(0);
-    let size = (WIDTH, (caption + PANELS) * orbits.len().max(1) as u32);
-    render(&Rows { orbits, captions, caption }, format, size)
-}
-
-struct Rows<'a> {
-    orbits: &'a [OrbitPanels],
-    captions: Vec<Heading>,
-    caption: u32,
-}
-
-impl Drawing for Rows<'_> {
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        area.fill(&WHITE).map_err(PlotError::from)?;
-        let rows = area.split_evenly((self.orbits.len().max(1), 1));
-        for ((orbit, caption), row) in self.orbits.iter().zip(&self.captions).zip(rows) {
-            caption.draw(&row, (20, 8), BLACK)?;
-            let (_, panels) = row.split_vertically(self.caption);
-            draw_row(&panels.split_evenly((1, 2)), &[profile(orbit), trace(orbit)])?;
-        }
-        Ok(())
-    }
+pub fn orbit_picture(orbits: &[OrbitPanels], page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
+    let panes = orbits.iter().flat_map(|orbit| [profile(orbit), trace(orbit)]).collect();
+    let headings = orbits.iter().map(|orbit| orbit.caption.clone()).collect();
+    curves_picture(&Curves { panes, columns: 2, pane: PANEL, headings, ..Curves::default() }, page)
 }
 
 fn pane(orbit: &OrbitPanels, x: &str, y: &str, series: Vec<Series>) -> Pane {
-    Pane {
-        caption: String::new(),
-        x: x.to_owned(),
-        y: y.to_owned(),
-        x_range: None,
-        x_log: false,
-        scale: Scale::Linear,
-        levels: vec![orbit.barriers.0, orbit.barriers.1],
-        round: false,
-        series,
-    }
+    let levels = vec![orbit.barriers.0, orbit.barriers.1];
+    Pane { x: x.to_owned(), y: y.to_owned(), levels, series, ..Pane::default() }
 }
 
 fn profile(orbit: &OrbitPanels) -> Pane {
@@ -109,15 +74,15 @@ fn trace(orbit: &OrbitPanels) -> Pane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::canvas::Format;
 
-    /// Places and words of all texts in a picture.
+    /// Heights and words of all texts in a picture.
     fn texts(svg: &str) -> Vec<(f64, String)> {
         let of = |tag: &str| {
-            let y = tag.split(" y=\"").nth(1)?.split('"').next()?.parse().ok()?;
-            let words = tag.split('>').nth(1)?.split('<').next()?.trim().to_owned();
-            Some((y, words))
+            let y = tag.split("translate(").nth(1)?.split(')').next()?.split(' ').nth(1)?.parse().ok()?;
+            Some((y, tag.split('"').next()?.to_owned()))
         };
-        svg.split("<text ").skip(1).filter_map(of).collect()
+        svg.split("<g aria-label=\"").skip(1).filter_map(of).collect()
     }
 
     #[test]
@@ -143,7 +108,7 @@ mod tests {
         }
         // Ticks stand beside the panel, the legend above all of them.
         let (first, _) = texts.iter().find(|(_, words)| words == "at t = 2.0000").unwrap();
-        let ticks = texts.iter().filter(|(_, words)| words.parse::<f64>().is_ok()).map(|(y, _)| *y);
+        let ticks = texts.iter().filter(|(_, words)| words.replace('−', "-").parse::<f64>().is_ok()).map(|(y, _)| *y);
         let ticks: Vec<f64> = ticks.collect();
         assert!(ticks.len() > 20 && ticks.iter().all(|y| y > first), "{first} {ticks:?}");
     }

@@ -1,14 +1,11 @@
 //! Numbers of a cell in pictures: as colours of a map, or against the axis of a sweep over one parameter.
 
-use plotters::coord::ranged1d::{BoldPoints, Ranged};
-use plotters::coord::types::RangedCoordf64;
 use vibrochain_maps::cell::{Cell, Class};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::table::columns;
 
-use crate::decades::{Decades, power_of_ten};
+use crate::axis::{Axis, Scale, power_of_ten, round_numbers, tick};
 use crate::palette::Palette;
-use crate::ticks::tick;
 
 /// A growth below this is none: multipliers that meet are known to the root of the rounding.
 pub(crate) const LEAST_GROWTH: f64 = 1e-8;
@@ -21,6 +18,9 @@ const FEW: usize = 100;
 
 /// Ticks beside a bar of colours, at most.
 const TICKS: usize = 7;
+
+/// More decades than this have a tick at every second (third …) one.
+const MOST_DECADES: usize = 10;
 
 /// So many whole numbers have a patch of colour each; more share a bar.
 const PATCHES: u32 = 9;
@@ -137,7 +137,7 @@ pub(crate) enum Colours {
 }
 
 /// A bar of colours beside a map.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bar {
     pub(crate) quantity: Quantity,
     pub(crate) colours: Colours,
@@ -209,12 +209,12 @@ impl Bar {
     pub(crate) fn ticks(&self) -> Vec<(f64, String)> {
         match self.colours {
             Colours::Linear { from, to, more } => {
-                let ticks = RangedCoordf64::from(from + more..to + more).key_points(BoldPoints(TICKS));
+                let ticks = round_numbers(from + more, to + more, TICKS);
                 ticks.into_iter().map(|value| ((value - more - from) / (to - from), tick(value))).collect()
             }
             Colours::Logarithmic { low, high } => {
-                let decades = Decades::between(low as i32, high as i32);
-                let ticks = decades.key_points(BoldPoints(TICKS));
+                let decades = Axis { range: low..high, scale: Scale::Decades };
+                let ticks: Vec<f64> = decades.ticks(MOST_DECADES).into_iter().map(|(decade, _)| decade).collect();
                 let name = |decade: f64| {
                     let more = if self.above && decade == high { "≥ " } else { "" };
                     more.to_owned() + &power_of_ten(decade)
@@ -225,7 +225,7 @@ impl Bar {
                 ticks.map(|decade| ((decade - low) / (high - low), name(decade))).collect()
             }
             Colours::Whole(most) => {
-                let ticks = RangedCoordf64::from(1.0..f64::from(most)).key_points(BoldPoints(TICKS));
+                let ticks = round_numbers(1.0, f64::from(most), TICKS);
                 let whole = ticks.into_iter().filter(|value| value.fract() == 0.0);
                 whole.filter_map(|value| Some((self.colours.part(value)?, tick(value)))).collect()
             }
@@ -276,7 +276,7 @@ mod tests {
         assert_eq!((wide.heading(), wide.below_words()), ("growth |μ| − 1 a period", "growth below 10⁻⁵".to_owned()));
         let ticks = wide.ticks();
         let words: Vec<&str> = ticks.iter().map(|(_, word)| word.as_str()).collect();
-        assert_eq!(words, ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10¹"]);
+        assert_eq!(words, ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10"]);
         assert!(ticks.iter().zip(0..).all(|((place, _), i)| (place - f64::from(i) / 6.0).abs() < 1e-12));
         // A few beyond all others have no colours to themselves.
         let many: Vec<f32> = (0..500).map(|i| 2e-4 * (i as f32 / 100.0).exp()).chain([1e6]).collect();

@@ -1,18 +1,18 @@
 //! The picture of a map by its regions: shapes with what they are when one hovers over them, or pixels that show each region by
 //! its share, however thin it is.
 
-use std::fmt::Write;
-
 use vibrochain_maps::regions::{Region, Regions};
 use vibrochain_maps::scene::Scene;
 
+use crate::axis::places;
 use crate::canvas::{Format, PlotError};
-use crate::coverage::{Coverage, Place};
-use crate::map::TARGET;
+use crate::coverage::Coverage;
+use crate::drawing::{Fill, Line, Pattern, Place, Rgb, Shape};
+use crate::key::{Entry, texture};
+use crate::page::Page;
 use crate::palette::{BORDERS, Palette, Tile};
-use crate::sheet::{Ground, Sheet, loss};
-use crate::strokes::{Stroke, hex, path, shares, thinned};
-use crate::ticks::places;
+use crate::sheet::{Sheet, class_words, loss};
+use crate::strokes::{Stroke, thinned};
 
 /// What is drawn.
 #[derive(Debug)]
@@ -28,10 +28,10 @@ pub struct RegionsPicture<'a> {
     pub palette: Palette,
 }
 
-/// Pixels of the map along each axis.
-const SIZE: [u32; 2] = [TARGET as u32; 2];
+/// The map is as if it had so many cells along each axis: a square.
+const SIDE: usize = 100;
 
-/// Width of borders, in pixels.
+/// Width of borders on a screen.
 const STROKE: f64 = 1.0;
 
 /// All textures come again after so many pixels.
@@ -41,7 +41,8 @@ const TEXTURE: u32 = 12;
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn regions_picture(picture: &RegionsPicture<'_>, format: Format) -> Result<Vec<u8>, PlotError> {
+pub fn regions_picture(picture: &RegionsPicture<'_>, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
+    let page = page.into();
     let Some(axes) = picture.scene.plane() else {
         return Err(PlotError("a map has two axes".to_owned()));
     };
@@ -49,33 +50,62 @@ pub fn regions_picture(picture: &RegionsPicture<'_>, format: Format) -> Result<V
         let (from, step) = places(axis);
         from..from + step * (axis.points() - 1) as f64
     });
-    let mut tiles: Vec<Tile> = picture.regions.regions().iter().map(|region| region.class).collect();
-    tiles.dedup();
+    let mut tiles: Vec<Tile> = Vec::new();
+    for region in picture.regions.regions() {
+        if !tiles.contains(&region.class) {
+            tiles.push(region.class);
+        }
+    }
     let strokes = strokes(picture);
-    let key: Vec<(&str, [u8; 3])> = strokes.iter().map(|stroke| (stroke.kind, stroke.colour)).collect();
-    let (scene, palette) = (picture.scene, picture.palette);
-    let ground = Ground::Shapes(String::new());
-    let (bar, overlay) = (None, String::new());
-    let mut sheet =
-        Sheet { scene, axes, palette, tiles, bar, lines: &[], key: &key, spans, size: SIZE, ground, overlay };
-    sheet.ground = match format {
-        Format::Png => Ground::Raster(pixels(picture, &strokes)),
-        Format::Svg => Ground::Shapes(shapes(picture, &strokes, &sheet)),
-    };
-    sheet.bytes(format)
+    let mut sheet = Sheet::new(picture.scene, axes, spans);
+    sheet.tell_classes(&tiles, picture.palette);
+    if !strokes.is_empty() {
+        sheet.entries.push(Entry::Heading("borders".to_owned()));
+    }
+    sheet.entries.extend(strokes.iter().map(|stroke| Entry::Stroke(stroke.colour, None, stroke.kind.to_owned())));
+    let placed = sheet.placed([SIDE; 2], page);
+    let corners = placed.corners();
+    let (fills, patterns) = fills(picture.palette, &tiles);
+    sheet.bytes(&placed, patterns, |drawing| {
+        if page.format == Format::Png {
+            let size = [0, 1].map(|i| corners[1][i] - corners[0][i]);
+            let pixels = size.map(|side| (side * page.scale()).round().max(1.0) as u32);
+            drawing.image(corners[0], size, pixels, raster(picture, pixels, texture(&page)));
+        } else {
+            let within = |place: &[f64; 2]| placed.within([place[0], 1.0 - place[1]]);
+            for Region { class: tile, share, outlines } in picture.regions.regions() {
+                let mechanism = tile.mechanism.map_or(String::new(), |mechanism| format!(", {}", loss(mechanism)));
+                let words = class_words(tile.class, || tiles.iter().filter_map(|tile| tile.class));
+                let title = format!("{words}{mechanism}: {} of the window", percent(*share));
+                let fill = tiles.iter().position(|other| other == tile).map(|number| fills[number]);
+                let around = |outline: &Vec<[f64; 2]>| {
+                    let mut line: Vec<Place> = outline.iter().map(within).collect();
+                    line.extend(line.first().copied());
+                    thinned(&line)
+                };
+                let outlines = outlines.iter().map(around).collect();
+                drawing.shape(Shape { outlines, closed: true, fill, line: None, title });
+            }
+        }
+        drawing.clipped(corners, |drawing| {
+            for stroke in &strokes {
+                let line =
+                    |line: &Vec<Place>| thinned(&line.iter().map(|place| placed.within(*place)).collect::<Vec<_>>());
+                let outlines = stroke.lines.iter().map(line).collect();
+                let line = Some(Line::new(stroke.colour, page.px(STROKE)));
+                drawing.shape(Shape { outlines, line, ..Shape::default() });
+            }
+        });
+    })
 }
 
-fn pixel([x, y]: [f64; 2]) -> Place {
-    [x * f64::from(SIZE[0]), (1.0 - y) * f64::from(SIZE[1])]
-}
-
-/// The lines of borders that separate something.
+/// The lines of borders that separate something, as parts of the map from its upper left corner.
 fn strokes<'a>(picture: &RegionsPicture<'a>) -> Vec<Stroke<'a>> {
     let mut strokes: Vec<Stroke<'a>> = Vec::new();
     for (border, &kind) in picture.borders.iter().enumerate().take(picture.regions.borders()) {
         let parts = picture.regions.border(border).iter().filter(|part| part.separates);
         let lines: Vec<Vec<Place>> =
-            parts.map(|part| thinned(&part.points.iter().copied().map(pixel).collect::<Vec<_>>())).collect();
+            parts.map(|part| part.points.iter().map(|[x, y]| [*x, 1.0 - y]).collect()).collect();
         if kind.is_empty() || lines.is_empty() {
             continue;
         }
@@ -87,10 +117,10 @@ fn strokes<'a>(picture: &RegionsPicture<'a>) -> Vec<Stroke<'a>> {
     strokes
 }
 
-/// The pixels of the map: of each the mean of what lies in it, by area.
-fn pixels(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>]) -> Vec<u8> {
-    let mut mean = vec![[0.0; 3]; (SIZE[0] * SIZE[1]) as usize];
-    let place = |i: usize| (i as u32 % SIZE[0], i as u32 / SIZE[0]);
+/// The pixels of the map, of which so many make one of a texture: of each the mean of what lies in it, by area.
+fn raster(picture: &RegionsPicture<'_>, size: [u32; 2], grain: u32) -> Vec<u8> {
+    let mut mean = vec![[0.0_f32; 3]; size[0] as usize * size[1] as usize];
+    let place = |i: usize| (i as u32 % size[0] / grain, i as u32 / size[0] / grain);
     let mut done: Vec<Tile> = Vec::new();
     let regions = picture.regions.regions();
     for Region { class: tile, .. } in regions {
@@ -98,58 +128,26 @@ fn pixels(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>]) -> Vec<u8> {
             continue;
         }
         done.push(*tile);
-        let covers = covered(regions.iter().filter(|region| region.class == *tile));
+        let covers = covered(regions.iter().filter(|region| region.class == *tile), size);
         for (i, (share, mean)) in covers.into_iter().zip(&mut mean).enumerate() {
             if share != 0.0 {
                 let (x, y) = place(i);
                 let colour = picture.palette.pixel(*tile, x, y);
-                *mean = [0, 1, 2].map(|k| mean[k] + share * f64::from(colour[k]));
+                *mean = [0, 1, 2].map(|k| mean[k] + share as f32 * f32::from(colour[k]));
             }
         }
     }
-    for stroke in strokes {
-        for (share, mean) in shares(&stroke.lines, STROKE, SIZE).zip(&mut mean) {
-            *mean = [0, 1, 2].map(|k| mean[k] + share * (f64::from(stroke.colour[k]) - mean[k]));
-        }
-    }
-    mean.into_iter().flatten().map(|part: f64| part.round().clamp(0.0, 255.0) as u8).collect()
+    mean.into_iter().flatten().map(|part: f32| part.round().clamp(0.0, 255.0) as u8).collect()
 }
 
 /// The share of each pixel that regions cover.
-fn covered<'a>(regions: impl Iterator<Item = &'a Region<Tile>>) -> Vec<f64> {
-    let mut coverage = Coverage::new(SIZE);
+fn covered<'a>(regions: impl Iterator<Item = &'a Region<Tile>>, size: [u32; 2]) -> Vec<f64> {
+    let mut coverage = Coverage::new(size);
+    let pixel = |[x, y]: [f64; 2]| [x * f64::from(size[0]), (1.0 - y) * f64::from(size[1])];
     for outline in regions.flat_map(|region| &region.outlines) {
         coverage.add(outline.iter().copied().map(pixel));
     }
     coverage.shares()
-}
-
-/// The elements of the map, from its upper left corner.
-fn shapes(picture: &RegionsPicture<'_>, strokes: &[Stroke<'_>], sheet: &Sheet<'_>) -> String {
-    let mut text = String::new();
-    let mut fills: Vec<(Tile, String)> = Vec::new();
-    for &tile in &sheet.tiles {
-        if fills.iter().all(|(other, _)| *other != tile) {
-            let fill = fill(&mut text, picture.palette, tile, fills.len());
-            fills.push((tile, fill));
-        }
-    }
-    for Region { class: tile, share, outlines } in picture.regions.regions() {
-        let d: String = outlines.iter().map(|outline| path(outline.iter().copied().map(pixel), true)).collect();
-        let fill = fills.iter().find(|(other, _)| other == tile).map_or("none", |(_, fill)| fill);
-        if !d.is_empty() {
-            let mechanism = tile.mechanism.map_or(String::new(), |mechanism| format!(", {}", loss(mechanism)));
-            let title = format!("{}{mechanism}: {} of the window", sheet.words(tile.class), percent(*share));
-            let _ = writeln!(text, "<path fill=\"{fill}\" d=\"{d}\"><title>{title}</title></path>");
-        }
-    }
-    for stroke in strokes {
-        let d: String = stroke.lines.iter().map(|line| path(line.iter().copied(), false)).collect();
-        let style = format!("fill=\"none\" stroke=\"{}\" stroke-width=\"{STROKE}\"", hex(stroke.colour));
-        // Hovering asks the regions.
-        let _ = writeln!(text, "<path {style} stroke-linejoin=\"round\" pointer-events=\"none\" d=\"{d}\"/>");
-    }
-    text
 }
 
 /// A part of the window in as many digits as it needs.
@@ -158,24 +156,21 @@ fn percent(share: f64) -> String {
     if percent >= 0.01 { format!("{percent:.2} %") } else { format!("{percent:.1e} %") }
 }
 
-/// What fills the shapes of a tile: a colour, or a pattern that is written first, pixel for pixel that of a raster.
-fn fill(text: &mut String, palette: Palette, tile: Tile, number: usize) -> String {
-    let pixel = |x: u32, y: u32| palette.pixel(tile, x, y);
-    let places = || (0..TEXTURE).flat_map(|y| (0..TEXTURE).map(move |x| (x, y)));
-    // The lighter one is the ground.
-    let Some(ground) = places().map(|(x, y)| pixel(x, y)).max() else { return "none".to_owned() };
-    let marks: Vec<(u32, u32)> = places().filter(|&(x, y)| pixel(x, y) != ground).collect();
-    let Some(&(x, y)) = marks.first() else { return hex(ground) };
-    let d: String = marks.iter().map(|(x, y)| format!("M{x} {y}h1v1h-1z")).collect();
-    let size = format!("width=\"{TEXTURE}\" height=\"{TEXTURE}\"");
-    let _ = writeln!(
-        text,
-        "<pattern id=\"texture{number}\" patternUnits=\"userSpaceOnUse\" {size}>\
-         <rect {size} fill=\"{}\"/><path shape-rendering=\"crispEdges\" fill=\"{}\" d=\"{d}\"/></pattern>",
-        hex(ground),
-        hex(pixel(x, y))
-    );
-    format!("url(#texture{number})")
+/// What fills the shapes of each tile: a colour, or a pattern, pixel for pixel that of a raster.
+fn fills(palette: Palette, tiles: &[Tile]) -> (Vec<Fill>, Vec<Pattern>) {
+    let mut patterns = Vec::new();
+    let fill = |tile: &Tile| {
+        let pixel = |x: u32, y: u32| palette.pixel(*tile, x, y);
+        let places = || (0..TEXTURE).flat_map(|y| (0..TEXTURE).map(move |x| (x, y)));
+        // The lighter one is the ground.
+        let ground: Rgb = places().map(|(x, y)| pixel(x, y)).max().unwrap_or([255; 3]);
+        let squares: Vec<(u32, u32)> = places().filter(|&(x, y)| pixel(x, y) != ground).collect();
+        let Some(&(x, y)) = squares.first() else { return Fill::Colour(ground) };
+        let squares = squares.into_iter().map(|(x, y)| [f64::from(x), f64::from(y)]).collect();
+        patterns.push(Pattern { ground, marks: pixel(x, y), squares, period: f64::from(TEXTURE) });
+        Fill::Pattern(patterns.len() - 1)
+    };
+    (tiles.iter().map(fill).collect(), patterns)
 }
 
 #[cfg(test)]
@@ -223,6 +218,9 @@ mod tests {
         )
     }
 
+    /// Pixels of the map along each axis.
+    const SIZE: [u32; 2] = [900; 2];
+
     fn picture(regions: &Regions<Tile>, format: Format) -> Vec<u8> {
         let (scene, borders, palette) = (scene(), ["period doubling", "grazing", "grazing"], Palette::Colour);
         regions_picture(&RegionsPicture { scene: &scene, regions, borders: &borders, palette }, format).unwrap()
@@ -236,10 +234,10 @@ mod tests {
         assert_eq!(svg.matches("<title>stable double-sided").count(), 2);
         assert!(picture(&regions(0.05), Format::Png).starts_with(b"\x89PNG"));
         assert_eq!((svg.matches("<pattern").count(), svg.matches("</pattern>").count()), (1, 1));
-        assert!(svg.contains(">grazing</text>") || svg.contains("grazing\n</text>"), "no key");
+        assert!(svg.contains("aria-label=\"grazing\""), "no key");
         // The area of each shape from its commands, in pixels.
         let mut areas = Vec::new();
-        for shape in svg.split("<path fill=\"").skip(1).filter(|shape| shape.contains("<title>")) {
+        for shape in svg.split("<path").skip(1).filter(|shape| shape.contains("<title>")) {
             let d = shape.split(" d=\"").nth(1).unwrap().split('"').next().unwrap();
             let loops = d.split('M').skip(1).map(|part| {
                 let places: Vec<Place> = part
@@ -267,16 +265,16 @@ mod tests {
         for width in [0.05, 1e-4, 1e-7] {
             let regions = regions(width);
             let stripe = |region: &&Region<Tile>| region.class == EMPTY;
-            let shares = covered(regions.regions().iter().filter(stripe));
+            let shares = covered(regions.regions().iter().filter(stripe), SIZE);
             let pixels = f64::from(SIZE[0] * SIZE[1]);
             assert!((shares.iter().sum::<f64>() / pixels / (0.5 * width) - 1.0).abs() < 1e-4, "{width}");
-            let all = covered(regions.regions().iter());
+            let all = covered(regions.regions().iter(), SIZE);
             assert!(all.iter().all(|share| (share - 1.0).abs() < 1e-9));
         }
         // A tenth of a pixel wide, white on dark blue: each pixel it passes is a little lighter.
         let thin = regions(0.1 * 2.0 / f64::from(SIZE[0]));
         let (scene, palette) = (scene(), Palette::Colour);
-        let all = pixels(&RegionsPicture { scene: &scene, regions: &thin, borders: &[], palette }, &[]);
+        let all = raster(&RegionsPicture { scene: &scene, regions: &thin, borders: &[], palette }, SIZE, 1);
         let [dark, white] = [PLAIN, EMPTY].map(|tile| f64::from(palette.pixel(tile, 0, 0)[0]));
         let row = &all[3 * 100 * SIZE[0] as usize..3 * 101 * SIZE[0] as usize];
         let light: f64 = row.chunks(3).map(|pixel| (f64::from(pixel[0]) - dark) / (white - dark)).sum();

@@ -1,16 +1,12 @@
 //! The picture of a simulated run: the impacting mass over the analytic orbit, and all masses in space and time.
 
-use plotters::chart::LabelAreaPosition;
-use plotters::coord::Shift;
-use plotters::element::{PathElement, Text};
-use plotters::prelude::{
-    BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE,
-};
-
-use crate::axes::{axes, barriers, legend};
-use crate::canvas::{Drawing, Format, PlotError, render};
+use crate::canvas::{PlotError, render};
+use crate::curves::{EDGE, Mark, Pane, Scale, Series, Stroke, draw_pane};
+use crate::drawing::{BLACK, Drawing};
 use crate::field::Field;
-use crate::spacetime::{LEFT, Panel, RIGHT};
+use crate::page::Page;
+use crate::spacetime::{BAR, Panel, WIDTH};
+use crate::words::Heading;
 
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,63 +25,54 @@ pub struct RunPicture {
     pub periods: f64,
 }
 
-const WIDTH: u32 = 1200;
-const TRACE: u32 = 380;
-const FIELD: u32 = 420;
+/// Heights of the two panels for the width of a screen.
+const TRACE: f64 = 380.0;
+const FIELD: f64 = 480.0;
 
 /// The bytes of the picture.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn run_picture(picture: &RunPicture, format: Format) -> Result<Vec<u8>, PlotError> {
-    render(&Sheet { picture }, format, (WIDTH, 40 + TRACE + FIELD + 90))
+pub fn run_picture(picture: &RunPicture, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
+    let page = page.into();
+    let (em, wide) = (page.font, page.width.unwrap_or(page.px(WIDTH)));
+    let title = Heading::new(&picture.title, wide - 2.0 * EDGE * em, 1.13 * em);
+    let top = 1.5 * EDGE * em + title.height();
+    let middle = top + (wide * TRACE / WIDTH).max(15.0 * em);
+    let bottom = middle + (wide * FIELD / WIDTH).max(15.0 * em);
+    let mut drawing = Drawing::new([wide, bottom + 0.5 * em], &picture.title);
+    title.draw(&mut drawing, [EDGE * em, EDGE * em], BLACK);
+    let RunPicture { field, barriers, periods, .. } = picture;
+    let x = "time, in periods since the start (whole run)";
+    let panel = Panel { field, barriers: *barriers, periods: *periods, x, impacts: &[] };
+    let left = panel.left(bottom - middle, &page).max(4.6 * em);
+    let trace = [[left, top], [wide - BAR * em, middle - 0.8 * em]];
+    draw_pane(&mut drawing, &picture.trace(), trace, left, &page);
+    panel.draw(&mut drawing, [[left, middle], [wide, bottom]], &page);
+    render(&drawing, &page)
 }
 
-struct Sheet<'a> {
-    picture: &'a RunPicture,
-}
-
-impl Drawing for Sheet<'_> {
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        area.fill(&WHITE).map_err(PlotError::from)?;
-        let heading = ("sans-serif", 18).into_font().color(&BLACK);
-        area.draw(&Text::new(self.picture.title.clone(), (LEFT as i32, 12), heading)).map_err(PlotError::from)?;
-        let (_, below) = area.split_vertically(40);
-        let (trace, field) = below.split_vertically(TRACE);
-        self.trace(&trace)?;
-        let RunPicture { field: all, barriers, periods, .. } = self.picture;
-        let x = "time, in periods since the start (whole run)";
-        Panel { field: all, barriers: *barriers, periods: *periods, x, impacts: &[] }.draw(&field)
-    }
-}
-
-impl Sheet<'_> {
-    fn trace<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        let (lower, upper) = self.picture.barriers;
-        let first = self.picture.simulated.first().map_or(0.0, |point| point.0);
-        let last = self.picture.simulated.last().map_or(1.0, |point| point.0).max(first + 1e-9);
-        let mut chart = ChartBuilder::on(area)
-            .margin_right(RIGHT)
-            .margin_top(6)
-            .margin_left(12)
-            .set_label_area_size(LabelAreaPosition::Left, LEFT - 12)
-            .set_label_area_size(LabelAreaPosition::Bottom, 60)
-            // Above the upper barrier there is room for the legend.
-            .build_cartesian_2d(first..last, lower - 0.15..upper + 0.6)
-            .map_err(PlotError::from)?;
-        axes(&mut chart, "time, in periods since the start (end of the run)", "impacting mass u₀", true)?;
-        barriers(&mut chart, (lower, upper), (first, last))?;
-        let series = [
-            ("analytic orbit", &self.picture.analytic, RGBColor(240, 170, 90), 5),
-            ("simulation", &self.picture.simulated, RGBColor(16, 50, 98), 2),
-        ];
-        for (name, points, colour, width) in series.into_iter().filter(|(_, points, _, _)| !points.is_empty()) {
-            chart
-                .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(width)))
-                .map_err(PlotError::from)?
-                .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], colour.stroke_width(width)));
+impl RunPicture {
+    fn trace(&self) -> Pane {
+        let (lower, upper) = self.barriers;
+        let first = self.simulated.first().map_or(0.0, |point| point.0);
+        let last = self.simulated.last().map_or(1.0, |point| point.0).max(first + 1e-9);
+        let series = [("analytic orbit", &self.analytic, 1, 6), ("simulation", &self.simulated, 0, 2)];
+        let line = |(name, points, colour, wide): (&str, &Vec<(f64, f64)>, usize, u32)| Series {
+            name: name.to_owned(),
+            colour,
+            stroke: Stroke::Solid(wide),
+            mark: Mark::None,
+            points: points.clone(),
+        };
+        Pane {
+            x: "time, in periods since the start (end of the run)".to_owned(),
+            y: "impacting mass u₀".to_owned(),
+            x_range: Some(first..last),
+            scale: Scale::Between(lower - 0.15..upper + 0.15),
+            levels: vec![lower, upper],
+            series: series.into_iter().filter(|(_, points, ..)| !points.is_empty()).map(line).collect(),
+            ..Pane::default()
         }
-        legend(&mut chart)
     }
 }

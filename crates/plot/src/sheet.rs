@@ -2,64 +2,72 @@
 
 use std::ops::Range;
 
-use plotters::coord::Shift;
-use plotters::element::{BitMapElement, PathElement, Rectangle, Text};
-use plotters::prelude::{BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, RGBColor, WHITE};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use vibrochain_floquet::Mechanism;
+use vibrochain_floquet::{Mechanism, Tolerance};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::point::Parameter;
-use vibrochain_maps::scene::{Axis, Scene, Values};
+use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 
-use crate::canvas::{Drawing, Format, PlotError, render};
-use crate::lines::{Frame, MapLine, draw_key, draw_lines};
+use crate::axis::Axis;
+use crate::canvas::{PlotError, render};
+use crate::curves::EDGE;
+use crate::drawing::{BLACK, DIM, Drawing, Line, Pattern, Place, Shape};
+use crate::frame::{Frame, below, left_of};
+use crate::key::{Entry, draw_flow, draw_list, flow, list_height, list_width};
+use crate::page::Page;
 use crate::palette::{Palette, Tile, sample};
-use crate::quantity::{Bar, Shade};
-use crate::ticks::{Places, tick_at};
+use crate::quantity::Bar;
 use crate::words::Heading;
 
-/// Height that all classes and mechanisms take in the legend.
-const MOST_LEGEND: u32 = 400;
+/// About this wide and high the map itself becomes on a screen.
+pub(crate) const TARGET: f64 = 900.0;
 
-const LEFT: u32 = 90;
-/// Air between the edge of the picture and the name of the y axis.
-const EDGE: u32 = 12;
-const RIGHT: u32 = 300;
-/// Air above the headings, and between them and the map.
-const TOP: (u32, u32) = (10, 12);
-/// Sizes of the two headings.
-const HEADINGS: [u32; 2] = [22, 16];
-const BOTTOM: u32 = 74;
+/// Sizes of the two headings against the letters of legends.
+const TITLE: f64 = 1.45;
+const FIXED: f64 = 1.07;
 
-/// What lies under lines and frame.
-pub(crate) enum Ground {
-    /// Pixels, three bytes each.
-    Raster(Vec<u8>),
-    /// Elements of an SVG, from the upper left corner of the map.
-    Shapes(String),
-}
+/// A page so many em wide has its legend beside the map; on a narrower one it stands below.
+const WIDE: f64 = 46.0;
+
+/// Air between map and legend, and at the right edge, in em.
+const GAP: f64 = 1.6;
+const RIGHT: f64 = 1.3;
 
 /// A map with all that stands about it.
 pub(crate) struct Sheet<'a> {
     pub(crate) scene: &'a Scene,
-    pub(crate) axes: [&'a Axis; 2],
-    pub(crate) palette: Palette,
-    /// What occurs on it, and the scale of its numbers.
-    pub(crate) tiles: Vec<Tile>,
-    pub(crate) bar: Option<Bar>,
-    pub(crate) lines: &'a [MapLine],
-    /// Kinds of borders that are drawn, and their colours.
-    pub(crate) key: &'a [(&'a str, [u8; 3])],
+    pub(crate) axes: [&'a SweptAxis; 2],
     /// What the map spans of each axis.
     pub(crate) spans: [Range<f64>; 2],
-    /// Its pixels.
-    pub(crate) size: [u32; 2],
-    pub(crate) ground: Ground,
-    /// Elements of an SVG over all that is drawn, from the upper left corner of the map.
-    pub(crate) overlay: String,
+    /// A line under the heading that says what is fixed; others, if there are any.
+    pub(crate) notes: Vec<String>,
+    /// A bar of colours, and the palette it is from.
+    pub(crate) bar: Option<(Bar, Palette)>,
+    pub(crate) entries: Vec<Entry<'a>>,
 }
 
-pub(crate) fn label(axis: &Axis) -> String {
+/// Where the map of a sheet goes.
+pub(crate) struct Placed {
+    frame: Frame,
+    headings: Vec<Heading>,
+    size: Place,
+    beside: bool,
+    pub(crate) page: Page,
+}
+
+impl Placed {
+    /// The upper left and lower right corner of the map.
+    pub(crate) fn corners(&self) -> [Place; 2] {
+        self.frame.corners
+    }
+
+    /// A place of the map, from its parts from the left and from above.
+    pub(crate) fn within(&self, [x, y]: [f64; 2]) -> Place {
+        let [[left, top], [right, bottom]] = self.frame.corners;
+        [left + x * (right - left), top + y * (bottom - top)]
+    }
+}
+
+pub(crate) fn label(axis: &SweptAxis) -> String {
     format!("{} {}", axis.parameter.meaning(), axis.parameter.symbol())
 }
 
@@ -79,37 +87,157 @@ pub(crate) fn fixed(scene: &Scene) -> String {
     text
 }
 
-impl Sheet<'_> {
-    pub(crate) fn bytes(self, format: Format) -> Result<Vec<u8>, PlotError> {
-        let width = self.size[0] + LEFT + RIGHT;
-        let headings = [(self.scene.heading(), HEADINGS[0]), (fixed(self.scene), HEADINGS[1])];
-        let headings = headings.map(|(text, size)| Heading::new(&text, width - LEFT - EDGE, size));
-        let top = TOP.0 + headings.iter().map(Heading::height).sum::<u32>() + TOP.1;
-        let size = (width, self.size[1].max(MOST_LEGEND) + top + BOTTOM);
-        render(&Headed { sheet: self, headings, top }, format, size)
+/// What was looked for, and what counts as stable: "double-sided and single-sided breathers, stable: all |μ| ≤ 1 up to rounding".
+pub(crate) fn criterion(scene: &Scene) -> String {
+    let names: Vec<String> = scene.task.family_names().collect();
+    let mut text = match names.split_last() {
+        Some((last, [])) => format!("{last} breathers"),
+        Some((last, others)) => format!("{} and {last} breathers", others.join(", ")),
+        // The heading names the words.
+        None => String::new(),
+    };
+    if scene.task.stability {
+        if !text.is_empty() {
+            text += ", ";
+        }
+        text += &match scene.task.tolerance {
+            Tolerance::Rounding => "stable: no |μ| above 1 by more than rounding".to_owned(),
+            Tolerance::Growth(growth) => format!("stable: growth |μ| − 1 below {growth} a period"),
+        };
     }
+    text
+}
 
-    /// Legend entries that occur on this map.
-    fn legend(&self) -> Vec<(Tile, &'static str)> {
-        let classes = Class::ALL.into_iter().map(Some).chain([None]);
-        let occurs = |class: &Option<Class>| self.tiles.iter().any(|tile| tile.class == *class);
-        classes.filter(occurs).map(|class| (Tile { class, mechanism: None }, self.words(class))).collect()
-    }
-
-    /// A class as a legend has it.
-    pub(crate) fn words(&self, class: Option<Class>) -> &'static str {
-        class_words(class, || self.tiles.iter().filter_map(|tile| tile.class))
-    }
-
-    /// Textures that occur.
-    fn textures(&self) -> Vec<(Mechanism, &'static str)> {
-        let all = [Mechanism::NeimarkSacker, Mechanism::PeriodDoubling, Mechanism::PlusOne, Mechanism::Pitchfork];
-        let occurs = |mechanism: &Mechanism| self.tiles.iter().any(|tile| tile.mechanism == Some(*mechanism));
-        all.into_iter().filter(occurs).map(|mechanism| (mechanism, loss(mechanism))).collect()
+/// The heading of a scene without its criterion, which stands below.
+fn title(scene: &Scene) -> String {
+    let text = scene.heading();
+    match text.split_once(", growth below ") {
+        Some((title, _)) if matches!(scene.task.tolerance, Tolerance::Growth(_)) => title.to_owned(),
+        _ => text,
     }
 }
 
-const NOTHING: &str = "no physical breather";
+impl<'a> Sheet<'a> {
+    /// Of a scene, the map alone: nothing of its legend yet.
+    pub(crate) fn new(scene: &'a Scene, axes: [&'a SweptAxis; 2], spans: [Range<f64>; 2]) -> Self {
+        let notes = [fixed(scene), criterion(scene)].into_iter().filter(|line| !line.is_empty()).collect();
+        Self { scene, axes, spans, notes, bar: None, entries: Vec::new() }
+    }
+
+    /// Adds entries for classes and mechanisms that occur.
+    pub(crate) fn tell_classes(&mut self, tiles: &[Tile], palette: Palette) {
+        let classes = Class::ALL.into_iter().map(Some).chain([None]);
+        for class in classes.filter(|class| tiles.iter().any(|tile| tile.class == *class)) {
+            let words = class_words(class, || tiles.iter().filter_map(|tile| tile.class)).to_owned();
+            let tile = Tile { class, mechanism: None };
+            self.entries.push(Entry::Sample(Box::new(move |x, y| palette.pixel(tile, x, y)), words));
+        }
+        let all = [Mechanism::NeimarkSacker, Mechanism::PeriodDoubling, Mechanism::PlusOne, Mechanism::Pitchfork];
+        let mut occur = all.into_iter().filter(|one| tiles.iter().any(|tile| tile.mechanism == Some(*one))).peekable();
+        if occur.peek().is_some() {
+            self.entries.push(Entry::Heading("stability is lost by".to_owned()));
+        }
+        for mechanism in occur {
+            let texture = Box::new(move |x, y| sample(mechanism, x, y));
+            self.entries.push(Entry::Sample(texture, loss(mechanism).to_owned()));
+        }
+    }
+
+    /// Finds a place for a map of so many cells along its axes: each cell the same whole number of pixels as far as the page has
+    /// that many.
+    pub(crate) fn placed(&self, cells: [usize; 2], page: Page) -> Placed {
+        let em = page.font;
+        let y_axis = Axis::swept(self.axes[1], self.spans[1].clone());
+        let left = page.snap(left_of(&y_axis, true, 0.6 * page.width.unwrap_or(TARGET), &page) + 0.3 * em);
+        let bar = self.bar.map_or([0.0; 2], |(bar, _)| bar.size(&page));
+        let list = list_width(&self.entries, &page);
+        let beside = page.width.is_none_or(|wide| wide >= WIDE * em);
+        let legend = if beside {
+            GAP * em + bar[0].max(list)
+        } else if bar[0] > 0.0 {
+            GAP * em + bar[0]
+        } else {
+            0.0
+        };
+        let room = page.width.map_or(page.px(TARGET), |wide| (wide - left - legend - RIGHT * em).max(8.0 * em));
+        let pixels = |cells: usize| {
+            let most = (room * page.scale()).floor();
+            let cells = cells.max(1) as f64;
+            // A page that has fewer pixels than the map has cells shows their mean; on a screen the picture grows.
+            if cells > most { if page.width.is_some() { most } else { cells } } else { cells * (most / cells).floor() }
+        };
+        let map = cells.map(|cells| pixels(cells) / page.scale());
+        let wide = page.width.unwrap_or(left + map[0] + legend + RIGHT * em);
+        let lines = [(title(self.scene), TITLE)].into_iter().chain(self.notes.iter().map(|note| (note.clone(), FIXED)));
+        // On a narrow page headings begin at its edge.
+        let indent = if beside { left } else { EDGE * em };
+        let headings: Vec<Heading> =
+            lines.map(|(text, size)| Heading::new(&text, wide - indent - EDGE * em, size * em)).collect();
+        let top = page.snap(EDGE * em + headings.iter().map(Heading::height).sum::<f64>() + 0.8 * em);
+        let corners = [[left, top], [left + map[0], top + map[1]]];
+        let foot = corners[1][1] + below(true, &page) + 0.5 * em;
+        let height = if beside {
+            foot.max(top + bar[1] + list_height(&self.entries, &page) + em)
+        } else {
+            foot.max(top + bar[1]) + flow(&self.entries, wide - 2.0 * EDGE * em, &page).1 + 0.5 * em
+        };
+        let x = Axis::swept(self.axes[0], self.spans[0].clone());
+        Placed { frame: Frame { corners, x, y: y_axis }, headings, size: [wide, height], beside, page }
+    }
+
+    /// The bytes of the picture: what `ground` draws, then all that stands about it.
+    pub(crate) fn bytes(
+        &self,
+        placed: &Placed,
+        patterns: Vec<Pattern>,
+        ground: impl FnOnce(&mut Drawing),
+    ) -> Result<Vec<u8>, PlotError> {
+        let Placed { frame, headings, size, beside, page } = placed;
+        page.holds(*size)?;
+        let em = page.font;
+        let mut drawing = Drawing::new(*size, &self.scene.heading());
+        drawing.patterns = patterns;
+        let [[left, top], [right, _]] = frame.corners;
+        let mut y = EDGE * em;
+        for (i, heading) in headings.iter().enumerate() {
+            heading.draw(&mut drawing, [if *beside { left } else { EDGE * em }, y], if i == 0 { BLACK } else { DIM });
+            y += heading.height();
+        }
+        ground(&mut drawing);
+        frame.axes(&mut drawing, [&label(self.axes[0]), &label(self.axes[1])], page);
+        let (x, mut y) = (right + GAP * em, top);
+        if let Some((bar, palette)) = &self.bar {
+            bar.draw(&mut drawing, *palette, [x, y], page);
+            y += bar.size(page)[1];
+        }
+        if *beside {
+            draw_list(&mut drawing, &self.entries, [x, y], page);
+        } else {
+            let room = size[0] - 2.0 * EDGE * em;
+            let at = [EDGE * em, size[1] - 0.5 * em - flow(&self.entries, room, page).1];
+            draw_flow(&mut drawing, &self.entries, at, room, page);
+        }
+        render(&drawing, page)
+    }
+}
+
+/// Width of a border, and of the light line under it that sets it off from dark cells; and how much of that is seen.
+const BORDER: f64 = 0.9;
+const HALO: f64 = 2.2;
+const FAINT: f64 = 0.5;
+
+/// Draws lines of one kind over a map, each with what it is when one hovers over it.
+pub(crate) fn draw_borders(drawing: &mut Drawing, colour: [u8; 3], lines: &[(Vec<Place>, &str)], page: &Page) {
+    let outlines = lines.iter().map(|(line, _)| line.clone()).collect();
+    let under = Line { opacity: FAINT, ..Line::new([255; 3], page.px(HALO)) };
+    drawing.shape(Shape { outlines, line: Some(under), ..Shape::default() });
+    for (line, title) in lines {
+        let (outlines, title) = (vec![line.clone()], (*title).to_owned());
+        drawing.shape(Shape { outlines, line: Some(Line::new(colour, page.px(BORDER))), title, ..Shape::default() });
+    }
+}
+
+pub(crate) const NOTHING: &str = "no physical breather";
 pub(crate) const UNKNOWN: &str = "not computed (see status)";
 
 /// A class as the legend of a picture with these classes has it.
@@ -136,205 +264,11 @@ pub(crate) fn class_words<I: Iterator<Item = Class>>(class: Option<Class>, all: 
 }
 
 /// A mechanism as a legend has it.
-pub(crate) fn loss(mechanism: Mechanism) -> &'static str {
+pub fn loss(mechanism: Mechanism) -> &'static str {
     match mechanism {
         Mechanism::NeimarkSacker => "Neimark–Sacker",
         Mechanism::PeriodDoubling => "period doubling",
         Mechanism::PlusOne => "through +1",
         Mechanism::Pitchfork => "pitchfork",
     }
-}
-
-/// A sheet and its headings in lines.
-struct Headed<'a> {
-    sheet: Sheet<'a>,
-    headings: [Heading; 2],
-    /// Where the map begins.
-    top: u32,
-}
-
-impl Headed<'_> {
-    /// Elements of an SVG, moved to the upper left corner of the map.
-    fn moved(&self, elements: &str) -> String {
-        format!("<g transform=\"translate({LEFT} {})\">\n{elements}</g>\n", self.top)
-    }
-}
-
-impl Drawing for Headed<'_> {
-    fn shapes(&self) -> Option<String> {
-        let Ground::Shapes(shapes) = &self.sheet.ground else { return None };
-        Some(self.moved(shapes))
-    }
-
-    fn overlay(&self) -> Option<String> {
-        let overlay = &self.sheet.overlay;
-        (!overlay.is_empty()).then(|| self.moved(overlay))
-    }
-
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        area.fill(&WHITE).map_err(PlotError::from)?;
-        let Sheet { palette, lines, axes: [x_axis, y_axis], spans, size: [width, height], .. } = &self.sheet;
-        let (width, height) = (*width, *height);
-        let (left, top) = (LEFT as i32, self.top as i32);
-        let grey = RGBColor(60, 60, 60);
-        let [title, parameters] = &self.headings;
-        title.draw(area, (left, TOP.0 as i32), BLACK)?;
-        parameters.draw(area, (left, (TOP.0 + title.height()) as i32), grey)?;
-
-        let (total_width, total_height) = area.dim_in_pixel();
-        let mut chart = ChartBuilder::on(area)
-            .margin_top(self.top)
-            .margin_right(total_width - LEFT - width)
-            .margin_bottom(total_height - self.top - BOTTOM - height)
-            .x_label_area_size(BOTTOM)
-            .margin_left(EDGE)
-            .y_label_area_size(LEFT - EDGE)
-            .build_cartesian_2d(coordinate(x_axis, &spans[0]), coordinate(y_axis, &spans[1]))
-            .map_err(PlotError::from)?;
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .x_desc(label(x_axis))
-            .y_desc(label(y_axis))
-            .axis_desc_style(("sans-serif", 20))
-            .label_style(("sans-serif", 16))
-            .x_labels(8)
-            .y_labels(8)
-            .x_label_formatter(&|place| tick_at(x_axis, *place))
-            .y_label_formatter(&|place| tick_at(y_axis, *place))
-            .draw()
-            .map_err(PlotError::from)?;
-        if let Ground::Raster(pixels) = &self.sheet.ground {
-            let raster = BitMapElement::with_ref((left, top), (width, height), pixels.as_slice())
-                .ok_or_else(|| PlotError("the raster does not fit its frame".to_owned()))?;
-            area.draw(&raster).map_err(PlotError::from)?;
-        }
-        let frame = [(left - 1, top - 1), (left + width as i32, top + height as i32)];
-        area.draw(&Rectangle::new(frame, BLACK)).map_err(PlotError::from)?;
-
-        let x = left + width as i32 + 24;
-        let mut y = top;
-        let text = ("sans-serif", 17).into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
-        if let Some(bar) = &self.sheet.bar {
-            y = draw_bar(area, bar, *palette, (x, y))?;
-        }
-        for (tile, entry) in self.sheet.legend() {
-            swatch(area, |px, py| palette.pixel(tile, px, py), (x, y))?;
-            area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
-            y += 34;
-        }
-        let textures = self.sheet.textures();
-        if !textures.is_empty() {
-            y += 16;
-            let small = ("sans-serif", 16).into_font().color(&grey);
-            area.draw(&Text::new("stability is lost by", (x, y), small)).map_err(PlotError::from)?;
-            y += 28;
-        }
-        for (mechanism, entry) in textures {
-            swatch(area, |px, py| sample(mechanism, px, py), (x, y))?;
-            area.draw(&Text::new(entry, (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
-            y += 34;
-        }
-        if !self.sheet.key.is_empty() {
-            y += 16;
-            let small = ("sans-serif", 16).into_font().color(&grey);
-            area.draw(&Text::new("borders", (x, y), small)).map_err(PlotError::from)?;
-            y += 28;
-        }
-        for &(kind, [r, g, b]) in self.sheet.key {
-            let sample = PathElement::new(vec![(x, y + 12), (x + 34, y + 12)], RGBColor(r, g, b).stroke_width(2));
-            area.draw(&sample).map_err(PlotError::from)?;
-            area.draw(&Text::new(kind.to_owned(), (x + 44, y + 12), text.clone())).map_err(PlotError::from)?;
-            y += 26;
-        }
-        if let (false, Ground::Raster(raster)) = (lines.is_empty(), &self.sheet.ground) {
-            let [x_span, y_span] = spans.clone();
-            let frame = Frame { left, top, width, height, x: x_span, y: y_span, raster };
-            draw_lines(area, &frame, lines)?;
-            draw_key(area, lines, (x, y + 16))?;
-        }
-        Ok(())
-    }
-}
-
-/// An axis as the picture has it.
-fn coordinate(axis: &Axis, span: &Range<f64>) -> Places {
-    Places::new(span.clone(), matches!(axis.values, Values::Logarithmic { .. }))
-}
-
-/// Width and height of a bar of colours.
-const BAR: (u32, u32) = (26, 230);
-
-/// Draws the legend of numbers from a place down; answers how far it reaches.
-fn draw_bar<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    bar: &Bar,
-    palette: Palette,
-    (x, y): (i32, i32),
-) -> Result<i32, PlotError> {
-    let text = |size: i32, grey: u8| {
-        ("sans-serif", size).into_font().color(&RGBColor(grey, grey, grey)).pos(Pos::new(HPos::Left, VPos::Center))
-    };
-    area.draw(&Text::new(bar.heading(), (x, y + 8), text(16, 60))).map_err(PlotError::from)?;
-    let mut y = y + 30;
-    let patch = |shade: Shade, words: String, y: &mut i32| -> Result<(), PlotError> {
-        swatch(area, |px, py| bar.colours.pixel(palette, shade, px, py), (x, *y))?;
-        area.draw(&Text::new(words, (x + 44, *y + 12), text(17, 0))).map_err(PlotError::from)?;
-        *y += 34;
-        Ok(())
-    };
-    if let Some(most) = bar.patches() {
-        for number in 1..=most {
-            patch(Shade::Number(number as f32), number.to_string(), &mut y)?;
-        }
-    } else {
-        let (width, height) = BAR;
-        let part = |py: u32| 1.0 - (f64::from(py) + 0.5) / f64::from(height);
-        coloured(area, |_, py| palette.scale(part(py)), (x, y), BAR)?;
-        let right = x + width as i32;
-        for (part, words) in bar.ticks() {
-            let at = y + ((1.0 - part) * f64::from(height)).round() as i32;
-            let tick = PathElement::new(vec![(right, at), (right + 5, at)], BLACK.stroke_width(1));
-            area.draw(&tick).map_err(PlotError::from)?;
-            area.draw(&Text::new(words, (right + 10, at), text(15, 0))).map_err(PlotError::from)?;
-        }
-        y += height as i32 + 20;
-    }
-    if bar.below {
-        // Any number that is below.
-        patch(Shade::Number(f32::NEG_INFINITY), bar.below_words(), &mut y)?;
-    }
-    if bar.nothing {
-        patch(Shade::Nothing, NOTHING.to_owned(), &mut y)?;
-    }
-    if bar.unknown {
-        patch(Shade::Unknown, UNKNOWN.to_owned(), &mut y)?;
-    }
-    Ok(y)
-}
-
-/// The sample of a legend's entry.
-pub(crate) fn swatch<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    pixel: impl Fn(u32, u32) -> [u8; 3],
-    (x, y): (i32, i32),
-) -> Result<(), PlotError> {
-    coloured(area, pixel, (x, y), (32, 24))
-}
-
-/// A patch of pixels in a frame.
-fn coloured<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    pixel: impl Fn(u32, u32) -> [u8; 3],
-    (x, y): (i32, i32),
-    (width, height): (u32, u32),
-) -> Result<(), PlotError> {
-    let places = (0..height).flat_map(|py| (0..width).map(move |px| (px, py)));
-    let pixels = places.flat_map(|(px, py)| pixel(px, py)).collect();
-    if let Some(patch) = BitMapElement::with_owned_buffer((x, y), (width, height), pixels) {
-        area.draw(&patch).map_err(PlotError::from)?;
-    }
-    let (right, bottom) = (x + width as i32, y + height as i32);
-    let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y)];
-    area.draw(&PathElement::new(outline, BLACK.stroke_width(1))).map_err(PlotError::from)
 }

@@ -1,26 +1,26 @@
 //! All masses in space and time, as colours.
 
-use plotters::chart::LabelAreaPosition;
-use plotters::coord::Shift;
-use plotters::element::{BitMapElement, Circle, PathElement, Rectangle, Text};
-use plotters::prelude::{BLACK, ChartBuilder, Color, DrawingArea, DrawingBackend, IntoFont, WHITE};
-
-use crate::axes::axes;
-use crate::canvas::{Drawing, Format, PlotError, render};
+use crate::axis::{Axis, tick};
+use crate::canvas::{PlotError, render};
+use crate::curves::EDGE;
+use crate::drawing::{BLACK, Drawing, Line, Place, Rgb, WHITE};
 use crate::field::{Field, Shown};
-use crate::ticks::tick;
+use crate::frame::{Frame, TICK, below, left_of};
+use crate::page::Page;
 use crate::words::Heading;
 
-const WIDTH: u32 = 1200;
-pub(crate) const LEFT: u32 = 90;
-pub(crate) const RIGHT: u32 = 140;
-const HEIGHT: u32 = 520;
+/// Width and height on a screen.
+pub(crate) const WIDTH: f64 = 1200.0;
+const HEIGHT: f64 = 520.0;
+
+/// Room for the colours' bar, in em, with its words.
+pub(crate) const BAR: f64 = 9.6;
 
 /// What no mass has been simulated for.
-const NOTHING: [u8; 3] = [225, 225, 225];
+const NOTHING: Rgb = [225, 225, 225];
 
 /// Blue below the middle of the gap, white at it, vermilion above; in grey the sign is lost, the size is not.
-fn diverging(x: f64) -> [u8; 3] {
+fn diverging(x: f64) -> Rgb {
     let (x, end) = (x.clamp(-1.0, 1.0), if x < 0.0 { [16.0, 50.0, 98.0] } else { [176.0, 58.0, 0.0] });
     end.map(|c| (255.0 + (c - 255.0) * x.abs()) as u8)
 }
@@ -42,26 +42,19 @@ pub struct Spacetime {
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn spacetime_picture(picture: &Spacetime, format: Format) -> Result<Vec<u8>, PlotError> {
-    let heading = Heading::new(&picture.title, WIDTH - 40, 17);
-    let top = 16 + heading.height();
-    render(&Sheet { picture, heading, top }, format, (WIDTH, top + HEIGHT))
-}
-
-struct Sheet<'a> {
-    picture: &'a Spacetime,
-    heading: Heading,
-    top: u32,
-}
-
-impl Drawing for Sheet<'_> {
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        area.fill(&WHITE).map_err(PlotError::from)?;
-        self.heading.draw(area, (20, 8), BLACK)?;
-        let (_, below) = area.split_vertically(self.top);
-        let Spacetime { barriers, field, impacts, .. } = self.picture;
-        Panel { field, barriers: *barriers, periods: 1.0, x: "time, in periods of the orbit", impacts }.draw(&below)
-    }
+pub fn spacetime_picture(picture: &Spacetime, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
+    let page = page.into();
+    let (em, wide) = (page.font, page.width.unwrap_or(page.px(WIDTH)));
+    let heading = Heading::new(&picture.title, wide - 2.0 * EDGE * em, 1.13 * em);
+    let top = 1.5 * EDGE * em + heading.height();
+    let bottom = top + (wide * HEIGHT / WIDTH).max(16.0 * em);
+    let mut drawing = Drawing::new([wide, bottom + 0.5 * em], &picture.title);
+    heading.draw(&mut drawing, [EDGE * em, EDGE * em], BLACK);
+    let Spacetime { barriers, field, impacts, .. } = picture;
+    let panel = Panel { field, barriers: *barriers, periods: 1.0, x: "time, in periods of the orbit", impacts };
+    let left = panel.left(bottom - top, &page);
+    panel.draw(&mut drawing, [[left, top], [wide, bottom]], &page);
+    render(&drawing, &page)
 }
 
 /// A field with its axes and its colours.
@@ -74,35 +67,54 @@ pub(crate) struct Panel<'a> {
 }
 
 impl Panel<'_> {
-    pub(crate) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        let Field { shown, sites, lowest, length, columns: values, spacing, covered } = self.field;
-        let (sites, periods) = (*sites, self.periods);
-        let width = WIDTH - LEFT - RIGHT;
-        let (low, high) = (*lowest as f64 - 0.5, (*lowest + sites as i64) as f64 - 0.5);
-        let (lower, upper) = self.barriers;
-        // What is white, and what has full colour.
-        let middle = if *shown == Shown::Displacement { 0.5 * (lower + upper) } else { 0.0 };
-        let mut chart = ChartBuilder::on(area)
-            .margin_right(RIGHT)
-            .margin_top(10)
-            .margin_bottom(20)
-            .margin_left(12)
-            .set_label_area_size(LabelAreaPosition::Left, LEFT - 12)
-            .set_label_area_size(LabelAreaPosition::Bottom, 60)
-            .build_cartesian_2d(0.0..periods.max(1e-9), low..high)
-            .map_err(PlotError::from)?;
-        let y = match (*lowest < 0, *length < sites) {
+    fn y(&self) -> Axis {
+        let low = self.field.lowest as f64 - 0.5;
+        Axis::numbers(low..low + self.field.sites as f64)
+    }
+
+    /// Where its box begins.
+    pub(crate) fn left(&self, height: f64, page: &Page) -> f64 {
+        left_of(&self.y(), true, height, page) + 0.3 * page.font
+    }
+
+    /// Draws it from the left edge of its box to the right end of the picture, ticks and names below included.
+    pub(crate) fn draw(&self, drawing: &mut Drawing, [[left, top], [right, bottom]]: [Place; 2], page: &Page) {
+        let Field { sites, lowest, length, .. } = self.field;
+        let (em, periods) = (page.font, self.periods.max(1e-9));
+        let corners =
+            [[page.snap(left), page.snap(top)], [page.snap(right - BAR * em), page.snap(bottom - below(true, page))]];
+        let frame = Frame { corners, x: Axis::numbers(0.0..periods), y: self.y() };
+        let size = [0, 1].map(|i| corners[1][i] - corners[0][i]);
+        let pixels = size.map(|side| (side * page.scale()).round().max(1.0) as u32);
+        drawing.image(corners[0], size, pixels, self.raster(pixels));
+        for border in (*length..*sites).step_by(*length) {
+            let y = frame.place((0.0, (*lowest + border as i64) as f64 - 0.5))[1];
+            drawing.line(vec![[corners[0][0], y], [corners[1][0], y]], Line::new(BLACK, page.px(2.0)).crisp());
+        }
+        for &(time, site) in self.impacts {
+            // Around a circle: the picture begins with the site at its lower edge.
+            let row = (site as i64 - lowest).rem_euclid(*sites as i64) + lowest;
+            let at = frame.place((time, row as f64));
+            drawing.circle(at, page.px(6.0), Some(WHITE), Some(Line::new(BLACK, page.px(2.0))));
+            drawing.circle(at, page.px(2.0), Some(BLACK), None);
+        }
+        let y = match (*lowest < 0, *length < *sites) {
             (true, _) => "site, from site 0",
             (false, false) => "site",
             (false, true) => "site, layer upon layer",
         };
-        axes(&mut chart, self.x, y, false)?;
-        let (columns, rows) = chart.plotting_area().get_pixel_range();
-        let (w, h) = ((columns.end - columns.start).max(1) as u32, (rows.end - rows.start).max(1) as u32);
+        frame.axes(drawing, [self.x, y], page);
+        self.bar(drawing, [corners[1][0] + 1.2 * em, corners[0][1]], size[1], page);
+    }
+
+    fn raster(&self, [w, h]: [u32; 2]) -> Vec<u8> {
+        let Field { shown, columns: values, spacing, covered, .. } = self.field;
+        // What is white, and what has full colour.
+        let middle = if *shown == Shown::Displacement { 0.5 * (self.barriers.0 + self.barriers.1) } else { 0.0 };
         let mut pixels = Vec::with_capacity(3 * (w * h) as usize);
         for py in 0..h {
             for px in 0..w {
-                let time = (f64::from(px) + 0.5) / f64::from(w) * periods;
+                let time = (f64::from(px) + 0.5) / f64::from(w) * self.periods;
                 // What is left after the last column has none of its own.
                 let index = ((time / spacing) as usize).min(values.len().saturating_sub(1));
                 let column = values.get(index).filter(|_| time <= *covered);
@@ -112,42 +124,28 @@ impl Panel<'_> {
                 pixels.extend(value.map_or(NOTHING, |u| diverging(u - middle)));
             }
         }
-        let raster = BitMapElement::with_owned_buffer((0, 0), (w, h), pixels)
-            .ok_or_else(|| PlotError("the raster does not fit its frame".to_owned()))?;
-        chart.plotting_area().strip_coord_spec().draw(&raster).map_err(PlotError::from)?;
-        for border in (*length..sites).step_by(*length) {
-            let y = (*lowest + border as i64) as f64 - 0.5;
-            let line = PathElement::new([(0.0, y), (periods, y)], BLACK.stroke_width(2));
-            chart.plotting_area().draw(&line).map_err(PlotError::from)?;
-        }
-        for &(time, site) in self.impacts {
-            // Around a circle: the picture begins with the site at its lower edge.
-            let row = (site as i64 - lowest).rem_euclid(sites as i64) + lowest;
-            let place = (time, row as f64);
-            for (radius, style) in [(6, WHITE.filled()), (6, BLACK.stroke_width(2)), (2, BLACK.filled())] {
-                chart.plotting_area().draw(&Circle::new(place, radius, style)).map_err(PlotError::from)?;
-            }
-        }
+        pixels
+    }
 
-        // Colour bar.
-        let (x, top, bar) = ((LEFT + width) as i32 + 24, 10, 200);
-        let depth = if *shown == Shown::Displacement { 2.0 } else { 1.0 };
-        let pixels = (0..bar)
-            .flat_map(|py| (0..18).flat_map(move |_| diverging(1.0 - depth * f64::from(py) / f64::from(bar - 1))));
-        if let Some(patch) = BitMapElement::with_owned_buffer((x, top), (18, bar), pixels.collect()) {
-            area.draw(&patch).map_err(PlotError::from)?;
+    /// What the colours mean, from a place down.
+    fn bar(&self, drawing: &mut Drawing, [x, top]: Place, room: f64, page: &Page) {
+        let (em, (lower, upper)) = (page.font, self.barriers);
+        let names = self.names();
+        let height = (13.0 * em).min(room - 1.4 * em * names.len() as f64).max(4.0 * em);
+        let size = [1.2 * em, height];
+        let displacement = self.field.shown == Shown::Displacement;
+        let depth = if displacement { 2.0 } else { 1.0 };
+        let rows = (height * page.scale()).round().max(2.0) as u32;
+        let colours = (0..rows).flat_map(|py| diverging(1.0 - depth * f64::from(py) / f64::from(rows - 1)));
+        drawing.image([x, top], size, [1, rows], colours.collect());
+        drawing.frame([[x, top], [x + size[0], top + height]], Line::new(BLACK, page.px(1.0)).crisp());
+        let ends = if displacement { [upper, 0.5 * (lower + upper), lower] } else { [1.0, 0.5, 0.0] };
+        for (label, part) in ends.into_iter().zip([0.04, 0.5, 0.96]) {
+            drawing.words(&tick(label), [x + size[0] + 0.5 * em, top + part * height], TICK * em, BLACK);
         }
-        area.draw(&Rectangle::new([(x, top), (x + 18, top + bar as i32)], BLACK)).map_err(PlotError::from)?;
-        let text = ("sans-serif", 14).into_font().color(&BLACK);
-        let bottom = top + bar as i32;
-        let ends = if *shown == Shown::Displacement { [upper, middle, lower] } else { [1.0, 0.5, 0.0] };
-        for (label, y) in ends.into_iter().zip([top, top + bar as i32 / 2 - 7, bottom - 14]) {
-            area.draw(&Text::new(tick(label), (x + 26, y), text.clone())).map_err(PlotError::from)?;
+        for (i, line) in names.iter().enumerate() {
+            drawing.words(line, [x, top + height + (1.0 + 1.3 * i as f64) * em], 0.88 * em, BLACK);
         }
-        for (i, line) in self.names().into_iter().enumerate() {
-            area.draw(&Text::new(line, (x - 12, bottom + 8 + 18 * i as i32), text.clone())).map_err(PlotError::from)?;
-        }
-        Ok(())
     }
 
     /// What the colours of the field mean.

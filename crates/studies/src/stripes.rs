@@ -214,6 +214,7 @@ fn drawn() -> Result<Curves, CliError> {
         ],
         columns: 2,
         pane: (560, 460),
+        ..Curves::default()
     })
 }
 

@@ -10,6 +10,7 @@ mod random;
 mod reference;
 mod ring;
 mod schema;
+pub mod svg;
 mod words;
 
 pub use desk::*;

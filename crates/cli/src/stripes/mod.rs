@@ -65,7 +65,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     let bytes = map_with_lines(
         &MapPicture { scene: &request.scene, cells: Cells::Classes(&shown), palette: Palette::default(), borders: &[] },
         &lines.iter().filter(|line| line.sum || args.all).map(|line| drawn(line, request.own)).collect::<Vec<_>>(),
-        request.format,
+        request.page,
     )
     .map_err(|error| CliError::Computation(error.to_string()))?;
     picture.finish_with(&bytes)?;

@@ -5,7 +5,7 @@ use crate::error::CliError;
 use vibrochain_floquet::felt_modes;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
-use vibrochain_plot::{Format, Tile};
+use vibrochain_plot::{Format, Page, Tile};
 
 /// The most cells of a map: it is held whole, at about ten bytes a cell.
 const MOST_CELLS: u64 = 10_000_000;
@@ -34,7 +34,7 @@ pub(super) struct Request {
     pub(super) scene: Scene,
     pub(super) omega: Steps,
     pub(super) gamma2: Steps,
-    pub(super) format: Format,
+    pub(super) page: Page,
     /// Number of the breather's own mode, above that of all others.
     pub(super) own: usize,
 }
@@ -43,7 +43,8 @@ impl Request {
     /// # Errors
     /// [`CliError::Request`].
     pub(super) fn read(args: &StripesArgs) -> Result<Self, CliError> {
-        let format = Format::asked("--plot", &args.plot)?;
+        args.page.checked(true, "--plot")?;
+        let page = args.page.page(Format::asked("--plot", &args.plot)?);
         let scene = Scene::read(&args.scene)?;
         let name = args.scene.display();
         let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));
@@ -80,7 +81,7 @@ impl Request {
         }
         // Families of scenes are at site 0.
         let own = felt_modes(model.chain(), 0).len().saturating_sub(1);
-        Ok(Self { scene, omega, gamma2, format, own })
+        Ok(Self { scene, omega, gamma2, page, own })
     }
 
     /// Number of a cell.

@@ -1,15 +1,6 @@
 //! Error against run time: one panel a case, one line and marker a method, both axes logarithmic.
 
-use plotters::chart::{ChartBuilder, LabelAreaPosition};
-use plotters::coord::Shift;
-use plotters::element::{EmptyElement, PathElement, Polygon, Text};
-use plotters::prelude::{BLACK, Color, DrawingArea, DrawingBackend, IntoFont, LineSeries, RGBColor, WHITE};
-
-use vibrochain_plot::axes::labelled_axes;
-use vibrochain_plot::canvas::{Drawing, Format, PlotError, render};
-use vibrochain_plot::decades::{Decades, power_of_ten};
-use vibrochain_plot::markers::marker;
-use vibrochain_plot::palette::LINES;
+use vibrochain_plot::{Curves, Format, Mark, Pane, PlotError, Scale, Series, Stroke, curves_picture};
 
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,131 +20,46 @@ pub(super) struct WorkPrecision {
 pub(super) struct WorkPrecisionPanel {
     /// Its name.
     pub caption: String,
-    /// For each method, seconds and error of its settings. An error of 0 is drawn on the lower edge.
+    /// For each method, seconds and error of its settings. An error of 0 is drawn below all others.
     pub series: Vec<Vec<(f64, f64)>>,
 }
 
 const PANEL: (u32, u32) = (430, 380);
 /// Panels side by side.
 const COLUMNS: usize = 3;
-/// Title, what the errors are.
-const HEADING: u32 = 70;
-const LEGEND_ROW: u32 = 26;
-const LEGEND_COLUMN: u32 = 330;
-const EDGE: u32 = 24;
 
 /// The bytes of the picture.
 ///
 /// # Errors
 /// [`PlotError`].
 pub(super) fn work_precision_picture(picture: &WorkPrecision, format: Format) -> Result<Vec<u8>, PlotError> {
-    let layout = Layout::of(picture);
-    render(&Sheet { picture, layout }, format, layout.size)
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Layout {
-    size: (u32, u32),
-    heading: u32,
-    grid: (usize, usize),
-    legend_columns: usize,
-}
-
-impl Layout {
-    fn of(picture: &WorkPrecision) -> Self {
-        let panels = picture.panels.len().max(1);
-        let columns = panels.min(COLUMNS);
-        let grid = (panels.div_ceil(columns), columns);
-        // A picture of one panel is as wide as two: its heading needs the room.
-        let width = PANEL.0 * columns.max(2) as u32;
-        let legend_columns = ((width - EDGE) / LEGEND_COLUMN).max(1) as usize;
-        let heading = HEADING + LEGEND_ROW * picture.methods.len().div_ceil(legend_columns) as u32;
-        Self { size: (width, heading + PANEL.1 * grid.0 as u32), heading, grid, legend_columns }
-    }
-}
-
-struct Sheet<'a> {
-    picture: &'a WorkPrecision,
-    layout: Layout,
-}
-
-fn colour(method: usize) -> RGBColor {
-    let [r, g, b] = LINES[method % LINES.len()];
-    RGBColor(r, g, b)
-}
-
-impl Drawing for Sheet<'_> {
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        area.fill(&WHITE).map_err(PlotError::from)?;
-        let (heading, panels) = area.split_vertically(self.layout.heading);
-        self.heading(&heading)?;
-        // Panels of a picture share their axes: they can be compared.
-        let points = || self.picture.panels.iter().flat_map(|panel| panel.series.iter().flatten());
-        let x = Decades::holding(points().map(|point| point.0.log10()));
-        let positive = points().map(|point| point.1).filter(|error| *error > 0.0).map(f64::log10);
-        let mut y = Decades::holding(positive);
-        if points().any(|point| point.1 == 0.0) {
-            y = y.with_one_below();
-        }
-        for (i, (panel, place)) in self.picture.panels.iter().zip(panels.split_evenly(self.layout.grid)).enumerate() {
-            // With one panel the right half of the sheet stays with it.
-            draw_panel(&place, panel, x, y, i % self.layout.grid.1 == 0)?;
-        }
-        Ok(())
-    }
-}
-
-impl Sheet<'_> {
-    fn heading<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), PlotError> {
-        let text = |words: &str, place: (i32, i32), size: u32| {
-            let style = ("sans-serif", size).into_font().color(&BLACK);
-            area.draw(&Text::new(words.to_owned(), place, style)).map_err(PlotError::from)
-        };
-        text(&self.picture.title, (EDGE as i32, 12), 20)?;
-        text(&format!("error: {}", self.picture.error), (EDGE as i32, 40), 15)?;
-        for (i, method) in self.picture.methods.iter().enumerate() {
-            let (row, column) = (i / self.layout.legend_columns, i % self.layout.legend_columns);
-            let (x, y) =
-                (EDGE as i32 + (column as u32 * LEGEND_COLUMN) as i32, (HEADING + 12 + row as u32 * LEGEND_ROW) as i32);
-            let line = PathElement::new([(x, y), (x + 32, y)], colour(i).stroke_width(2));
-            area.draw(&line).map_err(PlotError::from)?;
-            let corners: Vec<_> = marker(i).into_iter().map(|(dx, dy)| (x + 16 + dx, y + dy)).collect();
-            area.draw(&Polygon::new(corners, colour(i))).map_err(PlotError::from)?;
-            text(method, (x + 42, y - 8), 16)?;
-        }
-        Ok(())
-    }
-}
-
-fn draw_panel<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    panel: &WorkPrecisionPanel,
-    x: Decades,
-    y: Decades,
-    first_column: bool,
-) -> Result<(), PlotError> {
-    let mut chart = ChartBuilder::on(area)
-        .caption(&panel.caption, ("sans-serif", 16))
-        .margin_right(16)
-        .margin_left(8)
-        .margin_top(4)
-        .margin_bottom(6)
-        .set_label_area_size(LabelAreaPosition::Left, 72)
-        .set_label_area_size(LabelAreaPosition::Bottom, 48)
-        .build_cartesian_2d(x, y)
-        .map_err(PlotError::from)?;
-    let error = if first_column { "error" } else { "" };
-    labelled_axes(&mut chart, "time of one evaluation, seconds", error, true, [&|value| power_of_ten(*value); 2])?;
-    let floor = y.low();
-    for (method, series) in panel.series.iter().enumerate() {
-        let place = |&(seconds, error): &(f64, f64)| (seconds.log10(), if error > 0.0 { error.log10() } else { floor });
-        let line = LineSeries::new(series.iter().map(place), colour(method).mix(0.8).stroke_width(2));
-        chart.draw_series(line).map_err(PlotError::from)?;
-        let markers =
-            series.iter().map(|point| EmptyElement::at(place(point)) + Polygon::new(marker(method), colour(method)));
-        chart.draw_series(markers).map_err(PlotError::from)?;
-    }
-    Ok(())
+    let points = || picture.panels.iter().flat_map(|panel| panel.series.iter().flatten());
+    let positive = points().map(|point| point.1).filter(|error| *error > 0.0);
+    // What is exact has no logarithm: it stands a decade below all others.
+    let exact = 10f64.powf((positive.fold(f64::INFINITY, f64::min).log10() - 1.0).floor().clamp(-300.0, 300.0));
+    let place = |&(seconds, error): &(f64, f64)| (seconds.log10(), if error > 0.0 { error } else { exact });
+    let series = |(method, points): (usize, &Vec<(f64, f64)>)| Series {
+        name: picture.methods.get(method).cloned().unwrap_or_default(),
+        colour: method,
+        stroke: Stroke::Solid(2),
+        mark: Mark::Filled(method),
+        points: points.iter().map(place).collect(),
+    };
+    let pane = |panel: &WorkPrecisionPanel| Pane {
+        caption: panel.caption.clone(),
+        x: "time of one evaluation, seconds".to_owned(),
+        y: "error".to_owned(),
+        x_log: true,
+        scale: Scale::Logarithmic,
+        series: panel.series.iter().enumerate().map(series).collect(),
+        ..Pane::default()
+    };
+    let title = format!("{} (error: {})", picture.title, picture.error);
+    let panes: Vec<Pane> = picture.panels.iter().map(pane).collect();
+    // Panels share their axes: they can be compared.
+    let picture =
+        Curves { title, columns: panes.len().min(COLUMNS), panes, pane: PANEL, shared: true, ..Curves::default() };
+    curves_picture(&picture, format)
 }
 
 #[cfg(test)]

@@ -150,7 +150,7 @@ pub(super) fn draw(
         growth,
     ];
     let title = format!("{}; pushed by {perturb:e} along its leading Floquet mode", scene.heading());
-    let picture = Curves { title, columns: 3, panes, pane: (480, 440) };
+    let picture = Curves { title, columns: 3, panes, pane: (480, 440), ..Curves::default() };
     Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more: Vec::new(), findings })
 }
 

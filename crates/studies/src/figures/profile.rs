@@ -76,7 +76,7 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
     if let Some(difference) = difference(&profiles) {
         findings.push(difference);
     }
-    let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (600, 440) };
+    let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (600, 440), ..Curves::default() };
     Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more: Vec::new(), findings })
 }
 

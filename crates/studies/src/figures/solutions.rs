@@ -67,7 +67,7 @@ pub(super) fn draw(
     panes.push(pane("solutions and their stability", &name, "second impact φ/T", Scale::Linear, series));
     more.push(("-branches", table));
     findings.extend(found);
-    let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (480, 460) };
+    let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (480, 460), ..Curves::default() };
     Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more, findings })
 }
 

@@ -74,7 +74,8 @@ pub(super) fn draw(scene: &LineScene) -> Result<Drawn, CliError> {
         round: false,
         series: all,
     };
-    let picture = Curves { title: scene.heading(), panes: vec![pane], columns: 1, pane: (900, 480) };
+    let picture =
+        Curves { title: scene.heading(), panes: vec![pane], columns: 1, pane: (900, 480), ..Curves::default() };
     let findings = vec![lines.join("\n")];
     Ok(Drawn { picture: Picture::Curves(Box::new(picture)), table: sheet.bytes()?, more: Vec::new(), findings })
 }

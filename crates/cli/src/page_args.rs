@@ -1,0 +1,158 @@
+//! What pictures are made for, on the command line: width, resolution, letters.
+
+use clap::{Args, ValueEnum};
+use vibrochain_maps::numbers::real;
+
+use crate::error::CliError;
+
+/// What a picture is made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum StyleName {
+    /// A screen: each picture has its own width.
+    #[default]
+    Screen,
+    /// A column of a journal: 86 mm, letters of 7.5 points, 600 dpi.
+    Column,
+    /// The width of a page: 178 mm, letters of 8 points, 600 dpi.
+    Page,
+    /// A slide: 1280 pixels at twice their number, large letters.
+    Slide,
+}
+
+/// How pictures are made.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Args)]
+#[command(next_help_heading = "Pictures")]
+pub struct PageArgs {
+    /// What pictures are made for.
+    #[arg(long, value_enum, value_name = "PURPOSE")]
+    pub style: Option<StyleName>,
+    /// Width of a picture with its unit, mm, cm, in, pt or px, such as 86mm [default: that of --style].
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pub width: Option<Length>,
+    /// Pixels of an inch: of a PNG, and of rasters in the others [default: that of --style].
+    #[arg(long, value_name = "DOTS", value_parser = real, allow_negative_numbers = true)]
+    pub dpi: Option<f64>,
+    /// Height of the letters of legends in points; others are in proportion [default: that of --style].
+    #[arg(long, value_name = "POINTS", value_parser = real, allow_negative_numbers = true)]
+    pub font_size: Option<f64>,
+    /// Name panels (a), (b), …
+    #[arg(long)]
+    pub letters: bool,
+}
+
+/// A length in units of 1/96 inch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Length(pub f64);
+
+/// What is taken: widths in units of 1/96 inch (20 mm to 2 m), dots of an inch, points.
+const WIDTHS: (f64, f64) = (75.0, 7600.0);
+const DPI: (f64, f64) = (36.0, 2400.0);
+const FONT: (f64, f64) = (4.0, 72.0);
+
+fn length(text: &str) -> Result<Length, String> {
+    let advice = "give a number with its unit, mm, cm, in, pt or px, such as 86mm";
+    let units = [("mm", 96.0 / 25.4), ("cm", 96.0 / 2.54), ("in", 96.0), ("pt", 96.0 / 72.0), ("px", 1.0)];
+    let Some((number, unit)) = units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit))) else {
+        return Err(format!("no unit: {advice}"));
+    };
+    let number = real(number.trim()).map_err(|error| format!("{error}: {advice}"))?;
+    if number.is_finite() { Ok(Length(unit * number)) } else { Err(format!("not finite: {advice}")) }
+}
+
+impl PageArgs {
+    /// The first of these flags that was given.
+    fn given(&self) -> Option<&'static str> {
+        let flags = [
+            (self.style.is_some(), "--style"),
+            (self.width.is_some(), "--width"),
+            (self.dpi.is_some(), "--dpi"),
+            (self.font_size.is_some(), "--font-size"),
+            (self.letters, "--letters"),
+        ];
+        flags.into_iter().find_map(|(given, flag)| given.then_some(flag))
+    }
+
+    /// Makes sure that all is within what can be drawn, and that there is something to draw: `flag` asks for that.
+    ///
+    /// # Errors
+    /// [`CliError::Request`].
+    pub(crate) fn checked(&self, is_drawn: bool, flag: &str) -> Result<(), CliError> {
+        if let (false, Some(given)) = (is_drawn, self.given()) {
+            return Err(CliError::Request(format!("{given} is of pictures: ask for one with {flag}, or leave it out")));
+        }
+        let within = |flag: &str, value: Option<f64>, (low, high): (f64, f64), unit: &str| match value {
+            Some(value) if !(low..=high).contains(&value) => {
+                Err(CliError::Request(format!("{flag} {value}: give {low} to {high}{unit}")))
+            }
+            _ => Ok(()),
+        };
+        within("--width", self.width.map(|length| length.0), WIDTHS, " pixels of 1/96 inch, 20 mm to 2 m")?;
+        within("--dpi", self.dpi, DPI, "")?;
+        within("--font-size", self.font_size, FONT, " points")
+    }
+}
+
+#[cfg(feature = "plot")]
+mod with_plot {
+    use std::path::Path;
+
+    use vibrochain_maps::files::Output;
+    use vibrochain_plot::{Format, Page, Purpose};
+
+    use super::{PageArgs, StyleName};
+    use crate::error::CliError;
+
+    impl PageArgs {
+        /// The page of a picture of this kind.
+        pub(crate) fn page(&self, format: Format) -> Page {
+            let purpose = match self.style.unwrap_or_default() {
+                StyleName::Screen => Purpose::Screen,
+                StyleName::Column => Purpose::Column,
+                StyleName::Page => Purpose::Page,
+                StyleName::Slide => Purpose::Slide,
+            };
+            let page = purpose.page(format);
+            Page {
+                width: self.width.map(|length| length.0).or(page.width),
+                dpi: self.dpi.unwrap_or(page.dpi),
+                font: self.font_size.map_or(page.font, |points| points * 96.0 / 72.0),
+                letters: self.letters,
+                ..page
+            }
+        }
+
+        /// Opens the file of a picture that was asked for with `flag`.
+        ///
+        /// # Errors
+        /// [`CliError::Request`].
+        pub(crate) fn open(&self, flag: &str, path: Option<&Path>) -> Result<Option<(Page, Output)>, CliError> {
+            self.checked(path.is_some(), flag)?;
+            Ok(vibrochain_plot::open(flag, path)?.map(|(format, file)| (self.page(format), file)))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_units() {
+        let px = |text: &str| length(text).map(|length| length.0);
+        assert!((px("25.4mm").unwrap() - 96.0).abs() < 1e-12 && (px("2.54 cm").unwrap() - 96.0).abs() < 1e-12);
+        assert!(["1in", "72pt", "96px"].iter().all(|text| (px(text).unwrap() - 96.0).abs() < 1e-9));
+        for wrong in ["86", "mm", "86 m", "infmm", "-", "1e400mm"] {
+            assert!(px(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_drawn_has_no_width() {
+        let wide = PageArgs { width: Some(Length(300.0)), ..PageArgs::default() };
+        assert!(wide.checked(true, "--plot").is_ok());
+        assert!(wide.checked(false, "--plot").unwrap_err().to_string().contains("--width is of pictures"));
+        let wrong = PageArgs { dpi: Some(1e9), ..PageArgs::default() };
+        assert!(wrong.checked(true, "--plot").unwrap_err().to_string().contains("36 to 2400"));
+        assert!(PageArgs::default().checked(false, "--plot").is_ok());
+    }
+}
