@@ -858,6 +858,10 @@ pub struct SimulateArgs {
     /// Periods at the beginning that the section leaves out.
     #[arg(long, value_name = "P", default_value_t = 0.0, requires = "section", value_parser = real, allow_negative_numbers = true)]
     pub skip: f64,
+    /// The run as a moving picture, .gif, .png (APNG) or .svg: the chain between its barriers, impacts glow; of a long run its last
+    /// 12 periods. It goes round: give whole periods of an orbit.
+    #[arg(long, value_name = "FILE")]
+    pub animate: Option<PathBuf>,
     /// Picture of the run, .png, .svg or .pdf: the impacting mass over the analytic orbit, all masses in space and time.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,

@@ -19,6 +19,7 @@
 //! | `start`, `recording`, `section`, `pace` | where a simulation starts, what it leaves behind, how far it is |
 //! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `fate_command`, `words_command` | the subcommands |
 
+mod animate;
 pub mod args;
 mod border_search;
 pub mod branch_command;

@@ -138,7 +138,9 @@ mod with_plot {
             orbit: Option<&Orbit>,
             start: &Start,
         ) -> Result<Self, CliError> {
-            let Some((page, file)) = args.page.open("--plot", args.plot.as_deref())? else { return Ok(Self(None)) };
+            args.page.checked(args.plot.is_some() || args.animate.is_some(), "--plot or --animate")?;
+            let Some(path) = args.plot.as_deref() else { return Ok(Self(None)) };
+            let Some((page, file)) = args.page.open("--plot", Some(path))? else { return Ok(Self(None)) };
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
             let sites = model.chain().sites();
             let title = crate::caption::describe(model);

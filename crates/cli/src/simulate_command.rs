@@ -9,6 +9,7 @@ use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::Short;
 
+use crate::animate::Film;
 use crate::args::{Direction, SimulateArgs};
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
@@ -62,6 +63,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
             ("--trajectory", args.trajectory.as_deref()),
             ("--section", args.section.as_deref()),
             ("--plot", args.plot.as_deref()),
+            ("--animate", args.animate.as_deref()),
         ],
     )?;
     nothing_else(args.json, taken)?;
@@ -84,26 +86,30 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
     let mut section = Section::open(args, &model, orbit.as_ref(), &start)?;
     let mut plot = Plot::open(args, &model, orbit.as_ref(), &start)?;
+    let mut film = Film::open(args, &model)?;
     let stop = (console.interrupt)()?;
 
     // Samples if somebody wants them, the last one at the end; otherwise the end alone.
-    let samples = if trajectory.is_some() || plot.is_wanted() { args.samples } else { 0 };
+    let samples = if trajectory.is_some() || plot.is_wanted() || film.is_wanted() { args.samples } else { 0 };
     let sampled = (periods * samples as f64) as u64;
     let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
     let mut pace = Pace::new(periods, args.max_impacts, console);
     let portion = Limits::portion(model.chain().sites());
     let mut counts = Counts::default();
-    let mut observe = |event: &Event, impacts: &mut Option<ImpactTable>, section: &mut Option<Section>| {
-        counts.see(event, impacts);
-        section.iter_mut().for_each(|section| section.see(event));
-    };
+    let mut observe =
+        |event: &Event, impacts: &mut Option<ImpactTable>, section: &mut Option<Section>, film: &mut Film| {
+            counts.see(event, impacts);
+            film.hit(event);
+            section.iter_mut().for_each(|section| section.see(event));
+        };
     let begin = Limits::until(Time::new(&model, 0, 0.0));
-    let mut report = simulation.run(&begin, |event| observe(event, &mut impacts, &mut section));
+    let mut report = simulation.run(&begin, |event| observe(event, &mut impacts, &mut section, &mut film));
     let mut step = 0_u64;
     let mut stopped = false;
     loop {
         trajectory.iter_mut().try_for_each(|trajectory| trajectory.write(&simulation))?;
         plot.see(&simulation);
+        film.see(&simulation);
         let unwritten = impacts.as_mut().and_then(|table| table.failure.take());
         if let Some(error) = unwritten.or_else(|| section.as_mut().and_then(Section::failed)) {
             return Err(error);
@@ -122,7 +128,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
             let look = section.as_ref().and_then(|section| section.due(time));
             let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
             let limits = Limits { until: look.or(Some(time)), impacts: left, flights: portion, ..Limits::default() };
-            report = simulation.run(&limits, |event| observe(event, &mut impacts, &mut section));
+            report = simulation.run(&limits, |event| observe(event, &mut impacts, &mut section, &mut film));
             stopped = stop.load(Ordering::Relaxed);
             pace.see(&report, console);
             if let (Some(_), Outcome::TimeReached, Some(section)) = (look, report.outcome, &mut section) {
@@ -142,6 +148,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     trajectory.map_or(Ok(()), Trajectory::finish)?;
     section.map_or(Ok(()), Section::finish)?;
     plot.finish()?;
+    film.finish()?;
     let distance = orbit.as_ref().map(|orbit| deviation(orbit, &simulation, start.time)).transpose()?;
     let mut text = counts.summary(&simulation, report.outcome, stopped);
     if args.json {
@@ -233,7 +240,7 @@ fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, 
 /// What is there of a run that was interrupted.
 fn interrupted(args: &SimulateArgs, simulation: &Simulation) -> CliError {
     let time = simulation.time();
-    let files = [&args.impacts, &args.trajectory, &args.section, &args.plot].into_iter().flatten();
+    let files = [&args.impacts, &args.trajectory, &args.section, &args.plot, &args.animate].into_iter().flatten();
     let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
     let kept = match files.as_slice() {
         [] => "no file was asked for".to_owned(),

@@ -4,9 +4,10 @@
 use std::ops::Range;
 
 use crate::axis::{Axis, Scale as Along};
-use crate::canvas::{PlotError, render};
+use crate::canvas::render;
 use crate::drawing::{BLACK, Drawing, Fill, Line, Place, Rgb, Shape};
 use crate::font::width;
+use crate::format::PlotError;
 use crate::frame::{Frame, below, left_of};
 use crate::markers;
 use crate::page::Page;
@@ -25,7 +26,7 @@ pub struct Curves {
     pub columns: usize,
     /// Width and height of a panel on a screen, its legend included.
     pub pane: (u32, u32),
-    /// Lines above the rows, if there are any; then a row is never broken.
+    /// Lines above the rows, if there are any.
     pub headings: Vec<String>,
     /// Panels share their axes, so that they can be compared, and the legend of the first one.
     pub shared: bool,
@@ -169,9 +170,9 @@ fn draw(picture: &Curves, page: &Page) -> Drawing {
     let em = page.font;
     let mut columns = picture.columns.clamp(1, picture.panes.len().max(1));
     let all = page.width.unwrap_or(page.px(f64::from(picture.pane.0) * columns as f64));
-    if picture.headings.is_empty() {
-        columns = columns.min((all / (NARROW * em)) as usize).max(1);
-    }
+    // A heading is of as many panels as stand in a row where there is room.
+    let headed = columns;
+    columns = columns.min((all / (NARROW * em)) as usize).max(1);
     let wide = all / columns as f64;
     let title = Heading::new(&picture.title, all - 2.0 * EDGE * em, TITLE * em);
     let top = if picture.title.is_empty() { 0.5 * EDGE * em } else { 1.5 * EDGE * em + title.height() };
@@ -181,12 +182,16 @@ fn draw(picture: &Curves, page: &Page) -> Drawing {
     let low = wide * f64::from(picture.pane.1) / f64::from(picture.pane.0.max(1));
     let rows: Vec<Row<'_>> = picture
         .panes
-        .chunks(columns)
+        .chunks(headed)
         .enumerate()
-        .map(|(i, panes)| Row {
+        .flat_map(|(i, group)| group.chunks(columns).enumerate().map(move |(j, panes)| (i, j, panes)))
+        .map(|(i, j, panes)| Row {
             panes,
-            first: i * columns,
-            heading: picture.headings.get(i).map(|text| Heading::new(text, all - 2.0 * EDGE * em, 1.13 * em)),
+            first: i * headed + j * columns,
+            heading: (j == 0)
+                .then(|| picture.headings.get(i))
+                .flatten()
+                .map(|text| Heading::new(text, all - 2.0 * EDGE * em, 1.13 * em)),
             width: wide,
             low,
             shared: shared.as_ref(),
@@ -509,7 +514,7 @@ fn held([x, y]: Place, frame: &Frame) -> Place {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::canvas::Format;
+    use crate::format::Format;
 
     fn series(name: &str, points: Vec<(f64, f64)>) -> Series {
         Series { name: name.to_owned(), colour: 1, stroke: Stroke::Dashed(2), mark: Mark::Hollow(3), points }

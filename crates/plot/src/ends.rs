@@ -2,8 +2,8 @@
 
 use vibrochain_maps::scene::Scene;
 
-use crate::canvas::PlotError;
 use crate::drawing::Rgb;
+use crate::format::PlotError;
 use crate::key::Entry;
 use crate::map::{Raster, span};
 use crate::page::Page;

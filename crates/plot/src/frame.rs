@@ -123,7 +123,7 @@ impl Frame {
         if !x_name.is_empty() {
             let at = [0.5 * (left + right), bottom + below(true, page) - 0.2 * em];
             let anchor = (Across::Centre, Upright::Base);
-            drawing.anchored(x_name, at, centred(width_of + left.min(4.0 * em), x_name), BLACK, anchor);
+            drawing.anchored(x_name, at, centred(width_of + 1.5 * em, x_name), BLACK, anchor);
         }
         if !y_name.is_empty() {
             let at = [left - mark - air - wide - 0.55 * em, 0.5 * (top + bottom)];
@@ -144,7 +144,7 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::canvas::Format;
+    use crate::format::Format;
 
     #[test]
     fn ticks_do_not_meet_at_any_width() {

@@ -4,7 +4,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `page` | [`Page`]: width, resolution, size of letters |
-//! | `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
+//! | `format`, `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
 //! | `drawing` | shapes, circles, words and rasters as values |
 //! | `svg`, `pixels`, `pdf` | the three kinds of files |
 //! | `font`, `typeset`, `words` | letters, where they stand, lines of a heading |
@@ -16,6 +16,7 @@
 //! | `regions`, `coverage` | the picture of a map by its regions: shapes, or pixels by exact area |
 //! | `curves` | curves in panes |
 //! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
+//! | `animation` | the chain between its barriers, moving |
 //! | `field` | all masses of a run in space and time, thinned while it runs |
 //!
 //! ```
@@ -27,6 +28,7 @@
 //! # Ok::<(), vibrochain_plot::PlotError>(())
 //! ```
 
+mod animation;
 mod axis;
 mod canvas;
 mod coverage;
@@ -35,6 +37,7 @@ pub mod drawing;
 mod ends;
 pub mod field;
 mod font;
+mod format;
 mod frame;
 mod key;
 mod lines;
@@ -56,10 +59,12 @@ mod svg;
 mod typeset;
 mod words;
 
+pub use animation::{Animation, Instant, MOST_MASSES, Moving, animation};
 pub use axis::power_of_ten;
-pub use canvas::{Format, PlotError, open, render};
+pub use canvas::{open, render};
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 pub use ends::{EndsPicture, MOST_VALUES, ends_picture};
+pub use format::{Format, PlotError};
 pub use map::{Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines};
 pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};

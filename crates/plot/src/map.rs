@@ -6,8 +6,8 @@ use std::ops::Range;
 use vibrochain_maps::scene::{Axis, Scene};
 
 use crate::axis::places;
-use crate::canvas::PlotError;
 use crate::drawing::Rgb;
+use crate::format::PlotError;
 use crate::key::{Entry, texture};
 pub use crate::lines::MapLine;
 use crate::lines::{draw_lines, key};

@@ -4,8 +4,8 @@ use vibrochain_maps::cell::{Cell, Class};
 use vibrochain_maps::scene::{Axis, Scene, Values};
 
 use crate::axis::power_of_ten;
-use crate::canvas::PlotError;
 use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
+use crate::format::PlotError;
 use crate::page::Page;
 use crate::quantity::{LEAST_GROWTH, Quantity, span_decades};
 use crate::sheet::{UNKNOWN, class_words, criterion, fixed, label};
@@ -217,7 +217,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::canvas::Format;
+    use crate::format::Format;
 
     fn scene(axis: &str) -> Scene {
         let text = format!(

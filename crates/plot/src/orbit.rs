@@ -1,7 +1,7 @@
 //! The picture of orbits: for each, the profile along the ring at its impacts, and the impacting mass over a period.
 
-use crate::canvas::PlotError;
 use crate::curves::{Curves, Mark, Pane, Series, Stroke, curves_picture};
+use crate::format::PlotError;
 use crate::page::Page;
 
 /// Displacements of a row of masses at one instant.
@@ -74,7 +74,7 @@ fn trace(orbit: &OrbitPanels) -> Pane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::canvas::Format;
+    use crate::format::Format;
 
     /// Heights and words of all texts in a picture.
     fn texts(svg: &str) -> Vec<(f64, String)> {

@@ -1,6 +1,6 @@
 //! What a picture is made for: kind of file, width, resolution, size of letters.
 
-use crate::canvas::{Format, PlotError};
+use crate::format::{Format, PlotError};
 
 /// Units of an inch and of a millimetre.
 const INCH: f64 = 96.0;

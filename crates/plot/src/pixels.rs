@@ -5,9 +5,9 @@ use tiny_skia::{
     StrokeDash, Transform,
 };
 
-use crate::canvas::PlotError;
 use crate::drawing::{Drawing, Element, Fill, Image, Line, Pattern, Place, Rgb, Shape, Words};
 use crate::font::{Pen, outline, set};
+use crate::format::PlotError;
 use crate::typeset::corner;
 
 /// The bytes of a PNG with so many pixels for each unit.
@@ -30,6 +30,13 @@ pub(crate) fn raster(drawing: &Drawing, scale: f64) -> Result<Pixmap, PlotError>
     painter.pixmap.fill(tiny_skia::Color::WHITE);
     painter.elements(&drawing.elements);
     Ok(painter.pixmap)
+}
+
+/// A drawing over pixels.
+pub(crate) fn over(ground: &Pixmap, drawing: &Drawing, scale: f64) -> Pixmap {
+    let mut painter = Painter { pixmap: ground.clone(), scale, mask: None, patterns: &drawing.patterns };
+    painter.elements(&drawing.elements);
+    painter.pixmap
 }
 
 /// The bytes of a PNG; it tells how many dots of it make an inch.

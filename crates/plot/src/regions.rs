@@ -5,9 +5,9 @@ use vibrochain_maps::regions::{Region, Regions};
 use vibrochain_maps::scene::Scene;
 
 use crate::axis::places;
-use crate::canvas::{Format, PlotError};
 use crate::coverage::Coverage;
 use crate::drawing::{Fill, Line, Pattern, Place, Rgb, Shape};
+use crate::format::{Format, PlotError};
 use crate::key::{Entry, texture};
 use crate::page::Page;
 use crate::palette::{BORDERS, Palette, Tile};

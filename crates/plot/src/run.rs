@@ -1,9 +1,10 @@
 //! The picture of a simulated run: the impacting mass over the analytic orbit, and all masses in space and time.
 
-use crate::canvas::{PlotError, render};
+use crate::canvas::render;
 use crate::curves::{EDGE, Mark, Pane, Scale, Series, Stroke, draw_pane};
 use crate::drawing::{BLACK, Drawing};
 use crate::field::Field;
+use crate::format::PlotError;
 use crate::page::Page;
 use crate::spacetime::{BAR, Panel, WIDTH};
 use crate::words::Heading;

@@ -8,9 +8,10 @@ use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 
 use crate::axis::Axis;
-use crate::canvas::{PlotError, render};
+use crate::canvas::render;
 use crate::curves::EDGE;
 use crate::drawing::{BLACK, DIM, Drawing, Line, Pattern, Place, Shape};
+use crate::format::PlotError;
 use crate::frame::{Frame, below, left_of};
 use crate::key::{Entry, draw_flow, draw_list, flow, list_height, list_width};
 use crate::page::Page;

@@ -1,10 +1,11 @@
 //! All masses in space and time, as colours.
 
 use crate::axis::{Axis, tick};
-use crate::canvas::{PlotError, render};
+use crate::canvas::render;
 use crate::curves::EDGE;
 use crate::drawing::{BLACK, Drawing, Line, Place, Rgb, WHITE};
 use crate::field::{Field, Shown};
+use crate::format::PlotError;
 use crate::frame::{Frame, TICK, below, left_of};
 use crate::page::Page;
 use crate::words::Heading;

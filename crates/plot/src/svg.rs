@@ -14,6 +14,11 @@ const EM: f64 = 1000.0;
 
 /// The bytes of the file.
 pub(crate) fn svg(drawing: &Drawing) -> Vec<u8> {
+    with_elements(drawing, "")
+}
+
+/// The same with further elements over all that is drawn.
+pub(crate) fn with_elements(drawing: &Drawing, over: &str) -> Vec<u8> {
     let mut body = Writer { text: String::new(), letters: BTreeSet::new(), clips: 0 };
     body.elements(&drawing.elements);
     let [width, height] = drawing.size.map(number);
@@ -37,8 +42,11 @@ pub(crate) fn svg(drawing: &Drawing) -> Vec<u8> {
         outline(letter, &mut path);
         let _ = writeln!(text, "<path id=\"g{letter}\" d=\"{}\"/>", path.0);
     }
-    let _ =
-        write!(text, "</defs>\n<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n{}</svg>\n", body.text);
+    let _ = write!(
+        text,
+        "</defs>\n<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n{}{over}</svg>\n",
+        body.text
+    );
     text.replace(|c| !is_of_xml(c), "\u{fffd}").into_bytes()
 }
 
@@ -53,7 +61,7 @@ fn escaped(text: &str) -> String {
 }
 
 /// A number to a thousandth, in as few digits as that takes.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
