@@ -69,6 +69,8 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Make one table of the chunks that `sweep --shard` has left in a folder.
     Merge(MergeArgs),
+    /// Draw a table of `mapgen sweep` once more, without computing it.
+    Draw(DrawArgs),
     /// All breathers of a family at one point, with their stability.
     Orbit(OrbitArgs),
     /// All impact words of a few sites whose breathers live at one point.
@@ -262,6 +264,19 @@ pub struct MergeArgs {
     /// Print the manifest, too, instead of a summary.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `mapgen draw`.
+#[derive(Debug, Args)]
+pub struct DrawArgs {
+    /// Table of `mapgen sweep` or `mapgen merge` (.csv).
+    pub table: PathBuf,
+    /// Scene of the table, or its manifest [default: the manifest beside the table].
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Pictures of the table.
+    #[command(flatten)]
+    pub pictures: PictureArgs,
 }
 
 /// Arguments of `mapgen stripes`.

@@ -32,6 +32,7 @@ pub mod curve_command;
 #[cfg(feature = "plot")]
 mod curve_plot;
 pub mod curves_command;
+pub mod draw_command;
 pub mod entry;
 pub mod error;
 mod estimate;
@@ -62,6 +63,7 @@ pub mod start;
 #[cfg(feature = "plot")]
 pub mod stripes;
 pub mod sweep_command;
+mod table_cells;
 pub mod threads;
 mod version;
 pub mod which;

@@ -399,6 +399,8 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             of(sites * periods * (windows(&model, true) + sampled + sites * impacts), Plan::Stopped)
         }
         // What is there is read, nothing is computed; pictures take longer.
+        // The same.
+        Ok(Command::Draw(_)) => Plan::Stopped,
         Ok(Command::Merge(args)) => {
             let PictureArgs { png, svg, pdf, .. } = &args.pictures;
             if [png, svg, pdf].iter().any(|file| file.is_some()) { Plan::Stopped } else { Plan::Whole }

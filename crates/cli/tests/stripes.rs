@@ -219,12 +219,12 @@ fn tables_of_another_scene_are_refused() {
     let more = format!("{good}{}\n", good.lines().last().unwrap());
     for (text, message) in [
         (good.replace("mechanism", "cause"), "its columns are not those of this scene, gamma2,omega,class,"),
-        (good.replacen("0.1,1.1,", "0.1,1.2,", 1), "line 2 has omega = 1.2 where this scene has 1.1"),
-        (good.replacen("stable-double", "steady-double", 1), "has class `steady-double`"),
-        (cut, "it has 9 of the 20 cells of this scene"),
-        (more, "it has more than the 20 cells of this scene"),
+        (good.replacen("0.1,1.1,", "0.1,1.2,", 1), "row 1: it is of the cell at 1.2 and not at 1.1"),
+        (good.replacen("stable-double", "steady-double", 1), "its class is `steady-double`"),
+        (cut, "it has 9 rows for 20 cells"),
+        (more, "it has more rows than its 20 cells"),
         (String::new(), "its columns are not those"),
-        (good.replacen(",,", ",", 1), "it cannot be read as a table"),
+        (good.replacen(",,", ",", 1), "it ends before its "),
     ] {
         assert_ne!(text, good);
         fs::write(&map, text).unwrap();

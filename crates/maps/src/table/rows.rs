@@ -157,15 +157,24 @@ impl<'a> Reader<'a> {
         })
     }
 
+    /// The counts of the rows, if that was every row.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn whole(self) -> Result<Summary, String> {
+        let Self { cells, next, lines, counts, .. } = self;
+        if next != cells.end || !lines.ended() {
+            return Err(format!("it has {} rows for {} cells", next - cells.start, cells.end - cells.start));
+        }
+        Ok(counts)
+    }
+
     /// Tells whether that was every row, and as many of each class and status as in `summary`.
     ///
     /// # Errors
     /// What is wrong.
     pub fn finish(self, summary: &Summary) -> Result<(), String> {
-        let Self { cells, next, lines, counts, .. } = self;
-        if next != cells.end || !lines.ended() {
-            return Err(format!("it has {} rows for {} cells", next - cells.start, cells.end - cells.start));
-        }
+        let counts = self.whole()?;
         if (counts.classes, counts.statuses) != (summary.classes, summary.statuses) {
             return Err("its counts are not those of its rows".to_owned());
         }
