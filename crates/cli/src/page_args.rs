@@ -49,6 +49,9 @@ const WIDTHS: (f64, f64) = (75.0, 7600.0);
 const DPI: (f64, f64) = (36.0, 2400.0);
 const FONT: (f64, f64) = (4.0, 72.0);
 
+/// Pixels across that any viewer opens.
+const MOST_ACROSS: f64 = 20_000.0;
+
 fn length(text: &str) -> Result<Length, String> {
     let advice = "give a number with its unit, mm, cm, in, pt or px, such as 86mm";
     let units = [("mm", 96.0 / 25.4), ("cm", 96.0 / 2.54), ("in", 96.0), ("pt", 96.0 / 72.0), ("px", 1.0)];
@@ -88,7 +91,20 @@ impl PageArgs {
         };
         within("--width", self.width.map(|length| length.0), WIDTHS, " pixels of 1/96 inch, 20 mm to 2 m")?;
         within("--dpi", self.dpi, DPI, "")?;
-        within("--font-size", self.font_size, FONT, " points")
+        within("--font-size", self.font_size, FONT, " points")?;
+        let (width, dpi) = match self.style.unwrap_or_default() {
+            StyleName::Screen => (0.0, 96.0),
+            StyleName::Column => (325.0, 600.0),
+            StyleName::Page => (673.0, 600.0),
+            StyleName::Slide => (1280.0, 192.0),
+        };
+        let across = self.width.map_or(width, |length| length.0) * self.dpi.unwrap_or(dpi) / 96.0;
+        if across > MOST_ACROSS {
+            return Err(CliError::Request(format!(
+                "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
+            )));
+        }
+        Ok(())
     }
 }
 
