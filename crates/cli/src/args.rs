@@ -250,16 +250,16 @@ pub struct PictureArgs {
 /// Arguments of `mapgen merge`.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
-    /// Folder of chunks, the --out of `mapgen sweep --shard`.
+    /// Folder of chunks, the --out of `mapgen sweep --shard` or the --csv of `mapgen fate --shard`.
     pub folder: PathBuf,
     /// Table to write (.csv; .csv.gz or .csv.zst, compressed; .parquet, by columns), the same to the byte as that of an
-    /// undivided sweep; a manifest is written beside it. `-` is standard output, which has no manifest.
+    /// undivided run; beside that of a sweep a manifest is written. `-` is standard output, which has no manifest.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Pictures of the table.
     #[command(flatten)]
     pub pictures: PictureArgs,
-    /// Print the manifest, too, instead of a summary.
+    /// Print JSON instead of a summary: the manifest of a sweep, what an ensemble has come to.
     #[arg(long)]
     pub json: bool,
 }
@@ -747,14 +747,23 @@ pub enum StartFrom {
     after_help = "A run ends as `breather` (its impacts are the breather's, within the tolerance), `another` (they repeat, as another word), \
                   `quiet` (none any more), `chaos` (the largest Lyapunov exponent is clearly positive), `quasi-periodic` (they do not repeat, and \
                   neighbours part no faster than by a power of time), `other`, or `incomplete`. All numbers follow from the seed, whatever \
-                  the number of threads. Interrupted by Ctrl-C or SIGTERM it keeps the rows of the cells that are finished."
+                  the number of threads. Work is kept in chunks in a folder FILE.parts until the table is whole: after Ctrl-C, SIGTERM or a kill, \
+                  --resume goes on with it."
 )]
 pub struct FateArgs {
     /// Scene file (TOML), see scenes/.
     pub scene: PathBuf,
-    /// Table to write (CSV), a row a breather.
+    /// Table to write (.csv; .csv.gz or .csv.zst, compressed), a row a breather. `-` is standard output, which keeps no chunks. With
+    /// --shard: folder of chunks.
     #[arg(long, alias = "out", value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Go on with the chunks that an interrupted run has left, or start afresh where there are none.
+    #[arg(long, requires = "csv")]
+    pub resume: bool,
+    /// Compute one share of the chunks: shard i of n, from 0, or `slurm` for the share of a job array's task. Then `mapgen
+    /// merge` makes the table.
+    #[arg(long, value_name = "i/n", requires = "csv", conflicts_with_all = ["plot", "json"], allow_hyphen_values = true)]
+    pub shard: Option<ShardFlag>,
     /// Picture, .png, .svg or .pdf: over two axes the most frequent end of each cell, over one the shares of all ends, or the diagram.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
@@ -786,7 +795,7 @@ pub struct FateArgs {
     #[arg(long, value_name = "PART", default_value_t = 0.1, value_parser = real, allow_negative_numbers = true)]
     pub leave: f64,
     /// Instead, a bifurcation diagram by simulation over a scene with one axis (CSV): the last points of a stroboscopic section of one run a cell.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "starts", "breathers", "json"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "starts", "breathers", "json", "resume", "shard"])]
     pub diagram: Option<PathBuf>,
     /// Points that the diagram keeps of each run [default: 100].
     #[arg(long, value_name = "K", value_parser = whole::<u64>, allow_negative_numbers = true)]
