@@ -52,7 +52,7 @@ pub(super) enum Test {
     Collision { centre: f64 },
 }
 
-impl Follower {
+impl Follower<'_> {
     /// What is to be known of a point.
     pub(super) fn look(&mut self, point: &BranchPoint) -> Result<Observation, LocateError> {
         let orbit = point.orbit();
