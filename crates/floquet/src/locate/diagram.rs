@@ -36,7 +36,7 @@ pub fn diagram(orbit: &Orbit, course: &Course) -> Result<Diagram, LocateError> {
     diagram_while(orbit, course, &|| true)
 }
 
-/// The same, for as long as `going` says, which is asked at every step.
+/// The same, for as long as `going` says, which is asked at every step and before every eigenvalue problem.
 ///
 /// # Errors
 /// As [`diagram`]; [`LocateError::Stopped`].
@@ -64,7 +64,8 @@ pub fn diagram_while(orbit: &Orbit, course: &Course, going: &dyn Fn() -> bool) -
         }
         next += 1;
     }
-    Ok(diagram)
+    // On the way a failure may be an end.
+    if going() { Ok(diagram) } else { Err(LocateError::Stopped) }
 }
 
 impl Course {

@@ -65,7 +65,7 @@ pub fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateError> {
     locate_while(orbit, search, &|| true)
 }
 
-/// The same, for as long as `going` says, which is asked at every step.
+/// The same, for as long as `going` says, which is asked at every step and before every eigenvalue problem.
 ///
 /// # Errors
 /// As [`locate`]; [`LocateError::Stopped`].
@@ -77,6 +77,10 @@ pub fn locate_while(orbit: &Orbit, search: &Search, going: &dyn Fn() -> bool) ->
     let point = follower.branch.start()?;
     let (up, down) = if point.heading() < 0.0 { (point.reversed(), point) } else { (point.clone(), point.reversed()) };
     let ends = [follower.follow(down)?, follower.follow(up)?];
+    // On the way a failure may be an end.
+    if !going() {
+        return Err(LocateError::Stopped);
+    }
     let (evaluations, spectra) = (follower.evaluations(), follower.spectra);
     let mut located: Vec<Located> = follower.passed.into_iter().filter_map(Passed::event).collect();
     located.sort_by(|a, b| (a.value - start).abs().total_cmp(&(b.value - start).abs()));

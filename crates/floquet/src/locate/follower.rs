@@ -13,7 +13,7 @@ pub(super) const LONGEST: f64 = 0.02;
 
 /// The branch, what is watched along it, and work space.
 pub(super) struct Follower<'a> {
-    /// Asked at every step: whether anybody still waits for what is found.
+    /// Asked at every step and before every eigenvalue problem: whether anybody still waits for what is found.
     pub(super) going: &'a dyn Fn() -> bool,
     pub(super) branch: Branch,
     pub(super) free: Parameter,

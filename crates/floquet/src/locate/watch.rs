@@ -86,6 +86,9 @@ impl Follower<'_> {
 
     /// Eigenvalues: μ, or ν of a reversible orbit.
     pub(super) fn spectrum(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, LocateError> {
+        if !(self.going)() {
+            return Err(LocateError::Stopped);
+        }
         self.spectra += 1;
         self.analyser.dense.solve(orbit, &mut self.finder)?;
         // Masses without coupling have none, either, but on their way.
