@@ -180,16 +180,14 @@ fn a_stopped_ensemble_goes_on_where_it_was_and_ends_in_the_same_bytes() {
         assert_eq!(ran.code, code, "{ran:?}");
         let finished = desk.chunks("map.csv.parts");
         assert!((2..6).contains(&finished) && !desk.path("map.csv").exists(), "{ran:?}");
-        let again = format!(
-            "mapgen fate line.toml --csv map.csv --breathers every --periods 10000 --seed 4 --starts 3 --plot map.svg --threads 2 --resume"
-        );
+        let again = "mapgen fate line.toml --csv map.csv --breathers every --periods 10000 --seed 4 --starts 3 --plot map.svg --threads 2 --resume";
         if code.is_some() {
             let told = format!("{finished} of 6 chunks are finished, in map.csv.parts");
             assert!(ran.err.contains(&told) && told_to_go_on(&ran.err) == again, "{ran:?}");
         }
         // Without being asked to, it neither goes on nor throws anything away.
         desk.run(&format!("{CHUNKED} --csv map.csv")).with(2, &["chunks of an unfinished sweep", "--resume"]);
-        let ran = desk.shell(&again).with(0, &[]);
+        let ran = desk.shell(again).with(0, &[]);
         assert!(desk.read("map.csv") == *expected && ran.out == *answer, "{name}: {ran:?}");
         assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.svg"]);
         stopped += 1;
