@@ -19,8 +19,11 @@ use crate::sweep::{NO_WORD, grid, pool, scene, thread_count};
 /// The most cells in memory: a gigabyte, and more runs than a machine makes in weeks.
 const MOST_CELLS: u64 = 1_000_000;
 
+/// A number of a breather, if it has one.
+type NumberOf = fn(&BreatherFates) -> Option<f64>;
+
 /// Numbers of every breather, by the names of the table's columns.
-const NUMBERS: [(&str, fn(&BreatherFates) -> Option<f64>); 7] = [
+const NUMBERS: [(&str, NumberOf); 7] = [
     ("spectral_radius", |of| of.spectral_radius),
     ("predicted_exponent", |of| of.predicted),
     ("measured_exponent", |of| of.measured.map(|(value, _)| value)),
