@@ -3,6 +3,7 @@
 # cannot be run here is said, and is no failure.
 #
 #     scripts/data-snippets.sh          VENV=FOLDER: a virtual environment of Python to use, and to keep
+#                                       MAPGEN=PROGRAM: instead of that of the tests, one with the feature `parquet` for example
 set -euo pipefail
 cd "$(dirname "$0")/.."
 page=$PWD/docs/data.md
@@ -10,10 +11,13 @@ page=$PWD/docs/data.md
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
-# With the features of the workspace's tests: it is built already.
-cargo build --quiet --workspace --bin mapgen
+if [ -z "${MAPGEN:-}" ]; then
+    # With the features of the workspace's tests: it is built already.
+    cargo build --quiet --workspace --bin mapgen
+    MAPGEN=$CARGO_TARGET_DIR/debug/mapgen
+fi
 mkdir "$work/bin"
-ln -s "$CARGO_TARGET_DIR/debug/mapgen" "$work/bin/mapgen"
+ln -s "$(realpath "$MAPGEN")" "$work/bin/mapgen"
 ln -s "$PWD/scenes" "$work/scenes"
 export PATH=$work/bin:$PATH
 cd "$work"
@@ -37,7 +41,7 @@ if mapgen sweep scenes/conservative-n5.toml --out map.parquet --quiet 2> told; t
     parquet=parquet
 else
     grep -q parquet told
-    skipped "Parquet is not read here, this mapgen writes none"
+    skipped "PARQUET IS NOT READ HERE, this mapgen writes none: name one built with --features parquet by MAPGEN=…"
 fi
 
 if python3 -m venv "${VENV:=$work/venv}" 2> /dev/null; then
@@ -79,10 +83,18 @@ else
     skipped "Octave cannot be had, its blocks are not run"
 fi
 
+# Julia: what the system's packages have, else what its own servers give through `jill`, where they can be reached.
+if ! command -v julia > /dev/null && command -v apt-get > /dev/null && [ "$(id -u)" = 0 ]; then
+    DEBIAN_FRONTEND=noninteractive timeout 300 apt-get install -y --no-install-recommends julia > /dev/null 2>&1 || true
+fi
+if ! command -v julia > /dev/null && [ -n "${python:-}" ] && install jill; then
+    timeout 300 "$VENV/bin/jill" install --confirm --install_dir "$work/julias" --symlink_dir "$work/bin" > /dev/null 2>&1 || true
+fi
+
 export JULIA_DEPOT_PATH=$work/julia:${JULIA_DEPOT_PATH:-}
 packages="\"CSV\", \"DataFrames\", \"CodecZlib\", \"JSON\"${parquet:+, \"Parquet2\"}"
 if ! command -v julia > /dev/null; then
-    skipped "there is no julia, its blocks are not run"
+    skipped "THE BLOCKS OF JULIA ARE NOT RUN: neither apt-get nor jill can have a julia here"
 elif ! julia --startup-file=no --project=. -e "import Pkg; Pkg.add([$packages])" 2> told; then
     skipped "packages of Julia cannot be had, its blocks are not run"
 else

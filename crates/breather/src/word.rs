@@ -336,6 +336,14 @@ fn moves(count: usize, ends: Ends, homes: &[usize]) -> Vec<Move> {
     }
 }
 
+impl Orbit {
+    /// What it is called: the name of its family, or its word.
+    #[must_use]
+    pub fn name(&self) -> String {
+        if self.family() == Family::Word { Word::of(self).to_string() } else { self.family().name().to_owned() }
+    }
+}
+
 impl fmt::Display for Word {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let layered = self.letters().any(|letter| letter.layer > 0);

@@ -2,9 +2,8 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use rayon::ThreadPool;
 use vibrochain_maps::borders::{Asked, Borders, Stage};
 use vibrochain_maps::cell::Class;
@@ -12,6 +11,7 @@ use vibrochain_maps::regions::Regions;
 use vibrochain_maps::scene::Scene;
 
 use crate::error::CliError;
+use crate::progress::bar;
 
 /// What is asked of a search.
 pub(crate) struct BorderSearch<'a> {
@@ -59,14 +59,7 @@ struct Bar {
 
 impl Bar {
     fn new(wanted: bool) -> Self {
-        let bar = if wanted { ProgressBar::new(1) } else { ProgressBar::hidden() };
-        if let Ok(style) = ProgressStyle::with_template("{bar:32} {pos}/{len} {msg}") {
-            bar.set_style(style);
-        }
-        if wanted {
-            bar.enable_steady_tick(Duration::from_millis(200));
-        }
-        Self { bar, shown: Mutex::new(None) }
+        Self { bar: bar(1, "{bar:32} {pos}/{len} {msg}", wanted), shown: Mutex::new(None) }
     }
 
     fn told(&self, family: &str, stage: Stage, done: usize, all: usize) {

@@ -135,6 +135,7 @@ impl From<LocateError> for CliError {
             }
             LocateError::Floquet(floquet) => floquet.into(),
             LocateError::Branch(BranchError::Breather(breather)) => breather.into(),
+            LocateError::Stopped => Self::Interrupted,
             LocateError::Branch(_) | LocateError::NoMultiplier => Self::Computation(error.to_string()),
         }
     }

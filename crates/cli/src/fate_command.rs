@@ -1,21 +1,24 @@
 //! `mapgen fate`: many perturbed runs from the breathers of a scene, and what they end in.
 
-use std::path::PathBuf;
-use std::time::Duration;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
-use indicatif::{ProgressBar, ProgressStyle};
-use vibrochain_fate::{Diagram, Ended, Ensemble, From, MAX_POINTS, fates, table};
+use rayon::ThreadPool;
+use vibrochain_fate::{CellFates, Diagram, Ensemble, Fates, From, MAX_POINTS};
 use vibrochain_maps::error::MapError;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
-use vibrochain_maps::sweep::Job;
+use vibrochain_maps::sweep::{Content, Ended, Job, Plan, Settings, Watcher};
 
 use crate::args::{FateArgs, StartFrom};
+use crate::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::fate_plot::Plot;
 use crate::fate_report::Totals;
+use crate::page_args::PageArgs;
+use crate::progress::counter;
 use crate::threads::threads;
 
 /// The most runs of one command: years of work.
@@ -29,16 +32,10 @@ const POINTS: u64 = 100;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let scene = Scene::read(&args.scene)?;
-    let ensemble = Ensemble {
-        starts: args.starts,
-        size: args.perturb,
-        seed: args.seed,
-        periods: args.periods,
-        transient: args.transient,
-        tolerance: args.tolerance,
-        leave: args.leave,
-    };
+    let fates = asked(args);
+    let ensemble = &fates.ensemble;
+    let plan = Plan::of_ensemble(&args.scene, fates.settings(), fates.chunk_cells())?;
+    let scene = &plan.scene;
     // (clap does not ask for --diagram where something is given that conflicts with it.)
     if args.diagram.is_none() && (args.carry || args.points.is_some()) {
         let flag = if args.carry { "--carry" } else { "--points" };
@@ -52,67 +49,211 @@ pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
             format!("{cells} cells with --starts {} are {runs} runs, the limit is {MAX_RUNS}: give fewer", args.starts);
         return Err(CliError::Request(message));
     }
-    let files =
-        [("--csv", args.csv.as_deref()), ("--diagram", args.diagram.as_deref()), ("--plot", args.plot.as_deref())];
+    // (That of a shard is a folder.)
+    let table = args.csv.as_deref().filter(|_| args.shard.is_none());
+    let place = table.map(place).transpose()?.flatten();
+    let parts = place.as_ref().and(table).map(parts_path);
+    let files = [
+        ("--csv", args.csv.as_deref()),
+        ("the folder of chunks", parts.as_deref()),
+        ("--diagram", args.diagram.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
     nothing_else(args.json, taken)?;
     match &args.diagram {
-        Some(path) => diagram(args, path, &scene, &ensemble, taken, console),
-        None => ends(args, &scene, &ensemble, taken, console),
+        Some(path) => diagram(args, path, scene, ensemble, taken, console),
+        None => Ends { args, plan: &plan, fates: &fates, taken }.run(place.as_deref(), console),
     }
 }
 
-fn ends(
-    args: &FateArgs,
-    scene: &Scene,
-    ensemble: &Ensemble,
-    taken: bool,
-    console: &mut Console<'_>,
-) -> Result<(), CliError> {
-    // Destinations first: an impossible one should not cost a computation.
-    let mut file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, table::header(scene))).transpose()?;
-    let mut plot = Plot::of_ends(args.plot.as_deref(), &args.page, scene)?;
-    let stop = (console.interrupt)()?;
-    let pool = threads(console.threads)?;
-    let bar = bar(scene.cells() * args.starts, "runs", console.progress && !taken);
+/// What is asked of every cell.
+fn asked(args: &FateArgs) -> Fates {
+    let ensemble = Ensemble {
+        starts: args.starts,
+        size: args.perturb,
+        seed: args.seed,
+        periods: args.periods,
+        transient: args.transient,
+        tolerance: args.tolerance,
+        leave: args.leave,
+    };
     let from = match args.breathers {
         StartFrom::Class => From::Class,
         StartFrom::Every => From::Every,
         StartFrom::Unstable => From::Unstable,
     };
-    let job = Job { scene, pool: &pool, stop: &stop };
-    let mut totals = Totals::default();
-    let ended = fates(
-        &job,
-        ensemble,
-        from,
-        |runs| bar.inc(runs),
-        |cell| {
-            totals.add(&cell);
-            plot.see(&cell);
-            for row in table::rows(scene, &cell) {
-                file.as_mut().map_or(Ok(()), |file| file.row(row))?;
+    Fates { ensemble, from }
+}
+
+/// The command that computes chunks of an ensemble, but for its last words.
+pub(crate) fn command(scene_file: &Path, csv: &Path, settings: &Settings) -> Vec<String> {
+    let mut words = vec![format!("mapgen fate {} --csv {}", quoted(scene_file), quoted(csv))];
+    let usual = Fates::default().settings();
+    let given = settings.iter().filter(|(name, value)| usual.get(*name) != Some(value));
+    words.extend(given.map(|(name, value)| format!("--{name} {value}")));
+    words
+}
+
+/// What has been seen of the cells: their counts, and what pictures need.
+pub(crate) struct Seen<'a> {
+    scene: &'a Scene,
+    ensemble: &'a Ensemble,
+    files: Vec<&'a Path>,
+    page: &'a PageArgs,
+    plots: Result<Vec<Plot>, CliError>,
+    pub(crate) totals: Totals,
+}
+
+impl<'a> Seen<'a> {
+    /// # Errors
+    /// [`CliError::Request`] for pictures that cannot be.
+    pub(crate) fn new(
+        scene: &'a Scene,
+        ensemble: &'a Ensemble,
+        files: Vec<&'a Path>,
+        page: &'a PageArgs,
+    ) -> Result<Self, CliError> {
+        let plots = plots(scene, &files, page)?;
+        Ok(Self { scene, ensemble, files, page, plots: Ok(plots), totals: Totals::default() })
+    }
+
+    /// What it all has come to.
+    pub(crate) fn answer(&self, json: bool) -> String {
+        let Self { scene, ensemble, totals, .. } = self;
+        if json { format!("{:#}\n", totals.as_json(scene, ensemble)) } else { totals.as_text(scene, ensemble) }
+    }
+
+    /// Draws the pictures.
+    pub(crate) fn finish(self) -> Result<(), CliError> {
+        self.plots?.into_iter().try_for_each(|plot| plot.finish(self.scene, self.ensemble))
+    }
+}
+
+fn plots(scene: &Scene, files: &[&Path], page: &PageArgs) -> Result<Vec<Plot>, CliError> {
+    files.iter().map(|path| Plot::of_ends(Some(path), page, scene)).collect()
+}
+
+impl Watcher<CellFates> for Seen<'_> {
+    fn looks(&self) -> bool {
+        true
+    }
+
+    fn begin(&mut self) {
+        if self.totals.cells > 0 {
+            self.totals = Totals::default();
+            self.plots = plots(self.scene, &self.files, self.page);
+        }
+    }
+
+    fn cell(&mut self, _: u64, cell: &CellFates) {
+        self.totals.add(cell);
+        if let Ok(plots) = &mut self.plots {
+            plots.iter_mut().for_each(|plot| plot.see(cell));
+        }
+    }
+}
+
+/// Many runs from the breathers of every cell.
+struct Ends<'a> {
+    args: &'a FateArgs,
+    plan: &'a Plan,
+    fates: &'a Fates,
+    /// Whether a file goes to standard output.
+    taken: bool,
+}
+
+impl Ends<'_> {
+    /// `place` is the plain file that --csv leads to, if that is one.
+    fn run(&self, place: Option<&Path>, console: &mut Console<'_>) -> Result<(), CliError> {
+        let Self { args, plan, fates, taken } = *self;
+        args.page.checked(args.plot.is_some(), "--plot")?;
+        let (shard, given) = shard_of(args.shard)?;
+        if let (Some(shard), Some(folder)) = (shard, &args.csv) {
+            let stop = (console.interrupt)()?;
+            let pool = threads(console.threads.or(given))?;
+            return self.chunked(&pool, &stop, console.threads).shard("--csv", folder, shard, console);
+        }
+        let mut seen = Seen::new(&plan.scene, &fates.ensemble, args.plot.as_deref().into_iter().collect(), &args.page)?;
+        // Destinations first: an impossible one should not cost a computation.
+        if let (Some(_), Some(out)) = (place, &args.csv) {
+            drop(fates.create(out, &plan.scene)?);
+        }
+        let stop = (console.interrupt)()?;
+        let pool = threads(console.threads)?;
+        let run = self.chunked(&pool, &stop, console.threads);
+        // Two kinds of lines on one terminal are none.
+        let progress = console.progress && !taken;
+        match (&args.csv, place) {
+            (None, _) => {
+                self.alone(&run, &mut seen, progress)?;
+                console.answer(&seen.answer(args.json), taken)?;
+                seen.finish()
             }
-            Ok::<(), MapError>(())
-        },
-    );
-    bar.finish_and_clear();
-    let stopped = is_stopped(ended)?;
-    if let Some(file) = file.filter(|_| !stopped || totals.cells > 0) {
-        file.finish()?;
+            (Some(out), None) if args.resume => Err(nothing_to_resume("--csv", out)),
+            (Some(out), None) => {
+                let (table, ..) = run.stream(out, &mut seen, progress)?;
+                table.commit()?;
+                console.answer(&seen.answer(args.json), taken)?;
+                seen.finish()
+            }
+            (Some(out), Some(place)) => {
+                let gathered = run.gather(out, &parts_path(out), &mut seen, console)?;
+                let answer = seen.answer(args.json);
+                run.settle(gathered, place, console, |table| {
+                    table.commit()?;
+                    seen.finish()
+                })?;
+                console.answer(&answer, taken)
+            }
+        }
     }
-    if stopped {
-        return Err(kept(&args.csv, args.plot.is_some(), totals.cells, scene.cells()));
+
+    /// Without a table.
+    fn alone(&self, run: &ChunkedRun<'_, Fates>, seen: &mut Seen<'_>, progress: bool) -> Result<(), CliError> {
+        let (scene, (steps, things)) = (&self.plan.scene, run.steps);
+        let bar = counter(scene.cells() * steps, 0, things, progress);
+        let job = Job { scene, pool: run.pool, stop: run.stop };
+        let whole = 0..scene.cells();
+        let ended = self.fates.compute(&job, &[whole], &|runs| bar.inc(runs), &mut |block| {
+            block.cells.zip(&block.made.cells).for_each(|(number, cell)| seen.cell(number, cell));
+            Ok(())
+        });
+        bar.finish_and_clear();
+        if is_stopped(ended)? { Err(CliError::Interrupted) } else { Ok(()) }
     }
-    let text =
-        if args.json { format!("{:#}\n", totals.as_json(scene, ensemble)) } else { totals.as_text(scene, ensemble) };
-    console.answer(&text, taken)?;
-    plot.finish(scene, ensemble)
+
+    /// `threads` as asked for.
+    fn chunked<'a>(
+        &'a self,
+        pool: &'a ThreadPool,
+        stop: &'a AtomicBool,
+        threads: Option<usize>,
+    ) -> ChunkedRun<'a, Fates> {
+        let Self { args, plan, fates, .. } = *self;
+        let again = self.again(threads);
+        let steps = (args.starts, "runs");
+        ChunkedRun { content: fates, plan, pool, stop, resume: args.resume, steps, again }
+    }
+
+    /// The command that goes on with this one.
+    fn again(&self, threads: Option<usize>) -> String {
+        let Self { args, fates, .. } = *self;
+        let Some(csv) = &args.csv else { return String::new() };
+        let mut words = command(&args.scene, csv, &fates.settings());
+        words.extend(args.plot.iter().map(|path| format!("--plot {}", quoted(path))));
+        words.extend(args.page.words());
+        words.extend(args.json.then(|| "--json".to_owned()));
+        words.extend(threads.map(|threads| format!("--threads {threads}")));
+        words.extend(args.shard.map(|shard| format!("--shard {shard}")));
+        words.push("--resume".to_owned());
+        words.join(" ")
+    }
 }
 
 fn diagram(
     args: &FateArgs,
-    path: &std::path::Path,
+    path: &Path,
     scene: &Scene,
     ensemble: &Ensemble,
     taken: bool,
@@ -137,7 +278,7 @@ fn diagram(
     let mut plot = Plot::of_diagram(args.plot.as_deref(), &args.page, scene)?;
     let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
-    let bar = bar(scene.cells(), "cells", console.progress && !taken);
+    let bar = counter(scene.cells(), 0, "cells", console.progress && !taken);
     let job = Job { scene, pool: &pool, stop: &stop };
     let (mut cells, mut incomplete) = (0_u64, 0_u64);
     let ended = diagram.compute(
@@ -173,9 +314,9 @@ fn diagram(
     plot.finish(scene, ensemble)
 }
 
-fn is_stopped(ended: Ended<MapError>) -> Result<bool, CliError> {
+fn is_stopped<T>(ended: Ended<MapError, T>) -> Result<bool, CliError> {
     match ended {
-        Ended::Complete => Ok(false),
+        Ended::Complete(_) => Ok(false),
         Ended::Stopped => Ok(true),
         Ended::Failed(error) => Err(error.into()),
     }
@@ -190,18 +331,4 @@ fn kept(file: &Option<PathBuf>, plot: bool, done: u64, cells: u64) -> CliError {
         }
         _ => CliError::Interrupted,
     }
-}
-
-fn bar(length: u64, what: &str, wanted: bool) -> ProgressBar {
-    if !wanted {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(length);
-    if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3}%  {human_pos}/{human_len} {msg}  {eta} left")
-    {
-        bar.set_style(style);
-    }
-    bar.set_message(what.to_owned());
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }

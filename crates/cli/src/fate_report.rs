@@ -48,11 +48,11 @@ impl Totals {
             }
             self.left += u64::from(breather.left);
             self.leave += breather.leave_time.map_or(0.0, |(mean, _)| mean * f64::from(breather.left));
-            if let (Some(predicted), Some(measured)) = (breather.predicted, breather.measured)
-                && measured.error < KNOWN
+            if let (Some(predicted), Some((measured, error))) = (breather.predicted, breather.measured)
+                && error < KNOWN
             {
                 self.compared += 1;
-                self.difference = self.difference.max((measured.value - predicted).abs());
+                self.difference = self.difference.max((measured - predicted).abs());
             }
         }
     }

@@ -6,7 +6,8 @@
 //! | `args` | the command line |
 //! | `setup_command`, `version` | a scene to begin with, completions, manual pages; what this build can do |
 //! | `model`, `which` | the model a command is asked about, and which of its breathers |
-//! | `threads` | threads to compute on |
+//! | `threads`, `progress` | threads to compute on; bars that tell how far long work is |
+//! | `chunked_run` | a table in chunks, which outlive the process and may be shared by many |
 //! | `pictures` | pictures of a table that is being written |
 //! | `border_search` | all borders of a scene, with a bar |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
@@ -27,6 +28,7 @@ pub mod branch_command;
 mod branch_plot;
 #[cfg(feature = "plot")]
 pub mod caption;
+mod chunked_run;
 pub mod console;
 pub mod curve_command;
 #[cfg(feature = "plot")]
@@ -51,6 +53,7 @@ mod pace;
 pub mod page_args;
 mod pictures;
 pub mod program;
+mod progress;
 pub mod recording;
 mod report;
 pub mod schema_command;

@@ -251,7 +251,7 @@ impl Start {
         let model = self.orbit.model();
         format!(
             "{} breathers, {}, {}; from solution {} of {} at {} = {}",
-            which::name(&self.orbit),
+            self.orbit.name(),
             model.chain().layout(),
             fixed(model, free),
             self.number,

@@ -1,19 +1,28 @@
 //! `mapgen merge`: a folder of chunks → table, manifest, pictures.
 
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use vibrochain_fate::Fates;
 use vibrochain_lattice::Short;
 
-use crate::args::MergeArgs;
+use crate::args::{ColorName, MergeArgs, PaletteName, PictureArgs};
+use crate::chunked_run::{place, quoted};
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
+use crate::fate_command::{self, Seen};
 use crate::pictures::Pictures;
 use crate::report::report;
-use crate::sweep_command::{manifest_path, manifest_text, place, quoted, tell};
+use crate::sweep_command::{manifest_path, manifest_text, tell};
 use crate::threads::threads;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{distinct, name_within};
-use vibrochain_maps::sweep::{Assembly, Fault, Plan, Store, Unassembled};
-use vibrochain_maps::table::Form;
+use vibrochain_maps::summary::Summary;
+use vibrochain_maps::sweep::{Assembly, Cells, Content, Fault, Plan, Store, Unassembled, Watcher};
+use vibrochain_maps::table::{Form, TableFile};
 
 /// The most runs of missing chunks that are named.
 const MOST_NAMED: usize = 12;
@@ -25,16 +34,78 @@ const MOST_NAMED: usize = 12;
 pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let plan = Store::plan(&args.folder)?;
     let pool = threads(console.threads)?;
+    match &plan.ensemble {
+        None => sweep(args, &plan, &pool, console),
+        Some(settings) => {
+            let fates = Fates::from_settings(settings).map_err(|wrong| {
+                let place = args.folder.display();
+                CliError::Request(format!("the plan of {place} cannot be used: {wrong}; remove the folder"))
+            })?;
+            ensemble(args, &plan, &fates, &pool, console)
+        }
+    }
+}
+
+/// The table, manifest and pictures of a sweep.
+fn sweep(args: &MergeArgs, plan: &Plan, pool: &ThreadPool, console: &mut Console<'_>) -> Result<(), CliError> {
     let manifest_file = place(&args.out)?.map(|_| manifest_path(&args.out));
+    apart(args, manifest_file.as_deref())?;
+    Form::of(&args.out)?;
+    // All fail early where they cannot be written.
+    manifest_file.as_deref().map(Output::create).transpose()?;
+    let mut pictures = Pictures::plan(&args.pictures, &plan.scene)?;
+    let (table, summary, stop) = assembled(&Cells, args, plan, pool, &mut pictures, console)?;
+    let told = pictures.find_borders(pool, &stop, console.progress)?;
+    table.commit()?;
+    let manifest = manifest_text(plan, &summary, None);
+    if let Some(file) = &manifest_file {
+        Output::create(file)?.finish_with(manifest.as_bytes())?;
+    }
+    pictures.finish()?;
+    tell(args.json, &manifest, || report(&plan.scene, &summary, None) + &told, console)
+}
+
+/// The table and pictures of an ensemble.
+fn ensemble(
+    args: &MergeArgs,
+    plan: &Plan,
+    fates: &Fates,
+    pool: &ThreadPool,
+    console: &mut Console<'_>,
+) -> Result<(), CliError> {
+    let taken = apart(args, None)?;
+    let PictureArgs { png, svg, pdf, slice, color, curves, palette, page } = &args.pictures;
+    let pictures: Vec<&Path> = [png, svg, pdf].into_iter().filter_map(Option::as_deref).collect();
+    page.checked(!pictures.is_empty(), "--png, --svg or --pdf")?;
+    let of_maps = [
+        ("--slice", !slice.is_empty()),
+        ("--color", *color != ColorName::default()),
+        ("--curves", *curves),
+        ("--palette", *palette != PaletteName::default()),
+    ];
+    if let Some((flag, _)) = of_maps.iter().find(|(_, given)| *given) {
+        let place = args.folder.display();
+        return Err(CliError::Request(format!("{flag} is of maps, {place} holds an ensemble: leave it out")));
+    }
+    let mut seen = Seen::new(&plan.scene, &fates.ensemble, pictures, page)?;
+    let (table, ..) = assembled(fates, args, plan, pool, &mut seen, console)?;
+    table.commit()?;
+    console.answer(&seen.answer(args.json), taken)?;
+    seen.finish()
+}
+
+/// Sees to it that no file is another, or a chunk. Tells whether one is standard output.
+fn apart(args: &MergeArgs, manifest_file: Option<&Path>) -> Result<bool, CliError> {
     let wanted = &args.pictures;
     let outputs = [
         ("--out", Some(args.out.as_path())),
-        ("the manifest of --out", manifest_file.as_deref()),
+        ("the manifest of --out", manifest_file),
         ("--png", wanted.png.as_deref()),
         ("--svg", wanted.svg.as_deref()),
         ("--pdf", wanted.pdf.as_deref()),
     ];
-    nothing_else(args.json, distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?)?;
+    let taken = distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?;
+    nothing_else(args.json, taken)?;
     for (flag, path) in outputs {
         let Some(path) = path else { continue };
         if name_within(&args.folder, path).is_some_and(|name| Store::owns(&name)) {
@@ -42,36 +113,34 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
             return Err(CliError::Request(message));
         }
     }
-    Form::of(&args.out)?;
-    // All fail early where they cannot be written.
-    manifest_file.as_deref().map(Output::create).transpose()?;
-    let mut pictures = Pictures::plan(wanted, &plan.scene)?;
-    let mut assembly = Assembly::begin(&plan, &args.out, &mut pictures)?;
-    let stop = (console.interrupt)()?;
+    Ok(taken)
+}
 
-    let check = |chunk| Store::check(&args.folder, &plan, chunk, &stop).err().map(|fault| (chunk, fault));
+/// The table of all chunks, what they add up to, and the flag that tells to stop.
+fn assembled<C: Content>(
+    content: &C,
+    args: &MergeArgs,
+    plan: &Plan,
+    pool: &ThreadPool,
+    watcher: &mut dyn Watcher<C::Item>,
+    console: &Console<'_>,
+) -> Result<(TableFile, Summary, Arc<AtomicBool>), CliError> {
+    let mut assembly = Assembly::begin(content, plan, &args.out, watcher)?;
+    let stop = (console.interrupt)()?;
+    let check = |chunk| Store::check(content, &args.folder, plan, chunk, &stop).err().map(|fault| (chunk, fault));
     let faults: Vec<(u64, Fault)> = pool.install(|| (0..plan.chunks()).into_par_iter().filter_map(check).collect());
     if faults.iter().any(|(_, fault)| matches!(fault, Fault::Stopped)) {
         return Err(CliError::Interrupted);
     }
     if !faults.is_empty() {
-        return Err(incomplete(args, &plan, &faults));
+        return Err(incomplete(args, plan, &faults));
     }
-    let summary = match assembly.chunks(&plan, &args.folder, &stop) {
-        Ok(summary) => summary,
-        Err(Unassembled::Stopped) => return Err(CliError::Interrupted),
-        Err(Unassembled::Table(error)) => return Err(error.into()),
-        Err(Unassembled::Chunk(chunk, fault)) => return Err(incomplete(args, &plan, &[(chunk, fault)])),
-    };
-    let table = assembly.into_table();
-    let told = pictures.find_borders(&pool, &stop, console.progress)?;
-    table.commit()?;
-    let manifest = manifest_text(&plan, &summary, None);
-    if let Some(file) = &manifest_file {
-        Output::create(file)?.finish_with(manifest.as_bytes())?;
+    match assembly.chunks(plan, &args.folder, &stop) {
+        Ok(summary) => Ok((assembly.into_table(), summary, stop)),
+        Err(Unassembled::Stopped) => Err(CliError::Interrupted),
+        Err(Unassembled::Table(error)) => Err(error.into()),
+        Err(Unassembled::Chunk(chunk, fault)) => Err(incomplete(args, plan, &[(chunk, fault)])),
     }
-    pictures.finish()?;
-    tell(args.json, &manifest, || report(&plan.scene, &summary, None) + &told, console)
 }
 
 /// Names the chunks that are not there or not sound, and the command that makes them.
@@ -93,9 +162,16 @@ fn incomplete(args: &MergeArgs, plan: &Plan, faults: &[(u64, Fault)]) -> CliErro
             lines.push(format!("  and {} more", bad.len() - MOST_NAMED));
         }
     }
-    let threshold = plan.threshold.map_or_else(String::new, |threshold| format!(" --threshold {}", Short(threshold)));
-    let (scene, folder) = (quoted(&plan.scene_file), quoted(&args.folder));
-    lines.push(format!("make them with: mapgen sweep {scene} --out {folder}{threshold} --shard 0/1 --resume"));
+    let command = match &plan.ensemble {
+        Some(settings) => fate_command::command(&plan.scene_file, &args.folder, settings),
+        None => {
+            let (scene, folder) = (quoted(&plan.scene_file), quoted(&args.folder));
+            let mut words = vec![format!("mapgen sweep {scene} --out {folder}")];
+            words.extend(plan.threshold.map(|threshold| format!("--threshold {}", Short(threshold))));
+            words
+        }
+    };
+    lines.push(format!("make them with: {} --shard 0/1 --resume", command.join(" ")));
     lines.push("(or with the shards of before, each with --resume: what is finished is not computed again)".to_owned());
     CliError::Computation(lines.join("\n"))
 }

@@ -484,7 +484,7 @@ mod with_plot {
                 }
             },
         };
-        let caption = format!("{} breather {}: {}; {state}", crate::which::name(orbit), i + 1, describe(model));
+        let caption = format!("{} breather {}: {}; {state}", orbit.name(), i + 1, describe(model));
         let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
         Ok(OrbitPanels { caption, x: orbit_plots::along(orbit), profiles, traces, barriers })
     }

@@ -2,10 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use vibrochain_eventsim::{Report, Time};
 
 use crate::console::Console;
+use crate::progress::bar;
 use vibrochain_maps::text::duration;
 
 /// Where no terminal shows a bar, the first line comes after this time, each further one when the time has doubled: a short
@@ -33,13 +34,7 @@ pub(crate) struct Pace {
 impl Pace {
     /// Of a run that ends after so many periods, or impacts if they come first.
     pub(crate) fn new(periods: f64, impacts: Option<u64>, console: &Console<'_>) -> Self {
-        let bar = if console.progress { ProgressBar::new(STEPS) } else { ProgressBar::hidden() };
-        if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3}%  {msg}") {
-            bar.set_style(style);
-        }
-        if console.progress {
-            bar.enable_steady_tick(Duration::from_millis(200));
-        }
+        let bar = bar(STEPS, "{bar:32} {percent:>3}%  {msg}", console.progress);
         Self { bar, begun: Instant::now(), next: PATIENCE, periods, impacts }
     }
 

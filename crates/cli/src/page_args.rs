@@ -75,6 +75,17 @@ impl PageArgs {
         flags.into_iter().find_map(|(given, flag)| given.then_some(flag))
     }
 
+    /// These flags, as they were given.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let style = self.style.and_then(|style| style.to_possible_value());
+        let style = style.map(|style| format!("--style {}", style.get_name()));
+        // In the unit that reads back to the bit.
+        let width = self.width.map(|Length(width)| format!("--width {width}px"));
+        let dpi = self.dpi.map(|dpi| format!("--dpi {dpi}"));
+        let font_size = self.font_size.map(|points| format!("--font-size {points}"));
+        [style, width, dpi, font_size, self.letters.then(|| "--letters".to_owned())].into_iter().flatten().collect()
+    }
+
     /// Makes sure that all is within what can be drawn, and that there is something to draw: `flag` asks for that.
     ///
     /// # Errors

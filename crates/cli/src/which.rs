@@ -85,9 +85,9 @@ pub(crate) fn find(
     Ok((Word::of(&near).to_string(), found))
 }
 
-/// What an orbit is called: its family, or its word.
+/// What an orbit is called.
 pub(crate) fn name(orbit: &Orbit) -> String {
-    if orbit.family() == Family::Word { Word::of(orbit).to_string() } else { orbit.family().name().to_owned() }
+    orbit.name()
 }
 
 /// What the orbits of a branch are called.
@@ -98,9 +98,9 @@ pub(crate) fn of_branch(branch: &FollowedBranch) -> String {
         (Family::Word, 1) => Word::of(orbit)
             .family()
             .filter(|family| *family != Family::PeriodDoubled)
-            .map_or_else(|| name(orbit), |family| family.name().to_owned()),
-        (Family::Word, periods) => format!("{} in {periods} periods of the force", name(orbit)),
-        _ => name(orbit),
+            .map_or_else(|| orbit.name(), |family| family.name().to_owned()),
+        (Family::Word, periods) => format!("{} in {periods} periods of the force", orbit.name()),
+        _ => orbit.name(),
     }
 }
 

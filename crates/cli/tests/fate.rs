@@ -99,7 +99,12 @@ fn what_cannot_be_asked_is_refused_with_what_can() {
         ("fate scene.toml --perturb -.1", "--perturb -0.1 is out of range: give a size from 0 to 1"),
         ("fate scene.toml --transient 1", "--transient 1 is out of range: give a share from 0 to 0.95"),
         ("fate scene.toml --tolerance 2", "--tolerance 2 is out of range"),
-        ("fate scene.toml --csv map.parquet", "--csv map.parquet"),
+        ("fate scene.toml --csv map.parquet", "map.parquet: the table of an ensemble is not written by columns"),
+        ("fate scene.toml --resume", "--csv"),
+        ("fate scene.toml --csv - --resume", "--resume has nothing to go on with: --csv - is no plain file"),
+        ("fate scene.toml --csv parts --shard 2/2", "there is no shard 2 of 2"),
+        ("fate scene.toml --csv parts --shard 0/2 --plot map.png", "cannot be used with"),
+        ("fate line.toml --diagram d.csv --resume", "cannot be used with"),
         ("fate scene.toml --plot map.gif", "end the name in .png, .svg or .pdf"),
         ("fate scene.toml --csv scene.toml", "scene.toml"),
         ("fate scene.toml --diagram d.csv", "--diagram needs a scene with one axis, this one has 2"),
@@ -132,20 +137,108 @@ fn over_one_axis_there_are_shares_and_a_diagram() {
     assert!(carried.contains("each from the end of the one before"), "{carried}");
 }
 
-/// Ctrl-C, where the system has it and nobody has told it to be ignored.
+/// Six chunks of two cells, each some tenths of a second of work.
+const CHUNKED: &str = "fate line.toml --breathers every --starts 3 --periods 10000 --seed 4";
+
+fn chunked() -> Desk {
+    let desk = Desk::new();
+    fs::write(desk.path("line.toml"), LINE.replace("points = 6", "points = 12")).unwrap();
+    desk
+}
+
+/// Table and answer of a run that nobody has disturbed.
+fn undisturbed() -> &'static (Vec<u8>, String) {
+    static RAN: std::sync::OnceLock<(Vec<u8>, String)> = std::sync::OnceLock::new();
+    RAN.get_or_init(|| {
+        let desk = chunked();
+        let answer = desk.run(&format!("{CHUNKED} --csv map.csv --threads 1")).with(0, &[]).out;
+        assert_eq!(desk.names("."), ["line.toml", "map.csv"]);
+        (desk.read("map.csv"), answer)
+    })
+}
+
+/// The last words of an interrupted run: the command that goes on with it.
+fn told_to_go_on(err: &str) -> &str {
+    err.trim().split_once("; go on with: ").unwrap_or_else(|| panic!("{err}")).1
+}
+
+/// Kills and Ctrl-C, where the system has them and nobody has told them to be ignored.
 #[cfg(unix)]
 #[test]
-fn an_interrupted_ensemble_keeps_whole_cells_or_says_that_there_are_none() {
+fn a_stopped_ensemble_goes_on_where_it_was_and_ends_in_the_same_bytes() {
     use vibrochain_testkit::{interrupts_are_ignored, signal};
-    if interrupts_are_ignored() {
-        return;
+    let (expected, answer) = undisturbed();
+    let mut stopped = 0;
+    for (name, code) in [("INT", Some(130)), ("TERM", Some(130)), ("KILL", None)] {
+        if name == "INT" && interrupts_are_ignored() {
+            continue;
+        }
+        let desk = chunked();
+        let mut child = desk.start(&format!("{CHUNKED} --csv map.csv --plot map.svg --threads 2"));
+        desk.await_chunks(&mut child, "map.csv.parts", 2);
+        let ran = signal(child, name);
+        assert_eq!(ran.code, code, "{ran:?}");
+        let finished = desk.chunks("map.csv.parts");
+        assert!((2..6).contains(&finished) && !desk.path("map.csv").exists(), "{ran:?}");
+        let again = "mapgen fate line.toml --csv map.csv --breathers every --periods 10000 --seed 4 --starts 3 --plot map.svg --threads 2 --resume";
+        if code.is_some() {
+            let told = format!("{finished} of 6 chunks are finished, in map.csv.parts");
+            assert!(ran.err.contains(&told) && told_to_go_on(&ran.err) == again, "{ran:?}");
+        }
+        // Without being asked to, it neither goes on nor throws anything away.
+        desk.run(&format!("{CHUNKED} --csv map.csv")).with(2, &["chunks of an unfinished sweep", "--resume"]);
+        let ran = desk.shell(again).with(0, &[]);
+        assert!(desk.read("map.csv") == *expected && ran.out == *answer, "{name}: {ran:?}");
+        assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.svg"]);
+        stopped += 1;
     }
-    let desk = Desk::with_scene(SCENE);
-    let line = "fate scene.toml --starts 200 --csv map.csv --periods";
-    let child = desk.start(&format!("{line} 100000000"));
+    assert!(stopped >= 2);
+    // One that has no table keeps nothing.
+    let desk = chunked();
+    let child = desk.start(&format!("{CHUNKED}00000 --plot map.svg"));
     std::thread::sleep(std::time::Duration::from_millis(500));
-    signal(child, "INT").with(130, &["interrupted: nothing was written"]);
-    assert_eq!(desk.names("."), ["scene.toml"]);
+    signal(child, "TERM").with(130, &["interrupted: nothing was written"]);
+    assert_eq!(desk.names("."), ["line.toml"]);
+}
+
+#[test]
+fn shards_of_an_ensemble_merge_to_the_same_bytes_and_what_is_missing_is_named() {
+    let (expected, answer) = undisturbed();
+    let desk = chunked();
+    for shard in [2, 0] {
+        let told = format!("shard {shard}/3: 2 of 6 chunks in parts");
+        desk.run(&format!("{CHUNKED} --csv parts --shard {shard}/3 --threads {}", 1 + shard)).with(0, &[&told]);
+    }
+    let damaged = desk.path("parts/000003.chunk");
+    let mut bytes = fs::read(&damaged).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&damaged, bytes).unwrap();
+    let told = ["2 of 6 chunks are missing in parts: 1, 4", "000003.chunk: it is damaged: its checksum is wrong"];
+    let ran = desk.run("merge parts --out map.csv").with(1, &told);
+    let line = ran.err.lines().find_map(|line| line.strip_prefix("make them with: ")).unwrap();
+    assert_eq!(
+        line,
+        "mapgen fate line.toml --csv parts --breathers every --periods 10000 --seed 4 --starts 3 --shard 0/1 --resume"
+    );
+    // Another ensemble, or none, is another table.
+    let told = ["parts belongs to another ensemble: ensemble.seed is \"4\" there, \"5\" here"];
+    desk.run(&format!("{} --csv parts --shard 1/3 --resume", CHUNKED.replace("seed 4", "seed 5"))).with(2, &told);
+    desk.run("sweep line.toml --out parts --shard 1/3 --resume").with(2, &["parts belongs to another ensemble"]);
+    desk.shell(line).with(0, &["000003.chunk: it is damaged", "computing it again"]);
+    for (flag, told) in [("--curves --png map.png", "--curves is of maps"), ("--json --svg -", "--json prints")] {
+        desk.run(&format!("merge parts --out map.csv {flag}")).with(2, &[told]);
+    }
+    let merged = desk.run("merge parts --out map.csv --png map.png").with(0, &[]);
+    assert!(desk.read("map.csv") == *expected && merged.out == *answer, "{merged:?}");
+    assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.png", "parts"]);
+    // Compressed, it holds the same.
+    desk.run("merge parts --out map.csv.gz --json").with(0, &[]);
+    assert!(desk.shell("gzip -dc map.csv.gz | cmp - map.csv").code == Some(0));
+    // Sound in its bytes, but of no ensemble that could be.
+    let plan = fs::read_to_string(desk.path("parts/plan.json")).unwrap();
+    fs::write(desk.path("parts/plan.json"), plan.replace("\"every\"", "\"some\"")).unwrap();
+    desk.run("merge parts --out other.csv").with(2, &["plan.json cannot be used: it is damaged"]);
 }
 
 const POINT: &str = "--sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9";

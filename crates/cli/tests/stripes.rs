@@ -224,7 +224,7 @@ fn tables_of_another_scene_are_refused() {
         (cut, "it has 9 rows for 20 cells"),
         (more, "it has more rows than its 20 cells"),
         (String::new(), "its columns are not those"),
-        (good.replacen(",,", ",", 1), "it ends before its "),
+        (good.replacen(",,", ",", 1), "row 1: its mechanism is `1`"),
     ] {
         assert_ne!(text, good);
         fs::write(&map, text).unwrap();

@@ -8,10 +8,9 @@ use vibrochain_eventsim::{Outcome, Simulation};
 use vibrochain_lattice::{Barrier, Model};
 use vibrochain_maps::cell::Worker;
 use vibrochain_maps::scene::Scene;
-use vibrochain_maps::sweep::Job;
+use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::ensemble::Ensemble;
-use crate::fates::Ended;
 use crate::run::reach;
 use crate::section::Strobe;
 use crate::start::Start;
@@ -83,7 +82,7 @@ impl Diagram<'_> {
         job: &Job<'_>,
         tick: impl Fn(u64) + Sync,
         mut sink: impl FnMut(Column) -> Result<(), E>,
-    ) -> Ended<E> {
+    ) -> Ended<E, ()> {
         let cells = self.scene.cells();
         let numbers = (2 * self.points).saturating_mul(self.sites().len() as u64).max(1);
         let block = if self.carry { 1 } else { (MOST_WAITING / numbers).clamp(1, BLOCK) };
@@ -106,7 +105,7 @@ impl Diagram<'_> {
                 }
             }
         }
-        Ended::Complete
+        Ended::Complete(())
     }
 
     /// One run. `None` if stopped.

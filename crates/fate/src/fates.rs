@@ -1,21 +1,24 @@
 //! Ensembles over a scene: many runs from the breathers of every cell, on many threads, in an order that does not depend on them.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::Ordering;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
 
-use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
-use vibrochain_breather::{Family, Orbit, Word};
+use rayon::iter::{IntoParallelRefIterator, ParallelBridge, ParallelIterator};
+use vibrochain_breather::{Orbit, Word};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_maps::cell::{Cell, Worker};
 use vibrochain_maps::point::Point;
-use vibrochain_maps::sweep::Job;
+use vibrochain_maps::summary::Summary;
+use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::end::End;
 use crate::ensemble::Ensemble;
 use crate::exponent::{Measured, measure};
 use crate::run::{Fate, Home};
 
-/// Runs of a block of cells, whose results wait for each other: a hundred kilobytes, and a second of work or more.
+/// Runs of a block of cells, at whose end threads wait for each other: a hundred kilobytes, and a second of work or more.
 const BLOCK: u64 = 512;
 
 /// Periods of a breather over which its exponent is measured at most, where no more than its directions settle.
@@ -33,6 +36,27 @@ pub enum From {
     Unstable,
 }
 
+impl From {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Class, Self::Every, Self::Unstable];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Class => "class",
+            Self::Every => "every",
+            Self::Unstable => "unstable",
+        }
+    }
+
+    /// What has that name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|from| from.name() == name)
+    }
+}
+
 /// What has become of the runs from one breather.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BreatherFates {
@@ -44,8 +68,8 @@ pub struct BreatherFates {
     pub spectral_radius: Option<f64>,
     /// ln|μ|/T of its largest multiplier, those that feel no impact included: the exponent predicted.
     pub predicted: Option<f64>,
-    /// The exponent measured along it.
-    pub measured: Option<Measured>,
+    /// The exponent measured along it, and its error.
+    pub measured: Option<(f64, f64)>,
     /// Runs of each kind of end, in the order of [`End::NAMES`].
     pub ends: [u32; End::NAMES.len()],
     /// Words of other breathers that runs have come to, and how many each.
@@ -64,6 +88,18 @@ impl BreatherFates {
     pub fn dominant(&self) -> Option<usize> {
         let most = self.ends.iter().max().filter(|most| **most > 0)?;
         self.ends.iter().position(|count| count == most)
+    }
+
+    /// The share of the runs that end so, by the number of its kind in [`End::NAMES`].
+    #[must_use]
+    pub fn share(&self, kind: usize) -> f64 {
+        f64::from(self.ends[kind]) / f64::from(self.runs().max(1))
+    }
+
+    /// The words of other breathers with their numbers of runs, as tables have them: "0+,0- 3; 0-,0- 1".
+    #[must_use]
+    pub fn words_text(&self) -> String {
+        self.words.iter().map(|(word, count)| format!("{word} {count}")).collect::<Vec<_>>().join("; ")
     }
 
     /// Runs in all.
@@ -89,7 +125,7 @@ impl BreatherFates {
             name: departure.name.clone(),
             spectral_radius: departure.spectral_radius,
             predicted: departure.predicted,
-            measured,
+            measured: measured.map(|measured| (measured.value, measured.error)),
             ends,
             words,
             left: times.len() as u32,
@@ -124,17 +160,6 @@ pub struct CellFates {
     pub breathers: Vec<BreatherFates>,
 }
 
-/// How the work ended.
-#[derive(Debug, PartialEq, Eq)]
-pub enum Ended<E> {
-    /// All cells are done.
-    Complete,
-    /// The stop flag was raised; the cells handed on are whole.
-    Stopped,
-    /// The sink refused.
-    Failed(E),
-}
-
 /// A breather with all that its runs need.
 struct Departure {
     number: u32,
@@ -146,7 +171,6 @@ struct Departure {
 
 /// A cell before its runs.
 struct Found {
-    number: u64,
     cell: Cell,
     departures: Vec<Departure>,
 }
@@ -174,51 +198,102 @@ pub fn fates<E>(
     tick: impl Fn(u64) + Sync,
     mut sink: impl FnMut(CellFates) -> Result<(), E>,
 ) -> Ended<E> {
-    let cells = job.scene.cells();
-    let block = (BLOCK / ensemble.starts.max(1)).max(1);
-    let mut first = 0;
-    while first < cells {
-        let numbers = first..(first + block).min(cells);
-        first = numbers.end;
-        let (done, whole) = job.pool.install(|| of_block(job, ensemble, from, numbers, &tick));
-        for cell in done {
-            if let Err(error) = sink(cell) {
-                return Ended::Failed(error);
-            }
-        }
-        if !whole {
-            return Ended::Stopped;
-        }
-    }
-    Ended::Complete
+    let whole = 0..job.scene.cells();
+    of_parts(job, ensemble, from, &[whole], tick, |_, _, cell| sink(cell))
 }
 
-/// The cells of one block up to the first that is not finished, and whether that is all of them.
-fn of_block(
+/// As [`fates()`], of the cells of `parts`. `sink` learns which of the parts a cell is of, and whether it is its last.
+pub(crate) fn of_parts<E>(
     job: &Job<'_>,
     ensemble: &Ensemble,
     from: From,
-    numbers: std::ops::Range<u64>,
+    parts: &[Range<u64>],
+    tick: impl Fn(u64) + Sync,
+    mut sink: impl FnMut(usize, bool, CellFates) -> Result<(), E>,
+) -> Ended<E> {
+    // Blocks go on over the ends of parts, which may be shorter than what keeps many threads at work.
+    let block = (BLOCK / ensemble.starts.max(1)).max(1) as usize;
+    let of_part = |(part, cells): (usize, &Range<u64>)| {
+        let end = cells.end;
+        cells.clone().map(move |cell| Place { part, last: cell + 1 == end, cell })
+    };
+    let mut places = parts.iter().enumerate().flat_map(of_part);
+    let mut total = Summary::default();
+    loop {
+        let places: Vec<Place> = places.by_ref().take(block).collect();
+        if places.is_empty() {
+            return Ended::Complete(total);
+        }
+        let ended = of_block(job, ensemble, from, &places, &tick, |place, cell| {
+            total.count(&cell.cell);
+            sink(place.part, place.last, cell)
+        });
+        match ended {
+            Ended::Complete(()) => {}
+            Ended::Stopped => return Ended::Stopped,
+            Ended::Failed(error) => return Ended::Failed(error),
+        }
+    }
+}
+
+/// A cell of one of several parts.
+struct Place {
+    part: usize,
+    last: bool,
+    cell: u64,
+}
+
+/// What comes in any order, in its own.
+struct InOrder<T> {
+    receiver: Receiver<(usize, T)>,
+    waiting: BTreeMap<usize, T>,
+    next: usize,
+}
+
+impl<T> Iterator for InOrder<T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
+        while !self.waiting.contains_key(&self.next) {
+            let (place, item) = self.receiver.recv().ok()?;
+            self.waiting.insert(place, item);
+        }
+        self.next += 1;
+        self.waiting.remove(&(self.next - 1))
+    }
+}
+
+/// Computes the cells of one block, and hands on each as soon as it and those before it are finished: whoever keeps them loses
+/// little by a kill.
+fn of_block<E>(
+    job: &Job<'_>,
+    ensemble: &Ensemble,
+    from: From,
+    places: &[Place],
     tick: &(impl Fn(u64) + Sync),
-) -> (Vec<CellFates>, bool) {
+    mut sink: impl FnMut(&Place, CellFates) -> Result<(), E>,
+) -> Ended<E, ()> {
     let worker = || Worker::new(job.scene.base.sites());
-    let numbers: Vec<u64> = numbers.collect();
-    let find = |worker: &mut Worker, &number: &u64| {
-        let found = find(job, from, number, worker)?;
+    let find = |worker: &mut Worker, place: &Place| {
+        let found = find(job, from, place.cell, worker)?;
         if found.departures.is_empty() {
             tick(ensemble.starts);
         }
         Some(found)
     };
-    let found: Vec<Option<Found>> = numbers.par_iter().map_init(worker, find).collect();
+    let found: Vec<Option<Found>> = job.pool.install(|| places.par_iter().map_init(worker, find).collect());
     let mut work: Vec<(&Departure, u64, u64, Work)> = Vec::new();
-    for found in found.iter().flatten() {
-        for (breather, departure) in (0..).zip(&found.departures) {
-            work.push((departure, found.number, breather, Work::Measure));
-            work.extend((0..ensemble.starts).map(|start| (departure, found.number, breather, Work::Run(start))));
+    for (found, place) in found.iter().zip(places) {
+        for (breather, departure) in (0..).zip(found.iter().flat_map(|found| &found.departures)) {
+            work.push((departure, place.cell, breather, Work::Measure));
+            work.extend((0..ensemble.starts).map(|start| (departure, place.cell, breather, Work::Run(start))));
         }
     }
+    let closed = AtomicBool::new(false);
     let run = |(departure, cell, breather, work): (&Departure, u64, u64, Work)| -> Option<Done> {
+        if closed.load(Ordering::Relaxed) {
+            return None;
+        }
         let start = match work {
             Work::Measure => {
                 let measured = measure(departure.home.orbit(), MEASURED, job.stop).ok();
@@ -233,25 +308,49 @@ fn of_block(
         }
         Some(Done::Run(fate))
     };
-    let mut done = work.into_par_iter().map(run).collect::<Vec<_>>().into_iter();
-    let mut finished = Vec::with_capacity(found.len());
-    for (found, &number) in found.iter().zip(&numbers) {
-        let Some(found) = found else { return (finished, false) };
+    // Whoever collects may have gone.
+    let each = |sender: &mut Sender<_>, (place, work)| drop(sender.send((place, run(work))));
+    job.pool.in_place_scope(|scope| {
+        let (sender, receiver) = channel();
+        let each = &each;
+        // Taken in order.
+        scope.spawn(move |_| work.into_iter().enumerate().par_bridge().for_each_with(sender, each));
+        let mut done = InOrder { receiver, waiting: BTreeMap::new(), next: 0 };
+        let ended = collect(job, ensemble, places, &found, &mut done, &mut sink);
+        closed.store(true, Ordering::Relaxed);
+        ended
+    })
+}
+
+/// Puts runs together to cells.
+fn collect<E>(
+    job: &Job<'_>,
+    ensemble: &Ensemble,
+    places: &[Place],
+    found: &[Option<Found>],
+    done: &mut InOrder<Option<Done>>,
+    sink: &mut impl FnMut(&Place, CellFates) -> Result<(), E>,
+) -> Ended<E, ()> {
+    for (found, place) in found.iter().zip(places) {
+        let Some(found) = found else { return Ended::Stopped };
         let mut breathers = Vec::with_capacity(found.departures.len());
         for departure in &found.departures {
             let (mut measured, mut fates) = (None, Vec::new());
-            for done in done.by_ref().take(ensemble.starts as usize + 1) {
-                match done {
+            for _ in 0..=ensemble.starts {
+                match done.next().flatten() {
                     Some(Done::Measured(value)) => measured = value,
                     Some(Done::Run(fate)) => fates.push(fate),
-                    None => return (finished, false),
+                    None => return Ended::Stopped,
                 }
             }
             breathers.push(BreatherFates::of(departure, measured, &fates));
         }
-        finished.push(CellFates { number, point: job.scene.point(number), cell: found.cell, breathers });
+        let cell = CellFates { number: place.cell, point: job.scene.point(place.cell), cell: found.cell, breathers };
+        if let Err(error) = sink(place, cell) {
+            return Ended::Failed(error);
+        }
     }
-    (finished, true)
+    Ended::Complete(())
 }
 
 /// What lives in a cell, and whence runs start. `None` if stopped.
@@ -275,7 +374,7 @@ fn find(job: &Job<'_>, from: From, number: u64, worker: &mut Worker) -> Option<F
     let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance));
     let asked = |(_, unstable): &(Departure, bool)| from != From::Unstable || *unstable;
     let departures = departures.filter(asked).map(|(departure, _)| departure).collect();
-    Some(Found { number, cell, departures })
+    Some(Found { cell, departures })
 }
 
 /// Whence runs start, and whether the breather is unstable, as the scene counts it.
@@ -289,9 +388,5 @@ fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance) -> Option<(Depart
         // On the circle exactly, as structure keeps it, it has no rounding.
         if known.verdict.spectral_radius == 1.0 { 0.0 } else { largest.ln() / orbit.period() }
     });
-    let name = match orbit.family() {
-        Family::Word => Word::of(orbit).to_string(),
-        family => family.name().to_owned(),
-    };
-    Some((Departure { number, name, spectral_radius, predicted, home }, unstable))
+    Some((Departure { number, name: orbit.name(), spectral_radius, predicted, home }, unstable))
 }

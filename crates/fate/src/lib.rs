@@ -13,7 +13,8 @@
 //! | `run` | [`Home`], [`Fate`]: one run |
 //! | `fates` | [`fates()`]: all cells of a scene, in parallel, in order |
 //! | `section`, `diagram` | [`Strobe`], [`Diagram`]: sections, and bifurcation diagrams by simulation |
-//! | `table` | columns and rows |
+//! | `table`, `reader` | columns and rows, written and read back |
+//! | `content` | [`Fates`]: all that is asked of a scene, as chunks and tables have it |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -35,23 +36,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod content;
 mod diagram;
 mod end;
 mod ensemble;
 mod exponent;
 mod fates;
 mod follow;
+mod reader;
 mod repeat;
 mod run;
 mod section;
 mod start;
 pub mod table;
 
+pub use content::Fates;
 pub use diagram::{Column, Diagram, MAX_POINTS, SectionPoint};
 pub use end::End;
 pub use ensemble::{Ensemble, OutOfRange};
 pub use exponent::{Measured, Unmeasured, measure};
-pub use fates::{BreatherFates, CellFates, Ended, From, fates};
+pub use fates::{BreatherFates, CellFates, From, fates};
+pub use reader::Reader;
 pub use run::{Fate, Home};
 pub use section::Strobe;
 pub use start::{ModeShape, Start};

@@ -1,5 +1,6 @@
 //! The table of an ensemble: a row a breather, and one for a cell without any.
 
+use vibrochain_maps::error::MapError;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::table::parameters;
@@ -20,6 +21,16 @@ pub fn header(scene: &Scene) -> Vec<String> {
     columns.collect()
 }
 
+/// The rows of a cell, as they stand in the file.
+pub(crate) fn text(scene: &Scene, cell: &CellFates) -> Result<Vec<u8>, MapError> {
+    let unwritten = |error: &dyn std::fmt::Display| MapError::Computation(format!("could not write a row: {error}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows(scene, cell) {
+        writer.write_record(row).map_err(|error| unwritten(&error))?;
+    }
+    writer.into_inner().map_err(|error| unwritten(&error))
+}
+
 /// The rows of a cell.
 #[must_use]
 pub fn rows(scene: &Scene, cell: &CellFates) -> Vec<Vec<String>> {
@@ -27,19 +38,17 @@ pub fn rows(scene: &Scene, cell: &CellFates) -> Vec<Vec<String>> {
     let point = || parameters(scene).into_iter().map(|parameter| Number(cell.point.get(parameter)).to_string());
     let found = || [cell.cell.solutions.to_string(), cell.cell.status.name().to_owned()];
     let row = |of: &BreatherFates| {
-        let runs = of.runs();
-        let words: Vec<String> = of.words.iter().map(|(word, count)| format!("{word} {count}")).collect();
         let before = [of.number.to_string(), of.name.clone(), number(of.spectral_radius)];
         let exponents = [
             number(of.predicted),
-            number(of.measured.map(|measured| measured.value)),
-            number(of.measured.map(|measured| measured.error)),
-            runs.to_string(),
+            number(of.measured.map(|(value, _)| value)),
+            number(of.measured.map(|(_, error)| error)),
+            of.runs().to_string(),
             of.dominant().map_or(String::new(), |kind| End::NAMES[kind].to_owned()),
         ];
-        let shares = of.ends.map(|count| Number(f64::from(count) / f64::from(runs.max(1))).to_string());
+        let shares = (0..End::NAMES.len()).map(|kind| Number(of.share(kind)).to_string());
         let after = [
-            words.join("; "),
+            of.words_text(),
             of.left.to_string(),
             number(of.leave_time.map(|(mean, _)| mean)),
             number(of.leave_time.and_then(|(_, error)| error)),

@@ -6,11 +6,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use vibrochain_breather::{Family, Orbit, admissibility, breathers};
 use vibrochain_eventsim::{Limits, Simulation, Time};
-use vibrochain_fate::{CellFates, Column, Diagram, End, Ended, Ensemble, From, Home, fates, table};
+use vibrochain_fate::{CellFates, Column, Diagram, End, Ensemble, Fates, From, Home, fates, table};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_maps::scene::Scene;
-use vibrochain_maps::sweep::Job;
+use vibrochain_maps::summary::Summary;
+use vibrochain_maps::sweep::{Content, Ended, Job, ReadRows};
 
 fn physical(model: &Model, family: Family) -> Vec<Orbit> {
     let orbits = breathers(model, family).unwrap().orbits;
@@ -129,7 +130,7 @@ fn all(threads: usize, ensemble: &Ensemble, from: From, text: &str) -> Vec<CellF
             Ok::<(), ()>(())
         },
     );
-    assert_eq!(ended, Ended::Complete);
+    assert!(matches!(ended, Ended::Complete(summary) if summary.cells() == cells.len() as u64));
     cells
 }
 
@@ -171,8 +172,8 @@ fn from_every_breather_start_as_many_as_there_are_and_from_the_unstable_ones_few
             *count += cell.breathers.len();
             for breather in &cell.breathers {
                 assert_eq!(breather.runs(), 2);
-                let shown = breather.measured.unwrap();
-                assert!((shown.value - breather.predicted.unwrap()).abs() < 1e-6 + shown.error, "{breather:?}");
+                let (value, error) = breather.measured.unwrap();
+                assert!((value - breather.predicted.unwrap()).abs() < 1e-6 + error, "{breather:?}");
             }
         }
     }
@@ -200,6 +201,72 @@ fn a_flag_that_is_raised_ends_it_with_whole_cells() {
     assert!(cells.len() < 12);
     let whole = all(1, &ensemble, From::Class, SCENE);
     assert_eq!(cells, whole[..cells.len()]);
+}
+
+#[test]
+fn what_a_table_tells_of_a_cell_reads_back_and_what_it_cannot_tell_is_refused() {
+    let scene = scene(SCENE);
+    let ensemble = Ensemble { starts: 3, periods: 200, size: 0.05, ..Ensemble::default() };
+    let (mut read, mut words) = (0, 0);
+    for from in From::ALL {
+        let fates = Fates { ensemble, from };
+        let cells = all(2, &ensemble, from, SCENE);
+        let rows: Vec<String> = cells.iter().map(|cell| csv_rows(&scene, cell)).collect();
+        let text = rows.concat();
+        let summary = Summary::of(&cells.iter().map(|cell| cell.cell).collect::<Vec<_>>());
+        let take = |text: &str, range: std::ops::Range<u64>| -> Result<Vec<CellFates>, String> {
+            let mut seen = Vec::new();
+            let mut each = |number: u64, cell: &CellFates| {
+                assert_eq!(number, cell.number);
+                seen.push(cell.clone());
+            };
+            let mut reader = fates.reader(&scene, range);
+            // In pieces that end anywhere.
+            text.as_bytes().chunks(23).try_for_each(|piece| reader.take(piece, &mut each))?;
+            reader.finish(&summary, &mut each)?;
+            Ok(seen)
+        };
+        let whole = 0..scene.cells();
+        let back = take(&text, whole.clone()).unwrap();
+        assert_eq!(back.len(), cells.len());
+        for (mine, theirs) in cells.iter().zip(&back) {
+            assert_eq!((&mine.point, &mine.breathers), (&theirs.point, &theirs.breathers));
+            assert_eq!((mine.cell.solutions, mine.cell.status), (theirs.cell.solutions, theirs.cell.status));
+            read += mine.breathers.len();
+            words += mine.breathers.iter().map(|breather| breather.words.len()).sum::<usize>();
+        }
+        assert!(take(&rows[1..].concat(), whole.clone()).unwrap_err().contains("row 1: it is of another cell"));
+        assert!(take(&rows[..11].concat(), whole.clone()).unwrap_err().contains("it has rows of 11 cells for 12"));
+        assert!(take(&text, 0..11).unwrap_err().contains("it is of more than its 11 cells"));
+        assert!(take(&text.replacen(",3,", ",4,", 1), whole.clone()).is_err());
+        assert!(take(&text.replacen(",ok,", ",so,", 1), whole.clone()).unwrap_err().contains("its status is `so`"));
+        assert!(take(text.trim_end(), whole).is_err());
+    }
+    assert!(read >= 30 && words > 5, "{read} {words}");
+}
+
+fn csv_rows(scene: &Scene, cell: &CellFates) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    table::rows(scene, cell).into_iter().for_each(|row| writer.write_record(row).unwrap());
+    String::from_utf8(writer.into_inner().unwrap()).unwrap()
+}
+
+#[test]
+fn settings_are_text_that_reads_back() {
+    let ensemble = Ensemble { size: 0.1 + 0.2, seed: u64::MAX, leave: 1e-7, ..Ensemble::default() };
+    for from in From::ALL {
+        let fates = Fates { ensemble, from };
+        let settings = fates.settings();
+        assert_eq!(Fates::from_settings(&settings), Ok(fates));
+        assert_eq!(settings.len(), 8);
+        for name in settings.keys() {
+            let mut without = settings.clone();
+            without.remove(name);
+            assert!(Fates::from_settings(&without).unwrap_err().contains(name));
+            without.insert(name.clone(), "much".to_owned());
+            assert!(Fates::from_settings(&without).unwrap_err().contains("`much`"));
+        }
+    }
 }
 
 const LINE: &str = r#"
@@ -232,7 +299,7 @@ fn columns(threads: usize, carry: bool, text: &str) -> Vec<Column> {
             Ok::<(), ()>(())
         },
     );
-    assert_eq!(ended, Ended::Complete);
+    assert_eq!(ended, Ended::Complete(()));
     columns
 }
 

@@ -1,8 +1,12 @@
 //! Bifurcation points with digits known from elsewhere (the errata of the paper), and answers where there is no event.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
+use std::cell::Cell;
+
 use vibrochain_breather::{Family, Motion, Orbit, breathers};
-use vibrochain_floquet::{Answer, End, Event, Evidence, LocateError, Mechanism, Search, Verdict, locate};
+use vibrochain_floquet::{
+    Answer, Course, End, Event, Evidence, LocateError, Mechanism, Search, Verdict, diagram_while, locate, locate_while,
+};
 use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Spectrum};
 use vibrochain_testkit::Values::{Is, Log};
 use vibrochain_testkit::{Random, Ranges};
@@ -351,4 +355,38 @@ fn the_way_to_elastic_impacts_ends_with_its_range() {
         }
     }
     assert!(there >= 20, "{there}");
+}
+
+#[test]
+fn who_does_not_wait_any_longer_is_heard_at_every_step() {
+    let orbit = doubling();
+    let search = Search::new(&orbit, Event::PeriodDoubling, Parameter::Amplitude);
+    let course = Course { generations: 1, ..Course::new(&orbit, Parameter::Amplitude) };
+    let asked = Cell::new(0_usize);
+    let counted = || {
+        asked.set(asked.get() + 1);
+        true
+    };
+    drop(locate_while(&orbit, &search, &counted).unwrap());
+    let whole = asked.replace(0);
+    drop(diagram_while(&orbit, &course, &counted).unwrap());
+    let all = asked.get();
+    assert!(whole > 20 && all > 60, "{whole} {all}");
+    // At the first, in the middle, at the last.
+    for (steps, run) in [(whole, false), (all, true)] {
+        for patience in [0, steps / 2, steps - 1] {
+            asked.set(0);
+            let going = || {
+                asked.set(asked.get() + 1);
+                asked.get() <= patience
+            };
+            let ended = if run {
+                diagram_while(&orbit, &course, &going).map(drop)
+            } else {
+                locate_while(&orbit, &search, &going).map(drop)
+            };
+            assert_eq!(ended, Err(LocateError::Stopped));
+            assert!(asked.get() <= patience + 4, "{patience} {}", asked.get());
+        }
+    }
 }

@@ -20,7 +20,7 @@ pub mod cell;
 pub mod error;
 pub mod files;
 pub mod force;
-mod lines;
+pub mod lines;
 pub mod manifest;
 pub mod numbers;
 pub mod point;

@@ -2,7 +2,7 @@
 
 /// Cuts bytes that come in pieces into lines.
 #[derive(Debug, Default)]
-pub(crate) struct Lines {
+pub struct Lines {
     begun: Vec<u8>,
 }
 
@@ -11,7 +11,7 @@ impl Lines {
     ///
     /// # Errors
     /// Those of `each`.
-    pub(crate) fn take<E>(&mut self, bytes: &[u8], mut each: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
+    pub fn take<E>(&mut self, bytes: &[u8], mut each: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
         for piece in bytes.split_inclusive(|&byte| byte == b'\n') {
             match piece.strip_suffix(b"\n") {
                 None => self.begun.extend_from_slice(piece),
@@ -27,7 +27,7 @@ impl Lines {
     }
 
     /// Whether all that came was whole lines.
-    pub(crate) fn ended(&self) -> bool {
+    pub fn ended(&self) -> bool {
         self.begun.is_empty()
     }
 }

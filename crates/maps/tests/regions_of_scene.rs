@@ -5,7 +5,7 @@ use std::path::Path;
 
 use fastrand::Rng;
 use vibrochain_maps::cell::{Class, Worker};
-use vibrochain_maps::regions::{Regions, Window};
+use vibrochain_maps::regions::{Regions, Subdivision, Window};
 use vibrochain_maps::scene::Scene;
 
 type Place = [f64; 2];
@@ -62,7 +62,12 @@ fn wrong(scene: &Scene, points: usize) -> (usize, Regions<Option<Class>>) {
     assert!(borders.len() > 200, "{}", borders.len());
     let points_of = |border: Vec<Place>| border.into_iter().map(|part| window.point(part)).collect();
     let borders: Vec<Vec<Place>> = borders.into_iter().map(points_of).collect();
-    let regions = Regions::of_scene(scene, &borders, 1e-6, 2000, |cell| cell.class).unwrap();
+    let subdivision = Subdivision::new(window, &borders, 1e-6).unwrap();
+    let regions = subdivision.classified(
+        2000,
+        || Worker::new(scene.base.sites()),
+        |worker, point| worker.cell(&scene.at(&point).model().unwrap(), &scene.task).class,
+    );
 
     let mut random = Rng::with_seed(6);
     let (mut wrong, mut count) = (0, [0_u32; Class::ALL.len()]);

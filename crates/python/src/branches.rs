@@ -1,8 +1,10 @@
 //! Branches of breathers as one parameter varies, and the diagrams they make.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
-use vibrochain_floquet::{Course, FollowedBranch, Mechanism, Station, diagram};
+use vibrochain_floquet::{Course, FollowedBranch, Mechanism, Station, diagram_while};
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::scene::tolerance_from;
 
@@ -233,7 +235,8 @@ pub(crate) fn branch(
     if let Some(threshold) = threshold {
         course.tolerance = tolerance_from(threshold).map_err(Failure::Request)?;
     }
-    let answer = long(py, |_| Ok(()), move |_| diagram(&orbit, &course))?;
+    let follow = move |stop: &AtomicBool| diagram_while(&orbit, &course, &|| !stop.load(Ordering::Relaxed));
+    let answer = long(py, |_| Ok(()), follow)?;
     // An origin is always an event.
     let value = |branch: usize, station: usize| match answer.branches.get(branch)?.stations.get(station)? {
         Station::Event(located) => Some((branch, located.value)),

@@ -122,6 +122,7 @@ impl From<LocateError> for Failure {
         match error {
             LocateError::Floquet(floquet) => floquet.into(),
             LocateError::Branch(branch) => branch.into(),
+            LocateError::Stopped => Self::Other(error.to_string()),
             LocateError::Range { .. }
             | LocateError::Short { .. }
             | LocateError::NoForce { .. }

@@ -6,7 +6,7 @@
 //! | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are |
 //! | `answers` | `Admissibility`, `Condition`, `Stability` |
 //! | `simulation` | event-driven runs |
-//! | `sweep` | maps: the columns of a scene's cells |
+//! | `sweep`, `fates` | maps: the columns of a scene's cells; what becomes of their breathers |
 //! | `events`, `branches`, `curves` | what happens as parameters vary |
 //! | `borders` | all borders of a scene's window |
 //! | `call` | long calls: without the interpreter's lock, interruptible |
@@ -20,6 +20,7 @@ mod call;
 mod curves;
 mod events;
 mod failure;
+mod fates;
 mod model;
 mod orbits;
 mod params;
@@ -43,6 +44,8 @@ mod _vibrochain {
     use crate::curves::{PyEventCurve, curve};
     #[pymodule_export]
     use crate::events::{PyBranchPoint, PyEnd, PyEvents, PyLocated, locate};
+    #[pymodule_export]
+    use crate::fates::_fate;
     #[pymodule_export]
     use crate::model::model;
     #[pymodule_export]

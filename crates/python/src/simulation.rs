@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vibrochain_breather::Motion;
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Report, Simulation, State, Time};
+use vibrochain_fate::Start;
 use vibrochain_lattice::{Barrier, Layout, Model, Short};
 
 use crate::call::long;
@@ -24,15 +24,7 @@ const MOST_WINDOWS: f64 = 1e15;
 #[pyfunction]
 pub(crate) fn _start(py: Python<'_>, orbit: PyRef<'_, PyOrbit>) -> PyResult<Py<PyAny>> {
     let orbit = orbit.0.clone();
-    let place = move |_: &AtomicBool| {
-        let time = orbit.time_in_last_flight();
-        let mut motion = Motion::of(&orbit)?;
-        motion.at(0, time);
-        let masses = (0..motion.sites()).map(|n| motion.site(n));
-        let state: (Vec<f64>, Vec<f64>) = masses.map(|mass| (mass.displacement, mass.velocity)).unzip();
-        Ok::<_, Failure>((time, state, orbit.psi().unwrap_or(0.0) + time))
-    };
-    let (time, (displacement, velocity), psi) = long(py, |_| Ok(()), place)?;
+    let Start { displacement, velocity, psi, time } = long(py, |_| Ok(()), move |_| Start::on(&orbit))?;
     let parts = (time, displacement.into_pyarray(py), velocity.into_pyarray(py), psi);
     Ok(parts.into_pyobject(py)?.into_any().unbind())
 }

@@ -26,7 +26,7 @@ const MOST_CELLS: u64 = 100_000_000;
 const MOST_THREADS: i64 = 1024;
 
 /// The code of a word that a cell does not have, as pandas has it.
-const NO_WORD: i8 = -1;
+pub(crate) const NO_WORD: i8 = -1;
 
 /// The values of a column, as they grow.
 enum Values {
@@ -144,19 +144,7 @@ pub(crate) fn _sweep<'py>(
     };
     let (columns, summary) = long(py, look, work)?;
     let map = PyDict::new(py);
-    map.set_item("scene", parts(&scene))?;
-    let axes: Vec<_> = scene
-        .axes
-        .iter()
-        .rev()
-        .map(|axis| {
-            let values: Vec<f64> = (0..axis.points()).map(|i| axis.value(i)).collect();
-            (axis.parameter.name(), values.into_pyarray(py))
-        })
-        .collect();
-    map.set_item("axes", axes)?;
-    let fixed: Vec<_> = parameters(&scene).into_iter().map(|which| (which.name(), scene.base.get(which))).collect();
-    map.set_item("parameters", fixed)?;
+    grid(&map, &scene)?;
     let columns = columns.into_iter().map(|column| Ok((column.column.name, column.into_python(py)?)));
     map.set_item("columns", columns.collect::<PyResult<Vec<_>>>()?)?;
     let counted = |names: &mut dyn Iterator<Item = (&'static str, u64)>| -> PyResult<Bound<'py, PyDict>> {
@@ -167,6 +155,24 @@ pub(crate) fn _sweep<'py>(
     map.set_item("statuses", counted(&mut Status::ALL.iter().map(|status| status.name()).zip(summary.statuses))?)?;
     map.set_item("worst_residual", summary.worst_residual)?;
     Ok(map)
+}
+
+/// What a scene's cells were made of, and its axes, the slowest first.
+pub(crate) fn grid(map: &Bound<'_, PyDict>, scene: &Scene) -> PyResult<()> {
+    let py = map.py();
+    map.set_item("scene", parts(scene))?;
+    let axes: Vec<_> = scene
+        .axes
+        .iter()
+        .rev()
+        .map(|axis| {
+            let values: Vec<f64> = (0..axis.points()).map(|i| axis.value(i)).collect();
+            (axis.parameter.name(), values.into_pyarray(py))
+        })
+        .collect();
+    map.set_item("axes", axes)?;
+    let fixed: Vec<_> = parameters(scene).into_iter().map(|which| (which.name(), scene.base.get(which))).collect();
+    map.set_item("parameters", fixed)
 }
 
 /// The threads asked for, 0 if their number is left open.

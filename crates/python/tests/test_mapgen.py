@@ -1,5 +1,6 @@
 """What Python is told is what the program prints, to the bit. (Numbers that are printed read back as they were.)"""
 
+import csv
 import math
 import subprocess
 
@@ -184,6 +185,77 @@ def test_a_map_is_the_table(name, mapgen, tmp_path):
         assert table.classes == manifest["classes"] and table.statuses == manifest["statuses"]
         assert table.worst_residual == manifest["worst_residual"]
     assert maps[0].scene["sweep"] == manifest["sweep"]
+
+
+FATE = """
+    [model]
+    sites = 5
+    gamma1 = 0.2
+    asymmetry = 0.4
+    forcing = { amplitude = 0.1, restitution = 0.9 }
+    [sweep]
+    x = { parameter = "omega", from = 1.2, to = 2.4, points = 4 }
+    y = { parameter = "gamma2", from = 0.02, to = 0.1, points = 3 }
+    [compute]
+    families = ["double-sided", "single-sided"]
+"""
+
+
+@pytest.mark.parametrize("breathers", ["class", "every", "unstable"])
+def test_an_ensemble_is_the_table(breathers, mapgen, tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(FATE)
+    asked = {"breathers": breathers, "starts": 3, "perturb": 0.05, "seed": 7, "periods": 150, "transient": 0.4, "leave": 0.2}
+    words = [word for name, value in asked.items() for word in [f"--{name}", value]]
+    told = run(mapgen, "fate", str(scene), "--csv", str(tmp_path / "fate.csv"), "--json", *words)
+    assert told.returncode == 0, told.stderr
+    answer = written(mapgen, told.stdout)
+    with open(tmp_path / "fate.csv", newline="") as file:
+        header, *rows = csv.reader(file)
+    results = [vc.fate(scene, threads=1, **asked), vc.fate(vc.read_scene(scene), threads=3, **asked)]
+    for found in results:
+        assert found.ends == answer["ends"] and found.dims == ("gamma2", "omega") and found.shape == (3, 4)
+        # Parameters have the grid's shape, and so has all else where runs start from one breather a cell.
+        grid = ["gamma2", "omega", "solutions", "status"]
+        per_breather = [name for name in found.columns if name not in grid and name in header]
+        assert set(found.columns) >= set(header) and len(per_breather) == len(header) - 4
+        shapes = {found[name].shape for name in per_breather}
+        most = int(found["number"].max())
+        assert shapes == {(3, 4) if breathers == "class" else (3, 4, 2)} and most <= 2
+        assert all(found[name].shape == (3, 4) for name in grid)
+        seen = 0
+        for row in rows:
+            fields = dict(zip(header, row))
+            place = tuple(
+                int(np.flatnonzero(found.coords[name] == float(fields[name]))[0]) for name in found.dims
+            )  # fmt: skip
+            assert found["solutions"][place] == int(fields["solutions"]) and found["status"][place] == fields["status"]
+            if not fields["number"]:
+                assert not found["number"][place].any() and np.isnan(found["share_chaos"][place]).all()
+                continue
+            if breathers != "class":
+                place = (*place, int(fields["number"]) - 1)
+            seen += 1
+            for name in per_breather:
+                value = found[name][place].item()
+                if isinstance(value, str):
+                    assert value == fields[name], name
+                elif fields[name] == "":
+                    assert math.isnan(value), name
+                else:
+                    assert value == float(fields[name]), name
+        assert seen == int((found["number"] > 0).sum()) == answer["breathers"] > 3
+    for wrong, message in [
+        ({"starts": 0}, "^starts 0 is out of range: give a whole number from 1 to 10000"),
+        ({"starts": -1}, "^starts = -1 is out of range"),
+        ({"periods": 5}, "^periods 5 is out of range"),
+        ({"perturb": 2.0}, "^perturb 2 is out of range: give a size from 0 to 1"),
+        ({"breathers": "some"}, 'give one of "class", "every", "unstable"'),
+    ]:
+        with pytest.raises(vc.RequestError, match=message):
+            vc.fate(scene, **wrong)
+    with pytest.raises(vc.TooLargeError, match="the limit is 1000000"):
+        vc.fate("scenes/three-parameters.toml")
 
 
 def test_a_run_is_the_table(mapgen, tmp_path):

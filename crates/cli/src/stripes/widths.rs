@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::Family;
@@ -14,6 +13,7 @@ use vibrochain_maps::numbers::Number;
 use vibrochain_maps::point::Parameter;
 
 use crate::error::CliError;
+use crate::progress::counter;
 use crate::stripes::request::Request;
 
 pub(super) const HEADER: [&str; 14] = [
@@ -91,15 +91,7 @@ fn text(all: &[Summary]) -> String {
 
 /// How many rows are done, for people.
 pub(super) fn progress(request: &Request, wanted: bool) -> ProgressBar {
-    if !wanted {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(request.gamma2.points as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3}%  {pos}/{len} rows  {eta} left") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
+    counter(request.gamma2.points as u64, 0, "rows", wanted)
 }
 
 /// Writes the stripes of all rows, row by row, and sums them up.

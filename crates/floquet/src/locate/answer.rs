@@ -257,6 +257,9 @@ pub enum LocateError {
     /// The ring has no multiplier that could meet the circle.
     #[error("this orbit has no multiplier that moves: a single mass without force keeps its trivial pair alone")]
     NoMultiplier,
+    /// Whoever asked does not wait any longer.
+    #[error("the search was stopped")]
+    Stopped,
     /// The orbit cannot be followed.
     #[error(transparent)]
     Branch(#[from] BranchError),

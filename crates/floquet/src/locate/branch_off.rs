@@ -28,7 +28,7 @@ const TOGETHER: f64 = 1e-9;
 /// Bends at a step and at its half agree to this part where the curve is a parabola.
 const PARABOLA: f64 = 0.2;
 
-impl Follower {
+impl Follower<'_> {
     /// The orbits that branch off, if it is known how they do: at `distance` in the parameter where they reach that far, otherwise
     /// as near as they do.
     pub(super) fn branch_off(&mut self, event: Event, orbit: &Orbit, distance: f64) -> Option<Branching> {

@@ -33,11 +33,19 @@ const MOST_BRANCHES: usize = 256;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn diagram(orbit: &Orbit, course: &Course) -> Result<Diagram, LocateError> {
+    diagram_while(orbit, course, &|| true)
+}
+
+/// The same, for as long as `going` says, which is asked at every step and before every eigenvalue problem.
+///
+/// # Errors
+/// As [`diagram`]; [`LocateError::Stopped`].
+pub fn diagram_while(orbit: &Orbit, course: &Course, going: &dyn Fn() -> bool) -> Result<Diagram, LocateError> {
     check(orbit, course.free, (course.from, course.to))?;
     let mut diagram =
         Diagram { branches: Vec::new(), dead_ends: Vec::new(), complete: true, evaluations: 0, spectra: 0 };
     let branch = Branch::through(orbit, course.free, course.to - course.from)?;
-    let mut follower = course.follower(branch);
+    let mut follower = course.follower(branch, going);
     let point = follower.branch.start()?;
     if orbit.model().chain().sites() == 1 {
         follower.without_those_that_cannot_be(point.orbit())?;
@@ -51,23 +59,24 @@ pub fn diagram(orbit: &Orbit, course: &Course) -> Result<Diagram, LocateError> {
                     diagram.complete = false;
                     return Ok(diagram);
                 }
-                diagram.switch(course, Origin { branch: next, station })?;
+                diagram.switch(course, Origin { branch: next, station }, going)?;
             }
         }
         next += 1;
     }
-    Ok(diagram)
+    // On the way a failure may be an end.
+    if going() { Ok(diagram) } else { Err(LocateError::Stopped) }
 }
 
 impl Course {
-    fn follower(&self, branch: Branch) -> Follower {
-        let mut follower = Follower::new(branch, (self.from, self.to), self.events.clone());
+    fn follower<'a>(&self, branch: Branch, going: &'a dyn Fn() -> bool) -> Follower<'a> {
+        let mut follower = Follower::new(branch, (self.from, self.to), self.events.clone(), going);
         follower.whole = true;
         follower
     }
 }
 
-impl Follower {
+impl Follower<'_> {
     /// An orbit without a multiplier that could move has no event that multipliers show.
     fn without_those_that_cannot_be(&mut self, orbit: &Orbit) -> Result<(), LocateError> {
         match self.spectrum(orbit) {
@@ -92,7 +101,7 @@ impl Diagram {
     /// Follows a branch from a point of it to both sides.
     fn take_both_ways(
         &mut self,
-        mut follower: Follower,
+        mut follower: Follower<'_>,
         course: &Course,
         place: (Option<Origin>, u32),
         point: BranchPoint,
@@ -114,7 +123,7 @@ impl Diagram {
     /// Adds a branch that was followed.
     fn take(
         &mut self,
-        mut follower: Follower,
+        mut follower: Follower<'_>,
         course: &Course,
         (origin, generation): (Option<Origin>, u32),
         passed: Vec<Passed>,
@@ -132,7 +141,7 @@ impl Diagram {
     }
 
     /// Takes up the branch that leaves at an event, if one does.
-    fn switch(&mut self, course: &Course, origin: Origin) -> Result<(), LocateError> {
+    fn switch(&mut self, course: &Course, origin: Origin, going: &dyn Fn() -> bool) -> Result<(), LocateError> {
         let parent = &self.branches[origin.branch];
         let Station::Event(located) = &parent.stations[origin.station] else { return Ok(()) };
         let Some(departure) = departure(located).filter(|_| parent.is_physical_about(origin.station)) else {
@@ -150,7 +159,8 @@ impl Diagram {
             if known(located.value, &located.orbit) {
                 return Ok(());
             }
-            let mut follower = course.follower(Branch::through(&located.orbit, course.free, course.to - course.from)?);
+            let mut follower =
+                course.follower(Branch::through(&located.orbit, course.free, course.to - course.from)?, going);
             let point = follower.branch.start()?;
             return self.take_both_ways(follower, course, (Some(origin), generation), point);
         }
@@ -169,7 +179,7 @@ impl Diagram {
         if known(first.value(), first.orbit()) {
             return Ok(());
         }
-        let mut follower = course.follower(branch);
+        let mut follower = course.follower(branch, going);
         let end = follower.follow(first.clone())?;
         let mut stations = vec![Passed::Point(start), Passed::Point(first)];
         stations.append(&mut follower.passed);

@@ -62,13 +62,25 @@ enum Round {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateError> {
+    locate_while(orbit, search, &|| true)
+}
+
+/// The same, for as long as `going` says, which is asked at every step and before every eigenvalue problem.
+///
+/// # Errors
+/// As [`locate`]; [`LocateError::Stopped`].
+pub fn locate_while(orbit: &Orbit, search: &Search, going: &dyn Fn() -> bool) -> Result<Answer, LocateError> {
     let Search { free, from, to, .. } = *search;
     check(orbit, free, (from, to))?;
     let start = orbit.model().get(free);
-    let mut follower = Follower::new(Branch::through(orbit, free, to - from)?, (from, to), vec![search.event]);
+    let mut follower = Follower::new(Branch::through(orbit, free, to - from)?, (from, to), vec![search.event], going);
     let point = follower.branch.start()?;
     let (up, down) = if point.heading() < 0.0 { (point.reversed(), point) } else { (point.clone(), point.reversed()) };
     let ends = [follower.follow(down)?, follower.follow(up)?];
+    // On the way a failure may be an end.
+    if !going() {
+        return Err(LocateError::Stopped);
+    }
     let (evaluations, spectra) = (follower.evaluations(), follower.spectra);
     let mut located: Vec<Located> = follower.passed.into_iter().filter_map(Passed::event).collect();
     located.sort_by(|a, b| (a.value - start).abs().total_cmp(&(b.value - start).abs()));
@@ -95,7 +107,7 @@ pub(super) fn check(orbit: &Orbit, free: Parameter, (from, to): (f64, f64)) -> R
     Ok(())
 }
 
-impl Follower {
+impl Follower<'_> {
     pub(super) fn evaluations(&self) -> usize {
         self.branch.evaluations() + self.others
     }
@@ -110,6 +122,9 @@ impl Follower {
         let mut length = 0.25 * LONGEST;
         let first = strength(point.orbit());
         for step in 0..MOST_STEPS {
+            if !(self.going)() {
+                return Err(LocateError::Stopped);
+            }
             let (next, last) = match self.advance(&point, length) {
                 Ok(next) => next,
                 Err(error) => {

@@ -12,7 +12,9 @@ use crate::analyser::Analyser;
 pub(super) const LONGEST: f64 = 0.02;
 
 /// The branch, what is watched along it, and work space.
-pub(super) struct Follower {
+pub(super) struct Follower<'a> {
+    /// Asked at every step and before every eigenvalue problem: whether anybody still waits for what is found.
+    pub(super) going: &'a dyn Fn() -> bool,
     pub(super) branch: Branch,
     pub(super) free: Parameter,
     /// Least and largest value of the free parameter.
@@ -70,12 +72,13 @@ impl Observation {
     }
 }
 
-impl Follower {
-    pub(super) fn new(branch: Branch, (from, to): (f64, f64), events: Vec<Event>) -> Self {
+impl<'a> Follower<'a> {
+    pub(super) fn new(branch: Branch, (from, to): (f64, f64), events: Vec<Event>, going: &'a dyn Fn() -> bool) -> Self {
         let finder = Finder::new(branch.sites());
         let (free, analyser) = (branch.free(), Analyser::default());
         let (passed, unresolved) = (Vec::new(), Vec::new());
         Self {
+            going,
             branch,
             free,
             from,

@@ -36,6 +36,6 @@ mod watch;
 
 pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};
 pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station};
-pub use diagram::diagram;
-pub use follow::locate;
+pub use diagram::{diagram, diagram_while};
+pub use follow::{locate, locate_while};
 pub(crate) use polish::Polisher;

@@ -51,7 +51,7 @@ fn spread(values: impl Iterator<Item = f64>) -> f64 {
     values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max)
 }
 
-impl Follower {
+impl Follower<'_> {
     /// The event at `s` along a step: checked, with its error. `None` for a pole or another false alarm.
     pub(super) fn settle(
         &mut self,

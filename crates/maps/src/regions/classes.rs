@@ -82,21 +82,10 @@ impl Subdivision {
         worker: impl Fn() -> W + Send + Sync,
         class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
     ) -> Regions<T> {
-        self.classified_but(samples, worker, class, |_| false)
+        self.asked(samples, worker, class, |_| false, &mut HashMap::new()).regions()
     }
 
-    /// The same where some answers are none: a face has them only if all its points do.
-    pub(crate) fn classified_but<W, T: Clone + Eq + Send + Sync>(
-        self,
-        samples: usize,
-        worker: impl Fn() -> W + Send + Sync,
-        class: impl Fn(&mut W, [f64; 2]) -> T + Send + Sync,
-        is_none: impl Fn(&T) -> bool + Sync,
-    ) -> Regions<T> {
-        self.asked(samples, worker, class, is_none, &mut HashMap::new()).regions()
-    }
-
-    /// What lives in the faces, and which of them are unexplained. Answers are taken from those known already, and added to them.
+    /// What lives in the faces, and which of them are unexplained. A face has an answer that is none only if all its points do. Answers are taken from those known already, and added to them.
     pub(crate) fn asked<W, T: Clone + Eq + Send + Sync>(
         mut self,
         samples: usize,

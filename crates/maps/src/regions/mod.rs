@@ -9,12 +9,10 @@
 //! | `triangles`, `subdivision` | triangles between them; [`Subdivision`]: the faces |
 //! | `gaps` | where a face reaches through a gap between borders |
 //! | `classes`, `plane` | what lives in the faces; [`Regions`]: areas, outlines, the class at any point |
-//! | `breathers` | the regions of a scene, by its cells |
 //!
-//! But for the last none of it knows of breathers: what lives at a point is for the caller to say.
+//! None of it knows of breathers: what lives at a point is for the caller to say.
 
 mod boxes;
-mod breathers;
 mod classes;
 mod gaps;
 mod noding;

@@ -4,22 +4,23 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::chunk::{Fault, read};
+use super::content::{Content, ReadRows};
 use super::plan::Plan;
 use super::store::Store;
 use crate::cell::Cell;
 use crate::error::MapError;
 use crate::scene::Scene;
 use crate::summary::Summary;
-use crate::table::{Reader, Rows, TableFile, header};
+use crate::table::{Rows, TableFile};
 
 /// Who looks at the cells of a table as it grows: pictures.
-pub trait Watcher {
+pub trait Watcher<T = Cell> {
     /// Whether anybody looks.
     fn looks(&self) -> bool;
     /// Forgets what it has seen.
     fn begin(&mut self);
     /// Sees a cell.
-    fn cell(&mut self, number: u64, cell: &Cell);
+    fn cell(&mut self, number: u64, cell: &T);
 }
 
 /// Why there is no table.
@@ -46,28 +47,34 @@ impl From<Fault> for Trouble {
 }
 
 /// A table under way, and who looks on.
-pub struct Assembly<'a> {
+pub struct Assembly<'a, C: Content> {
+    content: &'a C,
     scene: Scene,
     table: TableFile,
-    watcher: &'a mut dyn Watcher,
+    watcher: &'a mut dyn Watcher<C::Item>,
 }
 
-impl std::fmt::Debug for Assembly<'_> {
+impl<C: Content> std::fmt::Debug for Assembly<'_, C> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Assembly").finish_non_exhaustive()
     }
 }
 
-impl<'a> Assembly<'a> {
+impl<'a, C: Content> Assembly<'a, C> {
     /// Starts with the names of the columns; who looks on forgets earlier rows.
     ///
     /// # Errors
     /// [`MapError`] if the table cannot be written.
-    pub fn begin(plan: &Plan, out: &Path, watcher: &'a mut dyn Watcher) -> Result<Self, MapError> {
-        let mut table = TableFile::create(out, &plan.scene)?;
-        table.text(header(&plan.scene).as_bytes())?;
+    pub fn begin(
+        content: &'a C,
+        plan: &Plan,
+        out: &Path,
+        watcher: &'a mut dyn Watcher<C::Item>,
+    ) -> Result<Self, MapError> {
+        let mut table = content.create(out, &plan.scene)?;
+        table.text(content.header(&plan.scene).as_bytes())?;
         watcher.begin();
-        Ok(Self { scene: plan.scene.clone(), table, watcher })
+        Ok(Self { content, scene: plan.scene.clone(), table, watcher })
     }
 
     /// Whether cells are wanted, and not their text alone.
@@ -75,16 +82,20 @@ impl<'a> Assembly<'a> {
         self.watcher.looks() || self.table.wants_cells()
     }
 
-    fn cell(&mut self, number: u64, cell: &Cell) -> Result<(), MapError> {
+    fn cell(&mut self, number: u64, cell: &C::Item) -> Result<(), MapError> {
         self.watcher.cell(number, cell);
-        if self.table.wants_cells() { self.table.cell(&self.scene.point(number), cell) } else { Ok(()) }
+        if self.table.wants_cells() {
+            self.content.put(&mut self.table, &self.scene.point(number), cell)
+        } else {
+            Ok(())
+        }
     }
 
     /// Takes the next rows.
     ///
     /// # Errors
     /// [`MapError`] if the table cannot be written; it must then be thrown away.
-    pub fn rows(&mut self, rows: &Rows) -> Result<(), MapError> {
+    pub fn rows(&mut self, rows: &Rows<C::Item>) -> Result<(), MapError> {
         if self.wants_cells() {
             rows.range.clone().zip(&rows.cells).try_for_each(|(number, cell)| self.cell(number, cell))?;
         }
@@ -109,19 +120,29 @@ impl<'a> Assembly<'a> {
     }
 
     fn chunk(&mut self, plan: &Plan, chunk: u64, path: &Path, stop: &AtomicBool) -> Result<Summary, Trouble> {
-        let mut reader = self.wants_cells().then(|| Reader::new(&plan.scene, plan.range(chunk)));
-        read(path, plan, chunk, stop, |text| {
-            let mut taken = Ok(());
+        let mut reader = self.wants_cells().then(|| self.content.reader(&plan.scene, plan.range(chunk)));
+        let damaged = |wrong| Trouble::Fault(Fault::Damaged(wrong));
+        let mut taken = Ok(());
+        let summary = read(path, plan, chunk, stop, |text| {
             if let Some(reader) = &mut reader {
-                let each = |number: u64, cell: &Cell| {
+                let mut each = |number: u64, cell: &C::Item| {
                     if taken.is_ok() {
                         taken = self.cell(number, cell);
                     }
                 };
-                reader.take(text, each).map_err(|wrong| Trouble::Fault(Fault::Damaged(wrong)))?;
+                reader.take(text, &mut each).map_err(damaged)?;
             }
-            taken.and_then(|()| self.table.text(text)).map_err(Trouble::Table)
-        })
+            std::mem::replace(&mut taken, Ok(())).and_then(|()| self.table.text(text)).map_err(Trouble::Table)
+        })?;
+        if let Some(reader) = reader {
+            let mut each = |number: u64, cell: &C::Item| {
+                if taken.is_ok() {
+                    taken = self.cell(number, cell);
+                }
+            };
+            reader.finish(&summary, &mut each).map_err(damaged)?;
+        }
+        taken.map(|()| summary).map_err(Trouble::Table)
     }
 
     /// The table.

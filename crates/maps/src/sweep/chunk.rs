@@ -15,12 +15,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use xxhash_rust::xxh3::Xxh3;
 
+use super::content::{Content, ReadRows};
 use super::plan::FORMAT;
 use super::plan::Plan;
 use crate::error::MapError;
 use crate::files::Output;
 use crate::summary::Summary;
-use crate::table::Reader;
 use crate::text::open_plain;
 
 /// Enough for the first line.
@@ -226,17 +226,23 @@ pub(super) fn read<E: From<Fault>>(
 }
 
 /// Reads a chunk through, row by row, and tells whether it can be trusted.
-pub(super) fn check(path: &Path, plan: &Plan, chunk: u64, stop: &AtomicBool) -> Result<Summary, Fault> {
-    let mut rows = Reader::new(&plan.scene, plan.range(chunk));
+pub(super) fn check<C: Content>(
+    content: &C,
+    path: &Path,
+    plan: &Plan,
+    chunk: u64,
+    stop: &AtomicBool,
+) -> Result<Summary, Fault> {
+    let mut rows = content.reader(&plan.scene, plan.range(chunk));
     // A checksum that is wrong says more than the row that it was wrong in.
     let mut wrong = Ok(());
     let summary = read(path, plan, chunk, stop, |some| {
         if wrong.is_ok() {
-            wrong = rows.take(some, |_, _| {});
+            wrong = rows.take(some, &mut |_, _| {});
         }
         Ok::<_, Fault>(())
     })?;
-    wrong.and_then(|()| rows.finish(&summary)).map_err(Fault::Damaged)?;
+    wrong.and_then(|()| rows.finish(&summary, &mut |_, _| {})).map_err(Fault::Damaged)?;
     Ok(summary)
 }
 
@@ -289,6 +295,7 @@ fn open(path: &Path) -> Result<Opened, Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sweep::content::Cells;
 
     #[test]
     fn another_chunk_of_the_same_sweep_is_called_what_it_is() {
@@ -323,7 +330,7 @@ mod tests {
     }
 
     fn check(path: &Path, plan: &Plan, chunk: u64) -> Result<Summary, Fault> {
-        super::check(path, plan, chunk, &AtomicBool::new(false))
+        super::check(&Cells, path, plan, chunk, &AtomicBool::new(false))
     }
 
     /// Writes a chunk of these rows.
@@ -348,7 +355,7 @@ mod tests {
         });
         assert_eq!((read.unwrap(), rows.as_slice()), (summary(3), ROWS.concat().as_bytes()));
         assert_eq!(check(&path, &plan, 0).unwrap(), summary(3));
-        assert!(matches!(super::check(&path, &plan, 0, &AtomicBool::new(true)), Err(Fault::Stopped)));
+        assert!(matches!(super::check(&Cells, &path, &plan, 0, &AtomicBool::new(true)), Err(Fault::Stopped)));
     }
 
     #[test]

@@ -50,10 +50,10 @@ pub struct Block<T> {
 }
 
 /// How a sweep ended.
-#[derive(Debug)]
-pub enum Ended<E> {
-    /// All cells are done.
-    Complete(Summary),
+#[derive(Debug, PartialEq)]
+pub enum Ended<E, T = Summary> {
+    /// All cells are done; what they add up to.
+    Complete(T),
     /// The stop flag was raised.
     Stopped,
     /// The sink refused.

@@ -1,5 +1,6 @@
 //! How a sweep is cut into chunks, by its scene alone, and what tells two sweeps apart.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -56,6 +57,9 @@ impl Maker {
     }
 }
 
+/// What besides the scene decides what is computed of a cell, by the names of flags, as text, which reads back exactly.
+pub type Settings = BTreeMap<String, String>;
+
 /// A sweep, ready to be computed by any number of processes.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -67,6 +71,8 @@ pub struct Plan {
     pub text: String,
     /// The threshold of the command line.
     pub threshold: Option<f64>,
+    /// The settings of an ensemble; none where cells alone are computed.
+    pub ensemble: Option<Settings>,
     /// Who computes the chunks.
     pub maker: Maker,
     /// Cells of each chunk but the last.
@@ -86,6 +92,8 @@ struct File {
     scene_file: String,
     /// As text, which reads back exactly.
     threshold: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ensemble: Option<Settings>,
     cells: u64,
     chunk_cells: u64,
     chunks: u64,
@@ -100,7 +108,12 @@ fn chunk_cells(scene: &Scene) -> u64 {
     let slower = if scene.task.stability { slower.saturating_mul(slower) } else { slower };
     let most = CHUNK_CELLS * if scene.is_conservative() { CONSERVATIVE } else { 1 };
     let cells = (most / slower.max(1).next_power_of_two()).max(LEAST_CELLS);
-    cells.max(scene.cells().div_ceil(MOST_CHUNKS).next_power_of_two())
+    cells.max(least_cells(scene))
+}
+
+/// Cells of a chunk that make no more than [`MOST_CHUNKS`] of them.
+fn least_cells(scene: &Scene) -> u64 {
+    scene.cells().div_ceil(MOST_CHUNKS).next_power_of_two()
 }
 
 impl Plan {
@@ -110,10 +123,26 @@ impl Plan {
     /// [`MapError::Request`]: those of [`Scene::read`]; a threshold that is given twice, or that nothing needs.
     pub fn read(scene_file: &Path, threshold: Option<f64>) -> Result<Self, MapError> {
         let text = read_text("scene", scene_file, MAX_BYTES)?;
-        Self::new(scene_file, text, threshold, Maker::this())
+        Self::new(scene_file, text, threshold, None, Maker::this())
     }
 
-    fn new(scene_file: &Path, text: String, threshold: Option<f64>, maker: Maker) -> Result<Self, MapError> {
+    /// Reads a scene of whose cells more is computed than a sweep finds; `chunk_cells` are to be in a chunk, unless that made
+    /// too many.
+    ///
+    /// # Errors
+    /// [`MapError::Request`]: those of [`Scene::read`].
+    pub fn of_ensemble(scene_file: &Path, settings: Settings, chunk_cells: u64) -> Result<Self, MapError> {
+        let text = read_text("scene", scene_file, MAX_BYTES)?;
+        Self::new(scene_file, text, None, Some((settings, chunk_cells)), Maker::this())
+    }
+
+    fn new(
+        scene_file: &Path,
+        text: String,
+        threshold: Option<f64>,
+        ensemble: Option<(Settings, u64)>,
+        maker: Maker,
+    ) -> Result<Self, MapError> {
         let mut scene = Scene::parse(scene_file, &text)?;
         if let Some(threshold) = threshold {
             let place = scene_file.display();
@@ -129,20 +158,23 @@ impl Plan {
             }
             scene.task.tolerance = tolerance_from(threshold).map_err(MapError::Request)?;
         }
-        let chunk_cells = chunk_cells(&scene);
-        let mut decisive = scene_parts(&scene);
+        let (ensemble, chunk_cells) = match ensemble {
+            Some((settings, cells)) => (Some(settings), cells.max(least_cells(&scene))),
+            None => (None, chunk_cells(&scene)),
+        };
+        let mut decisive = parts(&scene, ensemble.as_ref());
         decisive.insert("format".to_owned(), FORMAT.into());
         decisive.insert("maker".to_owned(), maker.name().into());
         decisive.insert("chunk_cells".to_owned(), chunk_cells.into());
         let identity = xxh3_128(Value::from(decisive).to_string().as_bytes());
-        Ok(Self { scene, scene_file: scene_file.to_owned(), text, threshold, maker, chunk_cells, identity })
+        Ok(Self { scene, scene_file: scene_file.to_owned(), text, threshold, ensemble, maker, chunk_cells, identity })
     }
 
     /// As another version of the program would have made it.
     #[cfg(test)]
     pub fn by_version(scene_file: &Path, text: &str, version: &str) -> Self {
         let maker = Maker { version: version.to_owned(), ..Maker::this() };
-        Self::new(scene_file, text.to_owned(), None, maker).unwrap()
+        Self::new(scene_file, text.to_owned(), None, None, maker).unwrap()
     }
 
     /// Number of cells.
@@ -158,7 +190,7 @@ impl Plan {
     /// The cells of chunk `chunk`.
     pub fn range(&self, chunk: u64) -> Range<u64> {
         let first = chunk * self.chunk_cells;
-        first..(first + self.chunk_cells).min(self.cells())
+        first..first.saturating_add(self.chunk_cells).min(self.cells())
     }
 
     /// The plan as text for a file.
@@ -169,6 +201,7 @@ impl Plan {
             maker: self.maker.clone(),
             scene_file: self.scene_file.display().to_string(),
             threshold: self.threshold.map(|threshold| threshold.to_string()),
+            ensemble: self.ensemble.clone(),
             cells: self.cells(),
             chunk_cells: self.chunk_cells,
             chunks: self.chunks(),
@@ -188,13 +221,14 @@ impl Plan {
         let threshold = file.threshold.as_deref().map(str::parse).transpose();
         let threshold = threshold.map_err(|error| format!("it is damaged (threshold: {error})"))?;
         let maker = file.maker.clone();
-        let plan = Self::new(Path::new(&file.scene_file), file.scene, threshold, maker)
+        let ensemble = file.ensemble.map(|settings| (settings, file.chunk_cells));
+        let plan = Self::new(Path::new(&file.scene_file), file.scene, threshold, ensemble, maker)
             .map_err(|error| format!("its scene cannot be read by this version: {error}"))?;
         if (plan.cells(), plan.chunk_cells) != (file.cells, file.chunk_cells) {
             return Err(format!("mapgen {} cut it otherwise than this version does", file.maker.name()));
         }
         if format!("{:032x}", plan.identity) != file.identity {
-            return Err("it is damaged (its scene is not the one it was made for)".to_owned());
+            return Err("it is damaged (what it asks for is not what it was made for)".to_owned());
         }
         Ok(plan)
     }
@@ -209,15 +243,26 @@ impl Plan {
             let (here, there) = (self.maker.name(), other.maker.name());
             let _ = write!(told, "another version of mapgen: {there} there, {here} here");
         }
-        let (here, there) = (scene_parts(&self.scene).into(), scene_parts(&other.scene).into());
+        let [here, there] = [self, other].map(|plan| parts(&plan.scene, plan.ensemble.as_ref()).into());
         let mut list = Vec::new();
         compare("", &here, &there, &mut list);
         if !list.is_empty() {
+            let what = if self.ensemble == other.ensemble { "scene" } else { "ensemble" };
             let and = if told.is_empty() { "" } else { "; and " };
-            let _ = write!(told, "{and}another scene: {}", list.join(", "));
+            let _ = write!(told, "{and}another {what}: {}", list.join(", "));
         }
         Some(told)
     }
+}
+
+/// All that decides what the cells hold.
+fn parts(scene: &Scene, ensemble: Option<&Settings>) -> Map<String, Value> {
+    let mut parts = scene_parts(scene);
+    if let Some(settings) = ensemble {
+        let settings = settings.iter().map(|(name, value)| (name.clone(), Value::from(value.as_str())));
+        parts.insert("ensemble".to_owned(), settings.collect::<Map<_, _>>().into());
+    }
+    parts
 }
 
 /// Characters shown of a value that differs: a list may have a hundred thousand numbers.
@@ -265,7 +310,7 @@ mod tests {
     "#;
 
     fn plan(text: &str, threshold: Option<f64>) -> Plan {
-        Plan::new(Path::new("map.toml"), text.to_owned(), threshold, Maker::this()).unwrap()
+        Plan::new(Path::new("map.toml"), text.to_owned(), threshold, None, Maker::this()).unwrap()
     }
 
     #[test]

@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::SystemTime;
 
 use super::chunk::{Fault, Writer, check};
+use super::content::Content;
 use super::plan::PLAN_BEGINS;
 use super::plan::Plan;
 use crate::error::MapError;
@@ -159,7 +160,7 @@ impl Store {
         })?;
         Plan::from_json(&text).map_err(|why| {
             let place = path.display();
-            let advice = "if only this file is bad, remove it and `mapgen sweep … --resume`; else remove the folder";
+            let advice = "if only this file is bad, remove it and go on by --resume; else remove the folder";
             MapError::Request(format!("{place} cannot be used: {why}; {advice}"))
         })
     }
@@ -215,8 +216,14 @@ impl Store {
     }
 
     /// Reads a chunk through and tells whether it can be trusted.
-    pub fn check(folder: &Path, plan: &Plan, chunk: u64, stop: &AtomicBool) -> Result<Summary, Fault> {
-        check(&Self::path(folder, chunk), plan, chunk, stop)
+    pub fn check<C: Content>(
+        content: &C,
+        folder: &Path,
+        plan: &Plan,
+        chunk: u64,
+        stop: &AtomicBool,
+    ) -> Result<Summary, Fault> {
+        check(content, &Self::path(folder, chunk), plan, chunk, stop)
     }
 
     /// Removes what sweeps of `plan` have written there, also those that were killed, and the folder unless it holds anything
@@ -315,6 +322,7 @@ fn number(name: &OsStr) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sweep::content::Cells;
 
     const TEXT: &str = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
         x = { parameter = \"omega\", values = [0.5, 0.7, 1.1] }\ny = { parameter = \"gamma2\", values = [0.1] }\n\
@@ -340,7 +348,7 @@ mod tests {
         }
         // Chunks that are sound, but of that version: without their plan they are refused one by one.
         Store::open(&folder, &there, Claim::Share).unwrap().writer(&there, 0).unwrap().finish().unwrap();
-        assert!(matches!(Store::check(&folder, &here, 0, &AtomicBool::new(false)), Err(Fault::Foreign)));
+        assert!(matches!(Store::check(&Cells, &folder, &here, 0, &AtomicBool::new(false)), Err(Fault::Foreign)));
     }
 
     #[test]

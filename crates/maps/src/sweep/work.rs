@@ -4,12 +4,12 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use super::assemble::Assembly;
 use super::chunk::{Fault, Writer};
-use super::engine::{Ended, Job, blocks};
+use super::content::Content;
+use super::engine::{Ended, Job};
 use super::plan::Plan;
 use super::shard::Shard;
 use super::store::Store;
 use crate::error::MapError;
-use crate::table::Rows;
 
 /// What there is to do for a shard.
 #[derive(Debug)]
@@ -27,12 +27,18 @@ impl Todo {
     ///
     /// # Errors
     /// [`MapError::Request`] for a chunk of another sweep.
-    pub fn of(job: &Job<'_>, plan: &Plan, store: &Store, shard: Shard) -> Result<Option<Self>, MapError> {
+    pub fn of<C: Content>(
+        content: &C,
+        job: &Job<'_>,
+        plan: &Plan,
+        store: &Store,
+        shard: Shard,
+    ) -> Result<Option<Self>, MapError> {
         let mut todo = Self { chunks: Vec::new(), damaged: Vec::new(), finished_cells: 0 };
         let there = store.present()?;
         let chunks: Vec<u64> = shard.chunks(plan).collect();
         let check = |&chunk: &u64| match there.contains(&chunk) {
-            true => Store::check(store.folder(), plan, chunk, job.stop),
+            true => Store::check(content, store.folder(), plan, chunk, job.stop),
             false => Err(Fault::Missing),
         };
         let checked: Vec<_> = job.pool.install(|| chunks.par_iter().map(check).collect());
@@ -61,25 +67,25 @@ impl Todo {
 }
 
 /// A table that has got every row.
-pub struct Grown<'a> {
+pub struct Grown<'a, C: Content> {
     /// The table.
-    pub table: Assembly<'a>,
+    pub table: Assembly<'a, C>,
     /// The last chunk, closed and yet to be placed: once the table is in its place, nobody needs it.
     pub last: Writer,
 }
 
 /// How the work ended.
-pub struct Worked<'a> {
+pub struct Worked<'a, C: Content> {
     /// With all chunks, or why without.
     pub ended: Ended<MapError>,
     /// The table that has grown along, if all went well.
-    pub grown: Option<Grown<'a>>,
+    pub grown: Option<Grown<'a, C>>,
 }
 
 /// Where a chunk cannot be written, gives up the table for it.
-fn make_room(
+fn make_room<C: Content>(
     written: Result<(), MapError>,
-    along: &mut Option<Assembly<'_>>,
+    along: &mut Option<Assembly<'_, C>>,
     chunk: &mut Writer,
 ) -> Result<(), MapError> {
     match written {
@@ -88,61 +94,54 @@ fn make_room(
     }
 }
 
-/// Computes `chunks`, each a file that appears whole or not at all. `tick` is called with each number of cells done. The
+/// Computes `chunks`, each a file that appears whole or not at all. `tick` is called with each number of steps done. The
 /// rows go to the table `along`, too, if there is one: so none has to be read back.
-pub fn work<'a>(
+pub fn work<'a, C: Content>(
+    content: &C,
     job: &Job<'_>,
     plan: &Plan,
     store: &Store,
     chunks: &[u64],
     tick: impl Fn(u64) + Sync,
-    mut along: Option<Assembly<'a>>,
-) -> Worked<'a> {
+    mut along: Option<Assembly<'a, C>>,
+) -> Worked<'a, C> {
     // Chunks that others have put there since, where the file system has no locks, would be missing from it.
     along = along.filter(|_| chunks.len() as u64 == plan.chunks());
     let parts: Vec<_> = chunks.iter().map(|&chunk| plan.range(chunk)).collect();
     let mut writer = None;
     let mut last = None;
     let mut plan_is_safe = false;
-    let ended = blocks(
-        job,
-        &parts,
-        |range, cells| {
-            tick(range.end - range.start);
-            Rows::of(job.scene, range, cells)
-        },
-        |block| {
-            let rows = block.made;
-            // What room there is, is the chunks'. When they are whole the table is tried again, and its error told.
-            if along.as_mut().is_some_and(|table| table.rows(&rows).is_err()) {
-                along = None;
-            }
-            let mut open = match writer.take() {
-                Some(open) => open,
-                None => match store.writer(plan, chunks[block.part]) {
-                    Err(_) if along.take().is_some() => store.writer(plan, chunks[block.part])?,
-                    open => open?,
-                },
-            };
-            let written = open.rows(&rows.text, &block.summary);
-            make_room(written, &mut along, &mut open)?;
-            if !block.last {
-                writer = Some(open);
-                return Ok(());
-            }
-            let closed = open.close();
-            make_room(closed, &mut along, &mut open)?;
-            if along.is_some() && block.part + 1 == chunks.len() {
-                last = Some(open);
-                return Ok(());
-            }
-            if !plan_is_safe {
-                store.settle_plan();
-                plan_is_safe = true;
-            }
-            open.place()
-        },
-    );
+    let ended = content.compute(job, &parts, &tick, &mut |block| {
+        let rows = block.made;
+        // What room there is, is the chunks'. When they are whole the table is tried again, and its error told.
+        if along.as_mut().is_some_and(|table| table.rows(&rows).is_err()) {
+            along = None;
+        }
+        let mut open = match writer.take() {
+            Some(open) => open,
+            None => match store.writer(plan, chunks[block.part]) {
+                Err(_) if along.take().is_some() => store.writer(plan, chunks[block.part])?,
+                open => open?,
+            },
+        };
+        let written = open.rows(&rows.text, &block.summary);
+        make_room(written, &mut along, &mut open)?;
+        if !block.last {
+            writer = Some(open);
+            return Ok(());
+        }
+        let closed = open.close();
+        make_room(closed, &mut along, &mut open)?;
+        if along.is_some() && block.part + 1 == chunks.len() {
+            last = Some(open);
+            return Ok(());
+        }
+        if !plan_is_safe {
+            store.settle_plan();
+            plan_is_safe = true;
+        }
+        open.place()
+    });
     let complete = matches!(ended, Ended::Complete(_));
     let grown = along.zip(last).filter(|_| complete).map(|(table, last)| Grown { table, last });
     Worked { ended, grown }
@@ -155,6 +154,7 @@ mod tests {
     use super::*;
     use crate::cell::Cell;
     use crate::sweep::assemble::Watcher;
+    use crate::sweep::content::Cells;
     use crate::sweep::store::Claim;
 
     struct Nobody;
@@ -182,6 +182,7 @@ mod tests {
         let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
         let todo = |stop| {
             Todo::of(
+                &Cells,
                 &Job { scene: &plan.scene, pool: &pool, stop: &AtomicBool::new(stop) },
                 &plan,
                 &store,
@@ -213,8 +214,8 @@ mod tests {
         for (some, grows) in [(&chunks[1..], false), (&chunks[..], true)] {
             let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
             let mut nobody = Nobody;
-            let along = Assembly::begin(&plan, &out, &mut nobody).unwrap();
-            let worked = work(&job, &plan, &store, some, |_| {}, Some(along));
+            let along = Assembly::begin(&Cells, &plan, &out, &mut nobody).unwrap();
+            let worked = work(&Cells, &job, &plan, &store, some, |_| {}, Some(along));
             assert!(matches!(worked.ended, Ended::Complete(_)) && worked.grown.is_some() == grows);
             // The last chunk waits for the table it might not be needed after.
             assert_eq!(store.present().unwrap().len(), some.len() - usize::from(grows));

@@ -28,16 +28,16 @@ pub fn header(scene: &Scene) -> String {
 
 /// Cells that follow each other, and the same as text.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rows {
+pub struct Rows<T = Cell> {
     /// The numbers of the cells.
     pub range: Range<u64>,
-    /// The cells.
-    pub cells: Vec<Cell>,
+    /// The cells, or what else is known of each.
+    pub cells: Vec<T>,
     /// Their rows.
     pub text: Vec<u8>,
 }
 
-impl Rows {
+impl Rows<Cell> {
     /// Of the cells numbered `range` of a scene.
     #[must_use]
     pub fn of(scene: &Scene, range: Range<u64>, cells: &[Cell]) -> Self {

@@ -10,6 +10,7 @@ from ._errors import (
     VibrochainError,
 )
 from ._borders import curves
+from ._fate import Fates, fate
 from ._map import Map, read_scene, sweep
 from ._run import Run, simulate
 from ._vibrochain import (
@@ -53,6 +54,7 @@ __all__ = [
     "End",
     "EventCurve",
     "Events",
+    "Fates",
     "Force",
     "IllConditionedError",
     "Impact",
@@ -73,6 +75,7 @@ __all__ = [
     "branch",
     "curve",
     "curves",
+    "fate",
     "locate",
     "read_scene",
     "simulate",

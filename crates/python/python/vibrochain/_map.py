@@ -169,7 +169,88 @@ class _Progress:
             sys.stderr.flush()
 
 
-class Map:
+class _Table:
+    """Columns of the cells of a scene."""
+
+    def __init__(self, parts: dict[str, Any]) -> None:
+        self.scene: dict[str, Any] = json.loads(parts["scene"])
+        self.coords: dict[str, NDArray[np.float64]] = dict(parts["axes"])
+        self.dims = tuple(self.coords)
+        self.shape = tuple(len(values) for values in self.coords.values())
+        self._places: dict[str, float] = dict(parts["parameters"])
+        self._numbers: dict[str, NDArray[Any]] = {}
+        self._words: dict[str, tuple[NDArray[np.int8], tuple[str, ...]]] = {}
+        self._texts: dict[str, NDArray[np.str_]] = {}
+        for name, values in parts["columns"]:
+            if isinstance(values, tuple):
+                codes, words = values
+                self._words[name] = codes.reshape(self._shape(name)), tuple(words)
+            elif isinstance(values, list):
+                self._texts[name] = np.array(values, dtype=np.str_).reshape(self._shape(name))
+            else:
+                self._numbers[name] = values.reshape(self._shape(name))
+        self.columns = (*self._places, *(name for name, _ in parts["columns"]))
+
+    def _shape(self, name: str) -> tuple[int, ...]:
+        """The shape of a column."""
+        return self.shape
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name in self._numbers:
+            return self._numbers[name]
+        if name in self._words:
+            codes, words = self._words[name]
+            # A cell without one has the last code, -1.
+            return np.array([*words, ""])[codes]
+        if name in self._texts:
+            return self._texts[name]
+        if name in self.coords:
+            axis = self.dims.index(name)
+            values = self.coords[name].reshape([-1 if i == axis else 1 for i in range(len(self.dims))])
+            return np.broadcast_to(values, self.shape)
+        if name in self._places:
+            return np.broadcast_to(self._places[name], self.shape)
+        raise KeyError(f"{name!r} is no column of this table: it has {', '.join(self.columns)}")
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+    def __len__(self) -> int:
+        return int(np.prod(self.shape))
+
+    def __repr__(self) -> str:
+        axes = " × ".join(f"{name} ({len(values)})" for name, values in self.coords.items())
+        return f"<{type(self).__name__} of {len(self)} cells: {axes}>"
+
+    def codes(self, name: str) -> tuple[NDArray[np.int8], tuple[str, ...]]:
+        """A column of words as numbers.
+
+        Parameters
+        ----------
+        name : str
+            A column of words, such as "status".
+
+        Returns
+        -------
+        codes : numpy.ndarray of int8, of the grid's shape
+            For each cell the place of its word in `words`; -1 where it has none.
+        words : tuple of str
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> scene = vc.read_scene("scenes/conservative-n20.toml")
+        >>> scene["sweep"]["x"]["points"], scene["sweep"]["y"]["points"] = 4, 3
+        >>> codes, words = vc.sweep(scene).codes("status")
+        >>> words, codes.dtype
+        (('ok',), dtype('int8'))
+        """
+        if name not in self._words:
+            raise KeyError(f"{name!r} is no column of words: those are {', '.join(self._words)}")
+        return self._words[name]
+
+
+class Map(_Table):
     """The cells of a sweep, as columns of the grid's shape.
 
     Columns are those of ``mapgen``'s tables (`columns`), by name: ``table["margin"]``. Where a cell has no value a number is NaN and
@@ -205,75 +286,10 @@ class Map:
     """
 
     def __init__(self, parts: dict[str, Any]) -> None:
-        self.scene: dict[str, Any] = json.loads(parts["scene"])
-        self.coords: dict[str, NDArray[np.float64]] = dict(parts["axes"])
-        self.dims = tuple(self.coords)
-        self.shape = tuple(len(values) for values in self.coords.values())
+        super().__init__(parts)
         self.classes: dict[str, int] = parts["classes"]
         self.statuses: dict[str, int] = parts["statuses"]
         self.worst_residual: float = parts["worst_residual"]
-        self._places: dict[str, float] = dict(parts["parameters"])
-        self._numbers: dict[str, NDArray[Any]] = {}
-        self._words: dict[str, tuple[NDArray[np.int8], tuple[str, ...]]] = {}
-        for name, values in parts["columns"]:
-            if isinstance(values, tuple):
-                codes, words = values
-                self._words[name] = codes.reshape(self.shape), tuple(words)
-            else:
-                self._numbers[name] = values.reshape(self.shape)
-        self.columns = (*self._places, *(name for name, _ in parts["columns"]))
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name in self._numbers:
-            return self._numbers[name]
-        if name in self._words:
-            codes, words = self._words[name]
-            # A cell without one has the last code, -1.
-            return np.array([*words, ""])[codes]
-        if name in self.coords:
-            axis = self.dims.index(name)
-            values = self.coords[name].reshape([-1 if i == axis else 1 for i in range(len(self.dims))])
-            return np.broadcast_to(values, self.shape)
-        if name in self._places:
-            return np.broadcast_to(self._places[name], self.shape)
-        raise KeyError(f"{name!r} is no column of this map: it has {', '.join(self.columns)}")
-
-    def __contains__(self, name: object) -> bool:
-        return name in self.columns
-
-    def __len__(self) -> int:
-        return int(np.prod(self.shape))
-
-    def __repr__(self) -> str:
-        axes = " × ".join(f"{name} ({len(values)})" for name, values in self.coords.items())
-        return f"<Map of {len(self)} cells: {axes}>"
-
-    def codes(self, name: str) -> tuple[NDArray[np.int8], tuple[str, ...]]:
-        """A column of words as numbers.
-
-        Parameters
-        ----------
-        name : str
-            "class", "mechanism" or "status".
-
-        Returns
-        -------
-        codes : numpy.ndarray of int8, of the grid's shape
-            For each cell the place of its word in `words`; -1 where it has none.
-        words : tuple of str
-
-        Examples
-        --------
-        >>> import vibrochain as vc
-        >>> scene = vc.read_scene("scenes/conservative-n20.toml")
-        >>> scene["sweep"]["x"]["points"], scene["sweep"]["y"]["points"] = 4, 3
-        >>> codes, words = vc.sweep(scene).codes("status")
-        >>> words, codes.dtype
-        (('ok',), dtype('int8'))
-        """
-        if name not in self._words:
-            raise KeyError(f"{name!r} is no column of words: those are {', '.join(self._words)}")
-        return self._words[name]
 
     def to_pandas(self) -> pandas.DataFrame:
         """The map as a table, one row a cell, as in ``mapgen``'s CSV.

@@ -447,6 +447,20 @@ def curve(
 ) -> EventCurve: ...
 def locate(orbit: Orbit, event: _Event, free: _Parameter, *, from_: float | None = None, to: float | None = None) -> Events: ...
 def _chain(sites: int, gamma1: float, gamma2: float, ends: _Ends, layers: int, gamma3: float, layer_ends: _Ends) -> Chain: ...
+def _fate(
+    text: str | None,
+    path: str | os.PathLike[str],
+    breathers: str,
+    starts: SupportsIndex,
+    perturb: float,
+    seed: int,
+    periods: SupportsIndex,
+    transient: float,
+    tolerance: float,
+    leave: float,
+    threads: SupportsIndex | None,
+    progress: Callable[[int, int], object] | None,
+) -> dict[str, Any]: ...
 def _model(chain: Chain, omega: float, asymmetry: float, force: Force, restitution: float) -> Model: ...
 def _scene(path: str | os.PathLike[str]) -> str: ...
 def _simulate(

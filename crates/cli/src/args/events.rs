@@ -1,0 +1,249 @@
+//! What happens as parameters vary: `locate`, `branch`, `curve`, `curves`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{ArgGroup, Args, ValueEnum};
+use vibrochain_maps::numbers::{real, whole};
+use vibrochain_maps::point::Parameter;
+
+use super::model::{ModelArgs, WhichArgs};
+use crate::page_args::PageArgs;
+
+/// Events of `mapgen locate`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EventName {
+    /// A mass touches a barrier from inside, or an impact loses its velocity.
+    Grazing,
+    /// A multiplier meets +1 and the branch goes on; without force and losses also where the energy is extreme.
+    Pitchfork,
+    /// A multiplier meets −1.
+    PeriodDoubling,
+    /// A complex pair of multipliers crosses the circle; without loss, two pairs collide on it.
+    NeimarkSacker,
+    /// The branch turns back.
+    Fold,
+}
+
+/// Parameters that can be varied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FreeName {
+    /// γ₁
+    Gamma1,
+    /// γ₂
+    Gamma2,
+    /// ω
+    Omega,
+    /// a
+    Asymmetry,
+    /// A
+    Amplitude,
+    /// e
+    Restitution,
+    /// γ₃
+    Gamma3,
+}
+
+impl From<FreeName> for Parameter {
+    fn from(name: FreeName) -> Self {
+        match name {
+            FreeName::Gamma1 => Self::Gamma1,
+            FreeName::Gamma2 => Self::Gamma2,
+            FreeName::Omega => Self::Omega,
+            FreeName::Asymmetry => Self::Asymmetry,
+            FreeName::Amplitude => Self::Amplitude,
+            FreeName::Restitution => Self::Restitution,
+            FreeName::Gamma3 => Self::Gamma3,
+        }
+    }
+}
+
+/// Where a branch is taken up, and how far it is followed.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("start").args(["family", "word", "near", "scene"]).required(true).multiple(true))]
+pub struct AlongArgs {
+    /// The parameter that varies.
+    #[arg(long, value_enum)]
+    pub free: FreeName,
+    /// Least value of the free parameter [default: half its start; asymmetry 0, restitution 0.05].
+    #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
+    pub from: Option<f64>,
+    /// Largest value of the free parameter [default: twice its start; asymmetry 0.99, restitution 1].
+    #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
+    pub to: Option<f64>,
+    /// Which breathers.
+    #[command(flatten)]
+    pub which: WhichArgs,
+    /// Which of several solutions to start from, numbered as `mapgen orbit` lists them [default: the first physical one].
+    #[arg(long, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    pub solution: Option<usize>,
+    /// The model.
+    #[command(flatten)]
+    pub model: ModelArgs,
+}
+
+impl AlongArgs {
+    /// The files that are read, by their flags: none of them is written to.
+    pub(crate) fn reads(&self) -> [(&'static str, Option<&Path>); 2] {
+        [("--scene", self.model.scene.as_deref()), ("--near", self.which.near.as_deref())]
+    }
+}
+
+/// Arguments of `mapgen locate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both \
+                  ways, to the ends of the range or its own; every event on it is an answer, and so is that there is none."
+)]
+pub struct LocateArgs {
+    /// What to look for.
+    #[arg(long, value_enum)]
+    pub event: EventName,
+    /// Where, along what, how far.
+    #[command(flatten)]
+    pub along: AlongArgs,
+    /// The events as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What a bifurcation diagram shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum QuantityName {
+    /// Moduli of all impulses.
+    Impulse,
+    /// Time φ of the second impact, in periods.
+    Phi,
+    /// Phase ψ of the force, in its periods.
+    Psi,
+    /// Smallest distance of any mass to a barrier.
+    Margin,
+    /// Largest modulus of the multipliers.
+    SpectralRadius,
+}
+
+/// Arguments of `mapgen branch`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The flags of the model give the start, the free parameter's included. The branch through it is followed both \
+                  ways, round its folds, to the ends of the range or its own. Every step is looked at in its middle and halved \
+                  where two events could hide in it. Multipliers come from dense matrices, which takes long from a hundred masses on; \
+                  --events grazing,fold needs none."
+)]
+pub struct BranchArgs {
+    /// Where, along what, how far.
+    #[command(flatten)]
+    pub along: AlongArgs,
+    /// Events to look for, a list with commas [default: all].
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub events: Vec<EventName>,
+    /// Go on along what branches off at period doublings, pitchforks and grazing.
+    #[arg(long)]
+    pub switch: bool,
+    /// How often a branch may leave another.
+    #[arg(long, value_name = "K", default_value_t = 1, requires = "switch", value_parser = whole::<u32>, allow_negative_numbers = true)]
+    pub generations: u32,
+    /// Also what is not physical, in text and picture.
+    #[arg(long)]
+    pub all: bool,
+    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
+    /// Points and events as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Picture of the diagram, .png, .svg or .pdf: solid stable, dashed unstable; with --all, thin not physical.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
+    /// What the picture shows, a list with commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "impulse,spectral-radius", requires = "plot")]
+    pub show: Vec<QuantityName>,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `mapgen curve`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The flags of the model give the start, both varied parameters included. From there the event is looked for along the \
+                  first, as `mapgen locate` does; every one that is found is followed both ways in the window of both, round turning \
+                  points, to the window's edge or its own end. Errors, and how far a straight line between neighbouring points may be \
+                  from the curve, are parts of the window's sides. Multipliers come from dense matrices."
+)]
+pub struct CurveArgs {
+    /// What to look for and to follow.
+    #[arg(long, value_enum)]
+    pub event: EventName,
+    /// Where, along what, how far.
+    #[command(flatten)]
+    pub along: AlongArgs,
+    /// The second parameter that varies.
+    #[arg(long, value_enum)]
+    pub and: FreeName,
+    /// Least value of the second parameter [default: as of the first].
+    #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
+    pub and_from: Option<f64>,
+    /// Largest value of the second parameter [default: as of the first].
+    #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
+    pub and_to: Option<f64>,
+    /// How far a straight line between two neighbouring points may be from the curve, as a part of the window's sides.
+    #[arg(long, value_name = "PART", default_value_t = 1e-6, value_parser = real, allow_negative_numbers = true)]
+    pub tolerance: f64,
+    /// Points of all curves as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Picture of the curves, .png, .svg or .pdf: solid where the orbit is physical.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `mapgen curves`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Stripes of conservative breathers are found by the modes that meet, with both edges, however thin. What a coarse \
+                  look at the window shows besides is enclosed between two neighbouring places; the event there is located and followed \
+                  both ways. At last the window is cut by all borders, and what is left in the faces is asked the same question. \
+                  Where the scene allows some growth, stability is lost at no event: that border is traced by the growth. Errors, and how far a straight line between \
+                  neighbouring points may be from its border, are parts of the window's sides."
+)]
+pub struct CurvesArgs {
+    /// Scene file (TOML) with two equally spaced axes.
+    pub scene: PathBuf,
+    /// Points of all borders as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Points of codimension two as a table (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Picture of the map by its regions, .png, .svg or .pdf: a stripe thinner than a pixel is drawn by its share.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// How it is made.
+    #[command(flatten)]
+    pub page: PageArgs,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+    /// How far a straight line between two neighbouring points may be from its border, as a part of the window's sides.
+    #[arg(long, value_name = "PART", default_value_t = 1e-6, value_parser = real, allow_negative_numbers = true)]
+    pub tolerance: f64,
+    /// Places of the window, spread by area, that are asked what lives there once all borders are known: none of N falls into a piece of
+    /// share 3/N that a border is missing around in one of twenty cases.
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = whole::<usize>, allow_negative_numbers = true)]
+    pub places: usize,
+    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: that of the scene, or strict].
+    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
+}

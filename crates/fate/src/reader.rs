@@ -1,0 +1,220 @@
+//! Rows of an ensemble's table, read back.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use vibrochain_breather::Word;
+use vibrochain_maps::cell::{Cell, Status};
+use vibrochain_maps::lines::Lines;
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::point::Point;
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::summary::Summary;
+use vibrochain_maps::sweep::ReadRows;
+use vibrochain_maps::table::parameters;
+use vibrochain_maps::text::clipped;
+
+use crate::content::UNTOLD;
+use crate::end::End;
+use crate::fates::{BreatherFates, CellFates};
+use crate::table::header;
+
+/// Characters shown of a field that is not as it must be.
+const MOST_SHOWN: usize = 40;
+
+/// Reads rows against the cells they must be of, and counts these.
+#[derive(Debug)]
+pub struct Reader<'a> {
+    rows: Rows<'a>,
+    lines: Lines,
+}
+
+/// What a reader knows besides the line that has begun.
+#[derive(Debug)]
+struct Rows<'a> {
+    scene: &'a Scene,
+    cells: Range<u64>,
+    starts: u64,
+    header: Arc<[String]>,
+    /// Rows read.
+    row: u64,
+    /// The next cell.
+    next: u64,
+    /// The one before it, which may have more rows.
+    current: Option<CellFates>,
+    counts: Summary,
+}
+
+impl<'a> Reader<'a> {
+    /// For the rows of the cells numbered `cells`, with `starts` runs from each breather.
+    pub(crate) fn new(scene: &'a Scene, cells: Range<u64>, starts: u64) -> Self {
+        let (next, counts) = (cells.start, Summary::default());
+        let rows = Rows { scene, cells, starts, header: header(scene).into(), row: 0, next, current: None, counts };
+        Self { rows, lines: Lines::default() }
+    }
+}
+
+impl ReadRows<CellFates> for Reader<'_> {
+    fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
+        let Self { rows, lines } = self;
+        lines.take(bytes, |line| {
+            rows.row += 1;
+            rows.take(line, each).map_err(|wrong| format!("row {}: {wrong}", rows.row))
+        })
+    }
+
+    fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
+        let Self { mut rows, lines } = self;
+        rows.hand_on(each);
+        let (begin, end) = (rows.cells.start, rows.cells.end);
+        if rows.next != end || !lines.ended() {
+            return Err(format!("it has rows of {} cells for {}", rows.next - begin, end - begin));
+        }
+        if rows.counts.statuses != summary.statuses {
+            return Err("its counts are not those of its rows".to_owned());
+        }
+        Ok(())
+    }
+}
+
+impl Rows<'_> {
+    fn hand_on(&mut self, each: &mut dyn FnMut(u64, &CellFates)) {
+        if let Some(cell) = self.current.take() {
+            self.counts.count(&cell.cell);
+            each(cell.number, &cell);
+        }
+    }
+
+    fn take(&mut self, line: &[u8], each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line);
+        let record = reader.records().next().and_then(Result::ok).ok_or("it is no row")?;
+        if record.len() != self.header.len() {
+            return Err(format!("it has {} fields and not {}", record.len(), self.header.len()));
+        }
+        let header = Arc::clone(&self.header);
+        let mut fields = Fields { names: header.iter(), values: record.iter() };
+        let mut digits = Vec::new();
+        for parameter in parameters(self.scene) {
+            digits.push((parameter, fields.next()));
+        }
+        let is_at =
+            |point: &Point| digits.iter().all(|(parameter, text)| Number(point.get(*parameter)).to_string() == *text);
+        let solutions = fields.value()?;
+        let status = fields.next();
+        let status = Status::ALL
+            .into_iter()
+            .find(|known| known.name() == status)
+            .ok_or_else(|| format!("its status is `{}`", clipped(status, MOST_SHOWN)))?;
+        let breather = self.breather(&mut fields)?;
+        // Breathers of a cell have rising numbers.
+        if let (Some(cell), Some(breather)) = (&mut self.current, &breather)
+            && is_at(&cell.point)
+            && cell.breathers.last().is_some_and(|last| last.number < breather.number)
+        {
+            if (cell.cell.solutions, cell.cell.status) != (solutions, status) {
+                return Err("it tells another status of the cell than the row before".to_owned());
+            }
+            cell.breathers.extend([breather.clone()]);
+            return Ok(());
+        }
+        self.hand_on(each);
+        if !self.cells.contains(&self.next) {
+            return Err(format!("it is of more than its {} cells", self.cells.end - self.cells.start));
+        }
+        let point = self.scene.point(self.next);
+        if !is_at(&point) {
+            return Err("it is of another cell".to_owned());
+        }
+        let cell = Cell { solutions, status, ..UNTOLD };
+        self.current = Some(CellFates { number: self.next, point, cell, breathers: breather.into_iter().collect() });
+        self.next += 1;
+        Ok(())
+    }
+
+    /// The fields after the status; none of a cell without a breather.
+    fn breather(&self, fields: &mut Fields<'_>) -> Result<Option<BreatherFates>, String> {
+        let Some(number) = fields.number()? else { return Ok(None) };
+        let name = fields.next().to_owned();
+        let (spectral_radius, predicted) = (fields.number()?, fields.number()?);
+        let measured = fields.pair()?;
+        let starts: u64 = fields.value()?;
+        if starts != self.starts {
+            return Err(format!("it is of {starts} runs and not of {}", self.starts));
+        }
+        let dominant = fields.next().to_owned();
+        let mut ends = [0; End::NAMES.len()];
+        for count in &mut ends {
+            let share: f64 = fields.value()?;
+            // A share is a count over the starts, to the last digit.
+            *count = (share * starts as f64).round() as u32;
+        }
+        let words = fields.next();
+        let words = words.split("; ").filter(|text| !text.is_empty()).map(|text| {
+            let (word, count) = text.rsplit_once(' ')?;
+            Some((Word::from_str(word).ok()?, count.parse().ok()?))
+        });
+        let words: Option<BTreeMap<Word, u32>> = words.collect();
+        let words = words.ok_or("its words are none")?;
+        let left = fields.value()?;
+        let (leave, leave_error) = (fields.number()?, fields.number()?);
+        let breather = BreatherFates {
+            number,
+            name,
+            spectral_radius,
+            predicted,
+            measured,
+            ends,
+            words,
+            left,
+            leave_time: leave.map(|mean| (mean, leave_error)),
+            chaos_exponent: fields.number()?,
+        };
+        let told = breather.dominant().map_or("", |kind| End::NAMES[kind]);
+        if u64::from(breather.runs()) != starts || told != dominant {
+            return Err("its shares are not those of its runs".to_owned());
+        }
+        Ok(Some(breather))
+    }
+}
+
+/// The fields of a row, one after the other.
+struct Fields<'a> {
+    names: std::slice::Iter<'a, String>,
+    values: csv::StringRecordIter<'a>,
+}
+
+impl<'a> Fields<'a> {
+    /// (There are as many as names.)
+    fn next(&mut self) -> &'a str {
+        self.named().1
+    }
+
+    fn named(&mut self) -> (&'a str, &'a str) {
+        (self.names.next().map_or("", String::as_str), self.values.next().unwrap_or_default())
+    }
+
+    /// A field that has a value.
+    fn value<T: FromStr>(&mut self) -> Result<T, String> {
+        let (name, text) = self.named();
+        text.parse().map_err(|_| format!("its {name} is `{}`", clipped(text, MOST_SHOWN)))
+    }
+
+    /// A field that may be empty.
+    fn number<T: FromStr>(&mut self) -> Result<Option<T>, String> {
+        let (name, text) = self.named();
+        if text.is_empty() {
+            return Ok(None);
+        }
+        text.parse().map(Some).map_err(|_| format!("its {name} is `{}`", clipped(text, MOST_SHOWN)))
+    }
+
+    /// Two fields of which both have a value or neither.
+    fn pair(&mut self) -> Result<Option<(f64, f64)>, String> {
+        Ok(match (self.number()?, self.number()?) {
+            (Some(a), Some(b)) => Some((a, b)),
+            _ => None,
+        })
+    }
+}

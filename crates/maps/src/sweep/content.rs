@@ -1,0 +1,116 @@
+//! What the rows of a table tell of each cell: how it is computed, written and read back.
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::engine::{Block, Ended, Job, blocks};
+use crate::cell::Cell;
+use crate::error::MapError;
+use crate::point::Point;
+use crate::scene::Scene;
+use crate::summary::Summary;
+use crate::table::{Reader, Rows, TableFile, header};
+
+/// Takes what was computed, in order.
+pub type Sink<'a, T> = &'a mut dyn FnMut(Block<Rows<T>>) -> Result<(), MapError>;
+
+/// What is computed of every cell of a scene. Chunks, shards and tables are the same whatever it is; each cell has a row, or
+/// several that follow each other.
+pub trait Content: Sync {
+    /// What is known of one cell.
+    type Item;
+    /// Reads its rows.
+    type Reader<'a>: ReadRows<Self::Item>;
+
+    /// The names of the columns, as they stand in the file.
+    fn header(&self, scene: &Scene) -> String;
+
+    /// Opens a table.
+    ///
+    /// # Errors
+    /// As [`TableFile::create`].
+    fn create(&self, out: &Path, scene: &Scene) -> Result<TableFile, MapError>;
+
+    /// Hands an item to a table that wants items and not their text.
+    ///
+    /// # Errors
+    /// [`MapError`] if it cannot be written.
+    fn put(&self, table: &mut TableFile, point: &Point, item: &Self::Item) -> Result<(), MapError>;
+
+    /// Computes all cells of `parts` and hands them to `sink` in order. `tick` is called, from any thread, with each number of
+    /// steps that is done.
+    fn compute(
+        &self,
+        job: &Job<'_>,
+        parts: &[Range<u64>],
+        tick: &(dyn Fn(u64) + Sync),
+        sink: Sink<'_, Self::Item>,
+    ) -> Ended<MapError>;
+
+    /// Reads the rows of the cells numbered `cells`.
+    fn reader<'a>(&self, scene: &'a Scene, cells: Range<u64>) -> Self::Reader<'a>;
+}
+
+/// Reads rows against the cells they must be of.
+pub trait ReadRows<T> {
+    /// Reads the rows in `bytes`, which may end anywhere, and hands what they tell to `each`, with the number of the cell.
+    ///
+    /// # Errors
+    /// What is wrong with the first row that is not as it must be.
+    fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(u64, &T)) -> Result<(), String>;
+
+    /// Hands on what has waited for more, and tells whether that was every row, with these counts.
+    ///
+    /// # Errors
+    /// What is wrong.
+    fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &T)) -> Result<(), String>;
+}
+
+/// The content of a sweep's table: a row a cell.
+#[derive(Debug, Clone, Copy)]
+pub struct Cells;
+
+impl Content for Cells {
+    type Item = Cell;
+    type Reader<'a> = Reader<'a>;
+
+    fn header(&self, scene: &Scene) -> String {
+        header(scene)
+    }
+
+    fn create(&self, out: &Path, scene: &Scene) -> Result<TableFile, MapError> {
+        TableFile::create(out, scene)
+    }
+
+    fn put(&self, table: &mut TableFile, point: &Point, cell: &Cell) -> Result<(), MapError> {
+        table.cell(point, cell)
+    }
+
+    fn compute(
+        &self,
+        job: &Job<'_>,
+        parts: &[Range<u64>],
+        tick: &(dyn Fn(u64) + Sync),
+        sink: Sink<'_, Cell>,
+    ) -> Ended<MapError> {
+        let digest = |range: Range<u64>, cells: &[Cell]| {
+            tick(range.end - range.start);
+            Rows::of(job.scene, range, cells)
+        };
+        blocks(job, parts, digest, sink)
+    }
+
+    fn reader<'a>(&self, scene: &'a Scene, cells: Range<u64>) -> Reader<'a> {
+        Reader::new(scene, cells)
+    }
+}
+
+impl ReadRows<Cell> for Reader<'_> {
+    fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(u64, &Cell)) -> Result<(), String> {
+        self.take(bytes, each)
+    }
+
+    fn finish(self, summary: &Summary, _: &mut dyn FnMut(u64, &Cell)) -> Result<(), String> {
+        self.finish(summary)
+    }
+}
