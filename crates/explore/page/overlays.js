@@ -1,0 +1,107 @@
+// Lines over the map, computed for what is seen when they are asked for: borders, and where two modes collide.
+
+import { gone, post } from "./ask.js";
+import { table } from "./chart.js";
+import { toValue } from "./plane.js";
+import { limits, remember, state } from "./state.js";
+
+const TOLERANCE = 1e-4; // of what is seen: a tenth of a pixel
+const POINTS = [200, 150]; // cells from which stripes are judged
+
+const $ = (id) => document.getElementById(id);
+
+// The scene of what is seen, within its window, with so many cells.
+export function sceneOfView(map, [across, up]) {
+  const scene = structuredClone(state.scene);
+  map.seen.forEach((range, axis) => {
+    const name = "xy"[axis];
+    const [from, to] = range.map((part) => toValue(limits()[axis], part));
+    Object.assign(scene.sweep[name], { from, to, points: [across, up][axis] });
+  });
+  return scene;
+}
+
+export class Overlays {
+  constructor(map) {
+    this.map = map;
+    this.lines = { curves: [], stripes: [] };
+    for (const name of ["curves", "stripes"]) {
+      $(name).addEventListener("click", () => (state.over.includes(name) || this.busy === name ? this.drop(name) : this.ask(name)));
+    }
+  }
+
+  reset() {
+    this.controller?.abort();
+    this.lines = { curves: [], stripes: [] };
+    state.over = [];
+    $("lines").textContent = "";
+    this.show();
+  }
+
+  show() {
+    for (const name of ["curves", "stripes"]) $(name).setAttribute("aria-pressed", String(state.over.includes(name) || this.busy === name));
+    this.map.lines = [...this.lines.curves, ...this.lines.stripes];
+    this.map.redraw();
+    remember();
+  }
+
+  drop(name) {
+    if (this.busy === name) this.controller.abort();
+    state.over = state.over.filter((other) => other !== name);
+    this.lines[name] = [];
+    $("lines").textContent = "";
+    this.show();
+  }
+
+  async ask(name) {
+    this.controller?.abort();
+    const controller = new AbortController();
+    this.controller = controller;
+    this.busy = name;
+    $("lines").textContent = "computing for what is seen; press again to stop";
+    this.show();
+    try {
+      const scene = sceneOfView(this.map, POINTS);
+      const body = name === "curves" ? { scene, tolerance: TOLERANCE, places: 0 } : { scene };
+      const answer = await post(name, body, controller.signal);
+      this.lines[name] = name === "curves" ? borders(answer.answer) : stripes(answer.files["stripes.csv"]);
+      state.over = [...new Set([...state.over, name])];
+      const count = this.lines[name].length;
+      $("lines").textContent = `${count} ${name === "curves" ? "borders" : "lines where two modes collide"}. ${answer.command}`;
+    } catch (error) {
+      if (this.controller === controller) $("lines").textContent = gone(error) ? "" : error.message;
+    } finally {
+      if (this.controller === controller) this.busy = null;
+      this.show();
+    }
+  }
+}
+
+// Colours of borders as in printed maps: none is a class's, and all show on any.
+const COLOURS = ["#000000", "#d61e28", "#00be78", "#aa3cbe", "#00c8dc", "#787878"];
+
+function borders({ borders: list }) {
+  const kinds = [...new Set(list.map((border) => border.event))];
+  return list.map((border) => ({ points: border.points.map((point) => point.values), kind: COLOURS[kinds.indexOf(border.event) % COLOURS.length] }));
+}
+
+// The table has a point a row of the map; a line that skips rows, or leaps, is two.
+function stripes(text) {
+  const { names, rows } = table(text);
+  const column = Object.fromEntries(names.map((name, i) => [name, i]));
+  const name = (row) => ["family", "mode1", "mode2", "harmonic"].map((key) => row[column[key]]).join(" ");
+  const sums = rows.filter((row) => row[column.sum] === "true").map((row) => ({ name: name(row), point: [Number(row[column.omega]), Number(row[column.gamma2])] }));
+  const heights = [...new Set(sums.map(({ point }) => point[1]))].sort((one, other) => one - other);
+  const row = new Map(heights.map((height, i) => [height, i]));
+  const [from, to] = limits()[0];
+  const leap = 0.02 * (to - from) * 2 ** -state.zoom;
+  const lines = [];
+  let last = null;
+  for (const one of sums) {
+    const follows = last?.name === one.name && Math.abs(row.get(one.point[1]) - row.get(last.point[1])) === 1 && Math.abs(one.point[0] - last.point[0]) < leap;
+    if (follows) lines.at(-1).points.push(one.point);
+    else lines.push({ points: [one.point], kind: "#d61e28" });
+    last = one;
+  }
+  return lines.filter(({ points }) => points.length > 1);
+}

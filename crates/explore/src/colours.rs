@@ -3,13 +3,14 @@
 use serde_json::{Value, json};
 use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::{Class, Status};
+use vibrochain_plot::palette::sample;
 use vibrochain_plot::{Palette, Tile};
 
 /// Pixels after which every texture repeats, both ways: of stripes that are 6 apart, dots that are 4 apart.
 const PERIOD: u32 = 12;
 
-/// Names of classes, mechanisms and statuses, in the order of a tile's bytes, and the pixels of each pair of class and mechanism, by rows, as
-/// numbers of 24 bits.
+/// Names of classes, mechanisms and statuses, in the order of a tile's bytes, the pixels of each pair of class and mechanism, by rows, as
+/// numbers of 24 bits, and those of each mechanism in a legend.
 pub(crate) fn value() -> Value {
     let mechanisms = || std::iter::once(None).chain(Mechanism::ALL.into_iter().map(Some));
     let classes = || std::iter::once(None).chain(Class::ALL.into_iter().map(Some));
@@ -19,23 +20,27 @@ pub(crate) fn value() -> Value {
             json!({
                 "class": tile.class.map(Class::name),
                 "mechanism": tile.mechanism.map(Mechanism::name),
-                "pixels": pixels(tile).collect::<Vec<_>>(),
+                "pixels": pattern(|x, y| Palette::default().pixel(tile, x, y)).collect::<Vec<_>>(),
             })
         })
         .collect();
+    let samples = Mechanism::ALL.map(|mechanism| {
+        json!({ "mechanism": mechanism.name(), "pixels": pattern(|x, y| sample(mechanism, x, y)).collect::<Vec<_>>() })
+    });
     json!({
         "classes": Class::ALL.map(Class::name),
         "mechanisms": Mechanism::ALL.map(Mechanism::name),
         "statuses": Status::ALL.map(Status::name),
         "period": PERIOD,
         "tiles": tiles,
+        "samples": samples,
     })
 }
 
-fn pixels(tile: Tile) -> impl Iterator<Item = u32> {
+fn pattern(colour: impl Fn(u32, u32) -> [u8; 3]) -> impl Iterator<Item = u32> {
     let places = (0..PERIOD).flat_map(|y| (0..PERIOD).map(move |x| (x, y)));
     places.map(move |(x, y)| {
-        let [r, g, b] = Palette::default().pixel(tile, x, y).map(u32::from);
+        let [r, g, b] = colour(x, y).map(u32::from);
         r << 16 | g << 8 | b
     })
 }

@@ -9,6 +9,7 @@ pub(crate) struct File {
 /// Types of files.
 const HTML: &str = "text/html; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
+const PICTURE: &str = "image/svg+xml";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 macro_rules! files {
@@ -25,6 +26,7 @@ macro_rules! files {
 
 files! {
     "" HTML "index.html",
+    "icon.svg" PICTURE "icon.svg",
     "style.css" STYLE "style.css",
     "main.js" SCRIPT "main.js",
     "ask.js" SCRIPT "ask.js",

@@ -25,7 +25,7 @@ use crate::token::Token;
 const CONNECTIONS: usize = 256;
 
 /// How long a connection may be silent, or take for the head of a request.
-const SILENCE: Duration = Duration::from_secs(20);
+const SILENCE: Duration = Duration::from_secs(10);
 
 /// How long a connection is kept, and then how long what is under way may take: a client that reads no answers is left.
 const LIFE: Duration = Duration::from_secs(900);
