@@ -228,7 +228,10 @@ fn what_is_no_question_is_refused_by_what_is_wrong_with_it() {
     assert!(with("/compute/families", json!(["0+3+,0-x"])).contains("is not a family"));
     assert!(with("/compute/families", json!([])).contains("families is empty"));
     assert!(with("/sweep/x/to", json!(0.4)).contains("is not a range"));
-    assert!(with("/sweep", json!({ "x": scene()["sweep"]["x"] })).contains("has two axes"));
+    let mut line = scene();
+    line["sweep"] = json!({ "x": scene()["sweep"]["x"] });
+    line["model"]["gamma2"] = 0.1.into();
+    assert!(served.post("view", &json!({ "scene": line })).refused(400).contains("has two axes"));
     let point = |which: &str, more: Value| {
         let mut asked = json!({ "model": { "sites": 6, "gamma1": 0.2, "gamma2": 0.1, "omega": 1.5, "asymmetry": 0.4 }, "which": which, "samples": 8 });
         asked.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
@@ -239,7 +242,7 @@ fn what_is_no_question_is_refused_by_what_is_wrong_with_it() {
         (point("many-sided", json!({})), "invalid value"),
         (point("--help", json!({})), "invalid value"),
         (point("0+9+,0-9-", json!({})), "--word"),
-        (point("double-sided", json!({ "samples": 10_000_000 })), "ask for at most"),
+        (point("double-sided", json!({ "samples": 10_000_000 })), "samples = 10000000 is too many for a page: give at most 12500"),
         (point("double-sided", json!({ "model": { "sites": 6 } })), "--gamma1"),
         (point("double-sided", json!({ "model": { "sites": 6, "scene": "/etc/passwd" } })), "model has no scene"),
         (point("double-sided", json!({ "model": { "sites": 100_000 } })), "give at most 1001"),
@@ -447,7 +450,7 @@ fn a_run_is_what_mapgen_simulate_prints() {
         "model": model(FORCED), "which": "double-sided", "samples": 64, "solution": 1,
         "perturb": 0.0, "direction": "random", "seed": 1, "periods": 1e9,
     });
-    assert!(served.post("simulate", &endless).refused(400).contains("too many"));
+    assert!(served.post("simulate", &endless).refused(400).contains("periods = 1000000000 is too many"));
     let stable = json!({
         "model": model("--sites 6 --gamma1 0.2 --gamma2 0.01 --omega 2.5 --asymmetry 0.4"), "which": "double-sided", "samples": 4,
         "solution": 1, "perturb": 1e-3, "direction": "unstable", "seed": 1, "periods": 3.0,

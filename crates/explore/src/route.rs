@@ -84,11 +84,6 @@ impl Desk {
         Self { guard, answers, pool: Arc::new(pool), tiles, questions: Work::new(RUNNING, ANSWERS) }
     }
 
-    /// The most computations at a time, of all kinds.
-    pub(crate) fn running(&self) -> usize {
-        self.pool.current_num_threads() + RUNNING
-    }
-
     /// Answers a request, whatever it is.
     pub(crate) async fn respond<B>(&self, request: Request<B>) -> Response<Full<Bytes>>
     where

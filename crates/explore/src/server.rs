@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 use std::io;
-use std::net::{Ipv4Addr, TcpListener};
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -11,8 +11,8 @@ use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use rayon::ThreadPool;
-use tokio::net::TcpStream;
-use tokio::runtime::Builder;
+use tokio::net::{TcpListener, TcpSocket, TcpStream};
+use tokio::runtime::{Builder, Runtime};
 use tokio::sync::Semaphore;
 use tokio::time::{sleep, timeout};
 
@@ -21,8 +21,9 @@ use crate::guard::Guard;
 use crate::route::Desk;
 use crate::token::Token;
 
-/// Connections at a time; a browser opens six. More wait to be taken up, at no cost here.
+/// Connections at a time; a browser opens six. So many more wait to be taken up, at no cost here; others are put off by the system.
 const CONNECTIONS: usize = 256;
+const WAITING: u32 = 1024;
 
 /// How long a connection may be silent, or take for the head of a request.
 const SILENCE: Duration = Duration::from_secs(10);
@@ -33,6 +34,9 @@ const LIFE: Duration = Duration::from_secs(900);
 /// The most bytes of a request's head, and of what is read at once.
 const BUFFER: usize = 16 << 10;
 
+/// Threads that wait for computations: never more than are allowed at a time, which is at most a thread of the pool each.
+const BLOCKING: usize = 2048;
+
 /// How often the flag that ends it is looked at, and how long to wait where the system has no descriptors left.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -42,6 +46,7 @@ const FAREWELL: Duration = Duration::from_secs(5);
 /// The explorer, at its address.
 #[derive(Debug)]
 pub struct Explorer {
+    runtime: Runtime,
     listener: TcpListener,
     guard: Guard,
 }
@@ -52,10 +57,19 @@ impl Explorer {
     /// # Errors
     /// Those of the system: a port that is taken, no randomness.
     pub fn open(port: u16) -> io::Result<Self> {
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
-        listener.set_nonblocking(true)?;
+        let runtime =
+            Builder::new_current_thread().enable_io().enable_time().max_blocking_threads(BLOCKING).build()?;
+        let listener = {
+            let _inside = runtime.enter();
+            let socket = TcpSocket::new_v4()?;
+            // The port of an explorer that has just ended may be taken again at once. (On Windows this would take it from one at work.)
+            #[cfg(unix)]
+            socket.set_reuseaddr(true)?;
+            socket.bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)))?;
+            socket.listen(WAITING)?
+        };
         let guard = Guard::new(listener.local_addr()?.port(), Token::random()?);
-        Ok(Self { listener, guard })
+        Ok(Self { runtime, listener, guard })
     }
 
     /// Where the page is, with the token: `http://127.0.0.1:PORT/TOKEN/`.
@@ -65,18 +79,10 @@ impl Explorer {
     }
 
     /// Serves until `stop` is raised. Tiles are computed on `pool`.
-    ///
-    /// # Errors
-    /// Those of the system, at the beginning.
-    pub fn serve(self, answers: Arc<dyn Answers>, pool: ThreadPool, stop: &AtomicBool) -> io::Result<()> {
-        let desk = Arc::new(Desk::new(self.guard, answers, pool));
-        let runtime = Builder::new_current_thread()
-            .enable_io()
-            .enable_time()
-            .max_blocking_threads(desk.running())
-            .build()?;
-        let served = runtime.block_on(async {
-            let listener = tokio::net::TcpListener::from_std(self.listener)?;
+    pub fn serve(self, answers: Arc<dyn Answers>, pool: ThreadPool, stop: &AtomicBool) {
+        let Self { runtime, listener, guard } = self;
+        let desk = Arc::new(Desk::new(guard, answers, pool));
+        runtime.block_on(async {
             let places = Arc::new(Semaphore::new(CONNECTIONS));
             while !stop.load(Ordering::Relaxed) {
                 let Ok(Ok(place)) = timeout(LOOK, Arc::clone(&places).acquire_owned()).await else { continue };
@@ -93,11 +99,9 @@ impl Explorer {
                     Err(_) => {}
                 }
             }
-            Ok(())
         });
         // Connections are dropped, which stops what they wait for.
         runtime.shutdown_timeout(FAREWELL);
-        served
     }
 }
 

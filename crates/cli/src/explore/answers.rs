@@ -177,21 +177,26 @@ fn masses(model: &Map<String, Value>) -> f64 {
     ["sites", "layers"].map(|key| model.get(key).and_then(Value::as_f64).unwrap_or(1.0)).iter().product()
 }
 
-/// Refuses tables that are too long for a page.
-fn fits(model: &Map<String, Value>, samples: f64) -> Result<(), Refusal> {
-    let numbers = 2.0 * masses(model) * samples;
-    // Also what is no number at all.
-    if numbers <= MOST_NUMBERS {
+/// Refuses tables that are too long for a page: so many samples in each of so many periods.
+fn fits(point: &Point, periods: f64) -> Result<(), Refusal> {
+    let most = (0.5 * MOST_NUMBERS / (masses(&point.model) * periods)).floor();
+    // Also where there is no limit, as periods are no number.
+    if point.samples as f64 <= most {
         return Ok(());
     }
-    let most = (0.5 * MOST_NUMBERS / masses(model)).floor();
-    Err(Refusal::wrong(format!("{samples} samples of all masses are too many here: ask for at most {most} in all")))
+    let samples = point.samples;
+    Err(Refusal::wrong(match most {
+        most if most >= 1.0 => format!("samples = {samples} is too many for a page: give at most {most}"),
+        _ => format!("periods = {periods} is too many for a page, with all masses: give fewer"),
+    }))
 }
 
+/// Solutions that a point may have: hundreds at very low frequency are cut off by the size of the table alone.
+const SOLUTIONS: f64 = 4.0;
+
 fn orbit(point: &Point) -> Result<Line, Refusal> {
-    // As many solutions as a point may have: hundreds at very low frequency are cut off by the size of the table alone.
-    fits(&point.model, 4.0 * point.samples as f64)?;
     let mut line = at("orbit", point)?;
+    fits(point, SOLUTIONS)?;
     if let Some(threshold) = point.threshold {
         line = line.flag("threshold", Number(threshold));
     }
@@ -199,8 +204,8 @@ fn orbit(point: &Point) -> Result<Line, Refusal> {
 }
 
 fn simulate(run: &Run) -> Result<Line, Refusal> {
-    fits(&run.point.model, run.periods * run.point.samples as f64)?;
     let mut line = at("simulate", &run.point)?.flag("solution", run.solution);
+    fits(&run.point, run.periods)?;
     if run.perturb != 0.0 {
         line = line.flag("perturb", Number(run.perturb)).flag("direction", &run.direction).flag("seed", run.seed);
     }

@@ -45,6 +45,6 @@ pub(crate) fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<(), C
     console.print(&format!("{}\n", explorer.address()))?;
     console.summary("open this address in a browser on this machine; Ctrl-C ends the explorer");
     let program = Program { view, threads: console.threads };
-    let served = explorer.serve(Arc::new(program), pool, &stop);
-    served.map_err(|error| CliError::Computation(format!("cannot serve: {error}")))
+    explorer.serve(Arc::new(program), pool, &stop);
+    Ok(())
 }
