@@ -96,7 +96,9 @@ impl Served {
 
     fn request(&self, method: &str, name: &str, headers: &str, body: &str) -> String {
         let (port, token, length) = (self.port, &self.token, body.len());
-        format!("{method} /{token}/{name} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n{headers}Content-Length: {length}\r\n\r\n{body}")
+        format!(
+            "{method} /{token}/{name} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n{headers}Content-Length: {length}\r\n\r\n{body}"
+        )
     }
 
     fn get(&self, name: &str) -> Answer {
@@ -131,15 +133,16 @@ fn nobody_is_served_who_does_not_show_the_token_or_comes_from_elsewhere() {
     let (port, token) = (served.port, &served.token);
     let page = served.get("");
     assert!(page.code == 200 && page.body.starts_with(b"<!doctype html>"));
-    for rule in ["content-security-policy: default-src 'none'", "referrer-policy: no-referrer", "cache-control: no-store"] {
+    for rule in
+        ["content-security-policy: default-src 'none'", "referrer-policy: no-referrer", "cache-control: no-store"]
+    {
         assert!(page.head.contains(rule), "{}", page.head);
     }
     assert!(token.len() == 32 && token.chars().all(|c| c.is_ascii_hexdigit()));
     let other = Served::new("");
     assert_ne!(other.token, *token);
-    let ask = |method: &str, path: &str, headers: &str| {
-        served.raw(&format!("{method} {path} HTTP/1.1\r\n{headers}\r\n\r\n"))
-    };
+    let ask =
+        |method: &str, path: &str, headers: &str| served.raw(&format!("{method} {path} HTTP/1.1\r\n{headers}\r\n\r\n"));
     let host = format!("Host: 127.0.0.1:{port}");
     let home = format!("/{token}/");
     assert_eq!(ask("GET", &home, &format!("Host: localhost:{port}")).code, 200);
@@ -147,12 +150,15 @@ fn nobody_is_served_who_does_not_show_the_token_or_comes_from_elsewhere() {
         assert!([403, 404].contains(&ask("GET", path, &host).code), "{path}");
     }
     assert!(ask("GET", "/", &host).refused(403).contains("the token is wrong"));
-    for wrong in ["Host: example.org", "Host: 127.0.0.1", &format!("Host: evil.example:{port}"), &format!("Host: [::1]:{port}")] {
+    for wrong in
+        ["Host: example.org", "Host: 127.0.0.1", &format!("Host: evil.example:{port}"), &format!("Host: [::1]:{port}")]
+    {
         ask("GET", &home, wrong).refused(421);
     }
     for origin in ["http://example.org", "null", "http://127.0.0.1:1", &format!("https://127.0.0.1:{port}")] {
         ask("GET", &home, &format!("{host}\r\nOrigin: {origin}")).refused(403);
-        ask("POST", &format!("{home}tile"), &format!("{host}\r\nContent-Length: 2\r\nOrigin: {origin}\r\n\r\n{{}}")).refused(403);
+        ask("POST", &format!("{home}tile"), &format!("{host}\r\nContent-Length: 2\r\nOrigin: {origin}\r\n\r\n{{}}"))
+            .refused(403);
     }
     ask("GET", &home, &format!("{host}\r\nSec-Fetch-Site: cross-site")).refused(403);
     assert_eq!(ask("GET", &home, &format!("{host}\r\nOrigin: http://127.0.0.1:{port}")).code, 200);
@@ -242,7 +248,10 @@ fn what_is_no_question_is_refused_by_what_is_wrong_with_it() {
         (point("many-sided", json!({})), "invalid value"),
         (point("--help", json!({})), "invalid value"),
         (point("0+9+,0-9-", json!({})), "--word"),
-        (point("double-sided", json!({ "samples": 10_000_000 })), "samples = 10000000 is too many for a page: give at most 12500"),
+        (
+            point("double-sided", json!({ "samples": 10_000_000 })),
+            "samples = 10000000 is too many for a page: give at most 12500",
+        ),
         (point("double-sided", json!({ "model": { "sites": 6 } })), "--gamma1"),
         (point("double-sided", json!({ "model": { "sites": 6, "scene": "/etc/passwd" } })), "model has no scene"),
         (point("double-sided", json!({ "model": { "sites": 100_000 } })), "give at most 1001"),
@@ -267,7 +276,12 @@ fn what_is_too_large_is_refused_before_it_is_read() {
     let (port, token) = (served.port, &served.token);
     let head = format!("POST /{token}/tile HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n");
     // Told beforehand: refused without a byte of it.
-    assert!(served.raw(&format!("{head}Content-Length: 1000000000000\r\n\r\n")).refused(413).contains("at most 65536 bytes"));
+    assert!(
+        served
+            .raw(&format!("{head}Content-Length: 1000000000000\r\n\r\n"))
+            .refused(413)
+            .contains("at most 65536 bytes")
+    );
     // Not told.
     let mut chunked = format!("{head}Transfer-Encoding: chunked\r\n\r\n");
     (0..9).for_each(|_| chunked += &format!("2000\r\n{}\r\n", "x".repeat(0x2000)));
@@ -303,7 +317,10 @@ fn a_tile_is_to_the_bit_what_a_sweep_of_its_range_computes() {
     let mut cases = Vec::new();
     let compute = |families: Value| json!({ "families": families, "stability": true });
     let forced = json!({ "sites": 5, "gamma1": 0.2, "asymmetry": 0.4, "amplitude": 0.1, "restitution": 0.9 });
-    cases.push((scene(), vec![(0, 0, 0), (3, 3, 2), (3, 7, 7), (10, 380, 301), (20, 400_001, 314_159), (30, 1 << 29, 123_456_789)]));
+    cases.push((
+        scene(),
+        vec![(0, 0, 0), (3, 3, 2), (3, 7, 7), (10, 380, 301), (20, 400_001, 314_159), (30, 1 << 29, 123_456_789)],
+    ));
     let mut other = scene();
     (other["model"], other["compute"]) = (forced.clone(), compute(json!(["single-sided", "double-sided"])));
     cases.push((other.clone(), vec![(0, 0, 0), (6, 27, 22), (20, 500_000, 300_000)]));
@@ -350,11 +367,13 @@ fn a_tile_is_to_the_bit_what_a_sweep_of_its_range_computes() {
             let header: Vec<&str> = lines.next().unwrap().split(',').collect();
             let column = |name: &str| header.iter().position(|own| *own == name).unwrap();
             let columns = ["class", "mechanism", "spectral_radius", "margin", "solutions", "status"].map(column);
-            let bits = |text: &str| text.parse::<f64>().map_or(String::new(), |value| format!("{:016x}", value.to_bits()));
+            let bits =
+                |text: &str| text.parse::<f64>().map_or(String::new(), |value| format!("{:016x}", value.to_bits()));
             for (i, line) in lines.enumerate() {
                 let fields: Vec<&str> = line.split(',').collect();
                 let [class, mechanism, radius, margin, solutions, status] = columns.map(|column| fields[column]);
-                let expected = [class.into(), mechanism.into(), bits(radius), bits(margin), solutions.into(), status.into()];
+                let expected =
+                    [class.into(), mechanism.into(), bits(radius), bits(margin), solutions.into(), status.into()];
                 assert_eq!(row(&answer.body, SIDE * SIDE, i), expected, "{z}/{x}/{y}, cell {i}");
                 classes.insert(class.to_owned());
                 compared += 1;
@@ -376,16 +395,21 @@ fn a_tile_beyond_the_model_says_so() {
 }
 
 const MODEL: &str = "--sites 6 --gamma1 0.2 --gamma2 0.15 --omega 1.6 --asymmetry 0.4";
-const FORCED: &str = "--sites 5 --gamma1 0.2 --gamma2 0.1 --omega 1.5 --asymmetry 0.4 --amplitude 0.1 --restitution 0.9";
-const HARMONICS: &str = "--sites 5 --gamma1 0.2 --gamma2 0.1 --omega 1.5 --asymmetry 0.4 --force 1:0.1:0,3:-0.033:0 --restitution 0.9";
-const LAYERS: &str = "--sites 6 --ends free --layers 2 --gamma1 0.2 --gamma2 0.05 --gamma3 0.05 --omega 1.5 --asymmetry 0.2";
+const FORCED: &str =
+    "--sites 5 --gamma1 0.2 --gamma2 0.1 --omega 1.5 --asymmetry 0.4 --amplitude 0.1 --restitution 0.9";
+const HARMONICS: &str =
+    "--sites 5 --gamma1 0.2 --gamma2 0.1 --omega 1.5 --asymmetry 0.4 --force 1:0.1:0,3:-0.033:0 --restitution 0.9";
+const LAYERS: &str =
+    "--sites 6 --ends free --layers 2 --gamma1 0.2 --gamma2 0.05 --gamma3 0.05 --omega 1.5 --asymmetry 0.2";
 
 /// The model that flags give, as the page has it.
 fn model(flags: &str) -> Map<String, Value> {
     let words: Vec<&str> = flags.split(' ').collect();
     let pair = |pair: &[&str]| {
         let value = match pair[0] {
-            "--force" => json!([{ "harmonic": 1, "amplitude": 0.1, "phase": 0.0 }, { "harmonic": 3, "amplitude": -0.033 }]),
+            "--force" => {
+                json!([{ "harmonic": 1, "amplitude": 0.1, "phase": 0.0 }, { "harmonic": 3, "amplitude": -0.033 }])
+            }
             "--sites" | "--layers" => pair[1].parse::<u64>().unwrap().into(),
             _ => pair[1].parse::<f64>().map_or_else(|_| pair[1].into(), Value::from),
         };
@@ -412,7 +436,8 @@ fn an_orbit_is_what_mapgen_orbit_prints() {
         assert_eq!(answer.code, 200, "{answer:?}");
         let answer = answer.json();
         let flag = if which.contains('+') { "--word" } else { "--family" };
-        let printed = served.desk.run(&format!("orbit {flag} {which} {flags} --json --trajectory own.csv --samples 16"));
+        let printed =
+            served.desk.run(&format!("orbit {flag} {which} {flags} --json --trajectory own.csv --samples 16"));
         assert_eq!(answer["answer"], written(&printed.out), "{flags} {which}");
         assert_eq!(answer["files"]["orbit.csv"].as_str().unwrap().as_bytes(), served.desk.read("own.csv"));
         // And so does the line that it says.
@@ -436,8 +461,14 @@ fn a_run_is_what_mapgen_simulate_prints() {
         let answer = served.post("simulate", &asked);
         assert_eq!(answer.code, 200, "{answer:?}");
         let answer = answer.json();
-        let pushed = if perturb == 0.0 { String::new() } else { format!("--perturb {perturb} --direction {direction} --seed 5 ") };
-        let line = format!("simulate --family double-sided {FORCED} --solution 1 {pushed}--periods 12.5 --samples 8 --json --trajectory a.csv --impacts b.csv");
+        let pushed = if perturb == 0.0 {
+            String::new()
+        } else {
+            format!("--perturb {perturb} --direction {direction} --seed 5 ")
+        };
+        let line = format!(
+            "simulate --family double-sided {FORCED} --solution 1 {pushed}--periods 12.5 --samples 8 --json --trajectory a.csv --impacts b.csv"
+        );
         let printed = served.desk.run(&line).with(0, &[]);
         assert_eq!(answer["answer"], written(&printed.out));
         for (own, name) in [("a.csv", "run.csv"), ("b.csv", "impacts.csv")] {
@@ -581,8 +612,10 @@ fn slow_clients_keep_nobody_waiting_and_are_left() {
 #[cfg(unix)]
 #[test]
 fn it_ends_well_by_ctrl_c_and_says_why_it_cannot_begin() {
-    let desk = Desk::with_scene("[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\ngamma2 = 0.1\n[sweep]\n\
-        x = { parameter = \"omega\", from = 0.6, to = 2.0, points = 30 }\n[compute]\nfamilies = [\"double-sided\"]\n");
+    let desk = Desk::with_scene(
+        "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\ngamma2 = 0.1\n[sweep]\n\
+        x = { parameter = \"omega\", from = 0.6, to = 2.0, points = 30 }\n[compute]\nfamilies = [\"double-sided\"]\n",
+    );
     desk.run("explore scene.toml").with(2, &["scene.toml: a map to fly over has two axes"]);
     desk.run("explore none.toml").with(2, &["none.toml"]);
     desk.run("explore --port 65536").with(2, &["--port", "too large"]);

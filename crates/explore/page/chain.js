@@ -49,7 +49,7 @@ export class Chain {
       parts.push(svg("path", { d: `M${x - wide / 2},${this.y(low)}h${wide}M${x - wide / 2},${this.y(high)}h${wide}`, stroke: "var(--quiet)", "stroke-width": 2.5 }));
       const flash = [low, high].map((level) => svg("path", { d: `M${x - wide / 2},${this.y(level)}h${wide}`, stroke: COLOURS[1], "stroke-width": 5, visibility: "hidden" }));
       const mass = svg("circle", { cx: x, r: Math.max(1.6, Math.min(6, 0.36 * step)), fill: site === hit ? COLOURS[1] : COLOURS[0] });
-      const name = (site - hit) % Math.ceil(shown / 14) === 0 ? [svg("text", { x, y: height - 8, "text-anchor": "middle" }, String(site))] : [];
+      const name = (i - this.shown.indexOf(hit)) % Math.ceil(shown / 14) === 0 ? [svg("text", { x, y: height - 8, "text-anchor": "middle" }, String(site))] : [];
       parts.push(...flash, ...name);
       return { x, site, mass, flash };
     });

@@ -2,7 +2,7 @@
 
 import { tickTexts, ticks } from "./plane.js";
 
-const EDGE = { left: 52, right: 10, top: 8, bottom: 34 };
+const EDGE = { left: 52, right: 14, top: 8, bottom: 34 };
 
 const svg = (name, attributes, text) => {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);

@@ -5,7 +5,7 @@ import { LETTERS, NAMES, axes, limits, remember, state } from "./state.js";
 import { NONE, Tiles } from "./tiles.js";
 
 const EDGE = { left: 64, right: 14, top: 10, bottom: 46 }; // room for axes
-const COARSER = [3, 1]; // levels by which the first looks at a place are coarser: a part of the work of 1/64, and of 1/4
+const COARSER = 3; // levels by which the first look at a place is coarser: a 64th of the work
 const FARTHEST = -1;
 const CLICK = 4; // pixels that a hand may shake
 const MOST_PIXELS = 4e6; // of the canvas: a larger screen shows each cell as several
@@ -105,7 +105,7 @@ export class MapView {
     state.zoom = Math.min(this.closest, Math.max(FARTHEST, state.zoom));
     state.u = Math.min(1.5, Math.max(-0.5, state.u));
     state.v = Math.min(1.5, Math.max(-0.5, state.v));
-    const levels = [...new Set([0, ...COARSER.map((up) => Math.max(0, this.z - up)), this.z])];
+    const levels = [...new Set([0, Math.max(0, this.z - COARSER), this.z])];
     this.tiles.want(levels.flatMap((z) => this.visible(z)));
     remember();
     this.redraw();

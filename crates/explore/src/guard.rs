@@ -93,7 +93,9 @@ mod tests {
             assert_eq!(get(wrong, &[host]), Err(403), "{wrong}");
         }
         assert_eq!(get(path.trim_end_matches('/'), &[host]), Err(403));
-        for other in ["", "127.0.0.1", "127.0.0.1:8081", "example.org", "example.org:8080", "127.0.0.1:8080.example.org"] {
+        for other in
+            ["", "127.0.0.1", "127.0.0.1:8081", "example.org", "example.org:8080", "127.0.0.1:8080.example.org"]
+        {
             assert_eq!(get(path, &[("host", other)]), Err(421), "{other}");
         }
         assert_eq!(get(path, &[]), Err(421));

@@ -120,7 +120,9 @@ impl Desk {
                     value["cells"] = CELLS.into();
                     Ok((JSON, value.to_string().into()))
                 }
-                name => file(name).map(|file| (file.kind, Bytes::from_static(file.text.as_bytes()))).ok_or_else(unknown),
+                name => {
+                    file(name).map(|file| (file.kind, Bytes::from_static(file.text.as_bytes()))).ok_or_else(unknown)
+                }
             };
         }
         let asked = asked(body).await?;

@@ -57,8 +57,7 @@ impl Explorer {
     /// # Errors
     /// Those of the system: a port that is taken, no randomness.
     pub fn open(port: u16) -> io::Result<Self> {
-        let runtime =
-            Builder::new_current_thread().enable_io().enable_time().max_blocking_threads(BLOCKING).build()?;
+        let runtime = Builder::new_current_thread().enable_io().enable_time().max_blocking_threads(BLOCKING).build()?;
         let listener = {
             let _inside = runtime.enter();
             let socket = TcpSocket::new_v4()?;

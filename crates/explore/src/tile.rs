@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::ThreadPool;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::{Cell, Class, Status, Worker};
 use vibrochain_maps::scene::Scene;
@@ -38,7 +38,11 @@ pub fn compute(scene: &Scene, pool: &ThreadPool, stop: &AtomicBool) -> Option<Ve
         (row * CELLS..(row + 1) * CELLS).map(cell).collect()
     };
     let rows: Option<Vec<_>> = pool.install(|| {
-        (0..CELLS).into_par_iter().map_init(|| Worker::new(scene.base.sites()), |worker, number| row(worker, number)).collect()
+        (0..CELLS)
+            .into_par_iter()
+            .with_min_len(8)
+            .map_init(|| Worker::new(scene.base.sites()), |worker, number| row(worker, number))
+            .collect()
     });
     Some(bytes(&rows?.concat()))
 }

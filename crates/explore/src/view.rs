@@ -70,7 +70,9 @@ impl View {
     pub fn of(scene: &Scene) -> Result<Self, Refusal> {
         let sites = scene.base.sites();
         if sites > MOST_SITES {
-            return Err(Refusal::wrong(format!("sites = {sites} is out of range: give at most {MOST_SITES} to look at")));
+            return Err(Refusal::wrong(format!(
+                "sites = {sites} is out of range: give at most {MOST_SITES} to look at"
+            )));
         }
         let [x, y, ..] = scene.axes.as_slice() else {
             let message = "a map to fly over has two axes: give a scene with x and y";
@@ -212,7 +214,10 @@ mod tests {
         let told = |z, x, y| view.tile(z, x, y).unwrap_err().message;
         assert_eq!(told(99, 0, 0), format!("z = 99 is out of range: give a whole number from 0 to {}", view.deepest()));
         assert_eq!(told(0, 2, 0), "x = 2 is out of range: give a whole number from -1 to 1 with z = 0");
-        assert_eq!(told(3, 0, i64::MIN), format!("y = {} is out of range: give a whole number from -8 to 15 with z = 3", i64::MIN));
+        assert_eq!(
+            told(3, 0, i64::MIN),
+            format!("y = {} is out of range: give a whole number from -8 to 15 with z = 3", i64::MIN)
+        );
     }
 
     #[test]
