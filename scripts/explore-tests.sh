@@ -17,5 +17,5 @@ if ! { python3 -m venv "$folder/venv" && "$folder/venv/bin/pip" install --quiet 
     echo "the explorer in a browser: NOT TESTED here, Python's websocket-client cannot be had"
     exit 0
 fi
-cargo build --release --features vibrochain-cli/explore -p vibrochain-cli --bin mapgen
+cargo build --release --features explore --bin mapgen
 "$folder/venv/bin/python" scripts/explore_tests.py "${CARGO_TARGET_DIR:-target}/release/mapgen" "${PICTURES:-}"

@@ -78,7 +78,7 @@ class Browser:
         self.call("Page.navigate", url=address)
 
     def key(self, key, code=None, text=None, modifiers=0):
-        codes = {"Enter": 13, "Escape": 27, "Tab": 9, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, " ": 32}
+        codes = {"Enter": 13, "Escape": 27, "Tab": 9, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, " ": 32, ".": 190, "+": 187, "-": 189}
         number = codes.get(key, ord(key.upper()[0]))
         shared = {"key": key, "code": code or key, "windowsVirtualKeyCode": number, "modifiers": modifiers}
         typed = text or (key if len(key) == 1 else "\r" if key == "Enter" else None)
@@ -97,10 +97,11 @@ class Browser:
         Path(path).write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
 
     def heap(self):
-        """Bytes in use by the page's scripts, after a collection."""
+        """Bytes in use by the page's scripts and what they hold, after a collection."""
         for _ in range(3):
             self.call("HeapProfiler.collectGarbage")
-        return self.call("Runtime.getHeapUsage")["usedSize"]
+        usage = self.call("Runtime.getHeapUsage")
+        return sum(usage.get(part, 0) for part in ("usedSize", "embedderHeapUsedSize", "backingStorageSize"))
 
     def complaints(self):
         """What the page has complained of: errors and warnings on the console, exceptions, failed requests that were not given up."""

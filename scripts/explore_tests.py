@@ -282,7 +282,7 @@ def survives(browser, explorer, count=1000):
     wander(count)
     later_page, later_program = settle()
     kept = browser.run("explorer.map.tiles.kept.size")
-    tell(f"{count} pans and zooms: the page from {page:.1f} to {later_page:.1f} MB of scripts' memory ({kept} tiles kept), the program from {program:.1f} to {later_program:.1f} MB")
+    tell(f"{count} pans and zooms: the page from {page:.1f} to {later_page:.1f} MB of memory ({kept} tiles kept), the program from {program:.1f} to {later_program:.1f} MB")
     # Tiles are as good as all of the page's memory: it may hold as many as it is allowed to, and no more.
     assert kept <= 701 and later_page < page + 12 and later_program < program + 24
     begun = explorer.busy()

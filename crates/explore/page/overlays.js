@@ -6,7 +6,7 @@ import { toValue } from "./plane.js";
 import { limits, remember, state } from "./state.js";
 
 const TOLERANCE = 1e-4; // of what is seen: a tenth of a pixel
-const POINTS = [200, 150]; // cells from which stripes are judged
+const POINTS = { curves: [200, 150], stripes: [400, 300] }; // cells; from the latter stripes are judged
 
 const $ = (id) => document.getElementById(id);
 
@@ -41,6 +41,14 @@ export class Overlays {
   show() {
     for (const name of ["curves", "stripes"]) $(name).setAttribute("aria-pressed", String(state.over.includes(name) || this.busy === name));
     this.map.lines = [...this.lines.curves, ...this.lines.stripes];
+    const key = new Map(this.map.lines.map(({ name, kind }) => [name, kind]));
+    $("linekey").replaceChildren(...[...key].map(([name, kind]) => {
+      const item = document.createElement("li");
+      const swatch = document.createElement("span");
+      swatch.style.background = kind;
+      item.append(swatch, name);
+      return item;
+    }));
     this.map.redraw();
     remember();
   }
@@ -61,7 +69,7 @@ export class Overlays {
     $("lines").textContent = "computing for what is seen; press again to stop";
     this.show();
     try {
-      const scene = sceneOfView(this.map, POINTS);
+      const scene = sceneOfView(this.map, POINTS[name]);
       const body = name === "curves" ? { scene, tolerance: TOLERANCE, places: 0 } : { scene };
       const answer = await post(name, body, controller.signal);
       this.lines[name] = name === "curves" ? borders(answer.answer) : stripes(answer.files["stripes.csv"]);
@@ -78,11 +86,13 @@ export class Overlays {
 }
 
 // Colours of borders as in printed maps: none is a class's, and all show on any.
+const STRIPE = "#d61e28";
 const COLOURS = ["#000000", "#d61e28", "#00be78", "#aa3cbe", "#00c8dc", "#787878"];
 
 function borders({ borders: list }) {
   const kinds = [...new Set(list.map((border) => border.event))];
-  return list.map((border) => ({ points: border.points.map((point) => point.values), kind: COLOURS[kinds.indexOf(border.event) % COLOURS.length] }));
+  const colour = (event) => COLOURS[kinds.indexOf(event) % COLOURS.length];
+  return list.map(({ event, points }) => ({ points: points.map((point) => point.values), kind: colour(event), name: event.replaceAll("-", " ") }));
 }
 
 // The table has a point a row of the map; a line that skips rows, or leaps, is two.
@@ -94,13 +104,19 @@ function stripes(text) {
   const heights = [...new Set(sums.map(({ point }) => point[1]))].sort((one, other) => one - other);
   const row = new Map(heights.map((height, i) => [height, i]));
   const [from, to] = limits()[0];
-  const leap = 0.02 * (to - from) * 2 ** -state.zoom;
+  const [leap, bend] = [0.01, 0.003].map((part) => part * (to - from) * 2 ** -state.zoom);
   const lines = [];
-  let last = null;
+  let [last, slant] = [null, null];
   for (const one of sums) {
-    const follows = last?.name === one.name && Math.abs(row.get(one.point[1]) - row.get(last.point[1])) === 1 && Math.abs(one.point[0] - last.point[0]) < leap;
-    if (follows) lines.at(-1).points.push(one.point);
-    else lines.push({ points: [one.point], kind: "#d61e28" });
+    const step = one.point[0] - (last?.point[0] ?? 0);
+    const next = last?.name === one.name && row.get(one.point[1]) - row.get(last.point[1]) === 1;
+    if (next && Math.abs(step) < leap && (slant === null || Math.abs(step - slant) < bend)) {
+      lines.at(-1).points.push(one.point);
+      slant = step;
+    } else {
+      lines.push({ points: [one.point], kind: STRIPE, name: "two modes collide" });
+      slant = null;
+    }
     last = one;
   }
   return lines.filter(({ points }) => points.length > 1);
