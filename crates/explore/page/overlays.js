@@ -24,6 +24,7 @@ export function sceneOfView(map, [across, up]) {
 export class Overlays {
   constructor(map) {
     this.map = map;
+    this.colours = map.colours.borders.map((rgb) => `#${rgb.toString(16).padStart(6, "0")}`);
     this.lines = { curves: [], stripes: [] };
     for (const name of ["curves", "stripes"]) {
       $(name).addEventListener("click", () => (state.over.includes(name) || this.busy === name ? this.drop(name) : this.ask(name)));
@@ -72,7 +73,7 @@ export class Overlays {
       const scene = sceneOfView(this.map, POINTS[name]);
       const body = name === "curves" ? { scene, tolerance: TOLERANCE, places: 0 } : { scene };
       const answer = await post(name, body, controller.signal);
-      this.lines[name] = name === "curves" ? borders(answer.answer) : stripes(answer.files["stripes.csv"]);
+      this.lines[name] = name === "curves" ? borders(answer.answer, this.colours) : stripes(answer.files["stripes.csv"], this.colours[1]);
       state.over = [...new Set([...state.over, name])];
       const count = this.lines[name].length;
       $("lines").textContent = `${count} ${name === "curves" ? "borders" : "lines where two modes collide"}. ${answer.command}`;
@@ -85,18 +86,15 @@ export class Overlays {
   }
 }
 
-// Colours of borders as in printed maps: none is a class's, and all show on any.
-const STRIPE = "#d61e28";
-const COLOURS = ["#000000", "#d61e28", "#00be78", "#aa3cbe", "#00c8dc", "#787878"];
-
-function borders({ borders: list }) {
+// Each kind has its colour, in order of use, as in printed maps.
+function borders({ borders: list }, colours) {
   const kinds = [...new Set(list.map((border) => border.event))];
-  const colour = (event) => COLOURS[kinds.indexOf(event) % COLOURS.length];
+  const colour = (event) => colours[kinds.indexOf(event) % colours.length];
   return list.map(({ event, points }) => ({ points: points.map((point) => point.values), kind: colour(event), name: event.replaceAll("-", " ") }));
 }
 
 // The table has a point a row of the map; a line that skips rows, or leaps, is two.
-function stripes(text) {
+function stripes(text, colour) {
   const { names, rows } = table(text);
   const column = Object.fromEntries(names.map((name, i) => [name, i]));
   const name = (row) => ["family", "mode1", "mode2", "harmonic"].map((key) => row[column[key]]).join(" ");
@@ -114,7 +112,7 @@ function stripes(text) {
       lines.at(-1).points.push(one.point);
       slant = step;
     } else {
-      lines.push({ points: [one.point], kind: STRIPE, name: "two modes collide" });
+      lines.push({ points: [one.point], kind: colour, name: "two modes collide" });
       slant = null;
     }
     last = one;

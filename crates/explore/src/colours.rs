@@ -3,14 +3,14 @@
 use serde_json::{Value, json};
 use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::{Class, Status};
-use vibrochain_plot::palette::sample;
+use vibrochain_plot::palette::{BORDERS, sample};
 use vibrochain_plot::{Palette, Tile};
 
 /// Pixels after which every texture repeats, both ways: of stripes that are 6 apart, dots that are 4 apart.
 const PERIOD: u32 = 12;
 
 /// Names of classes, mechanisms and statuses, in the order of a tile's bytes, the pixels of each pair of class and mechanism, by rows, as
-/// numbers of 24 bits, and those of each mechanism in a legend.
+/// numbers of 24 bits, those of each mechanism in a legend, and the colours of borders.
 pub(crate) fn value() -> Value {
     let mechanisms = || std::iter::once(None).chain(Mechanism::ALL.into_iter().map(Some));
     let classes = || std::iter::once(None).chain(Class::ALL.into_iter().map(Some));
@@ -34,15 +34,18 @@ pub(crate) fn value() -> Value {
         "period": PERIOD,
         "tiles": tiles,
         "samples": samples,
+        "borders": BORDERS.map(number),
     })
 }
 
 fn pattern(colour: impl Fn(u32, u32) -> [u8; 3]) -> impl Iterator<Item = u32> {
     let places = (0..PERIOD).flat_map(|y| (0..PERIOD).map(move |x| (x, y)));
-    places.map(move |(x, y)| {
-        let [r, g, b] = colour(x, y).map(u32::from);
-        r << 16 | g << 8 | b
-    })
+    places.map(move |(x, y)| number(colour(x, y)))
+}
+
+fn number(colour: [u8; 3]) -> u32 {
+    let [r, g, b] = colour.map(u32::from);
+    r << 16 | g << 8 | b
 }
 
 #[cfg(test)]
