@@ -1,24 +1,18 @@
 // The chain between its barriers, moving: every mass swings along its gap, and lights up where it is hit.
 
 import { COLOURS } from "./chart.js";
+import { $, svg } from "./dom.js";
 
 const MOST = 61; // masses that one can tell apart: of more, those about the one that is hit
 const FLASH = 0.04; // of a period
 
-const svg = (name, attributes, text) => {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, v] of Object.entries(attributes)) element.setAttribute(key, v);
-  if (text !== undefined) element.textContent = text;
-  return element;
-};
-
 export class Chain {
   constructor(moved) {
     this.moved = moved;
-    this.target = document.getElementById("chain");
-    this.button = document.getElementById("play");
-    this.slider = document.getElementById("time");
-    this.speed = document.getElementById("speed");
+    this.target = $("chain");
+    this.button = $("play");
+    this.slider = $("time");
+    this.speed = $("speed");
     this.time = 0;
     this.calm = window.matchMedia("(prefers-reduced-motion: reduce)");
     this.wanted = !this.calm.matches;

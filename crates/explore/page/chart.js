@@ -1,15 +1,9 @@
 // Charts as SVG: curves, marks and levels in one pane, with a mark that moves along.
 
+import { svg } from "./dom.js";
 import { tickTexts, ticks } from "./plane.js";
 
 const EDGE = { left: 52, right: 14, top: 8, bottom: 34 };
-
-const svg = (name, attributes, text) => {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, v] of Object.entries(attributes)) element.setAttribute(key, v);
-  if (text !== undefined) element.textContent = text;
-  return element;
-};
 
 export const COLOURS = ["var(--a)", "var(--b)", "var(--c)", "var(--d)"];
 

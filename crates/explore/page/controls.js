@@ -1,6 +1,7 @@
 // The model by sliders and fields. What is typed is asked of the program first: a scene that it refuses is never shown.
 
 import { post, gone } from "./ask.js";
+import { $, element } from "./dom.js";
 import { NAMES, axes, remember, state } from "./state.js";
 
 // Ends of the sliders; fields take whatever the program takes.
@@ -12,18 +13,11 @@ const ORDER = ["sites", "gamma1", "gamma2", "gamma3", "omega", "asymmetry", "amp
 const FAMILIES = ["double-sided", "double-sided-symmetric", "single-sided"];
 const PAUSE = 120; // milliseconds after which what is typed is asked for
 
-const element = (name, attributes = {}, ...children) => {
-  const made = document.createElement(name);
-  for (const [key, v] of Object.entries(attributes)) made.setAttribute(key, v);
-  made.append(...children);
-  return made;
-};
-
 export class Controls {
   constructor(changed) {
     this.changed = changed;
-    this.form = document.getElementById("model");
-    this.wrong = document.getElementById("wrong");
+    this.form = $("model");
+    this.wrong = $("wrong");
     this.form.addEventListener("submit", (event) => event.preventDefault());
   }
 
@@ -33,7 +27,7 @@ export class Controls {
     const layered = (model.layers ?? 1) > 1;
     const known = ORDER.filter((name) => name !== "sites" && (name !== "gamma3" || layered) && !(name === "amplitude" && model.force));
     const section = (id, ...rows) => {
-      const box = document.getElementById(id);
+      const box = $(id);
       box.replaceChildren(box.querySelector("legend"), ...rows);
     };
     section("axes", ...axes().flatMap((axis, i) => {
@@ -70,7 +64,7 @@ export class Controls {
       element("div", { class: "row" }, element("label", { for: "words" }, "words"), words),
       element("p", { class: "quiet", id: "wordhelp" }, "Impact words, with ; between them: 0+3+,0-3- hits masses 0 and 3 together, up and down."),
       element("div", { class: "row" }, element("label", { for: "threshold" }, "growth allowed"), threshold));
-    document.getElementById("heading").textContent = state.heading ?? "";
+    $("heading").textContent = state.heading ?? "";
   }
 
   row(name) {
@@ -107,7 +101,7 @@ export class Controls {
     if (source.type === "checkbox" && source.checked && source.value.startsWith("double")) {
       for (const box of boxes) if (box !== source && box.value.startsWith("double")) box.checked = false;
     }
-    const words = document.getElementById("words").value.split(";").map((word) => word.trim()).filter(Boolean);
+    const words = $("words").value.split(";").map((word) => word.trim()).filter(Boolean);
     this.edit((scene) => {
       scene.compute.families = [...boxes.filter((box) => box.checked).map((box) => box.value), ...words];
     }, source);
@@ -130,7 +124,7 @@ export class Controls {
       if (!kept) {
         const focused = document.activeElement?.id;
         this.build();
-        if (focused) document.getElementById(focused)?.focus();
+        if (focused) $(focused)?.focus();
       }
     } catch (error) {
       if (gone(error)) return;
@@ -148,7 +142,7 @@ export class Controls {
     state.scene = view.scene;
     state.heading = view.heading;
     state.conservative = view.conservative;
-    document.getElementById("heading").textContent = view.heading;
+    $("heading").textContent = view.heading;
     remember();
     this.changed(view);
   }

@@ -2,13 +2,13 @@
 
 import { get } from "./ask.js";
 import { Controls } from "./controls.js";
+import { $ } from "./dom.js";
 import { MapView, className, mechanismName } from "./map.js";
 import { Overlays } from "./overlays.js";
 import { Point } from "./point.js";
 import { recall, remember, state } from "./state.js";
 import { takeAlong } from "./take.js";
 
-const $ = (id) => document.getElementById(id);
 const THEMES = ["system", "light", "dark"];
 
 function dress() {
@@ -74,6 +74,7 @@ async function begin() {
     legend(start.colours);
     // The point stays where it is, with what it has now.
     if (state.at) point.open(state.at, { which: state.which, number: state.number, focus: false });
+    else if (point.isOpen) point.close(false);
   });
   takeAlong(map);
   window.explorer = { map, state }; // for tests, and the curious
@@ -116,4 +117,4 @@ async function begin() {
   await show();
 }
 
-begin().catch((error) => { document.getElementById("wrong").textContent = error.message; });
+begin().catch((error) => { $("wrong").textContent = error.message; });

@@ -1,5 +1,6 @@
 // The map: cells on a canvas at the pixels of the screen, axes and lines over it; moved by mouse, touch, wheel and keys.
 
+import { $, svg } from "./dom.js";
 import { CELLS, cellAt, level, short, shortRadius, span, tickTexts, ticks, toPart, toValue, value, within } from "./plane.js";
 import { LETTERS, NAMES, axes, limits, remember, state } from "./state.js";
 import { NONE, Tiles } from "./tiles.js";
@@ -11,21 +12,14 @@ const CLICK = 4; // pixels that a hand may shake
 const MOST_PIXELS = 4e6; // of the canvas: a larger screen shows each cell as several
 const PAUSE = 350; // milliseconds of rest before the cell under the cross is spoken
 
-const svg = (name, attributes, text) => {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, v] of Object.entries(attributes)) element.setAttribute(key, v);
-  if (text !== undefined) element.textContent = text;
-  return element;
-};
-
 export class MapView {
   constructor({ colours, chosen, left, failed }) {
     this.colours = colours;
     this.chosen = chosen;
     this.left = left;
-    this.box = document.getElementById("map");
-    this.canvas = document.getElementById("cells");
-    this.over = document.getElementById("over");
+    this.box = $("map");
+    this.canvas = $("cells");
+    this.over = $("over");
     this.paint = this.canvas.getContext("2d", { alpha: false });
     this.tiles = new Tiles(() => this.redraw(), failed);
     this.deepest = 0;
@@ -81,6 +75,7 @@ export class MapView {
     [this.canvas.width, this.canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
     this.image = this.paint.createImageData(this.canvas.width, this.canvas.height);
     this.pixels = new Uint32Array(this.image.data.buffer);
+    this.painted = false;
     this.moved();
   }
 
@@ -148,6 +143,9 @@ export class MapView {
 
   draw() {
     if (!this.image || !this.tiles.scene) return;
+    // Of another scene nothing is there yet: what was drawn stays until something is.
+    if (this.painted && this.tiles.kept.size === 0) return;
+    this.painted = true;
     const { pixels, lut } = this;
     const [W, H, z, s] = [this.canvas.width, this.canvas.height, this.z, span(state.zoom)];
     const [[left], [bottom]] = this.seen;
@@ -297,7 +295,7 @@ export class MapView {
       return;
     }
     const text = cell ? `Under the cross: ${this.told(cell)}` : "Under the cross: outside";
-    const line = document.getElementById("cell");
+    const line = $("cell");
     if (line.textContent !== text) line.textContent = text;
   }
 
@@ -355,7 +353,7 @@ export class MapView {
       const held = down.get(event.pointerId);
       if (!held) {
         const cell = event.pointerType === "mouse" ? this.cell(...this.under(event)) : null;
-        document.getElementById("under").textContent = cell ? `Under the pointer: ${this.told(cell)}` : "";
+        $("under").textContent = cell ? `Under the pointer: ${this.told(cell)}` : "";
         return;
       }
       const before = down.size === 2 ? spread() : 0;

@@ -2,13 +2,12 @@
 
 import { gone, post } from "./ask.js";
 import { table } from "./chart.js";
+import { $ } from "./dom.js";
 import { toValue } from "./plane.js";
 import { limits, remember, state } from "./state.js";
 
 const TOLERANCE = 1e-4; // of what is seen: a tenth of a pixel
 const POINTS = { curves: [200, 150], stripes: [400, 300] }; // cells; from the latter stripes are judged
-
-const $ = (id) => document.getElementById(id);
 
 // The scene of what is seen, within its window, with so many cells.
 export function sceneOfView(map, [across, up]) {

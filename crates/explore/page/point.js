@@ -3,6 +3,7 @@
 import { gone, post } from "./ask.js";
 import { Chain } from "./chain.js";
 import { COLOURS, chart, table } from "./chart.js";
+import { $ } from "./dom.js";
 import { mechanismName } from "./map.js";
 import { short, shortRadius } from "./plane.js";
 import { LETTERS, axes, remember, state } from "./state.js";
@@ -10,8 +11,6 @@ import { Run } from "./run.js";
 
 const SAMPLES = 256; // of a period
 const MOST_NUMBERS = 140000; // of a table, whatever the number of masses
-
-const $ = (id) => document.getElementById(id);
 
 export class Point {
   constructor(changed) {
@@ -30,6 +29,10 @@ export class Point {
       this.run.clear();
     });
     $("ofrun").addEventListener("change", () => this.move());
+  }
+
+  get isOpen() {
+    return !this.box.hidden;
   }
 
   close(focus) {
@@ -67,7 +70,8 @@ export class Point {
     this.asked = model;
     const [x, y] = axes();
     $("pointname").textContent = `${LETTERS[x.parameter]} = ${at[0]}, ${LETTERS[y.parameter]} = ${at[1]}`;
-    $("pointnote").textContent = "computing";
+    // A point that follows a slider is not announced anew at each of its steps.
+    if (focus) $("pointnote").textContent = "computing";
     if (focus) $("pointname").focus({ preventScroll: true });
     this.changed();
     const { families, threshold } = state.scene.compute;

@@ -2,10 +2,10 @@
 
 import { gone, post } from "./ask.js";
 import { COLOURS, chart, extent, table } from "./chart.js";
+import { $ } from "./dom.js";
 import { short } from "./plane.js";
 import { remember, state } from "./state.js";
 
-const $ = (id) => document.getElementById(id);
 const MOST_NUMBERS = 600000; // of the table of a run, as the program has it
 const COLUMNS = 350; // of pictures: one for each pixel
 const SHOWN = 25; // periods that can be told apart in a picture

@@ -1,11 +1,11 @@
 // What one takes along: scene, command, Python, picture and table of what is seen, and its address.
 
 import { gone, post } from "./ask.js";
+import { $ } from "./dom.js";
 import { sceneOfView } from "./overlays.js";
 import { address, state } from "./state.js";
 
 const CELLS = 400; // along the longer side of pictures and tables
-const $ = (id) => document.getElementById(id);
 
 export function takeAlong(map) {
   let url = null;

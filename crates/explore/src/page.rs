@@ -30,6 +30,7 @@ files! {
     "style.css" STYLE "style.css",
     "main.js" SCRIPT "main.js",
     "ask.js" SCRIPT "ask.js",
+    "dom.js" SCRIPT "dom.js",
     "state.js" SCRIPT "state.js",
     "plane.js" SCRIPT "plane.js",
     "tiles.js" SCRIPT "tiles.js",
