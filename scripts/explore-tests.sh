@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The page of `mapgen explore` in a browser without a window: it loads, zooms, is used by keys alone, keeps its memory. Says so and passes
-# where Chromium or the Python module that speaks with it cannot be had. PICTURES=DIR keeps screenshots.
+# where Chromium or the Python module that speaks with it cannot be had. PICTURES=DIR keeps screenshots; MAPGEN=FILE takes a program that is built
+# already, with the feature `explore`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,5 +18,8 @@ if ! { python3 -m venv "$folder/venv" && "$folder/venv/bin/pip" install --quiet 
     echo "the explorer in a browser: NOT TESTED here, Python's websocket-client cannot be had"
     exit 0
 fi
-cargo build --release --features explore --bin mapgen
-"$folder/venv/bin/python" scripts/explore_tests.py "${CARGO_TARGET_DIR:-target}/release/mapgen" "${PICTURES:-}"
+if [ -z "${MAPGEN:-}" ]; then
+    cargo build --release --features explore --bin mapgen
+    MAPGEN=${CARGO_TARGET_DIR:-target}/release/mapgen
+fi
+"$folder/venv/bin/python" scripts/explore_tests.py "$MAPGEN" "${PICTURES:-}"

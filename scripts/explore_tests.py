@@ -252,6 +252,63 @@ def unnamed(browser):
     tell(f"{len(found)} controls and pictures, each with a name for screen readers")
 
 
+def fingers(browser):
+    """Two fingers zoom, one moves, a tap looks at a point."""
+    browser.run("explorer.map.whole()")
+    left, top, width, height = rectangle(browser)
+    browser.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+
+    def touch(kind, *points):
+        listed = [{"x": left + x * width, "y": top + y * height, "id": i} for i, (x, y) in enumerate(points)]
+        browser.call("Input.dispatchTouchEvent", type=kind, touchPoints=listed)
+
+    touch("touchStart", (0.45, 0.5))
+    touch("touchStart", (0.45, 0.5), (0.55, 0.5))
+    for step in range(1, 6):
+        touch("touchMove", (0.45 - 0.06 * step, 0.5), (0.55 + 0.06 * step, 0.5))
+    touch("touchEnd")
+    browser.until("explorer.state.zoom > 2", "a zoom by two fingers")
+    zoom, u = browser.run("[explorer.state.zoom, explorer.state.u]")
+    # From a tenth of the map's width to seven tenths.
+    assert abs(2**zoom - 7) < 1.5 and abs(u - 0.5) < 0.05, (zoom, u)
+    touch("touchStart", (0.5, 0.5))
+    for step in range(1, 4):
+        touch("touchMove", (0.5 - 0.1 * step, 0.5))
+    touch("touchEnd")
+    browser.until(f"explorer.state.u > {u} + 0.02", "a move by one finger")
+    assert browser.run("explorer.state.zoom") == zoom
+    touch("touchStart", (0.6, 0.6))
+    touch("touchEnd")
+    browser.until("!document.getElementById('pointbody').hidden", "the orbit under a finger")
+    browser.run("document.getElementById('leave').click()")
+    browser.call("Emulation.setTouchEmulationEnabled", enabled=False)
+    tell(f"two fingers zoom (by {2**zoom:.1f}), one moves, a tap looks at a point")
+
+
+def follows(browser):
+    """A point that is looked at stays while a slider moves: its orbit changes with it. What is refused leaves all as it was."""
+    browser.run("explorer.map.whole(); explorer.map.choose(0.6, 0.4)")
+    browser.until("!document.getElementById('pointbody').hidden && document.getElementById('json').textContent !== ''", "the orbit")
+    at, before = browser.run("[explorer.state.at, JSON.parse(document.getElementById('json').textContent).parameters.asymmetry]")
+    browser.run("""(() => { const slider = document.querySelector('#values input[type=range][aria-label^=asymmetry]');
+        slider.value = '0.3'; slider.dispatchEvent(new Event('input', { bubbles: true })); })()""")
+    browser.until("document.getElementById('json').textContent !== '' && JSON.parse(document.getElementById('json').textContent).parameters.asymmetry === 0.3", "the orbit at another asymmetry")
+    assert before != 0.3 and browser.run("explorer.state.at") == at
+    # Words, a force, other axes.
+    browser.run("""(() => { const words = document.getElementById('words'); words.value = '0+3+,0-3-';
+        words.dispatchEvent(new Event('change', { bubbles: true })); })()""")
+    browser.until("explorer.state.scene.compute.families.includes('0+3+,0-3-')", "a word")
+    browser.until("[...document.getElementById('solution').options].some((one) => one.textContent.startsWith('0+3+'))", "an orbit of the word")
+    browser.run("""(() => { const words = document.getElementById('words'); words.value = '';
+        words.dispatchEvent(new Event('change', { bubbles: true })); const select = document.getElementById('y-parameter');
+        select.value = 'asymmetry'; select.dispatchEvent(new Event('change', { bubbles: true })); })()""")
+    browser.until("explorer.state.scene.sweep.y.parameter === 'asymmetry' && document.getElementById('point').hidden", "another axis")
+    assert browser.run("typeof explorer.state.scene.model.gamma2") == "number"
+    browser.until(IDLE, "tiles over another plane", patience=240)
+    shoot(browser, "plane")
+    tell("an orbit follows a slider; a word and another axis are taken up")
+
+
 def survives(browser, explorer, count=1000):
     """Random pans and zooms: memory of the page and of the program, and nothing left under way."""
     browser.run("document.getElementById('leave').click(); explorer.map.whole()")
@@ -366,9 +423,11 @@ try:
     unnamed(browser)
     keys_suffice(browser, explorer)
     dresses(browser)
+    fingers(browser)
     takes_along(browser)
     overlays(browser)
     survives(browser, explorer)
+    follows(browser)
     # What is refused is told to people, and the browser's console has it, too: the one wrong value that was typed.
     complaints = [text for text in browser.complaints() if not ("400" in text and text.rstrip().endswith("/view"))]
     assert not complaints, complaints

@@ -206,9 +206,11 @@ fn the_documents_show_commands_that_the_program_understands() {
 fn what_a_build_lacks_is_told_by_its_feature() {
     let desk = Desk::new();
     let about = desk.run("--version --verbose").with(0, &[]).out;
-    for (feature, there) in
-        [("plot", cfg!(feature = "plot")), ("explore", cfg!(feature = "explore")), ("parquet", cfg!(feature = "parquet"))]
-    {
+    for (feature, there) in [
+        ("plot", cfg!(feature = "plot")),
+        ("explore", cfg!(feature = "explore")),
+        ("parquet", cfg!(feature = "parquet")),
+    ] {
         let told = if there { "yes" } else { "no" };
         let line = about.lines().find(|line| line.starts_with(&format!("feature {feature} "))).unwrap();
         assert_eq!(line.split_whitespace().nth(2), Some(told), "{line}");

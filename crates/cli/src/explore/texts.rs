@@ -65,3 +65,32 @@ pub(super) fn of_point(model: &Map<String, Value>, which: &str, number: usize) -
          print(orbit.stability().spectral_radius)\n"
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn python_has_every_part_of_a_model() {
+        let plain = json!({ "sites": 21, "gamma1": 0.2, "gamma2": 0.1, "omega": 1.5, "asymmetry": 0.4, "amplitude": 0.1, "restitution": 0.9 });
+        let text = of_point(plain.as_object().unwrap(), "double-sided", 1);
+        for line in [
+            "chain = vc.Chain(21, 0.2, 0.1)",
+            "model = vc.Model(chain, 1.5, 0.4, amplitude=0.1, restitution=0.9)",
+            "orbit = model.breathers(\"double-sided\").orbits[1]",
+        ] {
+            assert!(text.lines().any(|own| own == line), "{text}");
+        }
+        let layered = json!({
+            "sites": 6, "layers": 2, "ends": "free", "gamma1": 0.2, "gamma2": 0.05, "gamma3": 0.1, "omega": 2, "asymmetry": 0.2,
+            "force": [{ "harmonic": 1, "amplitude": 0.1 }, { "harmonic": 3, "amplitude": -0.03, "phase": 0.5 }], "restitution": 0.8,
+        });
+        let text = of_point(layered.as_object().unwrap(), "0:0+0:1+,0:0-0:1-", 0);
+        for line in [
+            "chain = vc.Chain(6, 0.2, 0.05, ends=\"free\", layers=2, gamma3=0.1)",
+            "model = vc.Model(chain, 2, 0.2, force=vc.Force([(1, 0.1, 0.0), (3, -0.03, 0.5)]), restitution=0.8)",
+        ] {
+            assert!(text.lines().any(|own| own == line), "{text}");
+        }
+    }
+}
