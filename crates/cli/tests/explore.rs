@@ -38,8 +38,10 @@ struct Answer {
 }
 
 impl Answer {
+    /// What is said to the page alone has no form of its own; what is in it of the program is held against what that prints.
     fn json(&self) -> Value {
-        serde_json::from_slice(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
+        let text = std::str::from_utf8(&self.body).unwrap();
+        text.parse().unwrap_or_else(|error| panic!("{error}: {self:?}"))
     }
 
     /// The message of a refusal, which must have this code.

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
-use super::line::Line;
+use super::line::{Line, Runs};
 use super::texts::{of_map, of_point, toml_of};
 use vibrochain_explore::{Answers, MOST_SITES, Refusal, View};
 use vibrochain_maps::cell::SYMMETRIC;
@@ -29,6 +29,8 @@ const MOST_PLACES: u64 = 100_000;
 pub(crate) struct Program {
     /// What the page begins with.
     pub(crate) view: View,
+    /// The whole program.
+    pub(crate) runs: Runs,
     /// Threads, if their number was asked for.
     pub(crate) threads: Option<usize>,
 }
@@ -87,7 +89,7 @@ impl Answers for Program {
             "texts" => return of_map(&window(&read(asked)?)?),
             _ => return Err(Refusal::new(404, "there is no such question")),
         };
-        let mut answer = line.run(self.threads, stop)?;
+        let mut answer = line.run(self.runs, self.threads, stop)?;
         if question == "orbit" {
             let Point { model, which, .. } = read(asked)?;
             let count = answer["answer"]["solutions"].as_array().map_or(0, Vec::len);

@@ -11,8 +11,10 @@ use tempfile::TempDir;
 
 use crate::console::Console;
 use crate::error::CliError;
-use crate::program;
 use vibrochain_explore::Refusal;
+
+/// A program as a function of its arguments, its own name first.
+pub(crate) type Runs = fn(Vec<OsString>, &mut Console<'_>) -> Result<(), CliError>;
 
 /// A command line, and files beside it.
 pub(super) struct Line {
@@ -75,7 +77,7 @@ impl Line {
     }
 
     /// Runs the program with it: what it has printed, as JSON where it is that, and the files it has written.
-    pub(super) fn run(&self, threads: Option<usize>, stop: &Arc<AtomicBool>) -> Result<Value, Refusal> {
+    pub(super) fn run(&self, program: Runs, threads: Option<usize>, stop: &Arc<AtomicBool>) -> Result<Value, Refusal> {
         let broken = |error: &std::io::Error| Refusal::new(500, format!("no place for files: {error}"));
         let folder = TempDir::new().map_err(|error| broken(&error))?;
         let path = |name: &str| folder.path().join(name);
@@ -92,7 +94,7 @@ impl Line {
         let mut console = Console { threads, ..Console::new(&mut out, &mut err, &interrupt) };
         // --threads is a flag of every command; it would be the program's own otherwise.
         let threads = threads.map(|threads| OsString::from(format!("--threads={threads}")));
-        let told = program::run(arguments.into_iter().chain(threads), &mut console);
+        let told = program(arguments.into_iter().chain(threads).collect(), &mut console);
         let text = String::from_utf8_lossy(&out).into_owned();
         let remarks = clean(&String::from_utf8_lossy(&err), folder.path());
         match told {

@@ -17,16 +17,17 @@ use crate::args::ExploreArgs;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::explore::answers::Program;
+use crate::explore::line::Runs;
 use crate::setup_command::SCENE;
 use crate::threads::threads;
 use vibrochain_explore::{Explorer, View};
 use vibrochain_maps::scene::Scene;
 
-/// Runs the subcommand: until Ctrl-C, which is how it ends well.
+/// Runs the subcommand: until Ctrl-C, which is how it ends well. What the page asks is asked of `program`, with other flags.
 ///
 /// # Errors
 /// [`CliError::Request`] for a scene that cannot be flown over; [`CliError::Computation`] for a port that is taken.
-pub(crate) fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+pub(crate) fn run(args: &ExploreArgs, program: Runs, console: &mut Console<'_>) -> Result<(), CliError> {
     let scene = match &args.scene {
         Some(path) => Scene::read(path)?,
         None => Scene::parse(Path::new("scene"), SCENE)?,
@@ -44,7 +45,7 @@ pub(crate) fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<(), C
         .map_err(|error| CliError::Computation(format!("cannot serve on port {}: {error}", args.port)))?;
     console.print(&format!("{}\n", explorer.address()))?;
     console.summary("open this address in a browser on this machine; Ctrl-C ends the explorer");
-    let program = Program { view, threads: console.threads };
+    let program = Program { view, runs: program, threads: console.threads };
     explorer.serve(Arc::new(program), pool, &stop);
     Ok(())
 }
