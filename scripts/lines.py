@@ -6,7 +6,7 @@
 import pathlib
 import re
 
-CRATES = ["lattice", "breather", "floquet", "eventsim", "maps", "fate", "plot", "cli", "python"]
+CRATES = ["lattice", "breather", "floquet", "eventsim", "maps", "fate", "plot", "explore", "cli", "python"]
 root = pathlib.Path(__file__).resolve().parent.parent / "crates"
 total = 0
 for crate in CRATES:

@@ -96,6 +96,8 @@ pub enum Command {
     Fate(FateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
     Stripes(StripesArgs),
+    /// Look at maps in a browser: a page served on this machine alone, computed as one flies over it (feature `explore`).
+    Explore(ExploreArgs),
     /// Write a scene to begin with, every key explained.
     Init(InitArgs),
     /// Print a script that completes commands and flags in a shell.
@@ -140,6 +142,21 @@ pub struct StripesArgs {
     pub all: bool,
 }
 
+/// Arguments of `mapgen explore`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The address that is printed has a token in it, which every request must show; nothing listens on any other address of this \
+                  machine, and the page loads nothing from elsewhere. Ctrl-C ends it."
+)]
+pub struct ExploreArgs {
+    /// Scene file (TOML) whose window is shown first; of more than two axes the others stand at their first value [default: the scene that
+    /// `mapgen init` writes].
+    pub scene: Option<PathBuf>,
+    /// Port of 127.0.0.1 to serve on; 0 takes a free one.
+    #[arg(long, value_name = "PORT", default_value_t = 0, value_parser = whole::<u16>, allow_negative_numbers = true)]
+    pub port: u16,
+}
+
 /// Arguments of `mapgen orbit`.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("start").args(["family", "word", "near", "scene"]).required(true).multiple(true))]
@@ -169,6 +186,12 @@ pub struct OrbitArgs {
     /// Write the pictures of --all-plots as SVG instead of PNG.
     #[arg(long, requires = "all_plots")]
     pub svg: bool,
+    /// Table of displacements and velocities of all masses over a period of each solution (CSV).
+    #[arg(long, value_name = "FILE")]
+    pub trajectory: Option<PathBuf>,
+    /// Samples a period of that table.
+    #[arg(long, value_name = "S", default_value_t = 64, requires = "trajectory", value_parser = whole::<u64>, allow_negative_numbers = true)]
+    pub samples: u64,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,

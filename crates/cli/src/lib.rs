@@ -18,6 +18,8 @@
 //! | `schemas` | the form of every JSON that is written or read |
 //! | `fate_report`, `fate_plot` | what an ensemble has come to, in words and as a picture |
 //! | `start`, `recording`, `section`, `pace` | where a simulation starts, what it leaves behind, how far it is |
+//! | `explore` | the page in a browser, and what it asks this program (feature `explore`) |
+//! | `orbit_trajectory` | a period of an orbit as a table |
 //! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `fate_command`, `words_command` | the subcommands |
 
 mod animate;
@@ -38,6 +40,8 @@ pub mod draw_command;
 pub mod entry;
 pub mod error;
 mod estimate;
+#[cfg(feature = "explore")]
+mod explore;
 pub mod fate_command;
 mod fate_plot;
 mod fate_report;
@@ -49,6 +53,7 @@ pub mod orbit_command;
 mod orbit_modes;
 #[cfg(feature = "plot")]
 mod orbit_plots;
+mod orbit_trajectory;
 mod pace;
 pub mod page_args;
 mod pictures;

@@ -13,6 +13,7 @@ use crate::error::CliError;
 use crate::model::chosen;
 use crate::multiplier_file::MultiplierFile;
 use crate::orbit_modes::OrbitModes;
+use crate::orbit_trajectory::OrbitTrajectory;
 use crate::schemas::ORBIT;
 use crate::solution::Solution;
 use crate::which;
@@ -38,10 +39,12 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
             ("--multipliers", args.multipliers.as_deref()),
             ("--plot", args.plot.as_deref()),
             ("--all-plots", args.all_plots.as_deref()),
+            ("--trajectory", args.trajectory.as_deref()),
         ],
     )?;
     nothing_else(args.json, taken)?;
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
+    let trajectory = OrbitTrajectory::open(args, &model)?;
     let plot = Plot::open(args)?;
     let mut finder = Finder::new(model.chain().sites());
     let mut analyser = Analyser::default();
@@ -66,6 +69,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     if let Some(file) = file {
         file.finish(&solutions, &mut finder)?;
     }
+    trajectory.map_or(Ok(()), |table| table.finish(&solutions))?;
     plot.finish(&solutions, console)?;
     match solutions.iter().find_map(|solution| solution.stability.as_ref().err()) {
         Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),

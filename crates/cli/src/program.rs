@@ -72,6 +72,12 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Stripes(_) => {
             Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
         }
+        #[cfg(feature = "explore")]
+        Command::Explore(args) => crate::explore::run(args, run, console),
+        #[cfg(not(feature = "explore"))]
+        Command::Explore(_) => Err(CliError::Request(
+            "this build serves no page: build with the feature `explore`, as in cargo run --release --features explore -- explore".to_owned(),
+        )),
         Command::Init(args) => setup_command::init(args, console),
         Command::Completions(args) => setup_command::completions(args, console),
         Command::Man(args) => setup_command::man(args, console),

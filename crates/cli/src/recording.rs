@@ -59,7 +59,13 @@ impl ImpactTable {
     }
 }
 
-/// `time,displacement_0,…,velocity_0,…`, one row a sample.
+/// `time,displacement_0,…,velocity_0,…`
+pub(crate) fn trajectory_columns(sites: usize) -> impl Iterator<Item = String> {
+    let columns = move |name: &'static str| (0..sites).map(move |n| format!("{name}_{n}"));
+    std::iter::once("time".to_owned()).chain(columns("displacement")).chain(columns("velocity"))
+}
+
+/// These columns, one row a sample.
 pub(crate) struct Trajectory {
     file: CsvFile,
     start: f64,
@@ -70,9 +76,7 @@ pub(crate) struct Trajectory {
 impl Trajectory {
     pub(crate) fn open(path: &Path, start: f64, model: &Model) -> Result<Self, CliError> {
         let sites = model.chain().sites();
-        let columns = |name: &'static str| (0..sites).map(move |n| format!("{name}_{n}"));
-        let header = std::iter::once("time".to_owned()).chain(columns("displacement")).chain(columns("velocity"));
-        let file = CsvFile::create("--trajectory", path, header)?;
+        let file = CsvFile::create("--trajectory", path, trajectory_columns(sites))?;
         Ok(Self { file, start, displacement: vec![0.0; sites], velocity: vec![0.0; sites] })
     }
 

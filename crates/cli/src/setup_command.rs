@@ -11,7 +11,7 @@ use crate::console::Console;
 use crate::error::CliError;
 
 /// A scene with all its keys, each explained.
-const SCENE: &str = include_str!("new_scene.toml");
+pub(crate) const SCENE: &str = include_str!("new_scene.toml");
 
 /// Writes a scene to begin with. A file that is there already is left as it is.
 ///

@@ -201,3 +201,21 @@ fn the_documents_show_commands_that_the_program_understands() {
     }
     assert!(understood > 30, "{understood}");
 }
+
+#[test]
+fn what_a_build_lacks_is_told_by_its_feature() {
+    let desk = Desk::new();
+    let about = desk.run("--version --verbose").with(0, &[]).out;
+    for (feature, there) in [
+        ("plot", cfg!(feature = "plot")),
+        ("explore", cfg!(feature = "explore")),
+        ("parquet", cfg!(feature = "parquet")),
+    ] {
+        let told = if there { "yes" } else { "no" };
+        let line = about.lines().find(|line| line.starts_with(&format!("feature {feature} "))).unwrap();
+        assert_eq!(line.split_whitespace().nth(2), Some(told), "{line}");
+    }
+    if !cfg!(feature = "explore") {
+        desk.run("explore").with(2, &["build with the feature `explore`"]);
+    }
+}

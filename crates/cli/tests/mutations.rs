@@ -345,8 +345,8 @@ fn plan(line: &[OsString], work: f64) -> Plan {
             let cost = scene.cells() as f64 * scene.base.sites() as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
-        // Every border of a window; hundreds of periods of many runs.
-        Ok(Command::Curves(_) | Command::Fate(_)) => Plan::Stopped,
+        // Every border of a window; hundreds of periods of many runs; a page that is served until it is stopped.
+        Ok(Command::Curves(_) | Command::Fate(_) | Command::Explore(_)) => Plan::Stopped,
         // Each word by a dense matrix.
         Ok(Command::Words(args)) => match model::model(&args.model).map(|chosen| chosen.model) {
             Ok(model) => {

@@ -115,8 +115,7 @@ pub const LINES: [Rgb; 6] =
     [[16, 50, 98], [236, 138, 60], [0, 120, 90], [110, 190, 235], [150, 40, 90], [150, 150, 150]];
 
 /// Colours of borders of regions, in order of use: none is a class's, and all show on any.
-pub(crate) const BORDERS: [Rgb; 6] =
-    [[0, 0, 0], [214, 30, 40], [0, 190, 120], [170, 60, 190], [0, 200, 220], [120, 120, 120]];
+pub const BORDERS: [Rgb; 6] = [[0, 0, 0], [214, 30, 40], [0, 190, 120], [170, 60, 190], [0, 200, 220], [120, 120, 120]];
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,248 @@
+//! What the page of `mapgen explore` asks besides tiles: this program is run for it, with flags made of what was asked, and what it prints and
+//! writes is handed over as it is.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value, json};
+
+use super::line::{Line, Runs};
+use super::texts::{of_map, of_point, toml_of};
+use vibrochain_explore::{Answers, MOST_SITES, Refusal, View};
+use vibrochain_maps::cell::SYMMETRIC;
+use vibrochain_maps::manifest::VERSION;
+use vibrochain_maps::numbers::{Number, plain};
+use vibrochain_maps::scene::Axis;
+
+/// The most numbers of a table that is handed to the page: some ten megabytes.
+const MOST_NUMBERS: f64 = 600_000.0;
+
+/// The most cells along a side of a picture or table: as many as a screen has pixels.
+const MOST_CELLS: usize = 1200;
+
+/// The most places at which `mapgen curves` looks in the end: what lives between borders is seen on the map.
+const MOST_PLACES: u64 = 100_000;
+
+/// The program, as the page asks it.
+pub(crate) struct Program {
+    /// What the page begins with.
+    pub(crate) view: View,
+    /// The whole program.
+    pub(crate) runs: Runs,
+    /// Threads, if their number was asked for.
+    pub(crate) threads: Option<usize>,
+}
+
+/// A point and its breathers.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Point {
+    model: Map<String, Value>,
+    /// A family, or a word.
+    which: String,
+    threshold: Option<f64>,
+    /// Samples of a period.
+    samples: u64,
+}
+
+/// A run from one of them.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Run {
+    #[serde(flatten)]
+    point: Point,
+    solution: u64,
+    /// 0 for none.
+    perturb: f64,
+    direction: String,
+    seed: u64,
+    periods: f64,
+}
+
+/// Lines over a window.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Window {
+    scene: Value,
+    /// How fine borders are; how many places are looked at in the end.
+    tolerance: Option<f64>,
+    places: Option<u64>,
+    /// Borders over a picture.
+    #[serde(default)]
+    curves: bool,
+}
+
+impl Answers for Program {
+    fn start(&self) -> Value {
+        json!({ "scene": self.view.value(), "version": VERSION })
+    }
+
+    fn answer(&self, question: &str, asked: &Value, stop: &Arc<AtomicBool>) -> Result<Value, Refusal> {
+        let line = match question {
+            "orbit" => orbit(&read(asked)?)?,
+            "simulate" => simulate(&read(asked)?)?,
+            "curves" => curves(&read(asked)?)?,
+            "stripes" => stripes(&read(asked)?)?,
+            "sweep" => sweep(&read(asked)?)?,
+            "texts" => return of_map(&window(&read(asked)?)?),
+            _ => return Err(Refusal::new(404, "there is no such question")),
+        };
+        let mut answer = line.run(self.runs, self.threads, stop)?;
+        if question == "orbit" {
+            let Point { model, which, .. } = read(asked)?;
+            let count = answer["answer"]["solutions"].as_array().map_or(0, Vec::len);
+            answer["python"] = (0..count).map(|number| of_point(&model, name(&which), number)).collect();
+        }
+        Ok(answer)
+    }
+}
+
+fn read<T: DeserializeOwned>(asked: &Value) -> Result<T, Refusal> {
+    T::deserialize(asked).map_err(|error| Refusal::wrong(plain(&error.to_string())))
+}
+
+/// The keys of a model, which are its flags, in the order in which people give them.
+const MODEL: [&str; 12] = [
+    "sites",
+    "ends",
+    "layers",
+    "layer_ends",
+    "gamma1",
+    "gamma2",
+    "gamma3",
+    "omega",
+    "asymmetry",
+    "amplitude",
+    "force",
+    "restitution",
+];
+
+/// The flags of a model.
+fn with_model(mut line: Line, model: &Map<String, Value>) -> Result<Line, Refusal> {
+    if let Some(key) = model.keys().find(|key| !MODEL.contains(&key.as_str())) {
+        return Err(Refusal::wrong(format!("model has no {key}: it has {}", MODEL.join(", "))));
+    }
+    let masses = ["sites", "layers"].map(|key| model.get(key).and_then(Value::as_u64).unwrap_or(1));
+    let masses = masses[0].saturating_mul(masses[1]);
+    if masses > MOST_SITES as u64 {
+        return Err(Refusal::wrong(format!("sites = {masses} is out of range: give at most {MOST_SITES} to look at")));
+    }
+    for key in MODEL {
+        let flag = key.replace('_', "-");
+        line = match model.get(key) {
+            None => line,
+            Some(Value::Array(harmonics)) if key == "force" => line.flag(&flag, force(harmonics)?),
+            Some(Value::Number(number)) => match (number.as_u64(), number.as_f64()) {
+                (Some(whole), _) => line.flag(&flag, whole),
+                (None, Some(value)) => line.flag(&flag, Number(value)),
+                (None, None) => return Err(Refusal::wrong(format!("{key} = {number} is out of range"))),
+            },
+            Some(Value::String(text)) => line.flag(&flag, text),
+            Some(other) => return Err(Refusal::wrong(format!("{key} = {other} is no value of it"))),
+        };
+    }
+    Ok(line)
+}
+
+/// A harmonic of a force.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Harmonic {
+    harmonic: u32,
+    amplitude: f64,
+    #[serde(default)]
+    phase: f64,
+}
+
+fn force(harmonics: &[Value]) -> Result<String, Refusal> {
+    let one = |value: &Value| {
+        let Harmonic { harmonic, amplitude, phase } = read(value)?;
+        Ok(format!("{harmonic}:{}:{}", Number(amplitude), Number(phase)))
+    };
+    Ok(harmonics.iter().map(one).collect::<Result<Vec<_>, Refusal>>()?.join(","))
+}
+
+fn at(command: &str, point: &Point) -> Result<Line, Refusal> {
+    let is_word = point.which.contains(['+', '-']) && !point.which.contains(char::is_alphabetic);
+    let which = if is_word { "word" } else { "family" };
+    with_model(Line::new(command).flag(which, name(&point.which)), &point.model)
+}
+
+/// What a map leaves out is not left out at a point.
+fn name(which: &str) -> &str {
+    if which == SYMMETRIC { "double-sided" } else { which }
+}
+
+fn masses(model: &Map<String, Value>) -> f64 {
+    ["sites", "layers"].map(|key| model.get(key).and_then(Value::as_f64).unwrap_or(1.0)).iter().product()
+}
+
+/// Refuses tables that are too long for a page: so many samples in each of so many periods.
+fn fits(point: &Point, periods: f64) -> Result<(), Refusal> {
+    let most = (0.5 * MOST_NUMBERS / (masses(&point.model) * periods)).floor();
+    // Also where there is no limit, as periods are no number.
+    if point.samples as f64 <= most {
+        return Ok(());
+    }
+    let samples = point.samples;
+    Err(Refusal::wrong(match most {
+        most if most >= 1.0 => format!("samples = {samples} is too many for a page: give at most {most}"),
+        _ => format!("periods = {periods} is too many for a page, with all masses: give fewer"),
+    }))
+}
+
+/// Solutions that a point may have: hundreds at very low frequency are cut off by the size of the table alone.
+const SOLUTIONS: f64 = 4.0;
+
+fn orbit(point: &Point) -> Result<Line, Refusal> {
+    let mut line = at("orbit", point)?;
+    fits(point, SOLUTIONS)?;
+    if let Some(threshold) = point.threshold {
+        line = line.flag("threshold", Number(threshold));
+    }
+    Ok(line.output("trajectory", "orbit.csv").flag("samples", point.samples).switch("json"))
+}
+
+fn simulate(run: &Run) -> Result<Line, Refusal> {
+    let mut line = at("simulate", &run.point)?.flag("solution", run.solution);
+    fits(&run.point, run.periods)?;
+    if run.perturb != 0.0 {
+        line = line.flag("perturb", Number(run.perturb)).flag("direction", &run.direction).flag("seed", run.seed);
+    }
+    line = line.flag("periods", Number(run.periods)).flag("samples", run.point.samples);
+    Ok(line.output("trajectory", "run.csv").output("impacts", "impacts.csv").switch("json"))
+}
+
+/// The scene of a window, checked.
+fn window(asked: &Window) -> Result<View, Refusal> {
+    let view = View::read(&asked.scene)?;
+    let points = view.scene().axes.iter().map(Axis::points).max().unwrap_or(0);
+    if points > MOST_CELLS {
+        return Err(Refusal::wrong(format!("points = {points} is out of range: give at most {MOST_CELLS} here")));
+    }
+    Ok(view)
+}
+
+fn about(command: &str, asked: &Window) -> Result<Line, Refusal> {
+    Ok(Line::of_view(command, toml_of(&window(asked)?)?))
+}
+
+fn curves(asked: &Window) -> Result<Line, Refusal> {
+    let places = asked.places.unwrap_or(0).min(MOST_PLACES);
+    let mut line = about("curves", asked)?.flag("places", places);
+    if let Some(tolerance) = asked.tolerance {
+        line = line.flag("tolerance", Number(tolerance));
+    }
+    Ok(line.switch("json"))
+}
+
+fn stripes(asked: &Window) -> Result<Line, Refusal> {
+    Ok(about("stripes", asked)?.output("csv", "stripes.csv").output("plot", "stripes.png"))
+}
+
+fn sweep(asked: &Window) -> Result<Line, Refusal> {
+    let line = about("sweep", asked)?.output("out", "map.csv").output("svg", "map.svg");
+    Ok(if asked.curves { line.switch("curves") } else { line })
+}

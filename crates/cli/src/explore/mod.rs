@@ -1,0 +1,51 @@
+//! `mapgen explore`: maps in a browser.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `answers` | what the page asks besides tiles |
+//! | `line` | command lines of this program, run for it |
+//! | `texts` | what it shows leads on to: scene, command, Python |
+
+mod answers;
+mod line;
+mod texts;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::args::ExploreArgs;
+use crate::console::Console;
+use crate::error::CliError;
+use crate::explore::answers::Program;
+use crate::explore::line::Runs;
+use crate::setup_command::SCENE;
+use crate::threads::threads;
+use vibrochain_explore::{Explorer, View};
+use vibrochain_maps::scene::Scene;
+
+/// Runs the subcommand: until Ctrl-C, which is how it ends well. What the page asks is asked of `program`, with other flags.
+///
+/// # Errors
+/// [`CliError::Request`] for a scene that cannot be flown over; [`CliError::Computation`] for a port that is taken.
+pub(crate) fn run(args: &ExploreArgs, program: Runs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let scene = match &args.scene {
+        Some(path) => Scene::read(path)?,
+        None => Scene::parse(Path::new("scene"), SCENE)?,
+    };
+    let view = View::of(&scene).map_err(|refusal| {
+        let name = args.scene.as_deref().map_or("scene".into(), |path| path.display().to_string());
+        CliError::Request(format!("{name}: {refusal}"))
+    })?;
+    for axis in scene.axes.iter().skip(2) {
+        console.summary(&format!("{} stands at {}: the page can change it", axis.parameter.name(), axis.first()));
+    }
+    let stop = (console.interrupt)()?;
+    let pool = threads(console.threads)?;
+    let explorer = Explorer::open(args.port)
+        .map_err(|error| CliError::Computation(format!("cannot serve on port {}: {error}", args.port)))?;
+    console.print(&format!("{}\n", explorer.address()))?;
+    console.summary("open this address in a browser on this machine; Ctrl-C ends the explorer");
+    let program = Program { view, runs: program, threads: console.threads };
+    explorer.serve(Arc::new(program), pool, &stop);
+    Ok(())
+}

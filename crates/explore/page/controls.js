@@ -1,0 +1,149 @@
+// The model by sliders and fields. What is typed is asked of the program first: a scene that it refuses is never shown.
+
+import { post, gone } from "./ask.js";
+import { $, element } from "./dom.js";
+import { NAMES, axes, remember, state } from "./state.js";
+
+// Ends of the sliders; fields take whatever the program takes.
+const RANGES = {
+  gamma1: [0, 2, 0.01], gamma2: [0, 1, 0.005], gamma3: [0, 1, 0.005], omega: [0.1, 5, 0.01], asymmetry: [0, 0.95, 0.01],
+  amplitude: [0, 1, 0.005], restitution: [0.05, 1, 0.01], sites: [1, 101, 1],
+};
+const ORDER = ["sites", "gamma1", "gamma2", "gamma3", "omega", "asymmetry", "amplitude", "restitution"];
+const FAMILIES = ["double-sided", "double-sided-symmetric", "single-sided"];
+const PAUSE = 120; // milliseconds after which what is typed is asked for
+
+export class Controls {
+  constructor(changed) {
+    this.changed = changed;
+    this.form = $("model");
+    this.wrong = $("wrong");
+    this.form.addEventListener("submit", (event) => event.preventDefault());
+  }
+
+  // Fields for what the scene has.
+  build() {
+    const { model, compute } = state.scene;
+    const layered = (model.layers ?? 1) > 1;
+    const known = ORDER.filter((name) => name !== "sites" && (name !== "gamma3" || layered) && !(name === "amplitude" && model.force));
+    const section = (id, ...rows) => {
+      const box = $(id);
+      box.replaceChildren(box.querySelector("legend"), ...rows);
+    };
+    section("axes", ...axes().flatMap((axis, i) => {
+      const name = "xy"[i];
+      const select = element("select", { id: `${name}-parameter` });
+      for (const parameter of known) select.append(element("option", { value: parameter }, NAMES[parameter]));
+      select.value = axis.parameter;
+      select.addEventListener("change", () => this.turn(name, select.value));
+      const field = (end) => {
+        const input = element("input", { type: "text", inputmode: "decimal", id: `${name}-${end}`, value: String(axis[end]), "aria-label": `${NAMES[axis.parameter]} ${end}` });
+        input.addEventListener("change", () => this.edit((scene) => { scene.sweep[name][end] = Number(input.value); }, input));
+        return input;
+      };
+      return [
+        element("div", { class: "row" }, element("label", { for: `${name}-parameter` }, name === "x" ? "across" : "upward"), select),
+        element("div", { class: "row" }, element("label", { for: `${name}-from` }, "from, to"), element("span", { class: "pair" }, field("from"), field("to"))),
+      ];
+    }));
+    const swept = axes().map((axis) => axis.parameter);
+    section("values", ...ORDER.filter((name) => name in model && !swept.includes(name) && typeof model[name] === "number").map((name) => this.row(name)));
+    const rows = FAMILIES.map((name) => {
+      const box = element("input", { type: "checkbox", value: name });
+      box.checked = compute.families.includes(name);
+      box.addEventListener("change", () => this.families(box));
+      return element("label", { class: "choice" }, box, ` ${name}`);
+    });
+    const words = element("input", { type: "text", id: "words", value: compute.families.filter((name) => !FAMILIES.includes(name)).join("; "), placeholder: "0+3+,0-3-", "aria-describedby": "wordhelp" });
+    words.addEventListener("change", () => this.families(words));
+    const threshold = element("input", { type: "text", inputmode: "decimal", id: "threshold", value: compute.threshold ?? "", placeholder: "strict" });
+    threshold.addEventListener("change", () => this.edit((scene) => {
+      scene.compute.threshold = threshold.value.trim() === "" ? null : Number(threshold.value);
+    }, threshold));
+    section("families", ...rows,
+      element("div", { class: "row" }, element("label", { for: "words" }, "words"), words),
+      element("p", { class: "quiet", id: "wordhelp" }, "Impact words, with ; between them: 0+3+,0-3- hits masses 0 and 3 together, up and down."),
+      element("div", { class: "row" }, element("label", { for: "threshold" }, "growth allowed"), threshold));
+    $("heading").textContent = state.heading ?? "";
+  }
+
+  row(name) {
+    const [least, most, step] = RANGES[name];
+    const now = state.scene.model[name];
+    const field = element("input", { type: "text", inputmode: "decimal", id: `value-${name}`, value: String(now) });
+    const slider = element("input", { type: "range", min: least, max: most, step, "aria-label": NAMES[name] });
+    slider.value = now;
+    const set = (text, input) => this.edit((scene) => { scene.model[name] = Number(text); }, input, true);
+    field.addEventListener("change", () => { slider.value = field.value; set(field.value, field); });
+    slider.addEventListener("input", () => { field.value = slider.value; set(slider.value, field); });
+    return element("div", { class: "row" }, element("label", { for: `value-${name}` }, NAMES[name]), field, slider);
+  }
+
+  // Another parameter along an axis: the old one stands where the cross is.
+  turn(name, parameter) {
+    this.edit((scene) => {
+      const [own, other] = [scene.sweep[name], scene.sweep[name === "x" ? "y" : "x"]];
+      if (other.parameter === parameter) {
+        [scene.sweep.x, scene.sweep.y] = [scene.sweep.y, scene.sweep.x];
+        return;
+      }
+      const part = name === "x" ? state.u : state.v;
+      scene.model[own.parameter] = own.from + part * (own.to - own.from);
+      delete scene.model[parameter];
+      const [least, most] = RANGES[parameter];
+      scene.sweep[name] = { parameter, from: least, to: most, points: own.points };
+      Object.assign(state, { u: 0.5, v: 0.5, zoom: 0, at: null });
+    });
+  }
+
+  families(source) {
+    const boxes = [...document.querySelectorAll("#families input[type=checkbox]")];
+    if (source.type === "checkbox" && source.checked && source.value.startsWith("double")) {
+      for (const box of boxes) if (box !== source && box.value.startsWith("double")) box.checked = false;
+    }
+    const words = $("words").value.split(";").map((word) => word.trim()).filter(Boolean);
+    this.edit((scene) => {
+      scene.compute.families = [...boxes.filter((box) => box.checked).map((box) => box.value), ...words];
+    }, source);
+  }
+
+  // Changes a copy of the scene, and shows it if the program takes it. Fields are built anew, unless they are under somebody's hand.
+  edit(change, source, kept = false) {
+    const scene = structuredClone(this.asked ?? state.scene);
+    change(scene);
+    this.asked = scene;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.try(scene, source, kept), PAUSE);
+  }
+
+  async try(scene, source, kept) {
+    this.controller?.abort();
+    this.controller = new AbortController();
+    try {
+      await this.take(scene, this.controller.signal);
+      if (!kept) {
+        const focused = document.activeElement?.id;
+        this.build();
+        if (focused) $(focused)?.focus();
+      }
+    } catch (error) {
+      if (gone(error)) return;
+      this.asked = null;
+      this.wrong.textContent = error.message;
+      source?.setAttribute("aria-invalid", "true");
+    }
+  }
+
+  async take(scene, signal) {
+    const view = await post("view", { scene }, signal);
+    this.asked = null;
+    this.wrong.textContent = "";
+    for (const input of this.form.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
+    state.scene = view.scene;
+    state.heading = view.heading;
+    state.conservative = view.conservative;
+    $("heading").textContent = view.heading;
+    remember();
+    this.changed(view);
+  }
+}

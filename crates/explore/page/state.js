@@ -1,0 +1,65 @@
+// What is shown, all of it: kept in the address, so that a view can be shared and comes back when it is loaded again.
+
+export const state = {
+  scene: null, // model, sweep, compute, as the program gives them
+  u: 0.5, v: 0.5, zoom: 0, // the place under the cross, and how close
+  at: null, // the point looked at, by its values along x and y
+  which: null, number: 0, // the solution looked at: its family or word, and its number from 0
+  run: null, // perturb, direction, seed, periods of the run shown
+  over: [], // lines over the map: "curves", "stripes"
+  theme: "system",
+};
+
+// Keys in the address, which people see.
+const KEYS = { scene: "scene", u: "x", v: "y", zoom: "zoom", at: "at", which: "orbit", number: "solution", run: "run", over: "lines", theme: "theme" };
+
+let timer = 0;
+
+export function remember() {
+  clearTimeout(timer);
+  timer = setTimeout(() => history.replaceState(null, "", address()), 150);
+}
+
+export function address() {
+  const plain = {};
+  for (const [key, name] of Object.entries(KEYS)) {
+    const v = state[key];
+    if (v !== null && v !== "system" && !(Array.isArray(v) && v.length === 0)) plain[name] = v;
+  }
+  return `#${encodeURIComponent(JSON.stringify(plain))}`;
+}
+
+const number = (v, otherwise) => (typeof v === "number" && Number.isFinite(v) ? v : otherwise);
+
+// Takes what an address says, of whoever has written it: anything that is not as it must be is left out.
+export function recall(hash) {
+  let plain;
+  try {
+    plain = JSON.parse(decodeURIComponent(hash.slice(1)));
+  } catch {
+    return false;
+  }
+  if (typeof plain !== "object" || plain === null) return false;
+  if (typeof plain.scene === "object" && plain.scene !== null) state.scene = plain.scene;
+  state.u = Math.min(2, Math.max(-1, number(plain.x, 0.5)));
+  state.v = Math.min(2, Math.max(-1, number(plain.y, 0.5)));
+  state.zoom = Math.max(-1, number(plain.zoom, 0));
+  const pair = Array.isArray(plain.at) && plain.at.length === 2 && plain.at.every((v) => number(v, null) !== null);
+  state.at = pair ? plain.at : null;
+  state.which = typeof plain.orbit === "string" ? plain.orbit : null;
+  state.number = Math.max(0, Math.trunc(number(plain.solution, 0)));
+  state.run = typeof plain.run === "object" ? plain.run : null;
+  state.over = Array.isArray(plain.lines) ? plain.lines.filter((name) => name === "curves" || name === "stripes") : [];
+  state.theme = ["light", "dark"].includes(plain.theme) ? plain.theme : "system";
+  return true;
+}
+
+export const axes = () => [state.scene.sweep.x, state.scene.sweep.y];
+export const limits = () => axes().map((axis) => [axis.from, axis.to]);
+
+// The names of parameters for people.
+export const NAMES = {
+  gamma1: "stiffness γ₁", gamma2: "coupling γ₂", gamma3: "coupling γ₃", omega: "frequency ω", asymmetry: "asymmetry a",
+  amplitude: "amplitude A", restitution: "restitution e", sites: "masses", layers: "layers",
+};
+export const LETTERS = { gamma1: "γ₁", gamma2: "γ₂", gamma3: "γ₃", omega: "ω", asymmetry: "a", amplitude: "A", restitution: "e" };

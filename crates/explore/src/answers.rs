@@ -1,0 +1,20 @@
+//! What the page asks for besides tiles.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use serde_json::Value;
+
+use crate::refusal::Refusal;
+
+/// Answers about points and windows, computed by whoever serves the page.
+pub trait Answers: Send + Sync {
+    /// What the page begins with: `scene`, as [`View::value`](crate::View::value) has it, and whatever else it shows.
+    fn start(&self) -> Value;
+
+    /// The answer to a question, by its name. It ends early, with any refusal, once `stop` is raised: nobody waits for it any more.
+    ///
+    /// # Errors
+    /// [`Refusal`], 404 for a question that is not known.
+    fn answer(&self, question: &str, asked: &Value, stop: &Arc<AtomicBool>) -> Result<Value, Refusal>;
+}

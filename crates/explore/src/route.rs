@@ -1,0 +1,180 @@
+//! From a request to its answer.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use http_body_util::{BodyExt, Full, LengthLimitError, Limited};
+use hyper::body::{Body, Bytes};
+use hyper::header::{CONTENT_TYPE, HeaderName, HeaderValue};
+use hyper::{Method, Request, Response, StatusCode};
+use rayon::ThreadPool;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tokio::time::timeout;
+
+use crate::answers::Answers;
+use crate::colours;
+use crate::guard::Guard;
+use crate::page::file;
+use crate::refusal::Refusal;
+use crate::tile;
+use crate::view::{CELLS, View};
+use crate::work::Work;
+
+/// The most bytes of what is asked: a scene takes some hundred.
+const MOST_ASKED: usize = 64 << 10;
+
+/// How long a request may take to arrive.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Tiles that may wait: several screens.
+const TILES: usize = 256;
+
+/// Answers that are computed at a time, and that may wait.
+const RUNNING: usize = 2;
+const ANSWERS: usize = 16;
+
+/// Nothing but this page's own files is loaded, by whatever it shows; nobody frames it; and it tells nobody its address.
+const HEADERS: [(HeaderName, &str); 6] = [
+    (
+        hyper::header::CONTENT_SECURITY_POLICY,
+        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob:; \
+         base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    ),
+    (hyper::header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (hyper::header::REFERRER_POLICY, "no-referrer"),
+    (hyper::header::CACHE_CONTROL, "no-store"),
+    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+    (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
+];
+
+const JSON: &str = "application/json";
+const NUMBERS: &str = "application/octet-stream";
+
+/// What requests are answered from.
+pub(crate) struct Desk {
+    pub(crate) guard: Guard,
+    pub(crate) answers: Arc<dyn Answers>,
+    pub(crate) pool: Arc<ThreadPool>,
+    pub(crate) tiles: Work,
+    pub(crate) questions: Work,
+}
+
+/// A tile, as it is asked for.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TileAsked {
+    scene: Value,
+    z: u32,
+    x: i64,
+    y: i64,
+}
+
+/// A view, likewise.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ViewAsked {
+    scene: Value,
+}
+
+impl Desk {
+    pub(crate) fn new(guard: Guard, answers: Arc<dyn Answers>, pool: ThreadPool) -> Self {
+        let tiles = Work::new(pool.current_num_threads(), TILES);
+        Self { guard, answers, pool: Arc::new(pool), tiles, questions: Work::new(RUNNING, ANSWERS) }
+    }
+
+    /// Answers a request, whatever it is.
+    pub(crate) async fn respond<B>(&self, request: Request<B>) -> Response<Full<Bytes>>
+    where
+        B: Body<Data = Bytes>,
+        B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
+    {
+        let (code, kind, bytes) = match self.answer(request).await {
+            Ok((kind, bytes)) => (200, kind, bytes),
+            Err(refusal) => (refusal.code, JSON, json!({ "error": refusal.message }).to_string().into()),
+        };
+        let mut response = Response::new(Full::new(bytes));
+        *response.status_mut() = StatusCode::from_u16(code).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let headers = response.headers_mut();
+        headers.insert(CONTENT_TYPE, HeaderValue::from_static(kind));
+        for (name, value) in HEADERS {
+            headers.insert(name, HeaderValue::from_static(value));
+        }
+        response
+    }
+
+    async fn answer<B>(&self, request: Request<B>) -> Result<(&'static str, Bytes), Refusal>
+    where
+        B: Body<Data = Bytes>,
+        B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
+    {
+        let (head, body) = request.into_parts();
+        let name = self.guard.admit(&head.method, head.uri.path(), &head.headers)?.to_owned();
+        let unknown = || Refusal::new(404, "there is no such thing here");
+        if head.method == Method::GET {
+            return match name.as_str() {
+                "start" => {
+                    let mut value = self.answers.start();
+                    value["colours"] = colours::value();
+                    value["cells"] = CELLS.into();
+                    Ok((JSON, value.to_string().into()))
+                }
+                name => {
+                    file(name).map(|file| (file.kind, Bytes::from_static(file.text.as_bytes()))).ok_or_else(unknown)
+                }
+            };
+        }
+        let asked = asked(body).await?;
+        match name.as_str() {
+            "tile" => {
+                let TileAsked { scene, z, x, y } = of(asked)?;
+                let (pool, tile) = (Arc::clone(&self.pool), View::read(&scene)?.tile(z, x, y)?);
+                let given_up = || Refusal::new(503, "nobody waits for this tile any more");
+                let job = move |stop: &Arc<AtomicBool>| tile::compute(&tile, &pool, stop).ok_or_else(given_up);
+                Ok((NUMBERS, self.tiles.run(job).await?.into()))
+            }
+            "view" => {
+                let ViewAsked { scene } = of(asked)?;
+                let view = View::read(&scene)?;
+                let (scene, conservative) = (view.value(), view.scene().is_conservative());
+                let value = json!({
+                    "scene": scene,
+                    "deepest": view.deepest(),
+                    "conservative": conservative,
+                    "heading": view.scene().heading(),
+                });
+                Ok((JSON, value.to_string().into()))
+            }
+            _ => {
+                let answers = Arc::clone(&self.answers);
+                let value = self.questions.run(move |stop| answers.answer(&name, &asked, stop)).await?;
+                Ok((JSON, value.to_string().into()))
+            }
+        }
+    }
+}
+
+/// The body of a request, as JSON.
+async fn asked<B>(body: B) -> Result<Value, Refusal>
+where
+    B: Body<Data = Bytes>,
+    B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
+{
+    let large = || Refusal::new(413, format!("a request has at most {MOST_ASKED} bytes"));
+    if body.size_hint().lower() > MOST_ASKED as u64 {
+        return Err(large());
+    }
+    let slow = |_| Refusal::new(408, "the request has not arrived in time");
+    let whole = timeout(PATIENCE, Limited::new(body, MOST_ASKED).collect()).await.map_err(slow)?;
+    let bytes = match whole {
+        Ok(whole) => whole.to_bytes(),
+        Err(error) if error.is::<LengthLimitError>() => return Err(large()),
+        Err(_) => return Err(Refusal::wrong("the request ends before its end")),
+    };
+    serde_json::from_slice(&bytes).map_err(|error| Refusal::wrong(format!("the request is no JSON: {error}")))
+}
+
+fn of<T: serde::de::DeserializeOwned>(asked: Value) -> Result<T, Refusal> {
+    serde_json::from_value(asked).map_err(|error| Refusal::wrong(error.to_string()))
+}
