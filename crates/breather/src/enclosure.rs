@@ -97,7 +97,7 @@ impl Dual {
 
     /// amplitude·cos(rate·x + phase), given the cosine and sine of the phase at the centre.
     pub(crate) fn wave(cos: f64, sin: f64, rate: f64, radius: f64) -> Self {
-        let bound = cos.hypot(sin) * rate * rate;
+        let bound = (cos * cos + sin * sin).sqrt() * rate * rate;
         Self {
             function: Enclosure::new(cos, -rate * sin, bound, radius),
             derivative: Enclosure::new(-rate * sin, -rate * rate * cos, bound * rate, radius),

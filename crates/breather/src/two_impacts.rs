@@ -170,12 +170,12 @@ impl<'a> TwoImpacts<'a> {
         }
     }
 
-    /// All zeros of E on `from` … `to`, in δ.
-    pub(crate) fn zeros(&self, zeros: &mut Zeros, from: f64, to: f64) {
+    /// All zeros of E on `from` … `to`, in δ, begun with `least` intervals at least.
+    pub(crate) fn zeros(&self, zeros: &mut Zeros, from: f64, to: f64, least: usize) {
         let half = 0.5 * self.response.period();
         let top = self.response.frequencies().last().copied().unwrap_or_default().max(self.omega);
         // A few intervals a wave of the fastest mode to begin with; halving does the rest.
-        let pieces = 8 + ((to - from) * top) as usize;
+        let pieces = least + ((to - from) * top) as usize;
         // Resolution relative to δ: towards δ = 0 solutions crowd on ever smaller scales, and E keeps its digits.
         zeros.find(self, from, to, pieces.min(4096), |delta| 64.0 * f64::EPSILON * delta.abs().max(1e-20 * half));
     }
