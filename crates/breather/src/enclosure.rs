@@ -138,6 +138,23 @@ impl Mul for Dual {
     }
 }
 
+impl Enclosure {
+    /// Of which nothing is known.
+    pub(crate) fn unknown(radius: f64) -> Self {
+        Self { value: 0.0, slope: 0.0, rest: f64::INFINITY, radius }
+    }
+}
+
+impl Algebra for Enclosure {
+    fn scaled(self, factor: f64) -> Self {
+        Self::scaled(self, factor)
+    }
+
+    fn shifted(self, constant: f64) -> Self {
+        self + Self::constant(constant, self.radius)
+    }
+}
+
 /// What a formula needs of the numbers it is evaluated in.
 pub(crate) trait Algebra: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     fn scaled(self, factor: f64) -> Self;

@@ -274,7 +274,8 @@ impl Finder {
         }
         let unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
         let exhausted = self.zeros.exhausted + self.plane.exhausted;
-        let left_out = if conservative && wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
+        let left_out =
+            if conservative && wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
         // A zero without an orbit of finite numbers.
         let listed = found.orbits.len() + refused;
         let lost = singular || listed < self.zeros.simple.len() + self.plane.simple.len();

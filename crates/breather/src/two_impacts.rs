@@ -37,7 +37,7 @@
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::conservative::two_impact_draft;
-use crate::enclosure::{Algebra, Dual, Point};
+use crate::enclosure::{Algebra, Dual, Enclosure, Point};
 use crate::orbit::{Draft, Family};
 use crate::roots::{Enclosed, Zeros};
 
@@ -209,7 +209,13 @@ impl<'a> TwoImpacts<'a> {
 
 impl Enclosed for TwoImpacts<'_> {
     fn enclose(&self, delta: f64, radius: f64) -> Dual {
-        self.condition(self.pieces(delta, radius))
+        let pieces = self.pieces(delta, radius);
+        // Where the function itself has no zero nobody asks for its slope.
+        let function = self.condition(pieces.map(|piece| piece.function));
+        if function.excludes_zero() {
+            return Dual { function, derivative: Enclosure::unknown(radius) };
+        }
+        self.condition(pieces)
     }
 
     fn at(&self, delta: f64) -> (f64, f64) {

@@ -96,7 +96,8 @@ fn no_physical_forced_orbit_is_missed() {
             };
             Some((orbits, found.completeness.open() == (0, 0), intervals))
         };
-        let (Some((all, all_told, full)), Some((candidates, told, part))) = (orbits(Wanted::All), orbits(Wanted::Candidates))
+        let (Some((all, all_told, full)), Some((candidates, told, part))) =
+            (orbits(Wanted::All), orbits(Wanted::Candidates))
         else {
             continue;
         };

@@ -245,12 +245,8 @@ impl ImpulseResponse {
                 let over_sinc = one / sinc;
                 let quarter = f64x4::splat(0.25 * period) * over_sinc;
                 // 2ξ² sinc²(y/2) with ξ = ½ is sinc²y/(1 + cos y).
-                let soft = [
-                    quarter * (defect - sinc * sinc / (one + cos)),
-                    quarter * defect,
-                    weight * over_sinc,
-                    defect,
-                ];
+                let soft =
+                    [quarter * (defect - sinc * sinc / (one + cos)), quarter * defect, weight * over_sinc, defect];
                 for (part, soft) in parts.iter_mut().zip(soft) {
                     *part = is_soft.select(soft, *part);
                 }
@@ -472,7 +468,8 @@ impl ImpulseResponse {
     /// The same, four modes at a time.
     fn jet_by_fours(&self, offset: f64) -> KernelJet {
         let (zero, one) = (f64x4::ZERO, f64x4::ONE);
-        let fours = |list: &'_ [f64], i: usize| list.as_chunks::<LANES>().0.get(i).map_or(zero, |four| f64x4::from(*four));
+        let fours =
+            |list: &'_ [f64], i: usize| list.as_chunks::<LANES>().0.get(i).map_or(zero, |four| f64x4::from(*four));
         let (time, turns) = (f64x4::splat(offset), f64x4::splat(offset / self.period));
         let mut sums = [zero; 4];
         for i in 0..self.frequencies.len() / LANES {
@@ -492,7 +489,8 @@ impl ImpulseResponse {
                 // 2s² of the modes one by one is 4ξ² (1 − cos x)/x².
                 let [sinc, rest] = soft(x);
                 let slope = scale * turns * sinc;
-                let value = scale * f64x4::splat(0.25 * self.period) * (defect - f64x4::splat(4.0) * turns * turns * rest);
+                let value =
+                    scale * f64x4::splat(0.25 * self.period) * (defect - f64x4::splat(4.0) * turns * turns * rest);
                 let curvature = scale * (one - x * x * rest) * f64x4::splat(-1.0 / self.period);
                 let soft = [value, -slope, curvature, frequency * frequency * slope];
                 for (term, soft) in terms.iter_mut().zip(soft) {
@@ -733,7 +731,8 @@ mod tests {
                         (0..r.modes()).map(term).sum()
                     };
                     // Terms of K itself are larger by their static part.
-                    let static_part = r.period * r.at_half().iter().chain(r.at_impulse()).fold(1.0, |m: f64, x| m.max(x.abs()));
+                    let static_part =
+                        r.period * r.at_half().iter().chain(r.at_impulse()).fold(1.0, |m: f64, x| m.max(x.abs()));
                     let pairs = [
                         (fours.value, ones.value, static_part * (1.0 + size(0))),
                         (fours.slope, ones.slope, (1.0 + r.period) * size(0)),
