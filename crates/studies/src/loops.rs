@@ -1,6 +1,6 @@
 //! `studies loop`: one inner loop and little else, for a tool that counts instructions (`scripts/instructions.sh`).
 //!
-//! What a loop needs is made, and run once, before [`measured`] is entered; the tool counts from there to its end, so that neither start
+//! What a loop needs is made, and run once, before `measured` is entered; the tool counts from there to its end, so that neither start
 //! nor work space counts.
 
 use std::hint::black_box;
