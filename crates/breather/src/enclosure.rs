@@ -97,7 +97,7 @@ impl Dual {
 
     /// amplitude·cos(rate·x + phase), given the cosine and sine of the phase at the centre.
     pub(crate) fn wave(cos: f64, sin: f64, rate: f64, radius: f64) -> Self {
-        let bound = cos.hypot(sin) * rate * rate;
+        let bound = (cos * cos + sin * sin).sqrt() * rate * rate;
         Self {
             function: Enclosure::new(cos, -rate * sin, bound, radius),
             derivative: Enclosure::new(-rate * sin, -rate * rate * cos, bound * rate, radius),
@@ -135,6 +135,23 @@ impl Mul for Dual {
             function: self.function * other.function,
             derivative: self.function * other.derivative + self.derivative * other.function,
         }
+    }
+}
+
+impl Enclosure {
+    /// Of which nothing is known.
+    pub(crate) fn unknown(radius: f64) -> Self {
+        Self { value: 0.0, slope: 0.0, rest: f64::INFINITY, radius }
+    }
+}
+
+impl Algebra for Enclosure {
+    fn scaled(self, factor: f64) -> Self {
+        Self::scaled(self, factor)
+    }
+
+    fn shifted(self, constant: f64) -> Self {
+        self + Self::constant(constant, self.radius)
     }
 }
 

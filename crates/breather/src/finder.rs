@@ -17,7 +17,7 @@ use crate::rises::Rises;
 use crate::roots::Zeros;
 use crate::watch::{Depth, Watch};
 use crate::word::Word;
-use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_single};
+use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_places, forced_single};
 
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -244,7 +244,12 @@ impl Finder {
             }),
             (Family::SingleSided, None, _) => conservative::single_sided(model, response).map(&mut add),
             (Family::DoubleSided, Some(steady), Some(force)) => {
-                forced_double::double_sided(model, response, (steady, force), zeros, plane, &mut add)
+                let narrowed = wanted.candidates() && model.chain().is_ring();
+                let places =
+                    if narrowed { forced_places::places(rises, response, (force, model.loss())) } else { None };
+                zeros.intervals += places.map_or(0, |(_, intervals)| intervals);
+                let places = places.map(|(places, _)| places);
+                forced_double::double_sided(model, response, (steady, force), zeros, plane, places, &mut add)
             }
             (Family::SingleSided, Some(_), Some(force)) => {
                 forced_single::single_sided(model, response, force, Barrier::Lower)
@@ -269,7 +274,8 @@ impl Finder {
         }
         let unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
         let exhausted = self.zeros.exhausted + self.plane.exhausted;
-        let left_out = if wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
+        let left_out =
+            if conservative && wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
         // A zero without an orbit of finite numbers.
         let listed = found.orbits.len() + refused;
         let lost = singular || listed < self.zeros.simple.len() + self.plane.simple.len();

@@ -13,6 +13,7 @@
 //! plane of φ and ψ they are apart, so that whatever E leaves unresolved is searched for there (`forced_harmonics`).
 //! There, a double zero is a fold.
 
+use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
 use crate::error::NoBreather;
@@ -24,13 +25,14 @@ use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
 use crate::two_impacts::{Pattern, SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, shortest_flight};
 
-/// All double-sided solutions under a cosine of response `steady`.
+/// All double-sided solutions under a cosine of response `steady`; with `places` those whose |δ| is in one of them.
 pub(crate) fn double_sided(
     model: &Model,
     response: &ImpulseResponse,
     (steady, force): (&Wave, f64),
     zeros: &mut Zeros,
     plane: &mut PlanarZeros,
+    places: Option<&[(f64, f64)]>,
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
@@ -39,9 +41,9 @@ pub(crate) fn double_sided(
     let edge = half - shortest_flight(response, omega * force.abs());
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
     let symmetric = q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC;
-    let ranges: &[[f64; 2]] =
-        if symmetric { &[[-edge, -SYMMETRIC_GUARD * half], [SYMMETRIC_GUARD * half, edge]] } else { &[[-edge, edge]] };
-    let alone = search(&problem, model, zeros, ranges);
+    let guard = if symmetric { SYMMETRIC_GUARD * half } else { 0.0 };
+    let ranges = ranges(places.unwrap_or(&[(0.0, half)]), guard, edge);
+    let alone = search(&problem, model, zeros, &ranges, if places.is_some() { 1 } else { LEAST });
     if !zeros.unresolved.is_empty() {
         let kept = take(zeros, alone.is_some());
         let mut drafts = Vec::new();
@@ -77,10 +79,28 @@ pub(crate) fn double_sided(
     if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }
 
+/// Intervals that a search of the whole period begins with at least.
+const LEAST: usize = 8;
+
+/// Places of δ ≥ 0 and their mirror images, rising, as far as they are between `guard` and `edge`.
+fn ranges(places: &[(f64, f64)], guard: f64, edge: f64) -> SmallVec<[[f64; 2]; 8]> {
+    let mut after: SmallVec<[[f64; 2]; 8]> =
+        places.iter().map(|&(from, to)| [from.max(guard), to.min(edge)]).filter(|[from, to]| from < to).collect();
+    let middle = if after.first().is_some_and(|[from, _]| *from == 0.0) { Some(after.remove(0)[1]) } else { None };
+    let before = after.iter().rev().map(|[from, to]| [-to, -from]);
+    before.chain(middle.map(|to| [-to, to])).chain(after.iter().copied()).collect()
+}
+
 /// Finds the zeros of E on all ranges. What it leaves open of a mass without coupling is asked once more of the flights' equations, which
 /// know of no resonance; they are returned if the zeros are theirs.
-fn search(problem: &TwoImpacts<'_>, model: &Model, zeros: &mut Zeros, ranges: &[[f64; 2]]) -> Option<OneMass> {
-    ranges.iter().for_each(|[from, to]| problem.zeros(zeros, *from, *to));
+fn search(
+    problem: &TwoImpacts<'_>,
+    model: &Model,
+    zeros: &mut Zeros,
+    ranges: &[[f64; 2]],
+    least: usize,
+) -> Option<OneMass> {
+    ranges.iter().for_each(|[from, to]| problem.zeros(zeros, *from, *to, least));
     if zeros.unresolved.len() + zeros.exhausted == 0 {
         return None;
     }
@@ -142,7 +162,7 @@ pub(crate) fn period_doubled(
     }
     let problem = TwoImpacts::new(Pattern::PeriodDoubled, response, omega, a, q, force);
     let half = 0.5 * response.period();
-    let alone = search(&problem, model, zeros, &[[SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD)]]);
+    let alone = search(&problem, model, zeros, &[[SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD)]], LEAST);
     if !zeros.unresolved.is_empty() {
         let kept = take(zeros, alone.is_some());
         let mut drafts = Vec::new();

@@ -65,6 +65,7 @@ mod finder;
 mod flights;
 mod forced_double;
 mod forced_harmonics;
+mod forced_places;
 mod forced_single;
 mod grid;
 mod harmonic_impacts;

@@ -172,6 +172,11 @@ impl Motion {
             for (s, source) in orbit.sources().iter().enumerate() {
                 let from = self.states.len();
                 let net = source.net_impulse;
+                let held = if uniform { Some(orbit.uniform_offset()).filter(|_| s == 0) } else { None };
+                if let Some(parts) = at_instants(orbit, response, start) {
+                    add_states(&mut self.states, response, (net, held), parts);
+                    continue;
+                }
                 self.states.extend(response.statics().iter().map(|part| (net * part, 0.0)));
                 let states = &mut self.states[from..];
                 if uniform {
@@ -515,6 +520,53 @@ impl Motion {
     pub fn modes(&self) -> &[[f64; 3]] {
         let modes = self.frequencies.len().min(self.now.len());
         &self.now[..modes]
+    }
+}
+
+/// An impulse, what it does to each mode's displacement, and to its velocity.
+type Part<'a> = (f64, &'a [f64], f64);
+
+/// What the impacts of an orbit of one site have done at the time `start`, if each was then, or half a period before.
+fn at_instants<'a>(orbit: &Orbit, response: &'a ImpulseResponse, start: f64) -> Option<[Part<'a>; 2]> {
+    let part = |time: f64, impulse: f64| {
+        let elapsed = if start < time { start - time + response.period() } else { start - time };
+        if elapsed == 0.0 {
+            // Just after the impact the velocity is half the jump above its mean.
+            Some((impulse, response.at_impulse(), 0.5))
+        } else if elapsed == 0.5 * response.period() {
+            // The slope of an even function.
+            Some((impulse, response.at_half(), 0.0))
+        } else {
+            None
+        }
+    };
+    match orbit.impacts() {
+        [one] => Some([part(one.time, one.impulse)?, (0.0, response.at_half(), 0.0)]),
+        [one, other] if one.site == other.site => {
+            Some([part(one.time, one.impulse)?, part(other.time, other.impulse)?])
+        }
+        _ => None,
+    }
+}
+
+/// Adds the states of all modes, weights included, from two impulses and what their net impulse holds up; of a uniform mode this is
+/// given.
+fn add_states(
+    states: &mut Vec<(f64, f64)>,
+    response: &ImpulseResponse,
+    (net, held): (f64, Option<f64>),
+    [(impulse, moved, jump), (other, moved_by_other, other_jump)]: [Part<'_>; 2],
+) {
+    let speed = impulse * jump + other * other_jump;
+    let modes = response.weights().iter().zip(response.statics()).zip(moved.iter().zip(moved_by_other));
+    let from = states.len();
+    states.extend(
+        modes.map(|((weight, still), (one, two))| {
+            (weight * (net * still + impulse * one + other * two), weight * speed)
+        }),
+    );
+    if let (Some(held), Some(first), Some(weight)) = (held, states.get_mut(from), response.weights().first()) {
+        first.0 = weight * (held / weight + impulse * moved[0] + other * moved_by_other[0]);
     }
 }
 

@@ -133,6 +133,9 @@ impl Reflection {
     }
 }
 
+/// An impulse that points out of the gap by no more than this part of the largest one could be turned round by polishing the orbit.
+pub(crate) const WRONG_SIGN: f64 = 1e-3;
+
 /// What a family knows of an orbit before velocities, accelerations and residual are worked out.
 #[derive(Debug, Clone)]
 pub(crate) struct Draft {
@@ -168,7 +171,7 @@ impl Draft {
     /// No impulse points out of the gap by more than polishing an orbit could turn round.
     pub(crate) fn is_right_signed(&self) -> bool {
         let largest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
-        self.impacts.iter().all(|hit| -hit.impulse * hit.barrier.sign() > -1e-3 * largest)
+        self.impacts.iter().all(|hit| -hit.impulse * hit.barrier.sign() > -WRONG_SIGN * largest)
     }
 }
 

@@ -40,16 +40,16 @@ pub(crate) fn top(response: &ImpulseResponse) -> f64 {
 
 /// s and K₀ − K₀(0) on an interval as cubics in Bernstein's form, within whose coefficients they stay.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
-    from: f64,
-    to: f64,
-    s: [f64; 4],
-    rise: [f64; 4],
+pub(crate) struct Piece {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) s: [f64; 4],
+    pub(crate) rise: [f64; 4],
 }
 
 impl Piece {
     /// The parts before and after the fraction `t`.
-    fn split(&self, t: f64) -> [Self; 2] {
+    pub(crate) fn split(&self, t: f64) -> [Self; 2] {
         let middle = self.from + t * (self.to - self.from);
         let ([s, s_after], [rise, rise_after]) = (split(self.s, t), split(self.rise, t));
         [Self { to: middle, s, rise, ..*self }, Self { from: middle, s: s_after, rise: rise_after, ..*self }]
@@ -90,14 +90,22 @@ struct Node {
 
 /// Samples, and cubics between them.
 #[derive(Debug, Clone, Copy)]
-struct Samples<'a> {
+pub(crate) struct Samples<'a> {
     nodes: &'a [Node],
     step: f64,
     half: f64,
+    /// How far the cubics can be off.
+    pub(crate) error: f64,
+    pub(crate) rise_error: f64,
+    /// What rounding can make of s.
+    rounding: f64,
+    /// Bounds on |s′| and |s‴|.
+    first: f64,
+    second: f64,
 }
 
 impl Samples<'_> {
-    fn intervals(&self) -> usize {
+    pub(crate) fn intervals(&self) -> usize {
         self.nodes.len() - 1
     }
 
@@ -108,7 +116,7 @@ impl Samples<'_> {
         [lift, lift + third * s, next_lift - third * next, next_lift]
     }
 
-    fn piece(&self, i: usize) -> Piece {
+    pub(crate) fn piece(&self, i: usize) -> Piece {
         let highest = self.nodes.last().map_or(0.0, |node| node.lift[0]);
         let [[s, slope], [next, next_slope]] = [i, i + 1].map(|i| [self.nodes[i].s[0], self.nodes[i].slope]);
         let third = self.step / 3.0;
@@ -137,9 +145,6 @@ struct Bounds<'a> {
     asymmetry: f64,
     /// 2K₀(0), infinite for γ₁ = 0.
     twice: f64,
-    /// How far the cubics can be off.
-    error: f64,
-    rise_error: f64,
     /// |s′(0)|, less its rounding, and the bounds on |s| and |s″|.
     flat: f64,
     steepest: f64,
@@ -160,8 +165,8 @@ impl Bounds<'_> {
 
     /// Bounds on D.
     fn rises(&self, piece: &Piece) -> [f64; 2] {
-        let least = piece.rise.into_iter().fold(f64::INFINITY, f64::min) - self.rise_error;
-        [least, piece.rise.into_iter().fold(f64::NEG_INFINITY, f64::max) + self.rise_error]
+        let least = piece.rise.into_iter().fold(f64::INFINITY, f64::min) - self.samples.rise_error;
+        [least, piece.rise.into_iter().fold(f64::NEG_INFINITY, f64::max) + self.samples.rise_error]
     }
 
     /// Whether the mass that is hit or the one opposite leaves its gap for any φ of an interval, as far as some times of a
@@ -170,7 +175,7 @@ impl Bounds<'_> {
         let Samples { half, .. } = self.samples;
         let (delta, radius) = (0.5 * (piece.from + piece.to), 0.5 * (piece.to - piece.from));
         let [_, most] = self.rises(piece);
-        let limit = most + 2.0 * self.rise_error + self.steepest * radius;
+        let limit = most + 2.0 * self.samples.rise_error + self.steepest * radius;
         let times = TIMES.min(4 * self.samples.intervals());
         (0..times).any(|i| {
             // Of the time since φ.
@@ -187,13 +192,13 @@ impl Bounds<'_> {
             self.flat > 0.5 * self.second * piece.to * piece.to
         } else {
             let least = piece.s.iter().map(|b| b.abs()).fold(f64::INFINITY, f64::min);
-            least > self.error && piece.s.iter().all(|b| (*b > 0.0) == (piece.s[0] > 0.0))
+            least > self.samples.error && piece.s.iter().all(|b| (*b > 0.0) == (piece.s[0] > 0.0))
         };
         if no_zero || self.rises(&piece)[1] <= 0.0 {
             return;
         }
         if piece.to - piece.from > FINEST * self.samples.step {
-            let [low, high] = if piece.from == 0.0 { [0.0, 1.0] } else { piece.crossing(self.error) };
+            let [low, high] = if piece.from == 0.0 { [0.0, 1.0] } else { piece.crossing(self.samples.error) };
             if high - low > 0.5 {
                 for half in piece.split(0.5) {
                     self.narrow(half, places);
@@ -239,6 +244,19 @@ impl Rises {
         self.places.clear();
     }
 
+    /// Room for other places, empty.
+    pub(crate) fn take_places(&mut self) -> Vec<(f64, f64)> {
+        let mut places = std::mem::take(&mut self.places);
+        places.clear();
+        places
+    }
+
+    /// Takes over places.
+    pub(crate) fn put_places(&mut self, places: Vec<(f64, f64)>) -> &[(f64, f64)] {
+        self.places = places;
+        &self.places
+    }
+
     /// Intervals of δ > 0 that are left to be searched.
     pub(crate) fn places(&self) -> &[(f64, f64)] {
         &self.places
@@ -246,8 +264,7 @@ impl Rises {
 
     /// Finds the places of δ > 0 where nothing excludes a physical orbit.
     pub(crate) fn set(&mut self, model: &Model, response: &ImpulseResponse, radiation: &Radiation) {
-        let mut places = std::mem::take(&mut self.places);
-        places.clear();
+        let mut places = self.take_places();
         match self.bounds(model, response, radiation) {
             Some(bounds) => {
                 (0..bounds.samples.intervals()).for_each(|i| bounds.narrow(bounds.samples.piece(i), &mut places));
@@ -264,6 +281,23 @@ impl Rises {
         response: &ImpulseResponse,
         radiation: &'a Radiation,
     ) -> Option<Bounds<'a>> {
+        let samples = self.samples(response)?;
+        let Samples { nodes, step, rounding, first, second, .. } = samples;
+        Some(Bounds {
+            samples,
+            radiation,
+            asymmetry: model.asymmetry(),
+            twice: 2.0 * (response.static_stiffness().recip() + response.dynamic_at_impulse()),
+            flat: nodes.first().map_or(0.0, |node| node.slope.abs() - rounding / step),
+            // No place is farther from a node than half a step.
+            steepest: nodes.iter().flat_map(|node| node.s).fold(0.0, |most: f64, s| most.max(s.abs()))
+                + 0.5 * step * first,
+            second,
+        })
+    }
+
+    /// The grid for one impulse response; `None` where it would take too many intervals.
+    pub(crate) fn samples(&mut self, response: &ImpulseResponse) -> Option<Samples<'_>> {
         let half = 0.5 * response.period();
         let intervals = ((half * top(response) / INTERVAL).ceil() as usize).max(4);
         if intervals > MOST {
@@ -272,24 +306,12 @@ impl Rises {
         let step = half / intervals as f64;
         let [first, second, third] = self.start(response, step);
         self.sample(intervals);
-        let nodes = &self.nodes;
         // Cubics through values and slopes at both ends err by h⁴/384 times the fourth derivative; rounding adds up from step
         // to step.
         let quartic = step.powi(4) / 384.0;
         let rounding = 8.0 * f64::EPSILON * intervals as f64 * first * half;
-        Some(Bounds {
-            samples: Samples { nodes, step, half },
-            radiation,
-            asymmetry: model.asymmetry(),
-            twice: 2.0 * (response.static_stiffness().recip() + response.dynamic_at_impulse()),
-            error: quartic * third + rounding,
-            rise_error: quartic * second + rounding * half,
-            flat: nodes.first().map_or(0.0, |node| node.slope.abs() - rounding / step),
-            // No place is farther from a node than half a step.
-            steepest: nodes.iter().flat_map(|node| node.s).fold(0.0, |most: f64, s| most.max(s.abs()))
-                + 0.5 * step * first,
-            second,
-        })
+        let (error, rise_error) = (quartic * third + rounding, quartic * second + rounding * half);
+        Some(Samples { nodes: &self.nodes, step, half, error, rise_error, rounding, first, second })
     }
 
     /// Puts the modes at δ = 0. Tells Σ|a|, Σ|a|Ω² and Σ|a|Ω³, the bounds on |s′|, |s‴| and |s⁗|.
@@ -369,17 +391,17 @@ mod tests {
                     let lift = response.value(site, half) - response.value(site, half + offset);
                     for sign in [1.0, -1.0] {
                         let sampled = bounds.samples.lift_at(sign * offset, mass);
-                        assert!((sampled - lift).abs() <= bounds.rise_error, "{model:?}");
+                        assert!((sampled - lift).abs() <= bounds.samples.rise_error, "{model:?}");
                     }
                 }
                 let mut piece = bounds.samples.piece(random.usize(0..bounds.samples.intervals()));
                 let fraction = random.f64();
                 let delta = piece.from + fraction * (piece.to - piece.from);
                 let s = -response.derivative(0, bounds.samples.half + delta);
-                assert!((split(piece.s, fraction)[0][3] - s).abs() <= bounds.error, "{model:?}");
+                assert!((split(piece.s, fraction)[0][3] - s).abs() <= bounds.samples.error, "{model:?}");
                 // Moved so that it vanishes there.
                 piece.s = piece.s.map(|b| b - s);
-                let [low, high] = piece.crossing(bounds.error);
+                let [low, high] = piece.crossing(bounds.samples.error);
                 assert!((low..=high).contains(&fraction), "{model:?}");
                 tight += u32::from(high - low < 0.2);
             }

@@ -37,7 +37,7 @@
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::conservative::two_impact_draft;
-use crate::enclosure::{Algebra, Dual, Point};
+use crate::enclosure::{Algebra, Dual, Enclosure, Point};
 use crate::orbit::{Draft, Family};
 use crate::roots::{Enclosed, Zeros};
 
@@ -170,12 +170,12 @@ impl<'a> TwoImpacts<'a> {
         }
     }
 
-    /// All zeros of E on `from` … `to`, in δ.
-    pub(crate) fn zeros(&self, zeros: &mut Zeros, from: f64, to: f64) {
+    /// All zeros of E on `from` … `to`, in δ, begun with `least` intervals at least.
+    pub(crate) fn zeros(&self, zeros: &mut Zeros, from: f64, to: f64, least: usize) {
         let half = 0.5 * self.response.period();
         let top = self.response.frequencies().last().copied().unwrap_or_default().max(self.omega);
         // A few intervals a wave of the fastest mode to begin with; halving does the rest.
-        let pieces = 8 + ((to - from) * top) as usize;
+        let pieces = least + ((to - from) * top) as usize;
         // Resolution relative to δ: towards δ = 0 solutions crowd on ever smaller scales, and E keeps its digits.
         zeros.find(self, from, to, pieces.min(4096), |delta| 64.0 * f64::EPSILON * delta.abs().max(1e-20 * half));
     }
@@ -209,7 +209,13 @@ impl<'a> TwoImpacts<'a> {
 
 impl Enclosed for TwoImpacts<'_> {
     fn enclose(&self, delta: f64, radius: f64) -> Dual {
-        self.condition(self.pieces(delta, radius))
+        let pieces = self.pieces(delta, radius);
+        // Where the function itself has no zero nobody asks for its slope.
+        let function = self.condition(pieces.map(|piece| piece.function));
+        if function.excludes_zero() {
+            return Dual { function, derivative: Enclosure::unknown(radius) };
+        }
+        self.condition(pieces)
     }
 
     fn at(&self, delta: f64) -> (f64, f64) {

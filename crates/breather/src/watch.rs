@@ -54,8 +54,11 @@ impl Closest {
     fn note(&mut self, asymmetry: f64, site: usize, time: f64, displacement: f64) {
         for barrier in [Barrier::Lower, Barrier::Upper] {
             let distance = 1.0 - (displacement - asymmetry) * barrier.sign();
-            if distance < self.distance {
+            if distance < self.distance - RESOLUTION {
                 *self = Self { distance, site, barrier, time };
+            } else {
+                // Of approaches that only rounding tells apart, as symmetry has them, the first one.
+                self.distance = self.distance.min(distance);
             }
         }
     }

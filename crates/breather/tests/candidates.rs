@@ -1,7 +1,7 @@
 //! What a map looks at against the full lists: no physical orbit may be missing, and few others be left.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Finder, Found, Orbit, Wanted};
+use vibrochain_breather::{Family, Finder, Found, Orbit, Proof, Wanted};
 use vibrochain_lattice::{Model, Parameter};
 use vibrochain_testkit::Values::{Either, Even, Is};
 use vibrochain_testkit::{Random, Ranges};
@@ -59,4 +59,62 @@ fn no_physical_conservative_orbit_is_missed() {
     assert!(physical > 1000 && asymmetric > 100, "{physical} {asymmetric}");
     // The bounds are worth their while: most of what is listed is not looked at.
     assert!(looked_at - physical < (listed - physical) / 8, "{listed} {looked_at} {physical}");
+}
+
+/// A ring under a force, with or without losses and asymmetry, soft, stiff, slow and fast.
+fn random_forced_model(random: &mut Random) -> Model {
+    let sites = random.of(&[[13, 79], [1, 12], [1, 12], [1, 30]]);
+    random.model(&Ranges {
+        sites,
+        gamma1: Either(0.08, &Is(0.0), &Even(0.0, 0.6)),
+        gamma2: Either(0.05, &Even(1e-9, 1e-6), &Even(0.001, 0.3)),
+        omega: Even(0.25, 3.0),
+        asymmetry: Either(0.2, &Is(0.0), &Even(0.0, 0.9)),
+        amplitude: Either(0.3, &Even(0.3, 1.5), &Even(0.002, 0.3)),
+        restitution: Either(0.2, &Is(1.0), &Even(0.2, 0.999)),
+    })
+}
+
+#[test]
+fn no_physical_forced_orbit_is_missed() {
+    let mut random = Random(19);
+    let (mut finder, mut found) = (Finder::new(6), Found::default());
+    let (mut right_signed, mut physical, mut fewer) = (0, 0, 0);
+    for _ in 0..3000 {
+        let model = random_forced_model(&mut random);
+        let mut orbits = |wanted: Wanted| {
+            if finder.search(&model, Family::DoubleSided, wanted, &mut found).is_err() {
+                return None;
+            }
+            let mut orbits = found.orbits.clone();
+            orbits.retain(|orbit| orbit.impacts().iter().all(vibrochain_breather::Impact::is_right_signed));
+            orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
+            physical += orbits.iter().filter(|orbit| finder.admissibility(orbit).unwrap().is_physical()).count();
+            let intervals = match found.completeness.proof() {
+                Some(Proof::Enclosures { intervals }) => intervals,
+                _ => 0,
+            };
+            Some((orbits, found.completeness.open() == (0, 0), intervals))
+        };
+        let (Some((all, all_told, full)), Some((candidates, told, part))) =
+            (orbits(Wanted::All), orbits(Wanted::Candidates))
+        else {
+            continue;
+        };
+        // What is left open may be listed or not.
+        if !(all_told && told) {
+            continue;
+        }
+        assert_eq!(all.len(), candidates.len(), "{model:?}");
+        for (one, other) in all.iter().zip(&candidates) {
+            for ((time, impulse), (its_time, its_impulse)) in impacts(one).into_iter().zip(impacts(other)) {
+                assert!((time - its_time).abs() < 1e-9 * model.period(), "{model:?}");
+                assert!((impulse - its_impulse).abs() < 1e-7 * impulse.abs(), "{model:?}");
+            }
+        }
+        right_signed += all.len();
+        fewer += usize::from(full > 3 * part);
+    }
+    // Both lists are looked at, and the grid is worth its while.
+    assert!(right_signed > 500 && physical > 400 && fewer > 800, "{right_signed} {physical} {fewer}");
 }

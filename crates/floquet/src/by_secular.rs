@@ -31,7 +31,11 @@ impl Analyser {
         let orbit = question.orbit;
         let _ = saltations(orbit)?;
         let ratio_error = ratio_error(question, finder)?;
-        self.secular.residues.replace_within(finder.prepared(orbit)?, ratio_error)?;
+        let ratio = self.secular.residues.take_over(finder.prepared(orbit)?, ratio_error)?;
+        if !question.thorough && self.secular.residues.all_positive(ratio) {
+            return Ok(Verdict::on_circle(None));
+        }
+        self.secular.residues.complete(ratio)?;
         let found = self.secular.verdict();
         let open = match &found {
             Ok(verdict) => verdict.outcome == Standing::Marginal,

@@ -17,14 +17,24 @@
 //! like 1/y² while breathers hang on the dynamic part, which stays finite even for a rigid mode (Ω = 0); added
 //! together they would lose 2·log₁₀(1/y) digits. Callers that know the net impulse use the parts; `value` adds them.
 
+use std::f64::consts::PI;
+
 use rustfft::num_complex::Complex;
+use wide::f64x4;
 
 use crate::error::RESONANCE_TOLERANCE;
 use crate::error::Resonance;
 use crate::params::Chain;
 use crate::shapes::Shapes;
-use crate::small::{cubic_defect, long_sum, sinc, sinc_from};
+use crate::sines::{MOST, sin_cos, soft, soft_defect};
+use crate::small::{cubic_defect, long_sum, sinc};
 use crate::spectrum::Spectrum;
+
+/// Modes in a group.
+const LANES: usize = 4;
+
+/// Modes up to here are added up plainly, four at a time.
+const FEW: usize = 64;
 
 /// The impulse response at one time, and its first three derivatives in t.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -61,6 +71,8 @@ pub struct ImpulseResponse {
     omega: f64,
     period: f64,
     shapes: Shapes,
+    /// How many there are; the lists below are filled up to whole groups of four.
+    modes: usize,
     frequencies: Vec<f64>,
     weights: Vec<f64>,
     /// y, sin y and cos y, the last two with the nearest multiple of π taken out of y exactly.
@@ -79,6 +91,8 @@ pub struct ImpulseResponse {
     scales: Vec<f64>,
     offsets: Vec<f64>,
     condition: f64,
+    /// The highest frequency.
+    top: f64,
 }
 
 impl ImpulseResponse {
@@ -103,6 +117,7 @@ impl ImpulseResponse {
             omega: 1.0,
             period: std::f64::consts::TAU,
             shapes: Shapes::new(chain),
+            modes: 0,
             frequencies: Vec::new(),
             weights: Vec::new(),
             half_phase: Vec::new(),
@@ -117,6 +132,7 @@ impl ImpulseResponse {
             scales: Vec::new(),
             offsets: Vec::new(),
             condition: 1.0,
+            top: 0.0,
         }
     }
 
@@ -144,86 +160,128 @@ impl ImpulseResponse {
         }
         self.omega = omega;
         self.period = std::f64::consts::TAU / omega;
+        let modes = spectrum.frequencies().len();
+        self.modes = modes;
+        // In whole groups of four; what fills up the last one swings a quarter as fast as the impulses come, and weighs nothing.
+        let groups = modes.next_multiple_of(LANES);
         self.frequencies.clear();
         self.frequencies.extend_from_slice(spectrum.frequencies());
+        self.frequencies.resize(groups, 0.25 * omega);
         self.weights.clear();
         self.weights.extend_from_slice(spectrum.weights());
-        let modes = self.frequencies.len();
+        self.weights.resize(groups, 0.0);
+        // On a ring all modes are 1 at the site that they are even about.
+        self.own.clear();
+        self.own.extend(self.weights.iter().zip(&self.squares).map(|(weight, square)| weight * square));
+        if !self.own.is_empty() {
+            self.own.resize(groups, 0.0);
+        }
+        self.reset_modes()?;
+        let own = self.own_weights();
+        // Of rigid modes nothing is held up.
+        let [at_impulse, at_half, still] =
+            long_sum(modes, |k| [own[k] * self.at_impulse[k], own[k] * self.at_half[k], own[k] * self.statics[k]]);
+        (self.dynamic_at_impulse, self.dynamic_at_half) = (at_impulse, at_half);
+        self.static_stiffness = if chain.is_adrift() { 0.0 } else { 1.0 / still };
+        Ok(())
+    }
+
+    /// What depends on each mode's frequency and weight, four modes at a time.
+    fn reset_modes(&mut self) -> Result<(), Resonance> {
+        let (omega, period) = (self.omega, self.period);
         let lists = [
             &mut self.half_phase,
             &mut self.sin_half,
             &mut self.cos_half,
+            &mut self.statics,
             &mut self.at_impulse,
             &mut self.at_half,
             &mut self.scales,
             &mut self.offsets,
         ];
-        // Lengths are equal; said here, they need not be checked below.
-        let lists = lists.map(|list| {
-            list.resize(modes, 0.0);
-            &mut list[..modes]
+        let mut lists = lists.map(|list| {
+            list.resize(self.frequencies.len(), 0.0);
+            list.as_chunks_mut::<LANES>().0.iter_mut()
         });
-        let [half_phase, sin_half, cos_half, at_impulse, at_half, scales, offsets] = lists;
-        let (frequencies, weights) = (&self.frequencies[..modes], &self.weights[..modes]);
+        let [zero, one, half, all_period] = [0.0, 1.0, 0.5, period].map(f64x4::splat);
         // How many times larger than the rounding of Ω_k/ω its effect on sin y can be, for the worst mode.
-        let mut condition = 1.0_f64;
-        for k in 0..modes {
-            let frequency = frequencies[k];
-            let turns = frequency / omega;
-            let harmonic = turns.round();
+        let mut condition = one;
+        let (mut meets, mut top) = (false, zero);
+        for (frequency, weight) in self.frequencies.as_chunks().0.iter().zip(self.weights.as_chunks().0) {
+            let (frequency, weight) = (f64x4::from(*frequency), f64x4::from(*weight));
+            top = top.fast_max(frequency);
+            let turns = frequency / f64x4::splat(omega);
+            let harmonic = (turns + half).floor();
             let detuning = turns - harmonic;
-            if harmonic >= 1.0 {
-                if detuning.abs() <= RESONANCE_TOLERANCE * turns {
-                    let distance = (-harmonic).mul_add(omega, frequency);
-                    return Err(Resonance { harmonic: harmonic as u64, mode: k, frequency, omega, distance });
-                }
-                condition = condition.max(turns / detuning.abs());
-            }
-            let (sin, cos) = (std::f64::consts::PI * detuning).sin_cos();
-            let sign = if harmonic % 2.0 == 0.0 { 1.0 } else { -1.0 };
-            half_phase[k] = std::f64::consts::PI * turns;
-            sin_half[k] = sign * sin;
-            cos_half[k] = sign * cos;
-        }
-        self.condition = condition;
-        self.statics.clear();
-        self.statics.extend(frequencies.iter().map(|frequency| {
-            let still = 1.0 / (frequency * frequency * self.period);
-            if *frequency > 0.0 { still } else { 0.0 }
-        }));
-        for k in 0..modes {
-            let (y, weight, sin, cos) = (half_phase[k], weights[k], sin_half[k], cos_half[k]);
+            let near = harmonic.simd_ge(one) & detuning.abs().simd_le(turns * f64x4::splat(RESONANCE_TOLERANCE));
+            meets |= near.any();
+            let worse = harmonic.simd_ge(one).select(turns / detuning.abs(), one);
+            condition = condition.simd_gt(worse).select(condition, worse);
+            let [sin, cos] = sin_cos(detuning * f64x4::splat(PI));
+            let even = (half * harmonic).floor() * f64x4::splat(2.0);
+            let odd = even.simd_ne(harmonic);
+            let (sin, cos) = (odd.select(-sin, sin), odd.select(-cos, cos));
+            let y = turns * f64x4::splat(PI);
+            let square = frequency * frequency * all_period;
+            let statics = square.simd_gt(zero).select(one / square, zero);
+            let is_soft = y.simd_lt(one);
             // As [`ImpulseResponse::mode_dynamic`] at any other time, from the sine and cosine at hand.
-            if y < 1.0 {
-                let (sinc, defect) = (sinc_from(y, sin), cubic_defect(y));
-                let quarter = self.period / (4.0 * sinc);
-                // 2ξ² sinc²(y/2) with ξ = ½ is sinc²y/(1 + cos y).
-                at_impulse[k] = quarter * (defect - sinc * sinc / (1.0 + cos));
-                at_half[k] = quarter * defect;
-                (scales[k], offsets[k]) = (weight / sinc, defect);
-            } else {
-                let (over_sin, over_y) = (1.0 / sin, 1.0 / y);
+            let over_y = one / y;
+            let mut parts = [zero; 4];
+            if !is_soft.all() {
+                let over_sin = one / sin;
                 // 1/(2Ω)
-                let size = 0.25 * self.period * over_y;
-                at_impulse[k] = size * (cos * over_sin - over_y);
-                at_half[k] = size * (over_sin - over_y);
-                (scales[k], offsets[k]) = (0.5 * weight * over_sin, sin * over_y);
+                let size = f64x4::splat(0.25 * period) * over_y;
+                parts = [
+                    size * (cos * over_sin - over_y),
+                    size * (over_sin - over_y),
+                    half * weight * over_sin,
+                    sin * over_y,
+                ];
+            }
+            if is_soft.any() {
+                let y = is_soft.select(y, zero);
+                let [sinc, defect] = soft_defect(y);
+                let over_sinc = one / sinc;
+                let quarter = f64x4::splat(0.25 * period) * over_sinc;
+                // 2ξ² sinc²(y/2) with ξ = ½ is sinc²y/(1 + cos y).
+                let soft =
+                    [quarter * (defect - sinc * sinc / (one + cos)), quarter * defect, weight * over_sinc, defect];
+                for (part, soft) in parts.iter_mut().zip(soft) {
+                    *part = is_soft.select(soft, *part);
+                }
+            }
+            let [at_impulse, at_half, scale, offset] = parts;
+            for (list, value) in lists.iter_mut().zip([y, sin, cos, statics, at_impulse, at_half, scale, offset]) {
+                if let Some(slot) = list.next() {
+                    *slot = value.to_array();
+                }
             }
         }
-        let (at_impulse, at_half) = (&self.at_impulse[..modes], &self.at_half[..modes]);
-        // On a ring all modes are 1 at the site that they are even about.
-        self.own.clear();
-        self.own.extend(weights.iter().zip(&self.squares).map(|(weight, square)| weight * square));
-        let own = if self.own.is_empty() { weights } else { &self.own[..modes] };
-        [self.dynamic_at_impulse, self.dynamic_at_half] =
-            long_sum(modes, |k| [own[k] * at_impulse[k], own[k] * at_half[k]]);
-        self.static_stiffness = if chain.is_adrift() {
-            0.0
-        } else {
-            let [sum] = long_sum(modes, |k| [own[k] / (frequencies[k] * frequencies[k])]);
-            self.period / sum
+        self.condition = condition.to_array().into_iter().fold(1.0, f64::max);
+        self.top = top.to_array().into_iter().fold(0.0, f64::max);
+        if meets { Err(self.resonance()) } else { Ok(()) }
+    }
+
+    /// The first mode that meets a harmonic.
+    #[cold]
+    fn resonance(&self) -> Resonance {
+        let omega = self.omega;
+        let far = |k: &usize| {
+            let turns = self.frequencies[*k] / omega;
+            let harmonic = turns.round();
+            !(harmonic >= 1.0 && (turns - harmonic).abs() <= RESONANCE_TOLERANCE * turns)
         };
-        Ok(())
+        let mode = (0..self.modes).take_while(far).count().min(self.modes.saturating_sub(1));
+        let frequency = self.frequencies[mode];
+        let harmonic = (frequency / omega).round();
+        let distance = (-harmonic).mul_add(omega, frequency);
+        Resonance { harmonic: harmonic as u64, mode, frequency, omega, distance }
+    }
+
+    /// b_k² of home.
+    fn own_weights(&self) -> &[f64] {
+        if self.own.is_empty() { &self.weights } else { &self.own }
     }
 
     /// Number of masses.
@@ -233,7 +291,7 @@ impl ImpulseResponse {
 
     /// Number of modes even about site 0.
     pub fn modes(&self) -> usize {
-        self.frequencies.len()
+        self.modes
     }
 
     /// Base frequency of the impulses.
@@ -248,22 +306,22 @@ impl ImpulseResponse {
 
     /// Ω_k of the even modes.
     pub fn frequencies(&self) -> &[f64] {
-        &self.frequencies
+        &self.frequencies[..self.modes]
     }
 
     /// Weights of the modes ([`Spectrum::weights`]): on a ring b_k².
     pub fn weights(&self) -> &[f64] {
-        &self.weights
+        &self.weights[..self.modes]
     }
 
     /// sin(Ω_kT/2) of the even modes.
     pub fn sin_half(&self) -> &[f64] {
-        &self.sin_half
+        &self.sin_half[..self.modes]
     }
 
     /// cos(Ω_kT/2) of the even modes.
     pub fn cos_half(&self) -> &[f64] {
-        &self.cos_half
+        &self.cos_half[..self.modes]
     }
 
     /// Shapes of the modes.
@@ -299,7 +357,7 @@ impl ImpulseResponse {
 
     /// Static responses of all modes, see [`ImpulseResponse::mode_static`].
     pub fn statics(&self) -> &[f64] {
-        &self.statics
+        &self.statics[..self.modes]
     }
 
     /// 1/S₀ with S₀ = Σ b_k²/(Ω_k²T), the static stiffness at home times T; 0 where nothing holds the lattice.
@@ -315,12 +373,12 @@ impl ImpulseResponse {
 
     /// Dynamic responses of all modes, without their weights, at the impulse.
     pub fn at_impulse(&self) -> &[f64] {
-        &self.at_impulse
+        &self.at_impulse[..self.modes]
     }
 
     /// Dynamic responses of all modes, without their weights, half a period after the impulse.
     pub fn at_half(&self) -> &[f64] {
-        &self.at_half
+        &self.at_half[..self.modes]
     }
 
     /// Dynamic response of mode `k`, without its weight, at 0 ≤ `t` ≤ T.
@@ -374,7 +432,7 @@ impl ImpulseResponse {
     /// Bounds over the open period on |K₀′|, |K₀″|, |K₀‴| and |K₀⁗|, from the modes' amplitudes.
     pub fn derivative_bounds(&self) -> [f64; 4] {
         let mut bounds = [0.0; 4];
-        let own = if self.own.is_empty() { &self.weights } else { &self.own };
+        let own = self.own_weights();
         for k in 0..self.modes() {
             let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
             let sine = if y < 1.0 { y * sinc(y) } else { self.sin_half[k].abs() };
@@ -392,6 +450,12 @@ impl ImpulseResponse {
     /// Dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
+        let by_fours = self.modes <= FEW && self.top * offset.abs() <= MOST;
+        if by_fours { self.jet_by_fours(offset) } else { self.jet_one_by_one(offset) }
+    }
+
+    /// The same, mode by mode: of long lattices, whose sums are kept compensated.
+    fn jet_one_by_one(&self, offset: f64) -> KernelJet {
         let jet = |k: usize, scale: f64| self.mode_jet(k, offset, scale, self.half_phase[k] < 1.0);
         let [value, slope, curvature, third] = if self.squares.is_empty() {
             long_sum(self.modes(), |k| jet(k, self.scales[k]))
@@ -399,6 +463,54 @@ impl ImpulseResponse {
             long_sum(self.modes(), |k| jet(k, self.scales[k] * self.squares[k]))
         };
         KernelJet { value, slope, curvature, third }
+    }
+
+    /// The same, four modes at a time.
+    fn jet_by_fours(&self, offset: f64) -> KernelJet {
+        let (zero, one) = (f64x4::ZERO, f64x4::ONE);
+        let fours =
+            |list: &'_ [f64], i: usize| list.as_chunks::<LANES>().0.get(i).map_or(zero, |four| f64x4::from(*four));
+        let (time, turns) = (f64x4::splat(offset), f64x4::splat(offset / self.period));
+        let mut sums = [zero; 4];
+        for i in 0..self.frequencies.len() / LANES {
+            let (frequency, y, defect) =
+                (fours(&self.frequencies, i), fours(&self.half_phase, i), fours(&self.offsets, i));
+            let scale = fours(&self.scales, i);
+            let scale = if self.squares.is_empty() { scale } else { scale * self.squares_of(i) };
+            let (x, is_soft) = (frequency * time, y.simd_lt(one));
+            let mut terms = [zero; 4];
+            if !is_soft.all() {
+                let [sin, cos] = sin_cos(x);
+                let (swing, bend) = (scale * sin, scale * frequency);
+                terms = [scale * (cos - defect) / frequency, -swing, -bend * cos, bend * frequency * sin];
+            }
+            if is_soft.any() {
+                let x = is_soft.select(x, zero);
+                // 2s² of the modes one by one is 4ξ² (1 − cos x)/x².
+                let [sinc, rest] = soft(x);
+                let slope = scale * turns * sinc;
+                let value =
+                    scale * f64x4::splat(0.25 * self.period) * (defect - f64x4::splat(4.0) * turns * turns * rest);
+                let curvature = scale * (one - x * x * rest) * f64x4::splat(-1.0 / self.period);
+                let soft = [value, -slope, curvature, frequency * frequency * slope];
+                for (term, soft) in terms.iter_mut().zip(soft) {
+                    *term = is_soft.select(soft, *term);
+                }
+            }
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                *sum += term;
+            }
+        }
+        let [a, b, c, d] = f64x4::transpose(sums);
+        let [value, slope, curvature, third] = ((a + c) + (b + d)).to_array();
+        KernelJet { value, slope, curvature, third }
+    }
+
+    /// φ_k² of home over the weights, of four modes.
+    fn squares_of(&self, group: usize) -> f64x4 {
+        let mut four = [0.0; LANES];
+        four.iter_mut().zip(self.squares.iter().skip(group * LANES)).for_each(|(slot, square)| *slot = *square);
+        f64x4::from(four)
     }
 
     /// As [`ImpulseResponse::jet_from_half`], of site `to` where site `from` receives the impulses. What the mean force holds
@@ -466,7 +578,7 @@ impl ImpulseResponse {
     pub fn driven<const N: usize, const J: usize>(&self, sites: [usize; N], frequencies: [f64; J]) -> [[f64; J]; N] {
         let mut shapes = sites.map(|site| self.shapes.evens(site, 0));
         let mut sums = [[0.0; J]; N];
-        for (mode, weight) in self.frequencies.iter().zip(&self.weights) {
+        for (mode, weight) in self.frequencies().iter().zip(self.weights()) {
             let terms = frequencies.map(|w| weight / ((mode - w) * (mode + w)));
             for (sum, shape) in sums.iter_mut().zip(&mut shapes) {
                 let shape = shape.next().unwrap_or_default();
@@ -598,6 +710,43 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn modes_four_at_a_time_are_as_one_by_one() {
+        let mut compared = 0;
+        for (sites, g1) in [(1, 0.2), (2, 0.0), (5, 1e-4), (9, 0.2), (21, 0.0), (40, 3.0), (126, 0.2)] {
+            for omega in [0.021, 0.21, 0.83, 1.5, 3.0, 60.0] {
+                let r = response(sites, g1, 0.1, omega);
+                for part in -40..=40 {
+                    let offset = f64::from(part) / 80.0 * r.period;
+                    let (fours, ones) = (r.jet_by_fours(offset), r.jet_one_by_one(offset));
+                    let own = r.own_weights();
+                    let size = |power: i32| -> f64 {
+                        let term = |k: usize| {
+                            let sine = r.sin_half[k].abs().min(0.5 * r.frequencies[k] * r.period);
+                            let scale = if sine > 0.0 { r.frequencies[k] / sine } else { 1.0 / r.period };
+                            own[k] * scale * (1.0 + r.frequencies[k].powi(power))
+                        };
+                        (0..r.modes()).map(term).sum()
+                    };
+                    // Terms of K itself are larger by their static part.
+                    let static_part =
+                        r.period * r.at_half().iter().chain(r.at_impulse()).fold(1.0, |m: f64, x| m.max(x.abs()));
+                    let pairs = [
+                        (fours.value, ones.value, static_part * (1.0 + size(0))),
+                        (fours.slope, ones.slope, (1.0 + r.period) * size(0)),
+                        (fours.curvature, ones.curvature, size(0)),
+                        (fours.third, ones.third, (1.0 + r.period) * size(2)),
+                    ];
+                    for (four, one, size) in pairs {
+                        assert!((four - one).abs() <= 1e-15 * size, "{sites} {omega} {offset}: {four} {one} {size}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(compared, 7 * 6 * 81 * 4);
     }
 
     #[test]

@@ -29,6 +29,7 @@
 //! | `shapes` | [`Shapes`]: what each mode makes of each mass; `ring`, `transform`: cosines to the last digit, all masses at once |
 //! | `distinct` | [`DistinctMasses`]: the masses that symmetry leaves |
 //! | `impulse` | [`ImpulseResponse`]: the periodic impulse response K_n(t) in closed form |
+//! | `sines` | sines and cosines of four phases at once |
 //! | `sensitivity` | condition of the impulse response |
 //! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
 //! | `propagator` | [`Propagator`]: exact free flight |
@@ -62,6 +63,7 @@ mod propagator;
 mod ring;
 mod sensitivity;
 mod shapes;
+mod sines;
 mod small;
 mod spectrum;
 mod steady;

@@ -5,11 +5,6 @@ pub fn sinc(x: f64) -> f64 {
     if x.abs() < SERIES { 1.0 - x * x / 6.0 } else { x.sin() / x }
 }
 
-/// The same where the sine is known.
-pub(crate) fn sinc_from(x: f64, sin: f64) -> f64 {
-    if x.abs() < SERIES { 1.0 - x * x / 6.0 } else { sin / x }
-}
-
 /// 2⁻¹³.
 const SERIES: f64 = 1.220703125e-4;
 

@@ -32,6 +32,31 @@ pub enum Command {
     Accuracy(AccuracyArgs),
     /// Print how wide stripes of instability are and how strong, beside the law they follow (docs/stripes.md).
     Stripes(StripesArgs),
+    /// Run one inner loop, whose instructions scripts/instructions.sh counts.
+    Loop(LoopArgs),
+}
+
+/// Inner loops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LoopName {
+    /// Cells of the paper's conservative map, N = 20: existence and stability of both families.
+    ConservativeCells,
+    /// The same of its forced map, all solutions.
+    ForcedCells,
+    /// Rows of a table as text.
+    TableRows,
+    /// Periods of a simulated breather.
+    SimulatedBreather,
+    /// Periods of a simulated ring all of whose masses hit.
+    HotRing,
+}
+
+/// Arguments of `studies loop`.
+#[derive(Debug, Args)]
+pub struct LoopArgs {
+    /// Which.
+    #[arg(value_enum, value_name = "NAME")]
+    pub name: LoopName,
 }
 
 /// Arguments of `studies validate`.

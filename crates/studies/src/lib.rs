@@ -8,12 +8,14 @@
 //! | `validate` | closed forms against simulation |
 //! | `stripes` | width and growth of stripes of instability against a law |
 //! | `accuracy` | error against run time |
+//! | `loops` | inner loops, for a tool that counts their instructions |
 
 pub mod accuracy;
 pub mod args;
 pub mod errata;
 pub mod figures;
 mod forms;
+pub mod loops;
 pub mod program;
 pub mod stripes;
 pub mod validate;

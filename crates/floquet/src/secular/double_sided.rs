@@ -95,6 +95,11 @@ pub(crate) struct Mirror<T = f64> {
 }
 
 impl Own<f64x4> {
+    /// From values and their errors, in units of ε.
+    pub(super) fn known(value: f64x4, error: f64x4) -> Self {
+        Self { value, error }
+    }
+
     /// The sums of one mode from their four parts.
     pub(crate) fn total(self) -> Own {
         Own { value: total(self.value), error: total(self.error) }
@@ -107,6 +112,11 @@ impl Own<f64x4> {
 }
 
 impl Mirror<f64x4> {
+    /// From the three sums, their size and the sum of their errors.
+    pub(super) fn known([sigma, g, h]: [f64x4; 3], size: f64x4, doubted: f64x4) -> Self {
+        Self { sigma, g, h, size, doubted }
+    }
+
     /// The sums of one mode from their four parts.
     pub(crate) fn total(self) -> Mirror {
         let Self { sigma, g, h, size, doubted } = self;

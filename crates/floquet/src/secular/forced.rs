@@ -15,6 +15,7 @@ use vibrochain_breather::{Orbit, Prepared};
 use super::aberth::Aberth;
 use super::error::SecularError;
 use super::forced_large::{self, ForcedLarge, LARGE};
+use super::growth::modulus;
 use super::linear::{determinant, determinant_and_condition};
 use super::modes::{Mode, Modes};
 use super::other_modes::{OtherModes, PoleSums};
@@ -218,7 +219,7 @@ impl SecularMultipliers {
             (&self.aberth.roots, &self.aberth.errors)
         };
         let sum: f64 = roots.iter().map(|z| z.re).sum();
-        let size: f64 = roots.iter().map(|z| z.norm()).sum();
+        let size: f64 = roots.iter().map(|z| modulus(*z)).sum();
         let slack: f64 = errors.iter().sum();
         let defect = (sum - trace).abs();
         let own: f64 = self.form.residue_error.iter().flatten().sum();

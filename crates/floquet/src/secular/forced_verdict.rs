@@ -8,7 +8,7 @@ use super::error::SecularError;
 use super::forced::SecularMultipliers;
 use super::forced_count::OutsideCounter;
 use super::forced_large::LARGE;
-use super::growth::excess;
+use super::growth::{excess, modulus};
 use super::impact_matrix::ImpactMatrix;
 use super::settle::{DataError, Origin, Settled};
 use super::verdict::{Reason, SecularVerdict, Standing};
@@ -145,14 +145,14 @@ impl ForcedSecular {
             return;
         };
         self.asked[place] = Settling::Settled;
-        let moved = (settled - z).norm();
+        let moved = modulus(settled - z);
         let nearest_to = |w: Complex<f64>| {
             let others = self.values.iter().enumerate().filter(|(other, _)| *other != place);
-            others.map(|(other, value)| (other, (value - w).norm())).min_by(|a, b| a.1.total_cmp(&b.1))
+            others.map(|(other, value)| (other, modulus(value - w))).min_by(|a, b| a.1.total_cmp(&b.1))
         };
         // To first order only if no other one is near.
         let distance = nearest_to(settled).map_or(f64::INFINITY, |(_, distance)| distance);
-        let distance = self.trivial.map_or(distance, |trivial| distance.min((trivial - settled).norm()));
+        let distance = self.trivial.map_or(distance, |trivial| distance.min(modulus(trivial - settled)));
         let alone = ALONE * error.max(moved) < distance;
         let partner = nearest_to(z.conj()).filter(|(_, distance)| *distance < z.im.abs());
         if alone {

@@ -69,7 +69,14 @@ impl Nu {
 /// |z| − 1 without the cancellation of the modulus itself.
 pub(crate) fn excess(z: Complex<f64>) -> f64 {
     let square = (z.re - 1.0).mul_add(z.re + 1.0, z.im * z.im);
-    square / (1.0 + z.norm())
+    square / (1.0 + modulus(z))
+}
+
+/// |z|, by the plain root of its square wherever that is in range: `hypot` takes ten times as long.
+#[inline]
+pub(crate) fn modulus(z: Complex<f64>) -> f64 {
+    let square = z.norm_sqr();
+    if square > 1e-280 && square < 1e280 { square.sqrt() } else { z.norm() }
 }
 
 /// |μ| − 1 for a real |ν| = 1 + δ; 0 for δ ≤ 0.

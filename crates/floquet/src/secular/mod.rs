@@ -55,6 +55,7 @@ mod other_modes;
 mod pair;
 mod partners;
 mod pole;
+mod quick;
 mod rational;
 mod residues;
 mod root;

@@ -10,7 +10,7 @@ use super::growth::Nu;
 use super::leaf::{ChargedPole, Leaf, divide};
 use super::modes::Modes;
 use super::pole::{NO_MODE, Pole};
-use super::{double_sided, in_turns, large, single_sided};
+use super::{double_sided, in_turns, large, quick, single_sided};
 use vibrochain_breather::lanes::{Lane, room};
 
 /// Number of modes from which Cauchy sums are faster than pairs.
@@ -76,6 +76,25 @@ impl Residues {
 
     /// The same, for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
     pub(crate) fn replace_within(&mut self, prepared: Prepared<'_>, ratio_error: f64) -> Result<(), SecularError> {
+        let ratio = self.take_over(prepared, ratio_error)?;
+        self.complete(ratio)
+    }
+
+    /// Poles and residues of an orbit whose modes have been taken over.
+    ///
+    /// # Errors
+    /// As [`Residues::replace`].
+    pub(crate) fn complete(&mut self, ratio: Option<(f64, f64)>) -> Result<(), SecularError> {
+        self.work_out(ratio, None)
+    }
+
+    /// Takes over the modes alone; the ratio of the impulses of two instants, and its error, is left to tell
+    /// [`Residues::all_positive`] or [`Residues::complete`].
+    pub(crate) fn take_over(
+        &mut self,
+        prepared: Prepared<'_>,
+        ratio_error: f64,
+    ) -> Result<Option<(f64, f64)>, SecularError> {
         if !prepared.orbit().is_reversible() || prepared.orbit().impact_site().is_none() {
             return Err(SecularError::NotReversible);
         }
@@ -87,7 +106,12 @@ impl Residues {
             _ => return Err(SecularError::NotReversible),
         };
         self.modes.set_felt(prepared);
-        self.work_out(ratio, None)
+        Ok(ratio)
+    }
+
+    /// Whether all residues of the modes taken over are surely positive, so that nothing can collide. No is no answer.
+    pub(crate) fn all_positive(&self, ratio: Option<(f64, f64)>) -> bool {
+        self.modes.count() <= LARGE && quick::all_positive(&self.modes, ratio)
     }
 
     /// Takes over modes, from which [`Residues::work_out`] goes on.

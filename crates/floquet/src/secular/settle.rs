@@ -17,6 +17,7 @@
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 
+use super::growth::modulus;
 use super::impact_matrix::{FeltMode, ImpactMatrix};
 use super::linear::{Factors, Pivots, eliminate};
 
@@ -79,7 +80,7 @@ impl ImpactMatrix {
             // Errors of x and y, of both at once.
             let off = 16.0 * f64::EPSILON * norm;
             let error = value_error + off * off / second;
-            let slope_size = slope.norm() - slope_error;
+            let slope_size = modulus(slope) - slope_error;
             // Not a number is none, either.
             let sound = slope_size > 0.0;
             if !sound {
@@ -87,8 +88,8 @@ impl ImpactMatrix {
             }
             let step = value / slope;
             // What the step is too long or too short by is of second order in it.
-            if step.norm() * slope_size <= error {
-                let error = error / slope_size + step.norm() + 2.0 * f64::EPSILON * z.norm();
+            if modulus(step) * slope_size <= error {
+                let error = error / slope_size + modulus(step) + 2.0 * f64::EPSILON * modulus(z);
                 let data = data / slope_size;
                 return (error + data).is_finite().then_some(Settled { z, error, data });
             }
@@ -166,7 +167,7 @@ impl ImpactMatrix {
         let (mut x, mut y, mut pairs) = ([0.0; 2], [0.0; 2], [0.0; 4]);
         for i in 0..n {
             let ((xu, xv), (yu, yv)) = (entries(&self.left, i), entries(&self.right, i));
-            let moduli = [xu.norm(), xv.norm(), yu.norm(), yv.norm()];
+            let moduli = [modulus(xu), modulus(xv), modulus(yu), modulus(yv)];
             // Each x that meets a y before it, or each y that meets an x after it.
             let met = if outside { [0, 1].map(|k| moduli[k] * y[0]) } else { [0, 1].map(|k| x[k] * moduli[2]) };
             let met_fast = if outside { [0, 1].map(|k| moduli[k] * y[1]) } else { [0, 1].map(|k| x[k] * moduli[3]) };
@@ -177,10 +178,10 @@ impl ImpactMatrix {
                 *sum += part;
             }
             let (even, odd) = ((xu * yu + xv * yv) * loss, xv * yu * self.kappas[i]);
-            let even_size = (xu.norm() * yu.norm() + xv.norm() * yv.norm()) * (0.5 + self.half_loss);
+            let even_size = (modulus(xu) * modulus(yu) + modulus(xv) * modulus(yv)) * (0.5 + self.half_loss);
             out.value += even + odd;
-            out.value_error += 4.0 * EPSILON * (even_size + odd.norm());
-            sizes += even_size + odd.norm();
+            out.value_error += 4.0 * EPSILON * (even_size + modulus(odd));
+            sizes += even_size + modulus(odd);
         }
         for (mode, waves) in self.modes.iter().zip(self.waves.chunks_exact(n)) {
             let FeltMode { pole, weight, frequency, ratio, error, shape_error } = *mode;
@@ -207,16 +208,16 @@ impl ImpactMatrix {
                     c_sum += c[i];
                 }
                 let factor = if outside { pole } else { z } * inverse;
-                let factor_size = if outside { near } else { z.norm() * near };
+                let factor_size = if outside { near } else { modulus(z) * near };
                 let dyad = a_sum * c_sum;
-                let size = dyad.norm();
-                let dyad_error = a_error * c_sum.norm() + c_error * a_sum.norm() + a_error * c_error;
+                let size = modulus(dyad);
+                let dyad_error = a_error * modulus(c_sum) + c_error * modulus(a_sum) + a_error * c_error;
                 let steep = weight * near * near;
                 out.value += (factor * dyad + ordered) * weight;
                 out.slope -= pole * inverse * inverse * dyad * weight;
-                sizes += weight * (factor_size * size + ordered.norm());
+                sizes += weight * (factor_size * size + modulus(ordered));
                 out.value_error += weight * (factor_size * (dyad_error + 6.0 * EPSILON * size) + ordered_error)
-                    + steep * z.norm() * error * size;
+                    + steep * modulus(z) * error * size;
                 out.slope_error += steep * (dyad_error + (8.0 * EPSILON + 3.0 * error * near) * size);
                 if of_time {
                     let (mut a_before, mut c_before) = (C::default(), C::default());
@@ -243,7 +244,7 @@ impl ImpactMatrix {
                 let moves = origin.iter().enumerate().take(n).map(|(i, error)| {
                     self.left[2 * i + 1] * self.right[2 * i] * (error.kappa / omega) + slides[i] * error.time
                 });
-                moves.sum::<C>().norm()
+                modulus(moves.sum::<C>())
             })
             .sum();
         Some(out)

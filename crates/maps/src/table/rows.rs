@@ -104,7 +104,7 @@ impl Table {
                 Some(Value::Number(number)) => {
                     self.text.extend_from_slice(Number(number).text(&mut ryu::Buffer::new()).as_bytes());
                 }
-                Some(Value::Count(count)) => self.text.extend_from_slice(count.to_string().as_bytes()),
+                Some(Value::Count(count)) => push_count(&mut self.text, count),
                 None => {}
             }
             self.text.push(b',');
@@ -113,6 +113,14 @@ impl Table {
         if let Some(last) = self.text.last_mut() {
             *last = b'\n';
         }
+    }
+}
+
+/// Writes a count: of one digit without room on the heap.
+fn push_count(text: &mut Vec<u8>, count: u64) {
+    match u8::try_from(count) {
+        Ok(digit @ 0..=9) => text.push(b'0' + digit),
+        _ => text.extend_from_slice(count.to_string().as_bytes()),
     }
 }
 
