@@ -153,20 +153,26 @@ fn is_rust(name: &str, sources: &[String]) -> bool {
     })
 }
 
-/// `Class.name` is a property or a method of the stub, or an attribute that the class describes.
+/// `Class.name` is a property or a method of the stub, or an attribute that the class describes, or one that it is derived from.
 fn is_python(name: &str) -> bool {
     let (of, name) = name.split_once('.').unwrap();
     let folder = repository().join("crates/python/python/vibrochain");
-    ["_vibrochain.pyi", "_map.py", "_run.py"].iter().any(|file| {
+    ["_vibrochain.pyi", "_map.py", "_run.py", "_fate.py"].iter().any(|file| {
         let text = fs::read_to_string(folder.join(file)).unwrap();
-        let class = text
+        let mut of = of.to_owned();
+        while let Some(class) = text
             .split("\nclass ")
-            .find(|class| class.starts_with(&format!("{of}:")) || class.starts_with(&format!("{of}(")));
-        class.is_some_and(|class| {
-            [format!("def {name}("), format!("self.{name}:"), format!("self.{name} =")]
-                .iter()
-                .any(|form| class.contains(form))
-        })
+            .find(|class| class.starts_with(&format!("{of}:")) || class.starts_with(&format!("{of}(")))
+        {
+            let forms = [format!("def {name}("), format!("self.{name}:"), format!("self.{name} =")];
+            if forms.iter().any(|form| class.contains(form)) {
+                return true;
+            }
+            let base = class.strip_prefix(&format!("{of}(")).and_then(|rest| rest.split_once("):"));
+            let Some((base, _)) = base else { break };
+            base.clone_into(&mut of);
+        }
+        false
     })
 }
 

@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::path::Path;
 
-use vibrochain_maps::cell::Cell;
 use vibrochain_maps::error::MapError;
 use vibrochain_maps::point::Point;
 use vibrochain_maps::scene::Scene;
@@ -124,6 +123,3 @@ impl Content for Fates {
         Reader::new(scene, cells, self.ensemble.starts)
     }
 }
-
-/// What a table tells of a cell: no class, no residual.
-pub(crate) const UNTOLD: Cell = Cell { class: None, ..Cell::EMPTY };

@@ -16,13 +16,15 @@ use vibrochain_maps::sweep::ReadRows;
 use vibrochain_maps::table::parameters;
 use vibrochain_maps::text::clipped;
 
-use crate::content::UNTOLD;
 use crate::end::End;
 use crate::fates::{BreatherFates, CellFates};
 use crate::table::header;
 
 /// Characters shown of a field that is not as it must be.
 const MOST_SHOWN: usize = 40;
+
+/// What a table tells of a cell: no class, no residual.
+const UNTOLD: Cell = Cell { class: None, ..Cell::EMPTY };
 
 /// Reads rows against the cells they must be of, and counts these.
 #[derive(Debug)]
