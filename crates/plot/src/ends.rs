@@ -5,8 +5,9 @@ use vibrochain_maps::scene::Scene;
 use crate::drawing::Rgb;
 use crate::format::PlotError;
 use crate::key::Entry;
-use crate::map::{Raster, span};
+use crate::map::span;
 use crate::page::Page;
+use crate::raster::Raster;
 use crate::sheet::Sheet;
 
 /// Colours of the ends in their order: blues for what stays periodic, white for quiet, warm ones for what does not repeat, greys for what is

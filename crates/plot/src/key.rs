@@ -1,5 +1,6 @@
 //! What stands beside a map and tells its colours: samples, lines, notes and a bar.
 
+use crate::classes::{NOTHING, UNKNOWN};
 use crate::drawing::{BLACK, DIM, Drawing, Line, Place, Rgb};
 use crate::font::width;
 use crate::page::Page;
@@ -137,10 +138,10 @@ impl Bar {
             all.push(patch(Shade::Number(f32::NEG_INFINITY), self.below_words()));
         }
         if self.nothing {
-            all.push(patch(Shade::Nothing, crate::sheet::NOTHING.to_owned()));
+            all.push(patch(Shade::Nothing, NOTHING.to_owned()));
         }
         if self.unknown {
-            all.push(patch(Shade::Unknown, crate::sheet::UNKNOWN.to_owned()));
+            all.push(patch(Shade::Unknown, UNKNOWN.to_owned()));
         }
         all
     }

@@ -9,7 +9,7 @@
 //! | `svg`, `pixels`, `pdf` | the three kinds of files |
 //! | `font`, `typeset`, `words` | letters, where they stand, lines of a heading |
 //! | `axis`, `frame`, `markers`, `strokes` | ticks, panels, marks and lines of all pictures |
-//! | `map`, `sheet`, `key`, `lines`, `palette` | the picture of a map, what stands about it, its legend, lines over it, its colours and textures |
+//! | `map`, `raster`, `sheet`, `key`, `classes`, `lines`, `palette` | the picture of a map, its pixels, what stands about it, its legend and its words, lines over it, its colours and textures |
 //! | `quantity` | numbers of cells, and how they become colours |
 //! | `one_axis` | the curves of a sweep over one parameter |
 //! | `ends` | what becomes of perturbed breathers, over a map |
@@ -31,6 +31,7 @@
 mod animation;
 mod axis;
 mod canvas;
+mod classes;
 mod coverage;
 mod curves;
 pub mod drawing;
@@ -50,6 +51,7 @@ pub mod palette;
 mod pdf;
 mod pixels;
 mod quantity;
+mod raster;
 mod regions;
 mod run;
 mod sheet;
@@ -62,6 +64,7 @@ mod words;
 pub use animation::{Animation, Instant, MOST_MASSES, Moving, animation};
 pub use axis::power_of_ten;
 pub use canvas::{open, render};
+pub use classes::loss;
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 pub use ends::{EndsPicture, MOST_VALUES, ends_picture};
 pub use format::{Format, PlotError};
@@ -73,5 +76,4 @@ pub use palette::{Palette, Tile};
 pub use quantity::{Quantity, Shade};
 pub use regions::{RegionsPicture, regions_picture};
 pub use run::{RunPicture, run_picture};
-pub use sheet::loss;
 pub use spacetime::{Spacetime, spacetime_picture};

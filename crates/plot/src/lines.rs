@@ -4,7 +4,7 @@
 use crate::drawing::{Across, BLACK, Drawing, Line, Place, Rgb, Upright, WHITE};
 use crate::font::width;
 use crate::key::Entry;
-use crate::map::Raster;
+use crate::raster::Raster;
 use crate::sheet::Placed;
 
 /// A line over a map.

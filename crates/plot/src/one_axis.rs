@@ -4,11 +4,12 @@ use vibrochain_maps::cell::{Cell, Class};
 use vibrochain_maps::scene::{Axis, Scene, Values};
 
 use crate::axis::power_of_ten;
+use crate::classes::{UNKNOWN, class_words};
 use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 use crate::format::PlotError;
 use crate::page::Page;
 use crate::quantity::{LEAST_GROWTH, Quantity, span_decades};
-use crate::sheet::{UNKNOWN, class_words, criterion, fixed, label};
+use crate::sheet::{criterion, fixed, label};
 
 /// What is drawn.
 #[derive(Debug)]

@@ -5,13 +5,14 @@ use vibrochain_maps::regions::{Region, Regions};
 use vibrochain_maps::scene::Scene;
 
 use crate::axis::places;
+use crate::classes::{class_words, loss};
 use crate::coverage::Coverage;
 use crate::drawing::{Fill, Line, Pattern, Place, Rgb, Shape};
 use crate::format::{Format, PlotError};
 use crate::key::{Entry, texture};
 use crate::page::Page;
 use crate::palette::{BORDERS, Palette, Tile};
-use crate::sheet::{Sheet, class_words, loss};
+use crate::sheet::Sheet;
 use crate::strokes::{Stroke, thinned};
 
 /// What is drawn.

@@ -9,6 +9,7 @@ use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 
 use crate::axis::Axis;
 use crate::canvas::render;
+use crate::classes::{class_words, loss};
 use crate::curves::EDGE;
 use crate::drawing::{BLACK, DIM, Drawing, Line, Pattern, Place, Shape};
 use crate::format::PlotError;
@@ -235,41 +236,5 @@ pub(crate) fn draw_borders(drawing: &mut Drawing, colour: [u8; 3], lines: &[(Vec
     for (line, title) in lines {
         let (outlines, title) = (vec![line.clone()], (*title).to_owned());
         drawing.shape(Shape { outlines, line: Some(Line::new(colour, page.px(BORDER))), title, ..Shape::default() });
-    }
-}
-
-pub(crate) const NOTHING: &str = "no physical breather";
-pub(crate) const UNKNOWN: &str = "not computed (see status)";
-
-/// A class as the legend of a picture with these classes has it.
-pub(crate) fn class_words<I: Iterator<Item = Class>>(class: Option<Class>, all: impl Fn() -> I) -> &'static str {
-    let words = [Class::StableWord, Class::UnstableWord, Class::Word];
-    let only_words = || all().all(|class| class == Class::None || words.contains(&class));
-    let Some(class) = class else { return UNKNOWN };
-    match class {
-        Class::None => NOTHING,
-        Class::StableDouble => "stable double-sided",
-        Class::StableSingle => "stable single-sided",
-        Class::UnstableDouble => "unstable double-sided",
-        Class::UnstableSingle => "unstable single-sided",
-        Class::Double => "double-sided",
-        Class::Single => "single-sided",
-        // The title names the words.
-        Class::StableWord if only_words() => "stable breather",
-        Class::UnstableWord if only_words() => "unstable breather",
-        Class::Word if only_words() => "breather",
-        Class::StableWord => "stable, other words",
-        Class::UnstableWord => "unstable, other words",
-        Class::Word => "other words",
-    }
-}
-
-/// A mechanism as a legend has it.
-pub fn loss(mechanism: Mechanism) -> &'static str {
-    match mechanism {
-        Mechanism::NeimarkSacker => "Neimark–Sacker",
-        Mechanism::PeriodDoubling => "period doubling",
-        Mechanism::PlusOne => "through +1",
-        Mechanism::Pitchfork => "pitchfork",
     }
 }
