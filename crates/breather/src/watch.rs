@@ -54,7 +54,7 @@ impl Closest {
     fn note(&mut self, asymmetry: f64, site: usize, time: f64, displacement: f64) {
         for barrier in [Barrier::Lower, Barrier::Upper] {
             let distance = 1.0 - (displacement - asymmetry) * barrier.sign();
-            if distance < self.distance - RESOLUTION {
+            if distance < self.distance - ALIKE * distance.abs().max(1.0) || self.distance == f64::INFINITY {
                 *self = Self { distance, site, barrier, time };
             } else {
                 // Of approaches that only rounding tells apart, as symmetry has them, the first one.
@@ -66,6 +66,9 @@ impl Closest {
 
 /// Closer approaches than this are not told apart: it is the rounding of a displacement of order 1.
 const RESOLUTION: f64 = 8.0 * f64::EPSILON;
+
+/// Closest approaches that differ by less than this, relative to them beyond 1, are alike but for rounding of the orbit itself.
+const ALIKE: f64 = 64.0 * f64::EPSILON;
 
 /// A window's length in radians of the fastest motion; with it the polynomials' order is enough.
 const WINDOW: f64 = 1.0;

@@ -37,8 +37,8 @@ const fn coefficients(odd: u32) -> [f64; 9] {
     all
 }
 
-fn series<const N: usize>(square: f64x4, coefficients: [f64; N]) -> f64x4 {
-    coefficients.into_iter().rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(c))
+fn series<const N: usize>(square: f64x4, coefficients: [f64x4; N]) -> f64x4 {
+    coefficients.into_iter().rev().fold(f64x4::ZERO, |sum, c| sum * square + c)
 }
 
 /// Sine and cosine of four phases of no more than [`MOST`].
@@ -47,13 +47,18 @@ pub(crate) fn sin_cos(x: f64x4) -> [f64x4; 2] {
     let [first, second, third] = PARTS.map(f64x4::splat);
     let rounded = x * f64x4::splat(FRAC_2_PI) + f64x4::splat(ROUND);
     let turns = rounded - f64x4::splat(ROUND);
-    let r = ((x - turns * first) - turns * second) - turns * third;
+    // The second difference is rounded; what it drops moves sine and cosine by their slopes.
+    let (coarse, fine) = (x - turns * first, turns * second);
+    let r = coarse - fine;
+    let dropped = ((coarse - r) - fine) - turns * third;
     let square = r * r;
-    // The first terms are added last.
-    let [one, sine @ ..] = SINE;
-    let sin = r + r * (square * series(square, sine));
-    let [_, half, cosine @ ..] = COSINE;
-    let cos = f64x4::splat(one) + square * (f64x4::splat(half) + square * series(square, cosine));
+    // The first terms are added last, that of the cosine with what it drops in turn.
+    let [one, sine @ ..] = SINE.map(f64x4::splat);
+    let [_, half, cosine @ ..] = COSINE.map(f64x4::splat);
+    let bend = square * half;
+    let cos_so_far = one + bend;
+    let sin = r + (r * (square * series(square, sine)) + dropped * cos_so_far);
+    let cos = cos_so_far + (((one - cos_so_far) + bend) + (square * square * series(square, cosine) - r * dropped));
     // Of quarter turns the last two digits tell.
     let parity = turns - TWO * (turns * HALF).floor();
     let odd = parity.simd_eq(ONE);
@@ -74,17 +79,17 @@ const HALF: f64x4 = f64x4::splat(0.5);
 #[inline(always)]
 pub(crate) fn soft(x: f64x4) -> [f64x4; 2] {
     let square = x * x;
-    let [_, halves @ ..] = COSINE;
-    [series(square, SINE), -series(square, halves)]
+    let [_, halves @ ..] = COSINE.map(f64x4::splat);
+    [series(square, SINE.map(f64x4::splat)), -series(square, halves)]
 }
 
 /// sin x/x and (x − sin x)/x³ of four numbers |x| ≤ 1.
 #[inline(always)]
 pub(crate) fn soft_defect(x: f64x4) -> [f64x4; 2] {
     let square = x * x;
-    let [one, sine @ ..] = SINE;
+    let [one, sine @ ..] = SINE.map(f64x4::splat);
     let defect = -series(square, sine);
-    [f64x4::splat(one) - square * defect, defect]
+    [one - square * defect, defect]
 }
 
 #[cfg(test)]
