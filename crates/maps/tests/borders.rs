@@ -9,7 +9,7 @@ use vibrochain_breather::Family;
 use vibrochain_floquet::{StripeEnd, StripeFinder, StripeLine};
 use vibrochain_maps::borders::{Asked, BorderKind, Borders, Stage};
 use vibrochain_maps::cell::{Class, Worker};
-use vibrochain_maps::regions::{Regions, Window};
+use vibrochain_maps::regions::{Regions, Subdivision, Window};
 use vibrochain_maps::scene::Scene;
 
 const TOLERANCE: f64 = 1e-6;
@@ -43,7 +43,10 @@ fn searched(scene: &Scene, places: usize) -> (Borders, Regions<Option<Class>>) {
 
 /// The regions between borders, to what is known of their points.
 fn fine(scene: &Scene, found: &Borders) -> Regions<Option<Class>> {
-    Regions::of_scene(scene, &found.lines(), 1e-8, PLACES, |cell| cell.class).unwrap()
+    let subdivision = Subdivision::new(Window::of(scene).unwrap(), &found.lines(), 1e-8).unwrap();
+    let worker = || Worker::new(scene.base.sites());
+    subdivision
+        .classified(PLACES, worker, |worker, point| worker.cell(&scene.at(&point).model().unwrap(), &scene.task).class)
 }
 
 /// Random points whose class is another one than that of their region, though it is the same all around them as far as `near`,
