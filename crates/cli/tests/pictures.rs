@@ -392,7 +392,7 @@ fn a_picture_is_as_wide_and_as_fine_as_its_page() {
     let desk = Desk::with_scene(&plane());
     desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     let drawn = |flags: &str| {
-        desk.run(&format!("draw map.csv --png page.png --svg page.svg --quiet {flags}")).with(0, &[]);
+        desk.run(format!("draw map.csv --png page.png --svg page.svg --quiet {flags}").trim_end()).with(0, &[]);
         (dimensions(&desk.read("page.png")), String::from_utf8(desk.read("page.svg")).unwrap())
     };
     // 86 mm at 600 dpi are 2031.5 pixels; 0.0254 m have 600.
@@ -449,7 +449,7 @@ fn a_run_moves() {
     ] {
         desk.run(&format!(
             "simulate {} {flags}",
-            if flags.contains("--sites") { point.replace("--sites 5", "") } else { point.to_owned() }
+            if flags.contains("--sites") { point.replace("--sites 5 ", "") } else { point.to_owned() }
         ))
         .with(2, &[told]);
     }

@@ -349,7 +349,7 @@ impl Row<'_> {
         for (i, pane) in self.panes.iter().enumerate() {
             let from = i as f64 * self.width;
             // Words may begin left of the panel: there is nothing else above it.
-            let words = from + left.min(2.0 * EDGE * em);
+            let words = from + left.min(EDGE * em);
             self.caption(i, page).draw(drawing, [words, head], BLACK);
             let top = head + self.captions(page);
             self.legend(pane, page).draw(drawing, [words, top], page);

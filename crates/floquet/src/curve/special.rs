@@ -15,6 +15,9 @@ const TOUCHES: f64 = 1e-9;
 /// The least growth that tells a pair from the circle.
 const GROWTH: f64 = 1e-12;
 
+/// So many factors of a determinant are multiplied as they are: of more the product may have no place among numbers.
+const MOST_FACTORS: f64 = 256.0;
+
 /// A function at its zero, over its values on both sides: otherwise it jumped.
 const JUMP: f64 = 1e-3;
 
@@ -100,6 +103,8 @@ impl Walker {
             _ => None,
         };
         let (elastic, conservative) = (orbit.model().loss() == 0.0, orbit.model().is_conservative());
+        // A root of a product hides the one factor that vanishes: the more, the higher it is.
+        let root = (values.len() as f64 / MOST_FACTORS).max(1.0);
         for (goal, event, strong) in
             [(-1.0, Event::PeriodDoubling, Special::OneToTwo), (1.0, Event::Pitchfork, Special::OneToOne)]
         {
@@ -112,10 +117,10 @@ impl Walker {
                     let sign = if value.im == 0.0 { sign * factor.re.signum() } else { sign };
                     (log + factor.norm().ln(), sign)
                 });
-                seen.add(strong, 0, product.1 * (product.0 / values.len() as f64).exp());
+                seen.add(strong, 0, product.1 * (product.0 / root).exp());
             } else if goal < 0.0 || conservative {
                 let (log, sign) = self.sight.determinant(orbit, -goal);
-                seen.add(Special::With(event), 9, sign * (log / values.len() as f64).exp());
+                seen.add(Special::With(event), 9, sign * (log / root).exp());
             }
         }
         if !elastic {
