@@ -58,7 +58,7 @@ pub(crate) fn write(
     orbit: &Orbit,
     stability: Option<&Stability>,
 ) -> Result<(), CliError> {
-    let title = format!("{} breather {number}: {}", crate::which::name(orbit), describe(orbit.model()));
+    let title = format!("{} breather {number}: {}", orbit.name(), describe(orbit.model()));
     let ending = page.format.ending();
     let save = |name: &str, pane: (u32, u32), panes: Vec<Pane>| {
         let columns = panes.len();

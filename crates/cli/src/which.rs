@@ -85,11 +85,6 @@ pub(crate) fn find(
     Ok((Word::of(&near).to_string(), found))
 }
 
-/// What an orbit is called.
-pub(crate) fn name(orbit: &Orbit) -> String {
-    orbit.name()
-}
-
 /// What the orbits of a branch are called.
 pub(crate) fn of_branch(branch: &FollowedBranch) -> String {
     let Some(orbit) = branch.points().next().map(|point| &point.orbit) else { return String::new() };
