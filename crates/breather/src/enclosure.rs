@@ -27,13 +27,14 @@ impl Enclosure {
         Self { value, slope: 0.0, rest: 0.0, radius }
     }
 
-    pub(crate) fn scaled(self, factor: f64) -> Self {
-        Self { value: factor * self.value, slope: factor * self.slope, rest: factor.abs() * self.rest, ..self }
-    }
-
     /// The function has no zero on the interval.
     pub(crate) fn excludes_zero(&self) -> bool {
         self.value.abs() > self.slope.abs() * self.radius + self.rest
+    }
+
+    /// Of which nothing is known.
+    pub(crate) fn unknown(radius: f64) -> Self {
+        Self { value: 0.0, slope: 0.0, rest: f64::INFINITY, radius }
     }
 
     /// Value at the centre.
@@ -76,11 +77,37 @@ impl Mul for Enclosure {
     }
 }
 
-/// A function and its derivative, both enclosed: forward differentiation over Taylor models.
+impl Algebra for Enclosure {
+    fn scaled(self, factor: f64) -> Self {
+        Self { value: factor * self.value, slope: factor * self.slope, rest: factor.abs() * self.rest, ..self }
+    }
+
+    fn shifted(self, constant: f64) -> Self {
+        self + Self::constant(constant, self.radius)
+    }
+}
+
+/// What a formula needs of the numbers it is evaluated in.
+pub(crate) trait Algebra: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    fn scaled(self, factor: f64) -> Self;
+    fn shifted(self, constant: f64) -> Self;
+}
+
+impl Algebra for f64 {
+    fn scaled(self, factor: f64) -> Self {
+        factor * self
+    }
+
+    fn shifted(self, constant: f64) -> Self {
+        self + constant
+    }
+}
+
+/// A function and its derivative: both enclosed on an interval or, for less work, both at a point (`f64`).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Dual {
-    pub(crate) function: Enclosure,
-    pub(crate) derivative: Enclosure,
+pub(crate) struct Dual<T = Enclosure> {
+    pub(crate) function: T,
+    pub(crate) derivative: T,
 }
 
 impl Dual {
@@ -103,110 +130,39 @@ impl Dual {
             derivative: Enclosure::new(-rate * sin, -rate * rate * cos, bound * rate, radius),
         }
     }
+}
 
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+impl<T: Algebra> Algebra for Dual<T> {
+    fn scaled(self, factor: f64) -> Self {
         Self { function: self.function.scaled(factor), derivative: self.derivative.scaled(factor) }
     }
 
-    pub(crate) fn shifted(self, constant: f64) -> Self {
-        let radius = self.function.radius;
-        Self { function: self.function + Enclosure::constant(constant, radius), ..self }
+    fn shifted(self, constant: f64) -> Self {
+        Self { function: self.function.shifted(constant), ..self }
     }
 }
 
-impl Add for Dual {
+impl<T: Algebra> Add for Dual<T> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self { function: self.function + other.function, derivative: self.derivative + other.derivative }
     }
 }
 
-impl Sub for Dual {
+impl<T: Algebra> Sub for Dual<T> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self { function: self.function - other.function, derivative: self.derivative - other.derivative }
     }
 }
 
-impl Mul for Dual {
+impl<T: Algebra> Mul for Dual<T> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         Self {
             function: self.function * other.function,
             derivative: self.function * other.derivative + self.derivative * other.function,
         }
-    }
-}
-
-impl Enclosure {
-    /// Of which nothing is known.
-    pub(crate) fn unknown(radius: f64) -> Self {
-        Self { value: 0.0, slope: 0.0, rest: f64::INFINITY, radius }
-    }
-}
-
-impl Algebra for Enclosure {
-    fn scaled(self, factor: f64) -> Self {
-        Self::scaled(self, factor)
-    }
-
-    fn shifted(self, constant: f64) -> Self {
-        self + Self::constant(constant, self.radius)
-    }
-}
-
-/// What a formula needs of the numbers it is evaluated in.
-pub(crate) trait Algebra: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    fn scaled(self, factor: f64) -> Self;
-    fn shifted(self, constant: f64) -> Self;
-}
-
-impl Algebra for Dual {
-    fn scaled(self, factor: f64) -> Self {
-        Self::scaled(self, factor)
-    }
-
-    fn shifted(self, constant: f64) -> Self {
-        Self::shifted(self, constant)
-    }
-}
-
-/// A function and its derivative at a point, without enclosures: the same numbers for less work.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Point {
-    pub(crate) value: f64,
-    pub(crate) slope: f64,
-}
-
-impl Algebra for Point {
-    fn scaled(self, factor: f64) -> Self {
-        Self { value: factor * self.value, slope: factor * self.slope }
-    }
-
-    fn shifted(self, constant: f64) -> Self {
-        Self { value: self.value + constant, ..self }
-    }
-}
-
-impl Add for Point {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, slope: self.slope + other.slope }
-    }
-}
-
-impl Sub for Point {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, slope: self.slope - other.slope }
-    }
-}
-
-impl Mul for Point {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        let slope = self.value * other.slope + self.slope * other.value;
-        Self { value: self.value * other.value, slope }
     }
 }
 

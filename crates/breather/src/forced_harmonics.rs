@@ -16,7 +16,7 @@
 use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
 use crate::conservative::single_sided_draft;
-use crate::enclosure::Dual;
+use crate::enclosure::{Algebra, Dual};
 use crate::error::NoBreather;
 use crate::harmonic_impacts::HarmonicImpacts;
 use crate::orbit::{Draft, Family};

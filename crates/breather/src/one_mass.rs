@@ -22,7 +22,7 @@
 
 use vibrochain_lattice::{Model, sine_over};
 
-use crate::enclosure::{Algebra, Dual, Point};
+use crate::enclosure::{Algebra, Dual};
 use crate::roots::{Enclosed, Zeros};
 use crate::two_impacts::Pattern;
 
@@ -75,9 +75,9 @@ impl OneMass {
 
     /// θ at a zero δ.
     pub(crate) fn phase(&self, delta: f64) -> f64 {
-        let [x, y, determinant] = self.cramer(|cos, sin, rate| Point { value: cos, slope: -rate * sin }, delta);
-        let scale = determinant.value.signum();
-        (y.value * scale).atan2(x.value * scale)
+        let [x, y, determinant] = self.cramer(|cos, sin, rate| Dual { function: cos, derivative: -rate * sin }, delta);
+        let scale = determinant.function.signum();
+        (y.function * scale).atan2(x.function * scale)
     }
 
     /// (x, y, Δ) at δ, each wave given by its value, −slope/rate and rate.

@@ -162,6 +162,7 @@ fn push_distinct(list: &mut Vec<f64>, value: f64, width: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::enclosure::Algebra;
 
     /// sin²x − level: pairs of zeros that merge as the level goes to 0.
     struct Pairs {

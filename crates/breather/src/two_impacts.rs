@@ -37,7 +37,7 @@
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::conservative::two_impact_draft;
-use crate::enclosure::{Algebra, Dual, Enclosure, Point};
+use crate::enclosure::{Algebra, Dual, Enclosure};
 use crate::orbit::{Draft, Family};
 use crate::roots::{Enclosed, Zeros};
 
@@ -133,15 +133,15 @@ impl<'a> TwoImpacts<'a> {
     }
 
     /// The same at δ.
-    fn pieces_at(&self, delta: f64) -> [Point; 5] {
+    fn pieces_at(&self, delta: f64) -> [Dual<f64>; 5] {
         let jet = self.response.jet_from_half(delta);
-        let kernel = Point { value: jet.value, slope: jet.slope };
-        let slope = Point { value: jet.slope, slope: jet.curvature };
+        let kernel = Dual { function: jet.value, derivative: jet.slope };
+        let slope = Dual { function: jet.slope, derivative: jet.curvature };
         let difference = kernel.shifted(-self.at_impulse).scaled(2.0);
         let sum = kernel.shifted(self.at_impulse).scaled(-2.0 * self.stiffness).shifted(-4.0);
         let rate = 0.5 * self.omega;
         let (sin, cos) = (rate * delta).sin_cos();
-        let wave = |cos: f64, sin: f64| Point { value: cos, slope: -rate * sin };
+        let wave = |cos: f64, sin: f64| Dual { function: cos, derivative: -rate * sin };
         let (sin_h, cos_h) = match self.pattern {
             Pattern::DoubleSided => (wave(cos, sin), wave(-sin, cos)),
             Pattern::PeriodDoubled => (wave(-sin, cos), wave(-cos, -sin)),
@@ -182,14 +182,14 @@ impl<'a> TwoImpacts<'a> {
 
     /// Impulses and phase at a zero δ. `None` where the conditions do not determine them.
     pub(crate) fn solution(&self, delta: f64) -> Option<TwoImpactSolution> {
-        let [x, y, determinant] = self.cramer(self.pieces_at(delta)).map(|point| point.value);
+        let [x, y, determinant] = self.cramer(self.pieces_at(delta)).map(|point| point.function);
         let scale = determinant * self.force;
         self.with_phase(delta, (y / scale).atan2(x / scale))
     }
 
     /// Impulses for given δ and θ.
     pub(crate) fn with_phase(&self, delta: f64, theta: f64) -> Option<TwoImpactSolution> {
-        let [d, _, sum, sin_h, cos_h] = self.pieces_at(delta).map(|point| point.value);
+        let [d, _, sum, sin_h, cos_h] = self.pieces_at(delta).map(|point| point.function);
         let (x, y) = (self.force * theta.cos(), self.force * theta.sin());
         let (half_sum, half_difference, static_displacement) = match self.pattern {
             Pattern::DoubleSided => {
@@ -220,7 +220,7 @@ impl Enclosed for TwoImpacts<'_> {
 
     fn at(&self, delta: f64) -> (f64, f64) {
         let point = self.condition(self.pieces_at(delta));
-        (point.value, point.slope)
+        (point.function, point.derivative)
     }
 }
 

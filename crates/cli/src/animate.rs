@@ -10,7 +10,7 @@ mod with_plot {
     use vibrochain_eventsim::{Event, Simulation};
     use vibrochain_lattice::{Barrier, Model};
     use vibrochain_maps::files::Output;
-    use vibrochain_plot::{Animation, Format, Instant, MOST_MASSES, Moving, animation};
+    use vibrochain_plot::{Animation, Format, Instant, MOST_MASSES, Moving, Page, animation};
 
     use crate::args::SimulateArgs;
     use crate::error::CliError;
@@ -27,7 +27,7 @@ mod with_plot {
     struct Reel {
         moving: Moving,
         file: Output,
-        args: crate::page_args::PageArgs,
+        page: Page,
         picture: Animation,
         /// Periods of the whole run.
         periods: f64,
@@ -47,6 +47,7 @@ mod with_plot {
                 return Err(CliError::Request(format!("--animate {name}: {advice}")));
             };
             args.page.checked(true, "--animate")?;
+            let page = args.page.page(Format::Png)?;
             let chain = model.chain();
             let masses = chain.sites();
             if masses > MOST_MASSES {
@@ -60,7 +61,7 @@ mod with_plot {
             Ok(Self(Some(Reel {
                 moving,
                 file: Output::create(path)?,
-                args: args.page,
+                page,
                 picture: Animation { title, barriers, length: chain.length(), lowest, instants: Vec::new() },
                 periods: args.periods,
                 stride: args.samples.div_ceil(PICTURES).max(1),
@@ -104,8 +105,7 @@ mod with_plot {
         }
 
         pub(crate) fn finish(self) -> Result<(), CliError> {
-            let Some(Reel { moving, file, args, picture, .. }) = self.0 else { return Ok(()) };
-            let page = args.page(Format::Png);
+            let Some(Reel { moving, file, page, picture, .. }) = self.0 else { return Ok(()) };
             let bytes = animation(&picture, moving, page).map_err(|error| CliError::Computation(error.to_string()))?;
             Ok(file.finish_with(&bytes)?)
         }

@@ -15,7 +15,7 @@ use vibrochain_maps::numbers::{real, whole};
 
 use crate::page_args::PageArgs;
 
-pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, EventName, FreeName, LocateArgs, QuantityName};
+pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, EventName, LocateArgs, QuantityName};
 pub use model::{EndsName, FamilyName, LayerEndsName, ModelArgs, SiteFamily, WhichArgs};
 pub use runs::{Direction, FateArgs, SectionName, SimulateArgs, StartFrom};
 pub use setup::{CompletionsArgs, InitArgs, ManArgs, STUDIES, SchemaArgs, StudyArgs};

@@ -54,7 +54,7 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
             "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral-radius";
         return Err(CliError::Request(message.to_owned()));
     }
-    let mut course = Course::new(&start.orbit, args.along.free.into());
+    let mut course = Course::new(&start.orbit, args.along.free);
     let [from, to] = range(&start.chosen, course.free, [args.along.from, args.along.to]);
     (course.from, course.to) = (from.unwrap_or(course.from), to.unwrap_or(course.to));
     if !args.events.is_empty() {

@@ -33,7 +33,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
     let taken = distinct(&args.along.reads(), &files)?;
     nothing_else(args.json, taken)?;
-    let [first, second] = [args.along.free, args.and].map(Parameter::from);
+    let [first, second] = [args.along.free, args.and];
     let header = [
         "curve",
         "event",
@@ -78,7 +78,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 
 /// The ranges of both parameters.
 fn window(args: &CurveArgs, start: &Start) -> Result<Window, CliError> {
-    let parameters = [args.along.free, args.and].map(Parameter::from);
+    let parameters = [args.along.free, args.and];
     let asked = [[args.along.from, args.along.to], [args.and_from, args.and_to]];
     let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
     for i in 0..2 {

@@ -50,10 +50,10 @@ pub(crate) fn range(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 
 pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let taken = distinct(&args.along.reads(), &[("--csv", args.csv.as_deref())])?;
     nothing_else(args.json, taken)?;
-    let header = HEADER.map(|name| if name == FREE { Parameter::from(args.along.free).name() } else { name });
+    let header = HEADER.map(|name| if name == FREE { args.along.free.name() } else { name });
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
     let start = start(&args.along, console)?;
-    let mut search = Search::new(&start.orbit, event(args.event), args.along.free.into());
+    let mut search = Search::new(&start.orbit, event(args.event), args.along.free);
     let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
     (search.from, search.to) = (from.unwrap_or(search.from), to.unwrap_or(search.to));
     let answer = locate(&start.orbit, &search)?;

@@ -416,7 +416,7 @@ mod with_plot {
 
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            let page = args.page.page(if args.svg { Format::Svg } else { Format::Png });
+            let page = args.page.page(if args.svg { Format::Svg } else { Format::Png })?;
             args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
             if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
                 && name_within(folder, plot).is_some_and(|name| orbit_plots::is_own(&name))

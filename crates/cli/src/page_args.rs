@@ -49,9 +49,6 @@ const WIDTHS: (f64, f64) = (75.0, 7600.0);
 const DPI: (f64, f64) = (36.0, 2400.0);
 const FONT: (f64, f64) = (4.0, 72.0);
 
-/// Pixels across that any viewer opens.
-const MOST_ACROSS: f64 = 20_000.0;
-
 fn length(text: &str) -> Result<Length, String> {
     let advice = "give a number with its unit, mm, cm, in, pt or px, such as 86mm";
     let units = [("mm", 96.0 / 25.4), ("cm", 96.0 / 2.54), ("in", 96.0), ("pt", 96.0 / 72.0), ("px", 1.0)];
@@ -102,20 +99,7 @@ impl PageArgs {
         };
         within("--width", self.width.map(|length| length.0), WIDTHS, " pixels of 1/96 inch, 20 mm to 2 m")?;
         within("--dpi", self.dpi, DPI, "")?;
-        within("--font-size", self.font_size, FONT, " points")?;
-        let (width, dpi) = match self.style.unwrap_or_default() {
-            StyleName::Screen => (0.0, 96.0),
-            StyleName::Column => (325.0, 600.0),
-            StyleName::Page => (673.0, 600.0),
-            StyleName::Slide => (1280.0, 192.0),
-        };
-        let across = self.width.map_or(width, |length| length.0) * self.dpi.unwrap_or(dpi) / 96.0;
-        if across > MOST_ACROSS {
-            return Err(CliError::Request(format!(
-                "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
-            )));
-        }
-        Ok(())
+        within("--font-size", self.font_size, FONT, " points")
     }
 }
 
@@ -129,9 +113,15 @@ mod with_plot {
     use super::{PageArgs, StyleName};
     use crate::error::CliError;
 
+    /// Pixels across that any viewer opens.
+    const MOST_ACROSS: f64 = 20_000.0;
+
     impl PageArgs {
         /// The page of a picture of this kind.
-        pub(crate) fn page(&self, format: Format) -> Page {
+        ///
+        /// # Errors
+        /// [`CliError::Request`] for more pixels than any viewer opens: known before anything is computed.
+        pub(crate) fn page(&self, format: Format) -> Result<Page, CliError> {
             let purpose = match self.style.unwrap_or_default() {
                 StyleName::Screen => Purpose::Screen,
                 StyleName::Column => Purpose::Column,
@@ -139,13 +129,20 @@ mod with_plot {
                 StyleName::Slide => Purpose::Slide,
             };
             let page = purpose.page(format);
-            Page {
+            let page = Page {
                 width: self.width.map(|length| length.0).or(page.width),
                 dpi: self.dpi.unwrap_or(page.dpi),
                 font: self.font_size.map_or(page.font, |points| points * 96.0 / 72.0),
                 letters: self.letters,
                 ..page
+            };
+            let across = page.width.unwrap_or(0.0) * page.dpi / 96.0;
+            if across > MOST_ACROSS {
+                return Err(CliError::Request(format!(
+                    "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
+                )));
             }
+            Ok(page)
         }
 
         /// Opens the file of a picture that was asked for with `flag`.
@@ -154,7 +151,8 @@ mod with_plot {
         /// [`CliError::Request`].
         pub(crate) fn open(&self, flag: &str, path: Option<&Path>) -> Result<Option<(Page, Output)>, CliError> {
             self.checked(path.is_some(), flag)?;
-            Ok(vibrochain_plot::open(flag, path)?.map(|(format, file)| (self.page(format), file)))
+            let opened = vibrochain_plot::open(flag, path)?;
+            opened.map(|(format, file)| Ok((self.page(format)?, file))).transpose()
         }
     }
 }

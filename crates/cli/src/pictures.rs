@@ -106,8 +106,9 @@ mod with_pictures {
             }
             let mut files = Vec::new();
             for (path, format) in asked() {
+                let page = wanted.page.page(format)?;
                 Output::create(path)?;
-                files.push((wanted.page.page(format), path.clone()));
+                files.push((page, path.clone()));
             }
             Ok(Self { slice, files, palette, seen, curves: wanted.curves, borders: Vec::new() })
         }

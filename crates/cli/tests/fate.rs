@@ -3,34 +3,8 @@
 
 use std::fs;
 
+use vibrochain_testkit::scenes::{FATE as SCENE, ONE_MASS as LINE};
 use vibrochain_testkit::{Desk, written};
-
-const SCENE: &str = r#"
-[model]
-sites = 5
-gamma1 = 0.2
-asymmetry = 0.4
-forcing = { amplitude = 0.1, restitution = 0.9 }
-[sweep]
-x = { parameter = "omega", from = 1.2, to = 2.4, points = 4 }
-y = { parameter = "gamma2", from = 0.02, to = 0.1, points = 3 }
-[compute]
-families = ["double-sided", "single-sided"]
-"#;
-
-const LINE: &str = r#"
-[model]
-sites = 1
-gamma1 = 0.2
-gamma2 = 0.0
-omega = 1.07
-asymmetry = 0.8
-restitution = 0.5
-[sweep]
-x = { parameter = "amplitude", from = 0.25, to = 0.5, points = 6 }
-[compute]
-families = ["single-sided"]
-"#;
 
 fn table(bytes: &[u8]) -> Vec<Vec<String>> {
     let records = csv::ReaderBuilder::new().has_headers(false).from_reader(bytes).into_records();

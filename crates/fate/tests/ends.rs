@@ -12,6 +12,7 @@ use vibrochain_lattice::{Chain, Model};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Content, Ended, Job, ReadRows};
+use vibrochain_testkit::scenes::{FATE as SCENE, ONE_MASS as LINE};
 
 fn physical(model: &Model, family: Family) -> Vec<Orbit> {
     let orbits = breathers(model, family).unwrap().orbits;
@@ -97,19 +98,6 @@ fn all_ends_that_are_named_occur_where_they_should() {
     println!("{exponent:?} {rate}");
     assert!((0.4..2.5).contains(&(rate / exponent.value)), "{exponent:?} {rate}");
 }
-
-const SCENE: &str = r#"
-[model]
-sites = 5
-gamma1 = 0.2
-asymmetry = 0.4
-forcing = { amplitude = 0.1, restitution = 0.9 }
-[sweep]
-x = { parameter = "omega", from = 1.2, to = 2.4, points = 4 }
-y = { parameter = "gamma2", from = 0.02, to = 0.1, points = 3 }
-[compute]
-families = ["double-sided", "single-sided"]
-"#;
 
 fn scene(text: &str) -> Scene {
     Scene::parse(Path::new("scene.toml"), text).unwrap()
@@ -269,20 +257,6 @@ fn settings_are_text_that_reads_back() {
     }
 }
 
-const LINE: &str = r#"
-[model]
-sites = 1
-gamma1 = 0.2
-gamma2 = 0.0
-omega = 1.07
-asymmetry = 0.8
-restitution = 0.5
-[sweep]
-x = { parameter = "amplitude", from = 0.15, to = 0.5, points = 12 }
-[compute]
-families = ["single-sided"]
-"#;
-
 fn columns(threads: usize, carry: bool, text: &str) -> Vec<Column> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let (scene, stop) = (scene(text), AtomicBool::new(false));
@@ -305,10 +279,11 @@ fn columns(threads: usize, carry: bool, text: &str) -> Vec<Column> {
 
 #[test]
 fn a_diagram_has_the_breather_where_that_is_stable() {
-    let one = columns(1, false, LINE);
-    assert_eq!(one, columns(3, false, LINE));
-    let carried = columns(3, true, LINE);
-    let scene = scene(LINE);
+    let text = LINE.replace("from = 0.25, to = 0.5, points = 6", "from = 0.15, to = 0.5, points = 12");
+    let one = columns(1, false, &text);
+    assert_eq!(one, columns(3, false, &text));
+    let carried = columns(3, true, &text);
+    let scene = scene(&text);
     let (mut compared, mut followed) = (0, 0);
     for (column, carried) in one.iter().zip(&carried) {
         assert!(column.complete && column.points.len() == 8 && column.points[7].period == 399);
@@ -337,7 +312,7 @@ fn a_diagram_has_the_breather_where_that_is_stable() {
 /// Where a period has doubled there are two points; where that is, multipliers know.
 #[test]
 fn a_diagram_has_two_points_below_the_period_doubling() {
-    let text = LINE.replace("from = 0.15, to = 0.5, points = 12", "from = 0.29, to = 0.32, points = 16");
+    let text = LINE.replace("from = 0.25, to = 0.5, points = 6", "from = 0.29, to = 0.32, points = 16");
     let scene = scene(&text);
     let mut seen = [0; 2];
     for column in columns(2, false, &text) {

@@ -10,6 +10,7 @@ import pytest
 import vibrochain as vc
 
 from answers import written
+from conftest import ROOT
 from models import random_models
 
 
@@ -187,24 +188,10 @@ def test_a_map_is_the_table(name, mapgen, tmp_path):
     assert maps[0].scene["sweep"] == manifest["sweep"]
 
 
-FATE = """
-    [model]
-    sites = 5
-    gamma1 = 0.2
-    asymmetry = 0.4
-    forcing = { amplitude = 0.1, restitution = 0.9 }
-    [sweep]
-    x = { parameter = "omega", from = 1.2, to = 2.4, points = 4 }
-    y = { parameter = "gamma2", from = 0.02, to = 0.1, points = 3 }
-    [compute]
-    families = ["double-sided", "single-sided"]
-"""
-
-
 @pytest.mark.parametrize("breathers", ["class", "every", "unstable"])
 def test_an_ensemble_is_the_table(breathers, mapgen, tmp_path):
     scene = tmp_path / "scene.toml"
-    scene.write_text(FATE)
+    scene.write_text((ROOT / "tests" / "data" / "scenes" / "fate.toml").read_text())
     asked = {"breathers": breathers, "starts": 3, "perturb": 0.05, "seed": 7, "periods": 150, "transient": 0.4, "leave": 0.2}
     words = [word for name, value in asked.items() for word in [f"--{name}", value]]
     told = run(mapgen, "fate", str(scene), "--csv", str(tmp_path / "fate.csv"), "--json", *words)

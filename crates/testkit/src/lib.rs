@@ -9,6 +9,7 @@ mod net;
 mod random;
 mod reference;
 mod ring;
+pub mod scenes;
 mod schema;
 pub mod svg;
 mod words;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args, ValueEnum};
 use vibrochain_maps::numbers::{real, whole};
 use vibrochain_maps::point::Parameter;
@@ -24,37 +25,10 @@ pub enum EventName {
     Fold,
 }
 
-/// Parameters that can be varied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FreeName {
-    /// γ₁
-    Gamma1,
-    /// γ₂
-    Gamma2,
-    /// ω
-    Omega,
-    /// a
-    Asymmetry,
-    /// A
-    Amplitude,
-    /// e
-    Restitution,
-    /// γ₃
-    Gamma3,
-}
-
-impl From<FreeName> for Parameter {
-    fn from(name: FreeName) -> Self {
-        match name {
-            FreeName::Gamma1 => Self::Gamma1,
-            FreeName::Gamma2 => Self::Gamma2,
-            FreeName::Omega => Self::Omega,
-            FreeName::Asymmetry => Self::Asymmetry,
-            FreeName::Amplitude => Self::Amplitude,
-            FreeName::Restitution => Self::Restitution,
-            FreeName::Gamma3 => Self::Gamma3,
-        }
-    }
+/// Takes the name of a parameter that can be varied, as scenes and tables have it.
+fn parameter() -> impl TypedValueParser<Value = Parameter> {
+    let names = Parameter::ALL.map(|parameter| PossibleValue::new(parameter.name()).help(parameter.symbol()));
+    PossibleValuesParser::new(names).try_map(|name| Parameter::from_name(&name).ok_or("no parameter"))
 }
 
 /// Where a branch is taken up, and how far it is followed.
@@ -62,8 +36,8 @@ impl From<FreeName> for Parameter {
 #[command(group = ArgGroup::new("start").args(["family", "word", "near", "scene"]).required(true).multiple(true))]
 pub struct AlongArgs {
     /// The parameter that varies.
-    #[arg(long, value_enum)]
-    pub free: FreeName,
+    #[arg(long, value_parser = parameter())]
+    pub free: Parameter,
     /// Least value of the free parameter [default: half its start; asymmetry 0, restitution 0.05].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub from: Option<f64>,
@@ -184,8 +158,8 @@ pub struct CurveArgs {
     #[command(flatten)]
     pub along: AlongArgs,
     /// The second parameter that varies.
-    #[arg(long, value_enum)]
-    pub and: FreeName,
+    #[arg(long, value_parser = parameter())]
+    pub and: Parameter,
     /// Least value of the second parameter [default: as of the first].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub and_from: Option<f64>,

@@ -44,7 +44,7 @@ impl Request {
     /// [`CliError::Request`].
     pub(super) fn read(args: &StripesArgs) -> Result<Self, CliError> {
         args.page.checked(true, "--plot")?;
-        let page = args.page.page(Format::asked("--plot", &args.plot)?);
+        let page = args.page.page(Format::asked("--plot", &args.plot)?)?;
         let scene = Scene::read(&args.scene)?;
         let name = args.scene.display();
         let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));
