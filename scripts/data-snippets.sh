@@ -4,6 +4,7 @@
 #
 #     scripts/data-snippets.sh          VENV=FOLDER: a virtual environment of Python to use, and to keep
 #                                       MAPGEN=PROGRAM: instead of that of the tests, one with the feature `parquet` for example
+#                                       JULIA=yes: a Julia, if there is none, takes minutes to install or to look for in vain
 set -euo pipefail
 cd "$(dirname "$0")/.."
 page=$PWD/docs/data.md
@@ -13,7 +14,7 @@ trap 'rm -rf "$work"' EXIT
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
 if [ -z "${MAPGEN:-}" ]; then
     # With the features of the workspace's tests: it is built already.
-    cargo build --quiet --workspace --bin mapgen
+    cargo build --quiet --workspace --bin mapgen --test imports
     MAPGEN=$CARGO_TARGET_DIR/debug/mapgen
 fi
 mkdir "$work/bin"
@@ -84,17 +85,19 @@ else
 fi
 
 # Julia: what the system's packages have, else what its own servers give through `jill`, where they can be reached.
-if ! command -v julia > /dev/null && command -v apt-get > /dev/null && [ "$(id -u)" = 0 ]; then
-    DEBIAN_FRONTEND=noninteractive timeout 300 apt-get install -y --no-install-recommends julia > /dev/null 2>&1 || true
-fi
-if ! command -v julia > /dev/null && [ -n "${python:-}" ] && install jill; then
-    timeout 300 "$VENV/bin/jill" install --confirm --install_dir "$work/julias" --symlink_dir "$work/bin" > /dev/null 2>&1 || true
+if [ -n "${JULIA:-}" ] && ! command -v julia > /dev/null; then
+    if command -v apt-get > /dev/null && [ "$(id -u)" = 0 ]; then
+        DEBIAN_FRONTEND=noninteractive timeout 300 apt-get install -y --no-install-recommends julia > /dev/null 2>&1 || true
+    fi
+    if ! command -v julia > /dev/null && [ -n "${python:-}" ] && install jill; then
+        timeout 300 "$VENV/bin/jill" install --confirm --install_dir "$work/julias" --symlink_dir "$work/bin" > /dev/null 2>&1 || true
+    fi
 fi
 
 export JULIA_DEPOT_PATH=$work/julia:${JULIA_DEPOT_PATH:-}
 packages="\"CSV\", \"DataFrames\", \"CodecZlib\", \"JSON\"${parquet:+, \"Parquet2\"}"
 if ! command -v julia > /dev/null; then
-    skipped "THE BLOCKS OF JULIA ARE NOT RUN: neither apt-get nor jill can have a julia here"
+    skipped "THE BLOCKS OF JULIA ARE NOT RUN: there is no julia here${JULIA:+, and neither apt-get nor jill can have one}"
 elif ! julia --startup-file=no --project=. -e "import Pkg; Pkg.add([$packages])" 2> told; then
     skipped "packages of Julia cannot be had, its blocks are not run"
 else

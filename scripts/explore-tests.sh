@@ -19,7 +19,8 @@ if ! { python3 -m venv "$folder/venv" && "$folder/venv/bin/pip" install --quiet 
     exit 0
 fi
 if [ -z "${MAPGEN:-}" ]; then
-    cargo build --release --features explore --bin mapgen
-    MAPGEN=${CARGO_TARGET_DIR:-target}/release/mapgen
+    # With the features of the workspace's tests: it is built already.
+    cargo build --quiet --workspace --bin mapgen --test imports
+    MAPGEN=${CARGO_TARGET_DIR:-target}/debug/mapgen
 fi
 "$folder/venv/bin/python" scripts/explore_tests.py "$MAPGEN" "${PICTURES:-}"

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use vibrochain_testkit::Desk;
+use vibrochain_testkit::{Desk, Picture};
 
 /// A picture of the documents and the words of its command.
 struct Entry {
@@ -42,10 +42,11 @@ fn entries() -> Vec<Entry> {
 
 /// The share of pixels that differ, by more than an eye sees. Both must be of one size.
 fn different(one: &[u8], other: &[u8]) -> f64 {
-    let [one, other] = [one, other].map(|bytes| image::load_from_memory(bytes).unwrap().to_rgb8());
-    assert_eq!(one.dimensions(), other.dimensions());
-    let far = one.pixels().zip(other.pixels()).filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 40));
-    far.count() as f64 / f64::from(one.width() * one.height())
+    let [one, other] = [one, other].map(Picture::of);
+    assert_eq!(one.size, other.size);
+    let pairs = one.pixels.iter().zip(&other.pixels);
+    let far = pairs.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 40));
+    far.count() as f64 / one.pixels.len() as f64
 }
 
 /// Runs a command of the gallery with its files on a desk, and compares.

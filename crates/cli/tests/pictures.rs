@@ -5,11 +5,10 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use image::RgbImage;
 #[cfg(unix)]
 use vibrochain_testkit::signal;
 use vibrochain_testkit::svg::{lines, texts, ticks};
-use vibrochain_testkit::{CHUNKS, Desk, SCENE};
+use vibrochain_testkit::{CHUNKS, Desk, Picture, SCENE};
 
 const MODEL: &str = "[model]\nsites = 6\ngamma1 = 0.2\n";
 const OMEGA: &str = r#"{ parameter = "omega", from = 0.6, to = 1.8, points = 61 }"#;
@@ -37,7 +36,7 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> Option<f64> {
 
 /// Where the map lies in its picture: the black frame about it.
 struct Cells {
-    picture: RgbImage,
+    picture: Picture,
     corner: (u32, u32),
     cell: (u32, u32),
     rows: u32,
@@ -45,16 +44,17 @@ struct Cells {
 
 impl Cells {
     fn of(png: &[u8], columns: u32, rows: u32) -> Self {
-        let picture = image::load_from_memory(png).unwrap().to_rgb8();
-        let black = |x: u32, y: u32| picture.get_pixel(x, y).0 == [0; 3];
+        let picture = Picture::of(png);
+        let [across, down] = picture.size;
+        let black = |x: u32, y: u32| picture.at(x, y) == [0; 3];
         // The longest black line down is the left side of the frame; no letter is as high.
-        let run = |x: u32, y: u32| (y..picture.height()).take_while(|y| black(x, *y)).count() as u32;
-        let (left, top) = (0..picture.width())
-            .flat_map(|x| (0..picture.height()).map(move |y| (x, y)))
+        let run = |x: u32, y: u32| (y..down).take_while(|y| black(x, *y)).count() as u32;
+        let (left, top) = (0..across)
+            .flat_map(|x| (0..down).map(move |y| (x, y)))
             .find(|&(x, y)| black(x, y) && run(x, y) > 400)
             .unwrap();
         let height = run(left, top) - 2;
-        let width = (left..picture.width()).take_while(|x| black(*x, top)).count() as u32 - 2;
+        let width = (left..across).take_while(|x| black(*x, top)).count() as u32 - 2;
         assert_eq!((width % columns, height % rows), (0, 0));
         Self { picture, corner: (left + 1, top + 1), cell: (width / columns, height / rows), rows }
     }
@@ -63,7 +63,7 @@ impl Cells {
     fn middle(&self, column: u32, row: u32) -> [u8; 3] {
         let x = self.corner.0 + column * self.cell.0 + self.cell.0 / 2;
         let y = self.corner.1 + (self.rows - 1 - row) * self.cell.1 + self.cell.1 / 2;
-        self.picture.get_pixel(x, y).0
+        self.picture.at(x, y)
     }
 
     fn of_cell(&self, cell: usize, columns: usize) -> [u8; 3] {
@@ -247,7 +247,7 @@ fn borders_are_drawn_where_they_are() {
     let (mut changed, mut elsewhere) = (0, 0);
     for y in 0..height {
         for x in 0..width {
-            let pixel = |cells: &Cells| cells.picture.get_pixel(cells.corner.0 + x, cells.corner.1 + y).0;
+            let pixel = |cells: &Cells| cells.picture.at(cells.corner.0 + x, cells.corner.1 + y);
             if pixel(&plain) != pixel(&drawn) {
                 changed += 1;
                 elsewhere += usize::from(!near(f64::from(x) + 0.5, f64::from(y) + 0.5, 3.0));
@@ -268,7 +268,7 @@ fn borders_are_drawn_where_they_are() {
             changes += 1;
             let y = (40 - row as u32) * plain.cell.1 + plain.cell.1 / 2;
             let from = column as u32 * plain.cell.0 + plain.cell.0 / 2;
-            let pixel = |cells: &Cells, x: u32| cells.picture.get_pixel(cells.corner.0 + x, cells.corner.1 + y).0;
+            let pixel = |cells: &Cells, x: u32| cells.picture.at(cells.corner.0 + x, cells.corner.1 + y);
             bare += usize::from((from..=from + plain.cell.0).all(|x| pixel(&plain, x) == pixel(&drawn, x)));
         }
     }
