@@ -23,8 +23,7 @@ impl Picture {
             [grey, ..] => [grey; 3],
             [] => panic!("a pixel without samples"),
         };
-        let pixels: Vec<_> =
-            bytes[..info.buffer_size()].chunks_exact(info.color_type.samples()).map(colour).collect();
+        let pixels: Vec<_> = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples()).map(colour).collect();
         assert_eq!(pixels.len(), (info.width * info.height) as usize);
         Self { size: [info.width, info.height], pixels }
     }

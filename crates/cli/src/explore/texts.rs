@@ -88,7 +88,7 @@ mod tests {
         let text = of_point(layered.as_object().unwrap(), "0:0+0:1+,0:0-0:1-", 0);
         for line in [
             "chain = vc.Chain(6, 0.2, 0.05, ends=\"free\", layers=2, gamma3=0.1)",
-            "model = vc.Model(chain, 2, 0.2, force=vc.Force([(1, 0.1, 0.0), (3, -0.03, 0.5)]), restitution=0.8)",
+            "model = vc.Model(chain, 2, 0.2, force=vc.Force([(1, 0.1, 0), (3, -0.03, 0.5)]), restitution=0.8)",
         ] {
             assert!(text.lines().any(|own| own == line), "{text}");
         }

@@ -7,12 +7,13 @@
 //! rotations and reflections of a ring, reflections of a row with ends, the same across layers; reversal of time, where impacts are elastic and no force acts; and exchange of the
 //! barriers where they are centred (half a period later, under a force). [`Word::canonical`] is the smallest of them.
 
+mod symmetry;
+mod text;
+
 use std::borrow::Cow;
-use std::fmt;
-use std::str::FromStr;
 
 use thiserror::Error;
-use vibrochain_lattice::{Barrier, Ends, Layout, Model};
+use vibrochain_lattice::{Barrier, Layout};
 
 use crate::orbit::{Family, Impact, Orbit, SIMULTANEOUS};
 
@@ -246,94 +247,6 @@ impl Word {
             _ => None,
         }
     }
-
-    /// The smallest word that says the same of this model.
-    pub fn canonical(&self, model: &Model) -> Self {
-        let layout = model.chain().layout();
-        let elastic = model.is_conservative();
-        let centred = model.asymmetry() == 0.0;
-        let places = self.places();
-        let homes = |of: fn(&(usize, usize)) -> usize| {
-            let mut homes: Vec<usize> = places.iter().map(of).collect();
-            homes.sort_unstable();
-            homes.dedup();
-            homes
-        };
-        let along = moves(layout.length, layout.ends, &homes(|place| place.1));
-        let across = moves(layout.layers, layout.layer_ends, &homes(|place| place.0));
-        let mut smallest: Option<Self> = None;
-        for exchanged in [false, true].into_iter().filter(|&exchanged| !exchanged || centred) {
-            for reversed in [false, true].into_iter().filter(|&reversed| !reversed || elastic) {
-                for (along, across) in along.iter().flat_map(|along| across.iter().map(move |across| (along, across))) {
-                    let moved = self.moved([along, across], reversed, exchanged);
-                    for shift in 0..moved.len() {
-                        let mut instants = moved.clone();
-                        instants.rotate_left(shift);
-                        let word = Self { instants };
-                        if smallest.as_ref().is_none_or(|smallest| word.precedes(smallest)) {
-                            smallest = Some(word);
-                        }
-                    }
-                }
-            }
-        }
-        smallest.unwrap_or_else(|| self.clone())
-    }
-
-    /// By order, but that one impact is on the nearer barrier where the two are alike, as the family has it.
-    fn precedes(&self, other: &Self) -> bool {
-        let (single, of) = (self.family() == Some(Family::SingleSided), other.family() == Some(Family::SingleSided));
-        if single == of { self < other } else { single }
-    }
-
-    fn moved(&self, [along, across]: [&Move; 2], reversed: bool, exchanged: bool) -> Vec<Vec<Letter>> {
-        let letter = |&Letter { site, layer, barrier }: &Letter| {
-            let barrier = match (exchanged, barrier) {
-                (false, barrier) => barrier,
-                (true, Barrier::Lower) => Barrier::Upper,
-                (true, Barrier::Upper) => Barrier::Lower,
-            };
-            Letter { site: along.of(site), layer: across.of(layer), barrier }
-        };
-        let mut instants: Vec<Vec<Letter>> = (self.instants.iter())
-            .map(|letters| {
-                let mut letters: Vec<Letter> = letters.iter().map(letter).collect();
-                letters.sort_unstable();
-                letters
-            })
-            .collect();
-        if reversed {
-            instants.reverse();
-        }
-        instants
-    }
-}
-
-/// A symmetry of a row of `count` masses: what is at `home` comes to 0, and perhaps the order is turned round.
-#[derive(Debug, Clone, Copy)]
-struct Move {
-    count: usize,
-    home: usize,
-    mirrored: bool,
-}
-
-impl Move {
-    fn of(self, site: usize) -> usize {
-        let away = (site + self.count - self.home) % self.count;
-        if self.mirrored { (self.count - away) % self.count } else { away }
-    }
-}
-
-/// The symmetries of a row that may make a word with impacts at these sites smallest.
-fn moves(count: usize, ends: Ends, homes: &[usize]) -> Vec<Move> {
-    let shift = |home: usize| [false, true].map(|mirrored| Move { count, home, mirrored });
-    match ends {
-        Ends::Closed => homes.iter().flat_map(|&home| shift(home)).collect(),
-        // The last mass comes to 0, turned round, or all stay.
-        Ends::Free | Ends::Fixed => {
-            vec![Move { count, home: 0, mirrored: false }, Move { count, home: count - 1, mirrored: true }]
-        }
-    }
 }
 
 impl Orbit {
@@ -344,83 +257,9 @@ impl Orbit {
     }
 }
 
-impl fmt::Display for Word {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let layered = self.letters().any(|letter| letter.layer > 0);
-        for (i, letters) in self.instants.iter().enumerate() {
-            if i > 0 {
-                f.write_str(",")?;
-            }
-            for Letter { site, layer, barrier } in letters {
-                let barrier = if *barrier == Barrier::Upper { '+' } else { '-' };
-                if layered {
-                    write!(f, "{site}:{layer}{barrier}")?;
-                } else {
-                    write!(f, "{site}{barrier}")?;
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-impl FromStr for Word {
-    type Err = WordError;
-
-    /// Reads `0+3+,0-3-`; spaces may stand in place of a comma, or around one. The names of families are words, too.
-    fn from_str(text: &str) -> Result<Self, WordError> {
-        let text = match text.trim() {
-            "double-sided" => "0+,0-",
-            "single-sided" => "0-",
-            "period-doubled" => "0-,0-",
-            other => other,
-        };
-        let mut instants = Vec::new();
-        let mut impacts = 0;
-        for part in text.split(',') {
-            let mut groups = part.split_whitespace().peekable();
-            if groups.peek().is_none() {
-                return Err(WordError::Empty { instant: instants.len() + 1 });
-            }
-            for group in groups {
-                let letters = letters_of(group)?;
-                impacts += letters.len();
-                if impacts > MAX_IMPACTS {
-                    let impacts = text.matches(['+', '-']).count();
-                    return Err(WordError::TooMany { impacts });
-                }
-                instants.push(letters);
-            }
-        }
-        Self::new(instants)
-    }
-}
-
-fn letters_of(group: &str) -> Result<Vec<Letter>, WordError> {
-    let mut letters = Vec::new();
-    for impact in group.split_inclusive(['+', '-']) {
-        let unreadable = || WordError::Unreadable { text: impact.chars().take(40).collect() };
-        let (place, barrier) = if let Some(place) = impact.strip_suffix('+') {
-            (place, Barrier::Upper)
-        } else {
-            (impact.strip_suffix('-').ok_or_else(unreadable)?, Barrier::Lower)
-        };
-        let number = |text: &str| {
-            let digits = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-            if digits { text.parse::<usize>().map_err(|_| unreadable()) } else { Err(unreadable()) }
-        };
-        let (site, layer) = match place.split_once(':') {
-            None => (number(place)?, 0),
-            Some((site, layer)) => (number(site)?, number(layer)?),
-        };
-        letters.push(Letter { site, layer, barrier });
-    }
-    Ok(letters)
-}
-
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::Chain;
+    use vibrochain_lattice::{Chain, Ends, Model};
 
     use super::*;
 

@@ -1,0 +1,182 @@
+//! The motion of an orbit from its impacts: the modes at the start of every interval between them.
+
+use vibrochain_lattice::ImpulseResponse;
+
+use super::Motion;
+use crate::lanes::{LANES, groups};
+use crate::orbit::Orbit;
+
+/// The most numbers of a table of shapes: those of 128 modes at as many places.
+const TABLE: usize = 128 * 128;
+
+/// Site, time, impulse.
+fn impacts(orbit: &Orbit) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
+    orbit.impacts().iter().map(|impact| (impact.site, impact.time, impact.impulse))
+}
+
+fn net_impulses(orbit: &Orbit) -> impl Iterator<Item = f64> + '_ {
+    orbit.sources().iter().map(|source| source.net_impulse)
+}
+
+impl Motion {
+    /// Takes over another orbit; `response` must be of its chain and frequency.
+    pub(crate) fn load(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+        let model = orbit.model();
+        if self.is_of(orbit, response) {
+            // An orbit just found is there already.
+            return;
+        }
+        self.origin.uniform_offset = orbit.uniform_offset();
+        self.origin.impacts.clear();
+        self.origin.impacts.extend(impacts(orbit));
+        self.origin.net_impulses.clear();
+        self.origin.net_impulses.extend(net_impulses(orbit));
+        if !self.shapes.are_of(model.chain()) {
+            self.shapes = response.shapes().clone();
+            self.table.clear();
+        }
+        self.set_table(orbit, response.modes());
+        self.frequencies.clear();
+        self.frequencies.extend_from_slice(response.frequencies());
+        self.period = response.period();
+        (self.psi, self.steady, self.force) = (orbit.psi_or_zero(), *orbit.steady(), model.force_wave());
+        self.chain = *model.chain();
+        self.sites.clear();
+        self.sites.extend(orbit.sources().iter().map(|source| source.site));
+        self.starts.clear();
+        self.starts.extend(orbit.impacts().iter().map(|impact| impact.time));
+        let (weights, uniform) = (response.weights(), !model.chain().has_walls());
+        self.states.clear();
+        for (i, &start) in self.starts.iter().enumerate() {
+            if i > 0 && start == self.starts[i - 1] {
+                // Nothing moves between impacts of one instant.
+                self.states.extend_from_within(self.states.len() - orbit.sources().len() * response.modes()..);
+                continue;
+            }
+            for (s, source) in orbit.sources().iter().enumerate() {
+                let from = self.states.len();
+                let net = source.net_impulse;
+                let held = if uniform { Some(orbit.uniform_offset()).filter(|_| s == 0) } else { None };
+                if let Some(parts) = at_instants(orbit, response, start) {
+                    add_states(&mut self.states, response, (net, held), parts);
+                    continue;
+                }
+                self.states.extend(response.statics().iter().map(|part| (net * part, 0.0)));
+                let states = &mut self.states[from..];
+                if uniform {
+                    // The uniform mode's static part is common to all sources; the first one carries it. Its shape is 1.
+                    states[0].0 = if s == 0 { orbit.uniform_offset() / weights[0] } else { 0.0 };
+                }
+                for impact in orbit.impacts().iter().filter(|impact| impact.site == source.site) {
+                    let mut elapsed = start - impact.time;
+                    if elapsed < 0.0 {
+                        elapsed += self.period;
+                    }
+                    add_response(states, response, impact.impulse, elapsed);
+                }
+                for ((q, p), weight) in states.iter_mut().zip(weights) {
+                    (*q, *p) = (weight * *q, weight * *p);
+                }
+            }
+        }
+        self.now.clear();
+        self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
+    }
+
+    fn is_of(&self, orbit: &Orbit, response: &ImpulseResponse) -> bool {
+        self.period == response.period()
+            && self.psi == orbit.psi_or_zero()
+            && self.origin.uniform_offset == orbit.uniform_offset()
+            && self.origin.impacts.iter().copied().eq(impacts(orbit))
+            && self.origin.net_impulses.iter().copied().eq(net_impulses(orbit))
+            && self.chain == *orbit.model().chain()
+            && self.steady == *orbit.steady()
+    }
+
+    fn set_table(&mut self, orbit: &Orbit, modes: usize) {
+        let centred = orbit.centre().is_some();
+        let sources = orbit.sources().iter().map(|source| if centred { 0 } else { source.site });
+        let places = if centred { modes } else { self.shapes.sites() };
+        if !self.table.is_empty() && self.table_of.1 == places && self.table_of.0.iter().copied().eq(sources.clone()) {
+            return;
+        }
+        self.table.clear();
+        self.table_of = (sources.collect(), places);
+        let (rows, groups) = (self.table_of.0.len() * modes, groups(places));
+        if rows.saturating_mul(groups * LANES) > TABLE {
+            return;
+        }
+        self.table.resize(rows * groups, [0.0; LANES]);
+        for (row, shapes) in self.table.chunks_exact_mut(groups).enumerate() {
+            let (k, source) = (row % modes, self.table_of.0[row / modes]);
+            let places = shapes.as_flattened_mut().iter_mut().enumerate().take(places);
+            places.for_each(|(n, shape)| *shape = self.shapes.even(k, n, source));
+        }
+    }
+}
+
+/// An impulse, what it does to each mode's displacement, and to its velocity.
+type Part<'a> = (f64, &'a [f64], f64);
+
+/// What the impacts of an orbit of one site have done at the time `start`, if each was then, or half a period before.
+fn at_instants<'a>(orbit: &Orbit, response: &'a ImpulseResponse, start: f64) -> Option<[Part<'a>; 2]> {
+    let part = |time: f64, impulse: f64| {
+        let elapsed = if start < time { start - time + response.period() } else { start - time };
+        if elapsed == 0.0 {
+            // Just after the impact the velocity is half the jump above its mean.
+            Some((impulse, response.at_impulse(), 0.5))
+        } else if elapsed == 0.5 * response.period() {
+            // The slope of an even function.
+            Some((impulse, response.at_half(), 0.0))
+        } else {
+            None
+        }
+    };
+    match orbit.impacts() {
+        [one] => Some([part(one.time, one.impulse)?, (0.0, response.at_half(), 0.0)]),
+        [one, other] if one.site == other.site => {
+            Some([part(one.time, one.impulse)?, part(other.time, other.impulse)?])
+        }
+        _ => None,
+    }
+}
+
+/// Adds the states of all modes, weights included, from two impulses and what their net impulse holds up; of a uniform mode this is
+/// given.
+fn add_states(
+    states: &mut Vec<(f64, f64)>,
+    response: &ImpulseResponse,
+    (net, held): (f64, Option<f64>),
+    [(impulse, moved, jump), (other, moved_by_other, other_jump)]: [Part<'_>; 2],
+) {
+    let speed = impulse * jump + other * other_jump;
+    let modes = response.weights().iter().zip(response.statics()).zip(moved.iter().zip(moved_by_other));
+    let from = states.len();
+    states.extend(
+        modes.map(|((weight, still), (one, two))| {
+            (weight * (net * still + impulse * one + other * two), weight * speed)
+        }),
+    );
+    if let (Some(held), Some(first), Some(weight)) = (held, states.get_mut(from), response.weights().first()) {
+        first.0 = weight * (held / weight + impulse * moved[0] + other * moved_by_other[0]);
+    }
+}
+
+/// Adds what an impulse does to all modes, weights apart, some time after it.
+fn add_response(states: &mut [(f64, f64)], response: &ImpulseResponse, impulse: f64, elapsed: f64) {
+    if elapsed == 0.0 {
+        for ((q, p), dynamic) in states.iter_mut().zip(response.at_impulse()) {
+            *q += impulse * dynamic;
+            // Just after the impact the velocity is half the jump above its mean.
+            *p += impulse * 0.5;
+        }
+    } else if elapsed == 0.5 * response.period() {
+        // The slope of an even function.
+        states.iter_mut().zip(response.at_half()).for_each(|((q, _), dynamic)| *q += impulse * dynamic);
+    } else {
+        for (k, (q, p)) in states.iter_mut().enumerate() {
+            *q += impulse * response.mode_dynamic(k, elapsed);
+            *p += impulse * response.mode_slope(k, elapsed);
+        }
+    }
+}
