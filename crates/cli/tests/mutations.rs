@@ -37,7 +37,7 @@ use mutate::Mutator;
 
 const COUNT: u64 = 50_000;
 /// Of these, what there is always time for.
-const FEW: u64 = 10_000;
+const FEW: u64 = 5_000;
 const SEED: u64 = 20_240_229;
 
 /// Masses × windows of flight that a run may ask for; beyond it, it is told to stop as soon as it listens, or not computed.

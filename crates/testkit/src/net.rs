@@ -15,6 +15,7 @@ pub struct Net {
     file: PathBuf,
     kept: BTreeMap<String, Digest>,
     found: BTreeMap<String, Digest>,
+    others: BTreeMap<String, Digest>,
 }
 
 impl Net {
@@ -22,13 +23,16 @@ impl Net {
     #[must_use]
     pub fn open(file: impl Into<PathBuf>) -> Self {
         let file = file.into();
-        let kept = if std::env::var_os(WRITE).is_some() {
-            BTreeMap::new()
-        } else {
-            let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-            serde_json::from_str(&text).unwrap()
-        };
-        Self { file, kept, found: BTreeMap::new() }
+        let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        Self { file, kept: serde_json::from_str(&text).unwrap(), found: BTreeMap::new(), others: BTreeMap::new() }
+    }
+
+    /// Those of some answers alone; others are left as they are.
+    #[must_use]
+    pub fn only(mut self, wanted: impl Fn(&str) -> bool) -> Self {
+        let others = self.kept.keys().filter(|name| !wanted(name)).cloned().collect::<Vec<_>>();
+        self.others = others.into_iter().filter_map(|name| self.kept.remove_entry(&name)).collect();
+        self
     }
 
     /// Takes an answer up.
@@ -40,7 +44,8 @@ impl Net {
     /// Demands that all answers are those of the file, and that there are no others; or writes the file.
     pub fn finish(self) {
         if std::env::var_os(WRITE).is_some() {
-            fs::write(&self.file, serde_json::to_string_pretty(&self.found).unwrap() + "\n").unwrap();
+            let all: BTreeMap<_, _> = self.others.iter().chain(&self.found).collect();
+            fs::write(&self.file, serde_json::to_string_pretty(&all).unwrap() + "\n").unwrap();
             return;
         }
         let mut complaints: Vec<String> = Vec::new();

@@ -259,8 +259,6 @@ impl Orbit {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::{Chain, Ends, Model};
-
     use super::*;
 
     fn word(text: &str) -> Word {
@@ -302,76 +300,6 @@ mod tests {
         assert_eq!(word("0+25-").check(&layout), Err(WordError::NoSuchSite { site: 25, last: 20 }));
         assert_eq!(word("0+20:2-").check(&layout), Err(WordError::NoSuchLayer { layer: 2, last: 1 }));
         assert_eq!(word("0+20:1-").check(&layout), Ok(()));
-    }
-
-    #[test]
-    fn words_that_say_the_same_have_one_canonical_form() {
-        let model = |asymmetry: f64, amplitude: f64| {
-            Model::forced(Chain::new(12, 0.2, 0.1).unwrap(), 1.5, asymmetry, amplitude, 1.0).unwrap()
-        };
-        let (free, forced, centred) = (model(0.2, 0.0), model(0.2, 0.1), model(0.0, 0.0));
-        for (of, text, expected) in [
-            (&free, "5-,5+", "0+,0-"),
-            (&free, "7+", "0+"),
-            (&centred, "7+", "0-"),
-            (&free, "11+2+,2-11-", "0+3+,0-3-"),
-            // A ring of twelve: nine apart is three apart.
-            (&free, "0-9-,0+9+", "0+3+,0-3-"),
-            (&free, "0+3-,0-3+", "0+3-,0-3+"),
-            (&free, "3+,0+,5+", "0+,2+,5+"),
-            (&forced, "3+,0+,5+", "0+,2+,5+"),
-            // Reversal of time turns the order round.
-            (&free, "0+,2+,0-,5+", "0+,2+,0-,5+"),
-            (&free, "0+,5+,0-,2+", "0+,2+,0-,5+"),
-            (&forced, "0+,5+,0-,2+", "0+,2+,9+,2-"),
-        ] {
-            let canonical = word(text).canonical(of);
-            assert_eq!(canonical, canonical.canonical(of), "{text}");
-            assert_eq!(canonical.to_string(), expected, "{text}");
-        }
-        // Every word that a symmetry makes of one has its form.
-        let mut random = fastrand::Rng::with_seed(7);
-        for _ in 0..200 {
-            let count = 1 + random.usize(0..4);
-            let instants = (0..count)
-                .map(|_| {
-                    let mut sites: Vec<usize> = (0..12).collect();
-                    random.shuffle(&mut sites);
-                    let barrier = |upper: bool| if upper { Barrier::Upper } else { Barrier::Lower };
-                    sites.truncate(1 + random.usize(0..3));
-                    sites.into_iter().map(|site| Letter::new(site, barrier(random.bool()))).collect()
-                })
-                .collect();
-            let one = Word::new(instants).unwrap();
-            let reversed = random.bool();
-            let along = Move { count: 12, home: random.usize(0..12), mirrored: random.bool() };
-            let mut other = one.moved([&along, &Move { count: 1, home: 0, mirrored: false }], reversed, false);
-            other.rotate_left(random.usize(0..count));
-            let other = Word { instants: other };
-            assert_eq!(one.canonical(&free), other.canonical(&free));
-            assert!(reversed || one.canonical(&forced) == other.canonical(&forced));
-        }
-    }
-
-    #[test]
-    fn lattices_have_the_symmetries_of_their_rows() {
-        let ring = Chain::new(5, 0.2, 0.1).unwrap();
-        let open = ring.with_ends(Ends::Free);
-        let layered = |chain: Chain, layers, ends| chain.with_layers(layers, 0.1, ends).unwrap();
-        for (chain, text, expected) in [
-            (open, "4+,4-", "0+,0-"),
-            (open, "3+,3-", "1+,1-"),
-            (open, "2+4+,2-4-", "0+2+,0-2-"),
-            (ring.with_ends(Ends::Fixed), "1+2-,1-2+", "1+2-,1-2+"),
-            (layered(ring, 3, Ends::Free), "3:2+4:0+,3:2-4:0-", "0:0+1:2+,0:0-1:2-"),
-            (layered(ring, 3, Ends::Free), "3:1+,3:1-", "0:1+,0:1-"),
-            (layered(ring, 3, Ends::Closed), "3:2+4:0+,3:2-4:0-", "0:0+1:1+,0:0-1:1-"),
-            (layered(open, 2, Ends::Free), "4:1+,4:1-", "0+,0-"),
-        ] {
-            let model = Model::conservative(chain, 1.5, 0.2).unwrap();
-            assert_eq!(word(text).canonical(&model).to_string(), expected, "{chain} {text}");
-            assert_eq!(word(expected).canonical(&model), word(expected), "{chain}");
-        }
     }
 
     #[test]

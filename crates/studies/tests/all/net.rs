@@ -5,13 +5,29 @@ use std::path::Path;
 
 use vibrochain_testkit::{Desk, Net};
 
-#[test]
-fn numbers_behind_the_figures_are_those_of_before() {
-    let mut net = Net::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/net.json"));
+/// The figures of forced maps take as long as all others ten times.
+fn is_long(name: &str) -> bool {
+    name.contains("figure-10")
+}
+
+fn are_those_of_before(figures: &str, wanted: impl Fn(&str) -> bool) {
+    let net = Net::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/net.json"));
+    let mut net = net.only(&wanted);
     let desk = Desk::of("studies");
-    desk.run("figures --out figures").with(0, &[]);
+    desk.run(&format!("figures --out figures --only {figures}")).with(0, &[]);
     for name in desk.names("figures").iter().filter(|name| name.ends_with(".csv")) {
         net.take(&format!("figure {name}"), &fs::read_to_string(desk.path(&format!("figures/{name}"))).unwrap());
     }
     net.finish();
+}
+
+#[test]
+fn numbers_behind_the_figures_are_those_of_before() {
+    are_those_of_before("1,2,3,4,5,6,7,8,9,11,12,13,15", |name| !is_long(name));
+}
+
+#[test]
+#[ignore = "half a minute: cargo test --workspace --test all -- --ignored slow"]
+fn slow_numbers_behind_the_figures_of_forced_maps_are_those_of_before() {
+    are_those_of_before("10,10-strict", is_long);
 }
