@@ -10,6 +10,7 @@
 //! | `font`, `typeset`, `words` | letters, where they stand, lines of a heading |
 //! | `axis`, `frame`, `markers`, `strokes` | ticks, panels, marks and lines of all pictures |
 //! | `map`, `raster`, `sheet`, `key`, `classes`, `lines`, `palette` | the picture of a map, its pixels, what stands about it, its legend and its words, lines over it, its colours and textures |
+//! | `sight` | for tests: how colours look to other eyes and on grey paper |
 //! | `quantity` | numbers of cells, and how they become colours |
 //! | `one_axis` | the curves of a sweep over one parameter |
 //! | `ends` | what becomes of perturbed breathers, over a map |
@@ -55,6 +56,8 @@ mod raster;
 mod regions;
 mod run;
 mod sheet;
+#[cfg(test)]
+mod sight;
 mod spacetime;
 mod strokes;
 mod svg;
