@@ -376,8 +376,9 @@ fn a_table_is_drawn_again_without_computing_it() {
     };
     refused("draw map.csv", "give --png, --svg or --pdf");
     refused("draw map.csv --png map.csv", "the table and --png are the same file");
-    refused("draw none.csv --png new.png", "none.manifest.json is not there");
     refused("draw none.csv --scene map.manifest.json --png new.png", "it cannot be read as a table");
+    fs::copy(desk.path("map.csv"), desk.path("alone.csv")).unwrap();
+    refused("draw alone.csv --png new.png", "alone.manifest.json is not there");
     refused("draw map.csv --png new.png --color impulse", "add impulse = true");
     let table = String::from_utf8(desk.read("map.csv")).unwrap();
     fs::write(desk.path("map.csv"), table.replacen("stable-double", "stable-treble", 1)).unwrap();
