@@ -24,7 +24,8 @@ const HIGHEST: f64 = 1e5;
 pub(crate) fn picture(table: &Table, free: Parameter, shown: &[QuantityName], all: bool) -> Curves {
     let panes: Vec<Pane> = shown.iter().map(|quantity| pane(*quantity, all, free, table)).collect();
     let title = table.about.heading.clone();
-    Curves { title, columns: panes.len().min(2), panes, pane: (860, 620), ..Curves::default() }
+    // Panels differ in what they show, not in what their lines mean.
+    Curves { title, columns: panes.len().min(2), panes, pane: (860, 620), one_legend: true, ..Curves::default() }
 }
 
 fn label(quantity: QuantityName) -> &'static str {

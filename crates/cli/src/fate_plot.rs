@@ -144,7 +144,7 @@ mod with_plot {
             };
             let (x, y, x_log) = (axis_name(axis), y.to_owned(), is_logarithmic(axis));
             let pane = Pane { caption, x, y, x_log, scale, series, ..Pane::default() };
-            let (title, panes) = (scene.heading(), vec![pane]);
+            let (title, panes) = ([scene.heading(), scene.criterion()].join(", "), vec![pane]);
             let picture = Curves { title, panes, columns: 1, pane: (960, 560), ..Curves::default() };
             self.files.draw(|page| curves_picture(&picture, page))
         }

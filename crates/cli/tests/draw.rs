@@ -96,7 +96,7 @@ fn what_is_no_table_or_a_damaged_one_is_refused() {
     let (desk, lines) = drawn();
     let refused = |line: &str, told: &str| {
         let before = desk.names(".");
-        desk.run(line).with(2, &[told]);
+        desk.run(line.trim_end()).with(2, &[told]);
         assert_eq!(desk.names("."), before, "{line}");
     };
     let mut damaged = 0;

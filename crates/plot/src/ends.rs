@@ -56,9 +56,7 @@ pub fn ends_picture(picture: &EndsPicture<'_>, page: impl Into<Page>) -> Result<
     let placed = sheet.placed(cells, page.into());
     let raster = Raster::of(cells, &placed, &|cell, _, _| colour(picture.cells.get(cell).copied().flatten()));
     sheet.bytes(&placed, Vec::new(), |drawing| {
-        let corners = placed.corners();
-        let size = [0, 1].map(|i| corners[1][i] - corners[0][i]);
-        drawing.image(corners[0], size, raster.size, raster.rgb);
+        drawing.image(placed.corners(), raster.size, raster.rgb);
     })
 }
 

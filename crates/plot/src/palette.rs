@@ -43,7 +43,7 @@ impl Palette {
     }
 
     /// A place on the scale of numbers, from 0 to 1: viridis, even in lightness and told apart by colour-blind eyes; or greys.
-    pub(crate) fn scale(self, part: f64) -> Rgb {
+    pub fn scale(self, part: f64) -> Rgb {
         let part = part.clamp(0.0, 1.0);
         match self {
             Self::Colour => colorous::VIRIDIS.eval_continuous(part).as_array(),
@@ -52,7 +52,7 @@ impl Palette {
     }
 
     /// Below the scale of numbers.
-    pub(crate) fn below(self) -> Rgb {
+    pub fn below(self) -> Rgb {
         match self {
             Self::Colour => [215, 215, 215],
             Self::Paper => [55, 55, 55],
