@@ -173,11 +173,19 @@ fn heights(quantity: QuantityName, branch: Branch<'_>, at: usize) -> Vec<f64> {
     }
 }
 
+/// A row as it is drawn.
+struct Passed {
+    value: f64,
+    kind: Option<Kind>,
+    heights: Vec<f64>,
+}
+
 /// The curves of a branch: of each impact where impulses are asked for, cut where the kind of orbit changes.
 fn curves(quantity: QuantityName, colour: usize, branch: Branch<'_>, all: bool) -> Vec<Series> {
-    let place = |(at, row): (usize, &Row)| ((row.value, kind(row)), heights(quantity, branch, at));
-    let passed: Vec<((f64, Option<Kind>), Vec<f64>)> = branch.rows.iter().enumerate().map(place).collect();
-    let count = passed.first().map_or(0, |(_, values)| values.len());
+    let drawn =
+        |(at, row): (usize, &Row)| Passed { value: row.value, kind: kind(row), heights: heights(quantity, branch, at) };
+    let passed: Vec<Passed> = branch.rows.iter().enumerate().map(drawn).collect();
+    let count = passed.first().map_or(0, |first| first.heights.len());
     let styles = [
         (Kind::NotPhysical, GREY, Stroke::Solid(1)),
         (Kind::Unstable, colour, Stroke::Dashed(2)),
@@ -188,7 +196,7 @@ fn curves(quantity: QuantityName, colour: usize, branch: Branch<'_>, all: bool) 
     let kinds: Vec<Option<Kind>> = passed
         .windows(2)
         .map(|pair| {
-            last = pair[1].0.1.or(pair[0].0.1).or(last);
+            last = pair[1].kind.or(pair[0].kind).or(last);
             last
         })
         .collect();
@@ -203,8 +211,8 @@ fn curves(quantity: QuantityName, colour: usize, branch: Branch<'_>, all: bool) 
                     }
                     continue;
                 }
-                let [from, to] =
-                    [&pair[0], &pair[1]].map(|(place, values)| (place.0, values.get(i).copied().unwrap_or(f64::NAN)));
+                let height = |row: &Passed| row.heights.get(i).copied().unwrap_or(f64::NAN);
+                let [from, to] = [&pair[0], &pair[1]].map(|row| (row.value, height(row)));
                 if drawn.last().is_none_or(|last| !last.0.is_finite()) {
                     drawn.push(from);
                 }

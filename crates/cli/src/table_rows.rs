@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::scene::Scene;
@@ -43,7 +43,7 @@ impl TableRows {
         if packed {
             return Err(wrong("only .csv is read here: unpack it first, or sweep to .csv"));
         }
-        let file: Box<dyn Read> = if path == PathBuf::from("-") {
+        let file: Box<dyn Read> = if path.as_os_str() == "-" {
             Box::new(io::stdin())
         } else {
             Box::new(File::open(path).map_err(unreadable)?)
