@@ -5,7 +5,7 @@ import { CELLS, cellAt, level, short, shortRadius, span, tickTexts, ticks, toPar
 import { LETTERS, NAMES, axes, limits, remember, state } from "./state.js";
 import { NONE, Tiles } from "./tiles.js";
 
-const EDGE = { left: 64, right: 14, top: 10, bottom: 46 }; // room for axes
+const EDGE = { left: 88, right: 14, top: 10, bottom: 46 }; // room for axes
 const COARSER = 3; // levels by which the first look at a place is coarser: a 64th of the work
 const FARTHEST = -1;
 const CLICK = 4; // pixels that a hand may shake
