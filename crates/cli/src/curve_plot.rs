@@ -32,7 +32,8 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
     for (i, curve) in curves.iter().enumerate() {
         let line = |physical: bool| part(curve, physical);
         let name = format!("curve {}", i + 1);
-        let (colour, stroke) = (i % COLOURS, Stroke::Solid(2));
+        // Of two curves of one colour the later is thicker.
+        let (colour, stroke) = (i % COLOURS, Stroke::Solid(2 + 2 * (i / COLOURS).min(3) as u32));
         all.push(Series { name, colour, stroke, mark: Mark::None, points: line(true) });
         let (colour, stroke) = (GREY, Stroke::Dashed(1));
         all.push(Series { name: String::new(), colour, stroke, mark: Mark::None, points: line(false) });
