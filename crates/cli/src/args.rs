@@ -15,6 +15,7 @@ use vibrochain_maps::numbers::{real, whole};
 
 use crate::page_args::PageArgs;
 
+#[cfg(feature = "plot")]
 pub(crate) use events::SHOWN;
 pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, EventName, LocateArgs, QuantityName};
 pub use model::{EndsName, FamilyName, LayerEndsName, ModelArgs, SiteFamily, WhichArgs};
