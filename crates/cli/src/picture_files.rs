@@ -55,7 +55,7 @@ mod with_plot {
             let asked = || flags.iter().filter_map(|(path, format)| Some((path.as_deref()?, *format)));
             wanted.page.checked(asked().next().is_some(), "--png, --svg or --pdf")?;
             asked().try_for_each(|(path, format)| format.promised(path))?;
-            let open = |(path, format): (&Path, Format)| Ok((wanted.page.page(format), Output::create(path)?));
+            let open = |(path, format): (&Path, Format)| Ok((wanted.page.page(format)?, Output::create(path)?));
             Ok(Self(asked().map(open).collect::<Result<_, CliError>>()?))
         }
 
