@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 import random
 import struct
@@ -404,6 +405,55 @@ def overlays(browser):
     tell(f"{count} borders and {stripes} lines of stripes over the map")
 
 
+def colours_by_numbers(browser):
+    """Each pixel of the map has the colour of its cell's own number, on the scale that the program gives; the key says which."""
+    browser.run("explorer.map.whole()")
+    browser.until(IDLE, "the whole map")
+    seen = 0
+    for color in ["spectral_radius", "margin", "solutions"]:
+        browser.run(f"(() => {{ const select = document.getElementById('color'); select.value = '{color}'; select.dispatchEvent(new Event('change')); }})()")
+        browser.until(f"explorer.map.scale.is?.color === '{color}' && !document.getElementById('scale').hidden", "a scale")
+        browser.until(IDLE, "all tiles")
+        time.sleep(0.3)
+        # Of a pixel: the number of the cell under it, and its red, green and blue; the scale, and its colours.
+        found = browser.run("""(() => {
+            const map = explorer.map, { is } = map.scale, s = 2 ** -explorer.state.zoom, list = [];
+            for (let k = 0; k < 400; k += 1) {
+                const x = (k * 97) % map.canvas.width, y = (k * 61) % map.canvas.height;
+                const part = [explorer.state.u - s / 2 + (x + 0.5) / map.canvas.width * s, explorer.state.v - s / 2 + (1 - (y + 0.5) / map.canvas.height) * s];
+                const cells = part.map((p) => Math.floor(p * 64 * 2 ** map.z)), tiles = cells.map((c) => Math.floor(c / 64));
+                const tile = map.tiles.get(map.z, ...tiles);
+                if (!tile) continue;
+                const i = (cells[1] - 64 * tiles[1]) * 64 + cells[0] - 64 * tiles[0];
+                const number = { spectral_radius: tile.radius[i] - 1, margin: tile.margin[i], solutions: tile.solutions[i] || NaN }[is.color];
+                list.push([String(number), [0, 8, 16].map((shift) => (map.pixels[y * map.canvas.width + x] >> shift) & 255)]);
+            }
+            return { list, is, scale: map.colours.scale, below: map.colours.below, name: document.getElementById("scalename").textContent, ticks: [...document.querySelectorAll("#scaleticks span")].map((tick) => tick.textContent) };
+        })()""")
+        assert found["name"] == found["is"]["heading"] and found["ticks"] == [text for _, text in found["is"]["ticks"]], found["ticks"]
+        bytes_of = lambda rgb: [rgb >> 16, rgb >> 8 & 255, rgb & 255]
+        least, most = found["is"]["ends"]
+        for text, rgb in found["list"]:
+            number = float(text)
+            if math.isnan(number):
+                assert rgb == [255, 255, 255], (color, text, rgb)
+                continue
+            number = struct.unpack("f", struct.pack("f", number))[0]
+            at = (math.log10(number) if number > 0 else -math.inf) if found["is"]["logarithm"] else number
+            if found["is"]["logarithm"] and at < least:
+                assert rgb == bytes_of(found["below"]), (color, text, rgb)
+                continue
+            step = min(1.0, max(0.0, (at - least) / (most - least))) * (len(found["scale"]) - 1)
+            near = [bytes_of(found["scale"][n]) for n in {math.floor(step), math.ceil(step)}]
+            assert rgb in near, (color, text, rgb, near)
+            seen += 1
+        shoot(browser, f"by-{color}")
+    browser.run("(() => { const select = document.getElementById('color'); select.value = 'class'; select.dispatchEvent(new Event('change')); })()")
+    browser.until("document.getElementById('scale').hidden", "classes")
+    assert seen > 500, seen
+    tell(f"coloured by three numbers: {seen} pixels have the colour of their cell's, the key its words")
+
+
 def takes_along(browser):
     begins = {"scene": "[", "command": "mapgen sweep view.toml", "python": "import vibrochain", "svg": "<svg", "csv": "gamma2,omega,class", "address": "http://127.0.0.1:"}
     for name, begin in begins.items():
@@ -425,6 +475,7 @@ try:
     dresses(browser)
     fingers(browser)
     takes_along(browser)
+    colours_by_numbers(browser)
     overlays(browser)
     survives(browser, explorer)
     follows(browser)

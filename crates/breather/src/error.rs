@@ -46,6 +46,9 @@ pub enum BreatherError {
         /// The largest violation left.
         violation: f64,
     },
+    /// The flag of [`Finder::until`](crate::Finder::until) was raised.
+    #[error("stopped before all orbits were found")]
+    Stopped,
 }
 
 /// What keeps a word from being searched for.

@@ -1,6 +1,9 @@
 //! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
 //! same, the impulse response as long as chain and frequency do, and all scratch space.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum, Wave};
 
 use crate::admissibility::Admissibility;
@@ -15,6 +18,7 @@ use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::radiation::Radiation;
 use crate::rises::Rises;
 use crate::roots::Zeros;
+use crate::stop::Stop;
 use crate::watch::{Depth, Watch};
 use crate::word::Word;
 use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_places, forced_single};
@@ -82,6 +86,7 @@ pub struct Finder {
     radiation: Option<Option<Radiation>>,
     plane: PlanarZeros,
     watch: Watch,
+    pub(crate) stop: Stop,
 }
 
 impl Finder {
@@ -98,7 +103,16 @@ impl Finder {
             radiation: None,
             plane: PlanarZeros::default(),
             watch: Watch::default(),
+            stop: Stop::default(),
         }
+    }
+
+    /// The same finder, whose searches end with [`BreatherError::Stopped`] soon after `flag` is raised.
+    #[must_use]
+    pub fn until(mut self, flag: Arc<AtomicBool>) -> Self {
+        self.stop = Stop::at(flag);
+        (self.zeros.stop, self.plane.stop) = (self.stop.clone(), self.stop.clone());
+        self
     }
 
     /// Spectrum and impulse response of the model's chain for impulses of frequency `omega`.
@@ -169,6 +183,7 @@ impl Finder {
         found.orbits.clear();
         found.ended.clear();
         found.completeness = Completeness::default();
+        self.stop.heard()?;
         self.zeros.clear();
         self.rises.clear();
         self.plane.clear();
@@ -272,6 +287,7 @@ impl Finder {
         if let Some(error) = failure {
             return Err(error);
         }
+        self.stop.heard()?;
         let unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
         let exhausted = self.zeros.exhausted + self.plane.exhausted;
         let left_out =

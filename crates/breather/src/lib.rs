@@ -25,6 +25,7 @@
 //! | `word_search`, `uncoupled`, `ended` | [`Finder::find_word`]: all orbits of a word |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
+//! | `stop` | a flag that ends long searches |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
 //!
 //! With the feature `serde` values are written by the names of `mapgen orbit --json`; those that hold nothing derived are read, too.
@@ -86,6 +87,7 @@ mod reduction;
 mod resonances;
 mod rises;
 mod roots;
+mod stop;
 mod surface;
 mod two_impacts;
 mod uncoupled;

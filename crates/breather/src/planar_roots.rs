@@ -14,6 +14,7 @@
 //! rounding blurs before it is decided is a double zero, or two closer than can be told apart: unresolved.
 
 use crate::patch::Patch;
+use crate::stop::Stop;
 
 /// Two functions with enclosures, which may be written down in several ways.
 pub(crate) trait Planar {
@@ -59,12 +60,14 @@ pub(crate) struct PlanarZeros {
     pub(crate) simple: Vec<[f64; 2]>,
     /// One point of each cluster of rectangles that rounding blurs.
     pub(crate) unresolved: Vec<[f64; 2]>,
-    /// Rectangles not looked at because the budget was spent.
+    /// Rectangles not looked at because the budget was spent, or the search stopped.
     pub(crate) exhausted: usize,
     /// Rectangles examined.
     pub(crate) boxes: usize,
     /// Enclosures spent.
     pub(crate) evaluations: usize,
+    /// Once raised, what is left is not looked at.
+    pub(crate) stop: Stop,
 }
 
 /// Enclosures that no sound problem needs.
@@ -157,7 +160,7 @@ impl PlanarZeros {
                 let rectangle = Rectangle { low: [column.low[0], row[0]], high: [column.high[0], row[1]] };
                 stack.push((rectangle, Some(strip.clone())));
                 while let Some((rectangle, strip)) = stack.pop() {
-                    if self.evaluations - started > BUDGET {
+                    if self.evaluations - started > BUDGET || self.stop.is_raised() {
                         self.exhausted += 1;
                     } else {
                         self.examine(&search, rectangle, strip, &mut stack, &mut blurred);

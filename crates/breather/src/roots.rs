@@ -6,6 +6,7 @@
 //! unresolved, not dropped.
 
 use crate::enclosure::Dual;
+use crate::stop::Stop;
 
 /// A function of one variable with an enclosure on any interval.
 pub(crate) trait Enclosed {
@@ -26,13 +27,15 @@ pub(crate) struct Zeros {
     pub(crate) simple: Vec<f64>,
     /// Centres of intervals, as narrow as can be told apart, on which a double zero may sit.
     pub(crate) unresolved: Vec<f64>,
-    /// Intervals not looked at because the budget was spent.
+    /// Intervals not looked at because the budget was spent, or the search stopped.
     pub(crate) exhausted: usize,
     /// Intervals enclosed.
     pub(crate) intervals: usize,
     /// Evaluations spent, those that close in on a zero included.
     pub(crate) evaluations: usize,
     stack: Vec<(f64, f64)>,
+    /// Once raised, what is left is not looked at.
+    pub(crate) stop: Stop,
 }
 
 /// Evaluations per piece that no sound problem needs on average; what is left then is reported as exhausted.
@@ -84,7 +87,7 @@ impl Zeros {
         }
         let budget = self.evaluations + LEAST_BUDGET.max(MOST_PER_PIECE * pieces);
         while let Some((low, high)) = self.stack.pop() {
-            if self.evaluations > budget {
+            if self.evaluations > budget || self.stop.is_raised() {
                 self.exhausted += 1 + self.stack.len();
                 return;
             }

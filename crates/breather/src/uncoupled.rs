@@ -14,6 +14,7 @@ use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found, Wanted};
 use crate::forced_single;
 use crate::orbit::{Family, Hit, Orbit, SIMULTANEOUS};
+use crate::stop::Stop;
 use crate::word::Word;
 
 /// The most starts that are followed; each takes some milliseconds.
@@ -108,7 +109,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
         let chosen: Vec<&Alone> = choice.iter().zip(&solutions).map(|(&i, list)| &list[i]).collect();
         if let Some(start) = together(model, word, &sites, &chosen)? {
             starts += 1;
-            match follow(&start, model)? {
+            match follow(&start, model, &finder.stop)? {
                 Ok(orbit) => {
                     if !found.orbits.iter().any(|other| is_same(other, &orbit)) {
                         found.orbits.push(orbit);
@@ -164,10 +165,10 @@ fn together(model: &Model, word: &Word, sites: &[usize], chosen: &[&Alone]) -> R
 }
 
 /// Follows an orbit without coupling to the model's.
-fn follow(start: &Orbit, model: &Model) -> Result<Result<Orbit, Ended>, BreatherError> {
+fn follow(start: &Orbit, model: &Model, stop: &Stop) -> Result<Result<Orbit, Ended>, BreatherError> {
     let mut orbit = start.clone();
     for coupling in COUPLINGS {
-        match follow_in(&orbit, coupling, model.get(coupling))? {
+        match follow_in(&orbit, coupling, model.get(coupling), stop)? {
             Ok(there) => orbit = there,
             ended => return Ok(ended),
         }
@@ -176,7 +177,12 @@ fn follow(start: &Orbit, model: &Model) -> Result<Result<Orbit, Ended>, Breather
 }
 
 /// Follows an orbit in one coupling, from 0 to `target`.
-fn follow_in(start: &Orbit, coupling: Parameter, target: f64) -> Result<Result<Orbit, Ended>, BreatherError> {
+fn follow_in(
+    start: &Orbit,
+    coupling: Parameter,
+    target: f64,
+    stop: &Stop,
+) -> Result<Result<Orbit, Ended>, BreatherError> {
     if target == 0.0 {
         return Ok(Ok(start.clone()));
     }
@@ -195,6 +201,7 @@ fn follow_in(start: &Orbit, coupling: Parameter, target: f64) -> Result<Result<O
     };
     let mut step = LONGEST;
     loop {
+        stop.heard()?;
         let left = (target - point.value()) / target;
         let there = left <= step * point.heading();
         let mut next = if there { along.at(&point, target) } else { along.step(&point, step) };

@@ -15,6 +15,8 @@ use vibrochain_maps::numbers::{real, whole};
 
 use crate::page_args::PageArgs;
 
+#[cfg(feature = "plot")]
+pub(crate) use events::SHOWN;
 pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, EventName, LocateArgs, QuantityName};
 pub use model::{EndsName, FamilyName, LayerEndsName, ModelArgs, SiteFamily, WhichArgs};
 pub use runs::{Direction, FateArgs, SectionName, SimulateArgs, StartFrom};
@@ -76,7 +78,7 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Make one table of the chunks that `sweep --shard` has left in a folder.
     Merge(MergeArgs),
-    /// Draw a table of `mapgen sweep` once more, without computing it.
+    /// Draw a table that was written once more, without computing it.
     Draw(DrawArgs),
     /// All breathers of a family at one point, with their stability.
     Orbit(OrbitArgs),

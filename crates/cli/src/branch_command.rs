@@ -11,43 +11,35 @@ use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 
 use crate::args::{BranchArgs, QuantityName};
+use crate::branch_table::{HEADER, Table, write};
+use crate::caption::describe_without;
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::locate_command::{
     Start, error_text, event, evidence_text, located_json, message, range, start, verdict_json,
 };
 use crate::orbit_command::{point_value, with_word};
+use crate::picture_files::PictureFiles;
 use crate::schemas::BRANCH;
+use crate::table_manifest::{Manifest, beside};
 use crate::which;
-
-const HEADER: [&str; 15] = [
-    "branch",
-    "generation",
-    "event",
-    "value",
-    "error",
-    "impulse",
-    "impulses",
-    "phi",
-    "psi",
-    "period",
-    "margin",
-    "physical",
-    "stable",
-    "mechanism",
-    "spectral_radius",
-];
 
 /// Runs the subcommand.
 ///
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
+    let manifest = beside(args.csv.as_deref())?;
+    let files = [
+        ("--csv", args.csv.as_deref()),
+        ("the manifest of --csv", manifest.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
     let taken = distinct(&args.along.reads(), &files)?;
     nothing_else(args.json, taken)?;
-    let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
-    let plot = Plot::open(args)?;
+    let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
+    let manifest = Manifest::create(manifest.as_deref())?;
+    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let start = start(&args.along, console)?;
     if args.plot.is_some() && args.show.contains(&QuantityName::Psi) && start.orbit.model().is_conservative() {
         let message =
@@ -70,10 +62,13 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
         as_text(&start, &course, &diagram, args.all)
     };
     console.answer(&text, taken)?;
-    if let Some(table) = table {
-        write_table(table, &diagram)?;
+    let heading = format!("branches of breathers, {}", describe_without(start.orbit.model(), course.free));
+    let table = Table::new(course.free.name(), heading, point_value(start.orbit.model()), &diagram);
+    if let Some(file) = file {
+        write(file, &diagram)?;
+        manifest.finish("branch", table.rows(), &table.about)?;
     }
-    plot.finish(&start, &course, &diagram)
+    draw(pictures, args, &course, &table)
 }
 
 /// The orbit with which a branch begins.
@@ -89,43 +84,6 @@ fn ending(branch: &FollowedBranch, course: &Course, value: f64, end: &End) -> St
         return format!("the branch ends at {free} = {}, on orbits of half its period", Number(value));
     }
     message(course.free, value, end)
-}
-
-fn write_table(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let flag = |value: Option<bool>| value.map_or(String::new(), |value| value.to_string());
-    for (i, branch) in diagram.branches.iter().enumerate() {
-        for station in &branch.stations {
-            let (event, value, error, orbit, point) = match station {
-                Station::Point(point) => ("", point.value, None, &point.orbit, Some(point)),
-                Station::Event(found) => (found.event.name(), found.value, Some(found.error), &found.orbit, None),
-            };
-            let verdict = point.and_then(|point| point.verdict);
-            let impulses: Vec<String> = orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
-            let physical = match station {
-                Station::Point(point) => point.physical,
-                Station::Event(found) => found.physical,
-            };
-            table.row([
-                (i + 1).to_string(),
-                branch.generation.to_string(),
-                event.to_owned(),
-                value.to_string(),
-                number(error.filter(|error| error.is_finite())),
-                orbit.strongest_impulse().unwrap_or(0.0).to_string(),
-                impulses.join(" "),
-                number(orbit.phi()),
-                number(orbit.psi()),
-                orbit.period().to_string(),
-                number(point.and_then(|point| point.margin)),
-                flag(physical),
-                flag(verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable)),
-                verdict.and_then(|verdict| verdict.mechanism).map_or(String::new(), |m| m.name().to_owned()),
-                number(verdict.map(|verdict| verdict.spectral_radius)),
-            ])?;
-        }
-    }
-    Ok(table.finish()?)
 }
 
 fn point_json(point: &DiagramPoint) -> Value {
@@ -270,26 +228,15 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
 }
 
 #[cfg(feature = "plot")]
-use crate::branch_plot::Plot;
-#[cfg(not(feature = "plot"))]
-use without_plot::Plot;
-
-#[cfg(not(feature = "plot"))]
-mod without_plot {
-    use super::{BranchArgs, CliError, Course, Diagram, Start};
-
-    pub(super) struct Plot;
-
-    impl Plot {
-        pub(super) fn open(args: &BranchArgs) -> Result<Self, CliError> {
-            match args.plot {
-                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self),
-            }
-        }
-
-        pub(super) fn finish(self, _: &Start, _: &Course, _: &Diagram) -> Result<(), CliError> {
-            Ok(())
-        }
+fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) -> Result<(), CliError> {
+    if files.is_empty() {
+        return Ok(());
     }
+    let picture = crate::branch_plot::picture(table, course.free, &args.show, args.all);
+    files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(_: PictureFiles, _: &BranchArgs, _: &Course, _: &Table) -> Result<(), CliError> {
+    Ok(())
 }

@@ -1,15 +1,13 @@
 //! The picture of a bifurcation diagram: a quantity of the orbits against the parameter, a panel each.
 
-use vibrochain_breather::Orbit;
-use vibrochain_floquet::{Course, Diagram, DiagramPoint, Event, FollowedBranch, Station, Verdict};
-use vibrochain_maps::files::Output;
-use vibrochain_plot::{Curves, Mark, Page, Pane, Scale, Series, Stroke, curves_picture};
+use std::collections::BTreeSet;
 
-use crate::args::{BranchArgs, QuantityName};
-use crate::caption::describe_without;
-use crate::error::CliError;
-use crate::locate_command::Start;
-use crate::which::of_branch as name;
+use vibrochain_floquet::Event;
+use vibrochain_lattice::Parameter;
+use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
+
+use crate::args::QuantityName;
+use crate::branch_table::{BranchName, Row, Table};
 
 /// Colours of generations of branches, by turns; the last but one marks events, the last what is not physical.
 const COLOURS: usize = 4;
@@ -22,26 +20,12 @@ const CROWD: usize = 40;
 /// Multipliers drawn by logarithms leave the picture here.
 const HIGHEST: f64 = 1e5;
 
-/// A picture under way.
-pub(crate) struct Plot {
-    file: Option<(Page, Output)>,
-    shown: Vec<QuantityName>,
-    all: bool,
-}
-
-impl Plot {
-    pub(crate) fn open(args: &BranchArgs) -> Result<Self, CliError> {
-        Ok(Self { file: args.page.open("--plot", args.plot.as_deref())?, shown: args.show.clone(), all: args.all })
-    }
-
-    pub(crate) fn finish(self, start: &Start, course: &Course, diagram: &Diagram) -> Result<(), CliError> {
-        let Some((page, file)) = self.file else { return Ok(()) };
-        let panes: Vec<Pane> = self.shown.iter().map(|quantity| pane(*quantity, self.all, course, diagram)).collect();
-        let title = format!("branches of breathers, {}", describe_without(start.orbit.model(), course.free));
-        let picture = Curves { title, columns: panes.len().min(2), panes, pane: (860, 620), ..Curves::default() };
-        let bytes = curves_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
-        Ok(file.finish_with(&bytes)?)
-    }
+/// The picture of a table: a panel a quantity, with `all` also what is not physical.
+pub(crate) fn picture(table: &Table, free: Parameter, shown: &[QuantityName], all: bool) -> Curves {
+    let panes: Vec<Pane> = shown.iter().map(|quantity| pane(*quantity, all, free, table)).collect();
+    let title = table.about.heading.clone();
+    // Panels differ in what they show, not in what their lines mean.
+    Curves { title, columns: panes.len().min(2), panes, pane: (860, 620), one_legend: true, ..Curves::default() }
 }
 
 fn label(quantity: QuantityName) -> &'static str {
@@ -55,14 +39,14 @@ fn label(quantity: QuantityName) -> &'static str {
 }
 
 /// The quantity's values: one, or one for each impact.
-fn values(quantity: QuantityName, orbit: &Orbit, point: Option<&DiagramPoint>) -> Vec<f64> {
+fn values(quantity: QuantityName, row: &Row, force_periods: u32) -> Vec<f64> {
     let one = |value: Option<f64>| vec![value.unwrap_or(f64::NAN)];
     match quantity {
-        QuantityName::Impulse => orbit.impacts().iter().map(|impact| impact.impulse.abs()).collect(),
-        QuantityName::Phi => one(orbit.phi().map(|phi| phi / orbit.period())),
-        QuantityName::Psi => one(orbit.psi().map(|psi| psi / orbit.model().period())),
-        QuantityName::Margin => one(point.and_then(|point| point.margin)),
-        QuantityName::SpectralRadius => one(point.and_then(|point| Some(point.verdict?.spectral_radius))),
+        QuantityName::Impulse => row.impulses.iter().map(|impulse| impulse.abs()).collect(),
+        QuantityName::Phi => one(row.phi.map(|phi| phi / row.period)),
+        QuantityName::Psi => one(row.psi.map(|psi| psi / (row.period / f64::from(force_periods)))),
+        QuantityName::Margin => one(row.margin),
+        QuantityName::SpectralRadius => one(row.spectral_radius),
     }
 }
 
@@ -74,27 +58,44 @@ enum Kind {
     NotPhysical,
 }
 
-fn kind(point: &DiagramPoint) -> Kind {
-    match (point.physical, point.verdict.as_ref()) {
-        (Some(true), Some(Verdict { stable: true, .. })) => Kind::Stable,
-        (Some(true), _) => Kind::Unstable,
+/// That of a point; an event is of none.
+fn kind(row: &Row) -> Option<Kind> {
+    Some(match (row.event, row.physical, row.stable) {
+        (Some(_), ..) => return None,
+        (None, Some(true), Some(true)) => Kind::Stable,
+        (None, Some(true), _) => Kind::Unstable,
         _ => Kind::NotPhysical,
-    }
+    })
+}
+
+/// A branch of a table.
+#[derive(Clone, Copy)]
+struct Branch<'a> {
+    about: &'a BranchName,
+    rows: &'a [Row],
+}
+
+fn branches(table: &Table) -> impl Iterator<Item = Branch<'_>> {
+    table.about.branches.iter().zip(&table.branches).map(|(about, rows)| Branch { about, rows })
 }
 
 /// What the branches of a generation are called.
-fn title(generation: u32, branches: &[&FollowedBranch], taken: &[Series]) -> String {
+fn title(generation: u32, branches: &[Branch<'_>], taken: &[Series]) -> String {
     let origin = if generation < 2 { "it" } else { "these" };
     match branches {
         [branch] => {
-            let name = name(branch);
-            if taken.iter().any(|series| series.name == name) { format!("{name}, leaves {origin}") } else { name }
+            let name = &branch.about.name;
+            if taken.iter().any(|series| series.name == *name) {
+                format!("{name}, leaves {origin}")
+            } else {
+                name.clone()
+            }
         }
         branches => format!("{} branches that leave {origin}", branches.len()),
     }
 }
 
-fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -> Pane {
+fn pane(quantity: QuantityName, all: bool, free: Parameter, table: &Table) -> Pane {
     let mut series: Vec<Series> = Vec::new();
     let plain = |name: &str, colour, stroke| Series {
         name: name.to_owned(),
@@ -103,25 +104,25 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
         mark: Mark::None,
         points: Vec::new(),
     };
-    for generation in 0..=diagram.branches.iter().map(|branch| branch.generation).max().unwrap_or(0) {
+    let generations: BTreeSet<u32> = branches(table).map(|branch| branch.about.generation).collect();
+    for generation in generations {
         let colour = generation as usize % COLOURS;
-        let of_it: Vec<&FollowedBranch> = diagram.branches.iter().filter(|one| one.generation == generation).collect();
+        let of_it: Vec<Branch<'_>> = branches(table).filter(|one| one.about.generation == generation).collect();
         let title = title(generation, &of_it, &series);
         series.push(plain(&title, colour, Stroke::Solid(3)));
         series.extend(of_it.into_iter().flat_map(|branch| curves(quantity, colour, branch, all)));
     }
-    let used =
-        |wanted: Kind| diagram.branches.iter().flat_map(FollowedBranch::points).any(|point| kind(point) == wanted);
+    let used = |wanted: Kind| branches(table).flat_map(|branch| branch.rows).any(|row| kind(row) == Some(wanted));
     if used(Kind::Unstable) {
         series.push(plain("unstable", GREY, Stroke::Dashed(2)));
     }
     if all && used(Kind::NotPhysical) {
         series.push(plain("not physical", GREY, Stroke::Solid(1)));
     }
-    let count: usize = diagram.branches.iter().map(|branch| branch.events().count()).sum();
+    let count = branches(table).flat_map(|branch| branch.rows).filter(|row| row.event.is_some()).count();
     let mark = if count > CROWD { Mark::Small } else { Mark::Filled };
     series.extend(
-        Event::ALL.into_iter().enumerate().filter_map(|(shape, event)| events(quantity, event, mark(shape), diagram)),
+        Event::ALL.into_iter().enumerate().filter_map(|(shape, event)| events(quantity, event, mark(shape), table)),
     );
     let (scale, levels) = match quantity {
         QuantityName::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
@@ -133,7 +134,7 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
     }
     Pane {
         caption: String::new(),
-        x: format!("{} {}", course.free.meaning(), course.free.symbol()),
+        x: format!("{} {}", free.meaning(), free.symbol()),
         y: label(quantity).to_owned(),
         x_range: None,
         x_log: false,
@@ -144,29 +145,25 @@ fn pane(quantity: QuantityName, all: bool, course: &Course, diagram: &Diagram) -
     }
 }
 
-/// The quantity at a station of a branch: what only points know of an event is 1 or between its neighbours.
-fn heights(quantity: QuantityName, branch: &FollowedBranch, at: usize) -> Vec<f64> {
-    let found = match &branch.stations[at] {
-        Station::Point(point) => return values(quantity, &point.orbit, Some(point)),
-        Station::Event(found) => found,
-    };
-    let known = values(quantity, &found.orbit, None);
-    if known.iter().all(|value| value.is_finite()) {
+/// The quantity at a row of a branch: what only points know of an event is 1 or between its neighbours.
+fn heights(quantity: QuantityName, branch: Branch<'_>, at: usize) -> Vec<f64> {
+    let Branch { about, rows } = branch;
+    let of = |row: &Row| values(quantity, row, about.force_periods);
+    let found = &rows[at];
+    let known = of(found);
+    if found.event.is_none() || known.iter().all(|value| value.is_finite()) {
         return known;
     }
-    let (before, behind) = branch.stations.split_at(at);
-    let near = |station: &Station| match station {
-        Station::Point(point) => Some(point.clone()),
-        Station::Event(_) => None,
-    };
-    let (before, behind) = (before.iter().rev().find_map(near), behind.iter().find_map(near));
-    let stable = |point: &Option<DiagramPoint>| point.as_ref().is_some_and(|point| kind(point) == Kind::Stable);
+    let (before, behind) = rows.split_at(at);
+    let is_point = |row: &&Row| row.event.is_none();
+    let (before, behind) = (before.iter().rev().find(is_point), behind.iter().find(is_point));
+    let stable = |point: Option<&Row>| point.and_then(kind) == Some(Kind::Stable);
     // Next to stable orbits it is the leading multiplier that is on the circle.
-    if quantity == QuantityName::SpectralRadius && found.event != Event::Grazing && (stable(&before) || stable(&behind))
-    {
+    let grazes = found.event == Some(Event::Grazing);
+    if quantity == QuantityName::SpectralRadius && !grazes && (stable(before) || stable(behind)) {
         return vec![1.0];
     }
-    let told = |point: DiagramPoint| (point.value, values(quantity, &point.orbit, Some(&point)));
+    let told = |point: &Row| (point.value, of(point));
     match (before.map(told), behind.map(told)) {
         (Some((low, from)), Some((high, to))) if low != high => {
             let share = ((found.value - low) / (high - low)).clamp(0.0, 1.0);
@@ -176,15 +173,19 @@ fn heights(quantity: QuantityName, branch: &FollowedBranch, at: usize) -> Vec<f6
     }
 }
 
+/// A row as it is drawn.
+struct Passed {
+    value: f64,
+    kind: Option<Kind>,
+    heights: Vec<f64>,
+}
+
 /// The curves of a branch: of each impact where impulses are asked for, cut where the kind of orbit changes.
-fn curves(quantity: QuantityName, colour: usize, branch: &FollowedBranch, all: bool) -> Vec<Series> {
-    let place = |at: usize| match &branch.stations[at] {
-        Station::Point(point) => (point.value, Some(kind(point))),
-        Station::Event(found) => (found.value, None),
-    };
-    let passed: Vec<(_, Vec<f64>)> =
-        (0..branch.stations.len()).map(|at| (place(at), heights(quantity, branch, at))).collect();
-    let count = passed.first().map_or(0, |(_, values)| values.len());
+fn curves(quantity: QuantityName, colour: usize, branch: Branch<'_>, all: bool) -> Vec<Series> {
+    let drawn =
+        |(at, row): (usize, &Row)| Passed { value: row.value, kind: kind(row), heights: heights(quantity, branch, at) };
+    let passed: Vec<Passed> = branch.rows.iter().enumerate().map(drawn).collect();
+    let count = passed.first().map_or(0, |first| first.heights.len());
     let styles = [
         (Kind::NotPhysical, GREY, Stroke::Solid(1)),
         (Kind::Unstable, colour, Stroke::Dashed(2)),
@@ -195,7 +196,7 @@ fn curves(quantity: QuantityName, colour: usize, branch: &FollowedBranch, all: b
     let kinds: Vec<Option<Kind>> = passed
         .windows(2)
         .map(|pair| {
-            last = pair[1].0.1.or(pair[0].0.1).or(last);
+            last = pair[1].kind.or(pair[0].kind).or(last);
             last
         })
         .collect();
@@ -210,8 +211,8 @@ fn curves(quantity: QuantityName, colour: usize, branch: &FollowedBranch, all: b
                     }
                     continue;
                 }
-                let [from, to] =
-                    [&pair[0], &pair[1]].map(|(place, values)| (place.0, values.get(i).copied().unwrap_or(f64::NAN)));
+                let height = |row: &Passed| row.heights.get(i).copied().unwrap_or(f64::NAN);
+                let [from, to] = [&pair[0], &pair[1]].map(|row| (row.value, height(row)));
                 if drawn.last().is_none_or(|last| !last.0.is_finite()) {
                     drawn.push(from);
                 }
@@ -226,12 +227,11 @@ fn curves(quantity: QuantityName, colour: usize, branch: &FollowedBranch, all: b
 }
 
 /// The places of one kind of event, of physical orbits.
-fn events(quantity: QuantityName, event: Event, mark: Mark, diagram: &Diagram) -> Option<Series> {
+fn events(quantity: QuantityName, event: Event, mark: Mark, table: &Table) -> Option<Series> {
     let mut points = Vec::new();
-    for branch in &diagram.branches {
-        for (at, station) in branch.stations.iter().enumerate() {
-            let Station::Event(found) = station else { continue };
-            if found.event != event || !branch.is_physical_about(at) {
+    for branch in branches(table) {
+        for (at, found) in branch.rows.iter().enumerate().filter(|(_, row)| row.event == Some(event)) {
+            if !Row::is_physical_about(branch.rows, at) {
                 continue;
             }
             // One mark an event, on the uppermost of its curves.

@@ -9,11 +9,15 @@ use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 
 use crate::args::CurveArgs;
+use crate::caption::in_common;
 use crate::console::{Console, nothing_else};
+use crate::curve_table::{About, header, write};
 use crate::error::CliError;
 use crate::locate_command::{Start, event, message, range, start};
 use crate::orbit_command::{point_value, with_word};
+use crate::picture_files::PictureFiles;
 use crate::schemas::CURVE;
+use crate::table_manifest::{Manifest, beside};
 
 /// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
 const ON_IT: f64 = 2.0;
@@ -30,29 +34,22 @@ struct Curves {
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let files = [("--csv", args.csv.as_deref()), ("--plot", args.plot.as_deref())];
+    let manifest = beside(args.csv.as_deref())?;
+    let files = [
+        ("--csv", args.csv.as_deref()),
+        ("the manifest of --csv", manifest.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
     let taken = distinct(&args.along.reads(), &files)?;
     nothing_else(args.json, taken)?;
     let [first, second] = [args.along.free, args.and];
-    let header = [
-        "curve",
-        "event",
-        first.name(),
-        second.name(),
-        "error",
-        "special",
-        "special_error",
-        "angle",
-        "physical",
-        "impulses",
-        "phi",
-        "psi",
-    ];
     if first == second {
         return Err(CliError::Request(format!("--free and --and are both {}: give two parameters", first.name())));
     }
-    let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
-    let plot = Plot::open(args)?;
+    let header = header([first.name(), second.name()]);
+    let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
+    let manifest = Manifest::create(manifest.as_deref())?;
+    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let start = start(&args.along, console)?;
     let window = window(args, &start)?;
     let search = Search { event: event(args.event), free: first, from: window.from[0], to: window.to[0] };
@@ -70,10 +67,14 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         curves.as_text(&start, &search, &answer.ends)
     };
     console.answer(&text, taken)?;
-    if let Some(table) = table {
-        curves.write(table)?;
+    let heading = curves.heading(&start);
+    if let Some(file) = file {
+        write(file, &curves.list)?;
+        let count: usize = curves.list.iter().map(|curve| curve.points.len()).sum();
+        let about = About::new(&curves.window, heading.clone(), point_value(start.orbit.model()));
+        manifest.finish("curve", count as u64, &about)?;
     }
-    plot.finish(&start, &curves.window, &curves.list)
+    draw(pictures, &heading, &curves)
 }
 
 /// The ranges of both parameters.
@@ -132,31 +133,13 @@ impl Curves {
         })
     }
 
-    fn write(&self, mut table: CsvFile) -> Result<(), CliError> {
-        let number = |value: Option<f64>| value.filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string());
-        for (i, curve) in self.list.iter().enumerate() {
-            for (k, point) in curve.points.iter().enumerate() {
-                let special: Vec<&SpecialPoint> = curve.special.iter().filter(|one| one.point == k).collect();
-                let names: Vec<String> = special.iter().map(|one| one.special.to_string()).collect();
-                let impulses: Vec<String> =
-                    point.orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
-                table.row([
-                    (i + 1).to_string(),
-                    curve.event.to_string(),
-                    point.values[0].to_string(),
-                    point.values[1].to_string(),
-                    number(Some(point.error)),
-                    names.join(" "),
-                    number(special.first().map(|one| one.error)),
-                    number(point.angle),
-                    point.physical.map_or(String::new(), |physical| physical.to_string()),
-                    impulses.join(" "),
-                    number(point.orbit.phi()),
-                    number(point.orbit.psi()),
-                ])?;
-            }
-        }
-        Ok(table.finish()?)
+    /// What is in the heading of a picture: the event, and what all points of all curves have in common.
+    fn heading(&self, start: &Start) -> String {
+        let event = self.list.first().map_or(String::new(), |curve| format!("{} of breathers, ", curve.event));
+        let ends = self.list.iter().flat_map(|curve| [curve.points.first(), curve.points.last()]).flatten();
+        let mut models: Vec<_> = ends.map(|point| point.orbit.model()).collect();
+        models.push(start.orbit.model());
+        format!("{event}{}", in_common(&models))
     }
 
     fn as_json(&self, start: &Start) -> Value {
@@ -245,26 +228,15 @@ impl Curves {
 }
 
 #[cfg(feature = "plot")]
-use crate::curve_plot::Plot;
-#[cfg(not(feature = "plot"))]
-use without_plot::Plot;
-
-#[cfg(not(feature = "plot"))]
-mod without_plot {
-    use super::{CliError, CurveArgs, EventCurve, Start, Window};
-
-    pub(super) struct Plot;
-
-    impl Plot {
-        pub(super) fn open(args: &CurveArgs) -> Result<Self, CliError> {
-            match args.plot {
-                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self),
-            }
-        }
-
-        pub(super) fn finish(self, _: &Start, _: &Window, _: &[EventCurve]) -> Result<(), CliError> {
-            Ok(())
-        }
+fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliError> {
+    if files.is_empty() {
+        return Ok(());
     }
+    let picture = crate::curve_plot::picture(heading, &curves.window, &crate::curve_table::rows(&curves.list));
+    files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(_: PictureFiles, _: &str, _: &Curves) -> Result<(), CliError> {
+    Ok(())
 }

@@ -17,6 +17,7 @@ use crate::args::CurvesArgs;
 use crate::border_search::BorderSearch;
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
+use crate::picture_files::PictureFiles;
 use crate::schemas::CURVES;
 use crate::threads::threads;
 
@@ -45,7 +46,7 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
     let header = ["border", "family", "event", "special", names[0], names[1], "error"];
     let points = args.points.as_deref().map(|path| CsvFile::create("--points", path, header)).transpose()?;
-    let map = Map::open(args)?;
+    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let started = Instant::now();
@@ -63,7 +64,7 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let answer = Answer { scene: &scene, borders: &borders, regions: &regions, places, time };
     let text = if args.json { format!("{:#}\n", answer.as_json()) } else { answer.as_text() };
     console.answer(&text, taken)?;
-    map.finish(&scene, &regions)
+    draw(pictures, &scene, &regions)
 }
 
 fn stripe(border: &Border) -> String {
@@ -248,57 +249,17 @@ impl Answer<'_> {
 }
 
 #[cfg(feature = "plot")]
-use with_plot::Map;
-#[cfg(not(feature = "plot"))]
-use without_plot::Map;
-
-#[cfg(feature = "plot")]
-mod with_plot {
-    use vibrochain_maps::files::Output;
-    use vibrochain_maps::regions::Regions;
-    use vibrochain_maps::scene::Scene;
-    use vibrochain_plot::{Page, Palette, RegionsPicture, Tile, regions_picture};
-
-    use super::{CliError, CurvesArgs, Lives};
-
-    pub(super) struct Map {
-        file: Option<(Page, Output)>,
+fn draw(files: PictureFiles, scene: &Scene, regions: &Regions<Lives>) -> Result<(), CliError> {
+    use vibrochain_plot::{Palette, RegionsPicture, Tile, regions_picture};
+    if files.is_empty() {
+        return Ok(());
     }
-
-    impl Map {
-        pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
-            Ok(Self { file: args.page.open("--plot", args.plot.as_deref())? })
-        }
-
-        pub(super) fn finish(self, scene: &Scene, regions: &Regions<Lives>) -> Result<(), CliError> {
-            let Some((page, file)) = self.file else { return Ok(()) };
-            let regions = regions.named(|class| Tile { class: *class, mechanism: None });
-            let picture = RegionsPicture { scene, regions: &regions, borders: &[], palette: Palette::default() };
-            let bytes = regions_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
-            Ok(file.finish_with(&bytes)?)
-        }
-    }
+    let regions = regions.named(|class| Tile { class: *class, mechanism: None });
+    let picture = RegionsPicture { scene, regions: &regions, borders: &[], palette: Palette::default() };
+    files.draw(|page| regions_picture(&picture, page))
 }
 
 #[cfg(not(feature = "plot"))]
-mod without_plot {
-    use vibrochain_maps::regions::Regions;
-    use vibrochain_maps::scene::Scene;
-
-    use super::{CliError, CurvesArgs, Lives};
-
-    pub(super) struct Map;
-
-    impl Map {
-        pub(super) fn open(args: &CurvesArgs) -> Result<Self, CliError> {
-            match args.plot {
-                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self),
-            }
-        }
-
-        pub(super) fn finish(self, _: &Scene, _: &Regions<Lives>) -> Result<(), CliError> {
-            Ok(())
-        }
-    }
+fn draw(_: PictureFiles, _: &Scene, _: &Regions<Lives>) -> Result<(), CliError> {
+    Ok(())
 }

@@ -95,6 +95,7 @@ impl From<BreatherError> for CliError {
             BreatherError::Resonance(resonance) => resonance.into(),
             BreatherError::Parameter(parameter) => parameter.into(),
             BreatherError::Word(word) => Self::Request(word.to_string()),
+            BreatherError::Stopped => Self::Interrupted,
             BreatherError::TooStiff { .. } | BreatherError::Impact { .. } | BreatherError::NotConverged { .. } => {
                 Self::Computation(error.to_string())
             }

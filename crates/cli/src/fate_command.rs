@@ -17,12 +17,17 @@ use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::fate_plot::Plot;
 use crate::fate_report::Totals;
-use crate::page_args::PageArgs;
+use crate::picture_files::PictureFiles;
 use crate::progress::counter;
+use crate::table_manifest::{Manifest, beside, of_scene};
 use crate::threads::threads;
 
 /// The most runs of one command: years of work.
 const MAX_RUNS: u64 = 100_000_000;
+
+/// What manifests call the tables.
+pub(crate) const ENDS: &str = "fate";
+pub(crate) const SECTION: &str = "fate --diagram";
 
 /// Points that a diagram keeps of each run, unless more or fewer are asked for.
 const POINTS: u64 = 100;
@@ -53,10 +58,13 @@ pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let table = args.csv.as_deref().filter(|_| args.shard.is_none());
     let place = table.map(place).transpose()?.flatten();
     let parts = place.as_ref().and(table).map(parts_path);
+    let manifests = [beside(table)?, beside(args.diagram.as_deref())?];
     let files = [
         ("--csv", args.csv.as_deref()),
+        ("the manifest of --csv", manifests[0].as_deref()),
         ("the folder of chunks", parts.as_deref()),
         ("--diagram", args.diagram.as_deref()),
+        ("the manifest of --diagram", manifests[1].as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
@@ -99,23 +107,17 @@ pub(crate) fn command(scene_file: &Path, csv: &Path, settings: &Settings) -> Vec
 pub(crate) struct Seen<'a> {
     scene: &'a Scene,
     ensemble: &'a Ensemble,
-    files: Vec<&'a Path>,
-    page: &'a PageArgs,
-    plots: Result<Vec<Plot>, CliError>,
-    pub(crate) totals: Totals,
+    plot: Plot,
+    totals: Totals,
+    rows: u64,
 }
 
 impl<'a> Seen<'a> {
     /// # Errors
     /// [`CliError::Request`] for pictures that cannot be.
-    pub(crate) fn new(
-        scene: &'a Scene,
-        ensemble: &'a Ensemble,
-        files: Vec<&'a Path>,
-        page: &'a PageArgs,
-    ) -> Result<Self, CliError> {
-        let plots = plots(scene, &files, page)?;
-        Ok(Self { scene, ensemble, files, page, plots: Ok(plots), totals: Totals::default() })
+    pub(crate) fn new(scene: &'a Scene, ensemble: &'a Ensemble, files: PictureFiles) -> Result<Self, CliError> {
+        let plot = Plot::of_ends(files, scene)?;
+        Ok(Self { scene, ensemble, plot, totals: Totals::default(), rows: 0 })
     }
 
     /// What it all has come to.
@@ -124,14 +126,11 @@ impl<'a> Seen<'a> {
         if json { format!("{:#}\n", totals.as_json(scene, ensemble)) } else { totals.as_text(scene, ensemble) }
     }
 
-    /// Draws the pictures.
-    pub(crate) fn finish(self) -> Result<(), CliError> {
-        self.plots?.into_iter().try_for_each(|plot| plot.finish(self.scene, self.ensemble))
+    /// Writes what the table is of, and draws the pictures.
+    pub(crate) fn finish(self, manifest: Manifest) -> Result<(), CliError> {
+        manifest.finish(ENDS, self.rows, &of_scene(self.scene, Some(self.ensemble)))?;
+        self.plot.finish(self.scene, self.ensemble)
     }
-}
-
-fn plots(scene: &Scene, files: &[&Path], page: &PageArgs) -> Result<Vec<Plot>, CliError> {
-    files.iter().map(|path| Plot::of_ends(Some(path), page, scene)).collect()
 }
 
 impl Watcher<CellFates> for Seen<'_> {
@@ -140,17 +139,16 @@ impl Watcher<CellFates> for Seen<'_> {
     }
 
     fn begin(&mut self) {
-        if self.totals.cells > 0 {
-            self.totals = Totals::default();
-            self.plots = plots(self.scene, &self.files, self.page);
-        }
+        self.totals = Totals::default();
+        self.rows = 0;
+        self.plot.begin();
     }
 
     fn cell(&mut self, _: u64, cell: &CellFates) {
         self.totals.add(cell);
-        if let Ok(plots) = &mut self.plots {
-            plots.iter_mut().for_each(|plot| plot.see(cell));
-        }
+        // A cell without any has a row, too.
+        self.rows += cell.breathers.len().max(1) as u64;
+        self.plot.see(cell);
     }
 }
 
@@ -174,11 +172,13 @@ impl Ends<'_> {
             let pool = threads(console.threads.or(given))?;
             return self.chunked(&pool, &stop, console.threads).shard("--csv", folder, shard, console);
         }
-        let mut seen = Seen::new(&plan.scene, &fates.ensemble, args.plot.as_deref().into_iter().collect(), &args.page)?;
+        let files = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+        let mut seen = Seen::new(&plan.scene, &fates.ensemble, files)?;
         // Destinations first: an impossible one should not cost a computation.
         if let (Some(_), Some(out)) = (place, &args.csv) {
             drop(fates.create(out, &plan.scene)?);
         }
+        let manifest = Manifest::create(beside(args.csv.as_deref())?.as_deref())?;
         let stop = (console.interrupt)()?;
         let pool = threads(console.threads)?;
         let run = self.chunked(&pool, &stop, console.threads);
@@ -188,21 +188,21 @@ impl Ends<'_> {
             (None, _) => {
                 self.alone(&run, &mut seen, progress)?;
                 console.answer(&seen.answer(args.json), taken)?;
-                seen.finish()
+                seen.finish(manifest)
             }
             (Some(out), None) if args.resume => Err(nothing_to_resume("--csv", out)),
             (Some(out), None) => {
                 let (table, ..) = run.stream(out, &mut seen, progress)?;
                 table.commit()?;
                 console.answer(&seen.answer(args.json), taken)?;
-                seen.finish()
+                seen.finish(manifest)
             }
             (Some(out), Some(place)) => {
                 let gathered = run.gather(out, &parts_path(out), &mut seen, console)?;
                 let answer = seen.answer(args.json);
                 run.settle(gathered, place, console, |table| {
                     table.commit()?;
-                    seen.finish()
+                    seen.finish(manifest)
                 })?;
                 console.answer(&answer, taken)
             }
@@ -275,12 +275,13 @@ fn diagram(
     let header = [axis.parameter.name().to_owned(), "period".to_owned()];
     let header = header.into_iter().chain(columns("displacement")).chain(columns("velocity"));
     let mut file = CsvFile::create("--diagram", path, header)?;
-    let mut plot = Plot::of_diagram(args.plot.as_deref(), &args.page, scene)?;
+    let manifest = Manifest::create(beside(Some(path))?.as_deref())?;
+    let mut plot = Plot::of_diagram(PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?, scene);
     let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let bar = counter(scene.cells(), 0, "cells", console.progress && !taken);
     let job = Job { scene, pool: &pool, stop: &stop };
-    let (mut cells, mut incomplete) = (0_u64, 0_u64);
+    let (mut cells, mut incomplete, mut rows) = (0_u64, 0_u64, 0_u64);
     let ended = diagram.compute(
         &job,
         |cells| bar.inc(cells),
@@ -288,8 +289,11 @@ fn diagram(
             cells += 1;
             incomplete += u64::from(!column.complete);
             let value = axis.value(column.number as usize);
-            plot.see_column(value, &column);
+            rows += column.points.len() as u64;
             for point in &column.points {
+                if let Some((displacement, _)) = point.states.first() {
+                    plot.see_point(value, *displacement);
+                }
                 let states = point.states.iter().map(|state| state.0).chain(point.states.iter().map(|state| state.1));
                 let row = [Number(value).to_string(), point.period.to_string()];
                 file.row(row.into_iter().chain(states.map(|x| Number(x).to_string())))?;
@@ -301,6 +305,7 @@ fn diagram(
     let stopped = is_stopped(ended)?;
     if !stopped || cells > 0 {
         file.finish()?;
+        manifest.finish(SECTION, rows, &of_scene(scene, Some(ensemble)))?;
     }
     if stopped {
         return Err(kept(&args.diagram, args.plot.is_some(), cells, scene.cells()));

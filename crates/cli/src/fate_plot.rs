@@ -7,18 +7,15 @@ pub(crate) use without_plot::Plot;
 
 #[cfg(feature = "plot")]
 mod with_plot {
-    use std::path::Path;
-
-    use vibrochain_fate::{CellFates, Column, End, Ensemble};
+    use vibrochain_fate::{CellFates, End, Ensemble};
     use vibrochain_lattice::Short;
-    use vibrochain_maps::files::Output;
     use vibrochain_maps::scene::{Axis, Scene, Values};
     use vibrochain_plot::{
-        Curves, EndsPicture, MOST_VALUES, Mark, Page, Pane, Scale, Series, Stroke, curves_picture, ends_picture,
+        Curves, EndsPicture, MOST_VALUES, Mark, Pane, Scale, Series, Stroke, curves_picture, ends_picture,
     };
 
     use crate::error::CliError;
-    use crate::page_args::PageArgs;
+    use crate::picture_files::PictureFiles;
 
     /// The most cells of a picture.
     const MOST_CELLS: u64 = 36_000_000;
@@ -31,7 +28,7 @@ mod with_plot {
 
     /// What is collected of a picture.
     pub(crate) struct Plot {
-        file: Option<(Page, Output)>,
+        files: PictureFiles,
         /// Of each cell the number of its most frequent end.
         cells: Vec<Option<usize>>,
         /// Of each end, its share at each value of the axis.
@@ -43,23 +40,28 @@ mod with_plot {
     }
 
     impl Plot {
-        pub(crate) fn of_ends(path: Option<&Path>, page: &PageArgs, scene: &Scene) -> Result<Self, CliError> {
+        /// Of the ends of runs.
+        ///
+        /// # Errors
+        /// [`CliError::Request`] of more cells than are drawn.
+        pub(crate) fn of_ends(files: PictureFiles, scene: &Scene) -> Result<Self, CliError> {
             let axes = scene.axes.len();
             let longest = scene.axes.iter().map(Axis::points).max().unwrap_or(0);
-            if path.is_some() && (axes > 2 || axes == 2 && longest > MOST_VALUES || scene.cells() > MOST_CELLS) {
+            if !files.is_empty() && (axes > 2 || axes == 2 && longest > MOST_VALUES || scene.cells() > MOST_CELLS) {
                 let message = format!(
-                    "--plot needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
+                    "a picture of ends needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
                 );
                 return Err(CliError::Request(message));
             }
-            Self::new(path, page, scene, false)
+            Ok(Self::new(files, scene, false))
         }
 
-        pub(crate) fn of_diagram(path: Option<&Path>, page: &PageArgs, scene: &Scene) -> Result<Self, CliError> {
-            Self::new(path, page, scene, true)
+        /// Of a diagram, over the one axis of its scene.
+        pub(crate) fn of_diagram(files: PictureFiles, scene: &Scene) -> Self {
+            Self::new(files, scene, true)
         }
 
-        fn new(path: Option<&Path>, page: &PageArgs, scene: &Scene, is_diagram: bool) -> Result<Self, CliError> {
+        fn new(files: PictureFiles, scene: &Scene, is_diagram: bool) -> Self {
             let axis = match scene.axes.as_slice() {
                 [axis] => Some(axis.clone()),
                 _ => None,
@@ -72,18 +74,18 @@ mod with_plot {
                 points: Vec::new(),
             };
             let shares = End::NAMES.iter().enumerate().map(share).collect();
-            Ok(Self {
-                file: page.open("--plot", path)?,
-                cells: Vec::new(),
-                shares,
-                points: Vec::new(),
-                axis,
-                is_diagram,
-            })
+            Self { files, cells: Vec::new(), shares, points: Vec::new(), axis, is_diagram }
+        }
+
+        /// Forgets what was seen.
+        pub(crate) fn begin(&mut self) {
+            self.cells.clear();
+            self.shares.iter_mut().for_each(|series| series.points.clear());
+            self.points.clear();
         }
 
         pub(crate) fn see(&mut self, cell: &CellFates) {
-            if self.file.is_none() {
+            if self.files.is_empty() {
                 return;
             }
             match &self.axis {
@@ -105,71 +107,46 @@ mod with_plot {
             }
         }
 
-        pub(crate) fn see_column(&mut self, value: f64, column: &Column) {
-            if self.file.is_none() {
+        /// A point of a diagram: a value of the axis, and the displacement of the first mass that is looked at.
+        pub(crate) fn see_point(&mut self, value: f64, displacement: f64) {
+            if self.files.is_empty() || self.points.len() == MOST_POINTS {
                 return;
             }
             let x = self.axis.as_ref().map_or(value, |axis| place(axis, value));
-            let room = MOST_POINTS - self.points.len();
-            let points = column.points.iter().filter_map(|point| Some((x, point.states.first()?.0)));
-            self.points.extend(points.take(room));
+            self.points.push((x, displacement));
         }
 
         pub(crate) fn finish(mut self, scene: &Scene, ensemble: &Ensemble) -> Result<(), CliError> {
-            let Some((page, file)) = self.file else { return Ok(()) };
+            if self.files.is_empty() {
+                return Ok(());
+            }
             let Ensemble { starts, size, periods, .. } = *ensemble;
             let what = if self.is_diagram { "section" } else { "ends" };
             let each = if self.is_diagram { String::new() } else { format!("{starts} ") };
             let runs = if !self.is_diagram && starts == 1 { "run" } else { "runs" };
             let caption = format!("{what} of {each}{runs} of {periods} periods, perturbed by {}", Short(size));
-            let bytes = match &self.axis {
-                None => {
-                    let picture = EndsPicture { scene, caption, names: &End::NAMES, cells: &self.cells };
-                    ends_picture(&picture, page)
-                }
-                Some(axis) => {
-                    let dots = |points| Series {
-                        name: String::new(),
-                        colour: 0,
-                        stroke: Stroke::None,
-                        mark: Mark::Dot,
-                        points,
-                    };
-                    for series in &mut self.shares {
-                        // A list of values may come in any order.
-                        series.points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                    }
-                    let shown = |series: &Series| series.points.iter().any(|point| point.1 > 0.0);
-                    let (y, scale, series) = if self.is_diagram {
-                        ("displacement, once a period", Scale::Linear, vec![dots(self.points)])
-                    } else {
-                        let shares = self.shares.into_iter().filter(shown).collect();
-                        ("share of the runs", Scale::Between(-0.03..1.03), shares)
-                    };
-                    let pane = Pane {
-                        caption,
-                        x: axis_name(axis),
-                        y: y.to_owned(),
-                        x_range: None,
-                        x_log: is_logarithmic(axis),
-                        scale,
-                        levels: Vec::new(),
-                        round: false,
-                        series,
-                    };
-                    curves_picture(
-                        &Curves {
-                            title: scene.heading(),
-                            panes: vec![pane],
-                            columns: 1,
-                            pane: (960, 560),
-                            ..Curves::default()
-                        },
-                        page,
-                    )
-                }
+            let Some(axis) = &self.axis else {
+                let picture = EndsPicture { scene, caption, names: &End::NAMES, cells: &self.cells };
+                return self.files.draw(|page| ends_picture(&picture, page));
             };
-            Ok(file.finish_with(&bytes.map_err(|error| CliError::Computation(error.to_string()))?)?)
+            for series in &mut self.shares {
+                // A list of values may come in any order.
+                series.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            }
+            let (y, scale, series) = if self.is_diagram {
+                let (name, points) = (String::new(), self.points);
+                let dots = Series { name, colour: 0, stroke: Stroke::None, mark: Mark::Dot, points };
+                ("displacement, once a period", Scale::Linear, vec![dots])
+            } else {
+                let shown = |series: &Series| series.points.iter().any(|point| point.1 > 0.0);
+                let shares = self.shares.into_iter().filter(shown).collect();
+                ("share of the runs", Scale::Between(-0.03..1.03), shares)
+            };
+            let (x, y, x_log) = (axis_name(axis), y.to_owned(), is_logarithmic(axis));
+            let pane = Pane { caption, x, y, x_log, scale, series, ..Pane::default() };
+            let (title, panes) = ([scene.heading(), scene.criterion()].join(", "), vec![pane]);
+            let picture = Curves { title, panes, columns: 1, pane: (960, 560), ..Curves::default() };
+            self.files.draw(|page| curves_picture(&picture, page))
         }
     }
 
@@ -189,32 +166,29 @@ mod with_plot {
 
 #[cfg(not(feature = "plot"))]
 mod without_plot {
-    use std::path::Path;
-
-    use vibrochain_fate::{CellFates, Column, Ensemble};
+    use vibrochain_fate::{CellFates, Ensemble};
     use vibrochain_maps::scene::Scene;
 
     use crate::error::CliError;
-    use crate::page_args::PageArgs;
+    use crate::picture_files::PictureFiles;
 
     /// This build draws nothing.
     pub(crate) struct Plot;
 
     impl Plot {
-        pub(crate) fn of_ends(path: Option<&Path>, _: &PageArgs, _: &Scene) -> Result<Self, CliError> {
-            match path {
-                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self),
-            }
+        pub(crate) fn of_ends(_: PictureFiles, _: &Scene) -> Result<Self, CliError> {
+            Ok(Self)
         }
 
-        pub(crate) fn of_diagram(path: Option<&Path>, page: &PageArgs, scene: &Scene) -> Result<Self, CliError> {
-            Self::of_ends(path, page, scene)
+        pub(crate) fn of_diagram(_: PictureFiles, _: &Scene) -> Self {
+            Self
         }
+
+        pub(crate) fn begin(&mut self) {}
 
         pub(crate) fn see(&mut self, _: &CellFates) {}
 
-        pub(crate) fn see_column(&mut self, _: f64, _: &Column) {}
+        pub(crate) fn see_point(&mut self, _: f64, _: f64) {}
 
         pub(crate) fn finish(self, _: &Scene, _: &Ensemble) -> Result<(), CliError> {
             Ok(())

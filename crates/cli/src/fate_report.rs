@@ -12,6 +12,7 @@ use vibrochain_maps::scene::Scene;
 
 use crate::report::grid;
 use crate::schemas::FATE;
+use crate::table_manifest::Runs;
 
 /// Words of other breathers that people are told.
 const SHOWN: usize = 8;
@@ -110,7 +111,6 @@ impl Totals {
     }
 
     pub(crate) fn as_json(&self, scene: &Scene, ensemble: &Ensemble) -> Value {
-        let Ensemble { starts, size, seed, periods, transient, tolerance, leave } = *ensemble;
         let ends: serde_json::Map<String, Value> =
             End::NAMES.iter().zip(self.ends).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
         let words: serde_json::Map<String, Value> =
@@ -118,10 +118,7 @@ impl Totals {
         let mut all = serde_json::Map::from_iter([("schema".to_owned(), FATE.into())]);
         all.extend(scene_parts(scene));
         let own = json!({
-            "ensemble": {
-                "starts": starts, "perturb": size, "seed": seed, "periods": periods, "transient": transient,
-                "tolerance": tolerance, "leave": leave,
-            },
+            "ensemble": Runs::from(ensemble),
             "cells": self.cells,
             "cells_with_breather": self.with,
             "breathers": self.breathers,

@@ -8,7 +8,9 @@
 //! | `model`, `which` | the model a command is asked about, and which of its breathers |
 //! | `threads`, `progress` | threads to compute on; bars that tell how far long work is |
 //! | `chunked_run` | a table in chunks, which outlive the process and may be shared by many |
-//! | `pictures` | pictures of a table that is being written |
+//! | `pictures`, `picture_files` | pictures of a table that is being written; the files of any picture |
+//! | `table_manifest`, `table_rows` | what a table is of, in a file beside it; a table read again |
+//! | `branch_table`, `curve_table` | the tables of a bifurcation diagram and of curves in two parameters, written and read |
 //! | `border_search` | all borders of a scene, with a bar |
 //! | `estimate`, `report` | what a sweep will cost, what it has found |
 //! | `branch_plot`, `curve_plot` | the pictures of a bifurcation diagram and of curves in two parameters (feature `plot`) |
@@ -20,7 +22,7 @@
 //! | `start`, `recording`, `section`, `pace` | where a simulation starts, what it leaves behind, how far it is |
 //! | `explore` | the page in a browser, and what it asks this program (feature `explore`) |
 //! | `orbit_trajectory` | a period of an orbit as a table |
-//! | `sweep_command`, `merge_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `fate_command`, `words_command` | the subcommands |
+//! | `sweep_command`, `merge_command`, `draw_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `fate_command`, `words_command` | the subcommands |
 
 mod animate;
 pub mod args;
@@ -28,14 +30,18 @@ mod border_search;
 pub mod branch_command;
 #[cfg(feature = "plot")]
 mod branch_plot;
-#[cfg(feature = "plot")]
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
+mod branch_table;
 pub mod caption;
 mod chunked_run;
 pub mod console;
 pub mod curve_command;
 #[cfg(feature = "plot")]
 mod curve_plot;
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
+mod curve_table;
 pub mod curves_command;
+#[cfg(feature = "plot")]
 pub mod draw_command;
 pub mod entry;
 pub mod error;
@@ -56,6 +62,7 @@ mod orbit_plots;
 mod orbit_trajectory;
 mod pace;
 pub mod page_args;
+mod picture_files;
 mod pictures;
 pub mod program;
 mod progress;
@@ -71,7 +78,10 @@ pub mod start;
 #[cfg(feature = "plot")]
 pub mod stripes;
 pub mod sweep_command;
-mod table_cells;
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
+mod table_manifest;
+#[cfg(feature = "plot")]
+mod table_rows;
 pub mod threads;
 mod version;
 pub mod which;

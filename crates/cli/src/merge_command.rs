@@ -9,14 +9,16 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_fate::Fates;
 use vibrochain_lattice::Short;
 
-use crate::args::{ColorName, MergeArgs, PaletteName, PictureArgs};
-use crate::chunked_run::{place, quoted};
+use crate::args::MergeArgs;
+use crate::chunked_run::quoted;
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::fate_command::{self, Seen};
+use crate::picture_files::{PictureFiles, of_no_map};
 use crate::pictures::Pictures;
 use crate::report::report;
-use crate::sweep_command::{manifest_path, manifest_text, tell};
+use crate::sweep_command::{manifest_text, tell};
+use crate::table_manifest::{Manifest, beside};
 use crate::threads::threads;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{distinct, name_within};
@@ -48,7 +50,7 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 
 /// The table, manifest and pictures of a sweep.
 fn sweep(args: &MergeArgs, plan: &Plan, pool: &ThreadPool, console: &mut Console<'_>) -> Result<(), CliError> {
-    let manifest_file = place(&args.out)?.map(|_| manifest_path(&args.out));
+    let manifest_file = beside(Some(&args.out))?;
     apart(args, manifest_file.as_deref())?;
     Form::of(&args.out)?;
     // All fail early where they cannot be written.
@@ -73,25 +75,15 @@ fn ensemble(
     pool: &ThreadPool,
     console: &mut Console<'_>,
 ) -> Result<(), CliError> {
-    let taken = apart(args, None)?;
-    let PictureArgs { png, svg, pdf, slice, color, curves, palette, page } = &args.pictures;
-    let pictures: Vec<&Path> = [png, svg, pdf].into_iter().filter_map(Option::as_deref).collect();
-    page.checked(!pictures.is_empty(), "--png, --svg or --pdf")?;
-    let of_maps = [
-        ("--slice", !slice.is_empty()),
-        ("--color", *color != ColorName::default()),
-        ("--curves", *curves),
-        ("--palette", *palette != PaletteName::default()),
-    ];
-    if let Some((flag, _)) = of_maps.iter().find(|(_, given)| *given) {
-        let place = args.folder.display();
-        return Err(CliError::Request(format!("{flag} is of maps, {place} holds an ensemble: leave it out")));
-    }
-    let mut seen = Seen::new(&plan.scene, &fates.ensemble, pictures, page)?;
+    let manifest = beside(Some(&args.out))?;
+    let taken = apart(args, manifest.as_deref())?;
+    of_no_map(&args.pictures, &format!("{} holds an ensemble", args.folder.display()))?;
+    let manifest = Manifest::create(manifest.as_deref())?;
+    let mut seen = Seen::new(&plan.scene, &fates.ensemble, PictureFiles::asked(&args.pictures)?)?;
     let (table, ..) = assembled(fates, args, plan, pool, &mut seen, console)?;
     table.commit()?;
     console.answer(&seen.answer(args.json), taken)?;
-    seen.finish()
+    seen.finish(manifest)
 }
 
 /// Sees to it that no file is another, or a chunk. Tells whether one is standard output.

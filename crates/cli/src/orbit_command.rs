@@ -1,6 +1,8 @@
 //! `mapgen orbit`: all breathers of a family at one point.
 
 use std::fmt::Write as _;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
@@ -46,11 +48,16 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let trajectory = OrbitTrajectory::open(args, &model)?;
     let plot = Plot::open(args)?;
-    let mut finder = Finder::new(model.chain().sites());
+    let stop = (console.interrupt)()?;
+    let mut finder = Finder::new(model.chain().sites()).until(Arc::clone(&stop));
     let mut analyser = Analyser::default();
     let (name, mut found) = which::find(&which, &model, &mut finder, Some(console))?;
     let mut solutions = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {
+        // Each takes long where masses are many.
+        if stop.load(Ordering::Relaxed) {
+            return Err(CliError::Interrupted);
+        }
         let admissibility = finder.admissibility(&orbit)?;
         let condition = finder.condition(&orbit)?;
         let stability = analyser.stability(&orbit, &mut finder, tolerance);

@@ -11,8 +11,8 @@ use crate::error::CliError;
 use crate::threads::{cores, number};
 use crate::version::about;
 use crate::{
-    branch_command, curve_command, curves_command, draw_command, fate_command, locate_command, merge_command,
-    orbit_command, schema_command, setup_command, simulate_command, sweep_command, words_command,
+    branch_command, curve_command, curves_command, fate_command, locate_command, merge_command, orbit_command,
+    schema_command, setup_command, simulate_command, sweep_command, words_command,
 };
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
@@ -56,7 +56,8 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
     match command {
         Command::Sweep(args) => sweep_command::run(args, console),
         Command::Merge(args) => merge_command::run(args, console),
-        Command::Draw(args) => draw_command::run(args, console),
+        #[cfg(feature = "plot")]
+        Command::Draw(args) => crate::draw_command::run(args, console),
         Command::Orbit(args) => orbit_command::run(args, console),
         Command::Words(args) => words_command::run(args, console),
         Command::Locate(args) => locate_command::run(args, console),
@@ -69,7 +70,7 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         #[cfg(feature = "plot")]
         Command::Stripes(args) => crate::stripes::run(args, console),
         #[cfg(not(feature = "plot"))]
-        Command::Stripes(_) => {
+        Command::Draw(_) | Command::Stripes(_) => {
             Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
         }
         #[cfg(feature = "explore")]

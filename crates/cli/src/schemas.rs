@@ -20,10 +20,11 @@ pub(crate) const CURVES: &str = "urn:vibrochain:curves:1";
 pub(crate) const SIMULATE: &str = "urn:vibrochain:simulate:1";
 pub(crate) const WORDS: &str = "urn:vibrochain:words:1";
 pub(crate) const FATE: &str = "urn:vibrochain:fate:1";
+pub(crate) const TABLE: &str = "urn:vibrochain:table:1";
 pub(crate) const STATE: &str = "urn:vibrochain:state:1";
 
 /// Names, and the files.
-const SCHEMAS: [(&str, &str); 13] = [
+const SCHEMAS: [(&str, &str); 14] = [
     ("orbit", include_str!("../schemas/orbit.json")),
     ("locate", include_str!("../schemas/locate.json")),
     ("branch", include_str!("../schemas/branch.json")),
@@ -33,6 +34,7 @@ const SCHEMAS: [(&str, &str); 13] = [
     ("simulate", include_str!("../schemas/simulate.json")),
     ("fate", include_str!("../schemas/fate.json")),
     ("manifest", include_str!("../schemas/manifest.json")),
+    ("table", include_str!("../schemas/table.json")),
     ("scene", include_str!("../schemas/scene.json")),
     ("state", include_str!("../schemas/state.json")),
     ("near", include_str!("../schemas/near.json")),

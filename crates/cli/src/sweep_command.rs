@@ -1,6 +1,6 @@
 //! `mapgen sweep`: scene → plan → chunks → files → summary.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use clap::ValueEnum;
@@ -14,19 +14,14 @@ use crate::error::CliError;
 use crate::estimate::estimate;
 use crate::pictures::Pictures;
 use crate::report::report;
+use crate::table_manifest::manifest_path;
 use crate::threads::threads;
 use vibrochain_maps::files::{Output, distinct};
 use vibrochain_maps::manifest::{Effort, Run, manifest};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Cells, Plan, Shard};
-use vibrochain_maps::table::{Form, TableFile, stem};
-
-/// Where the manifest of a table goes: map.csv, map.csv.gz and map → map.manifest.json.
-pub(crate) fn manifest_path(table: &Path) -> PathBuf {
-    let name = table.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    table.with_file_name(format!("{}.manifest.json", stem(&name)))
-}
+use vibrochain_maps::table::{Form, TableFile};
 
 /// Runs the subcommand.
 ///

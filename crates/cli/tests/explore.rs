@@ -9,7 +9,7 @@ use std::time::Duration;
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::{Class, Status};
-use vibrochain_testkit::{Desk, written};
+use vibrochain_testkit::{Cells, Desk, written};
 
 /// How long an answer may take on a machine that is busy with other tests.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -257,7 +257,7 @@ fn what_is_no_question_is_refused_by_what_is_wrong_with_it() {
         (point("double-sided", json!({ "model": { "sites": 6 } })), "--gamma1"),
         (point("double-sided", json!({ "model": { "sites": 6, "scene": "/etc/passwd" } })), "model has no scene"),
         (point("double-sided", json!({ "model": { "sites": 100_000 } })), "give at most 1001"),
-        (point("double-sided", json!({ "out": "/tmp/x" })), "unknown field"),
+        (point("double-sided", json!({ "out": "elsewhere.csv" })), "unknown field"),
     ] {
         let message = served.post("orbit", &asked).refused(400);
         assert!(message.contains(told), "{message}");
@@ -387,6 +387,88 @@ fn a_tile_is_to_the_bit_what_a_sweep_of_its_range_computes() {
     assert!(classes.len() >= 8, "{classes:?}");
 }
 
+/// The colours of numbers are those of `sweep --color`, for the cells of a tile: each by its own number, and the scale with its ticks.
+#[test]
+fn numbers_have_the_colours_of_a_sweep() {
+    const SIDE: usize = 64;
+    let served = Served::new("");
+    let start = served.get("start").json();
+    let rgb = |value: &Value| {
+        let number = value.as_u64().unwrap();
+        [number >> 16, number >> 8 & 255, number & 255].map(|part| part as u8)
+    };
+    let colours: Vec<[u8; 3]> = start["colours"]["scale"].as_array().unwrap().iter().map(rgb).collect();
+    let below = rgb(&start["colours"]["below"]);
+    let (mut numbers, mut none, mut lower) = (0, 0, 0);
+    for (asymmetry, z) in [(0.4, 0), (0.1, 3)] {
+        let mut scene = scene();
+        scene["model"]["asymmetry"] = asymmetry.into();
+        let tile = served.post("tile", &json!({ "scene": scene, "z": z, "x": (1 << z) / 2, "y": (1 << z) / 2 }));
+        let mut own = scene.clone();
+        for axis in ["x", "y"] {
+            let [from, to] = ["from", "to"].map(|end| scene["sweep"][axis][end].as_f64().unwrap());
+            let step = (to - from) / (SIDE as f64 * 2f64.powi(z));
+            let first = f64::from((1 << z) / 2) * SIDE as f64;
+            let at = |cell: f64| from + (first + cell + 0.5) * step;
+            own["sweep"][axis]["from"] = at(0.0).into();
+            own["sweep"][axis]["to"] = at(63.0).into();
+            own["sweep"][axis]["points"] = SIDE.into();
+        }
+        std::fs::write(served.desk.path("own.json"), own.to_string()).unwrap();
+        for color in ["spectral_radius", "margin", "solutions"] {
+            let line = format!("sweep own.json --out own.csv --png own.png --svg own.svg --color {color} --quiet");
+            served.desk.run(&line).with(0, &[]);
+            let drawn = Cells::of(&served.desk.read("own.png"), SIDE as u32, SIDE as u32);
+            let scale = served.post("scale", &json!({ "scene": own, "color": color })).json();
+            let [from, to] = [0, 1].map(|i| scale["ends"][i].as_f64().unwrap());
+            let svg = String::from_utf8(served.desk.read("own.svg")).unwrap();
+            let words: Vec<String> = vibrochain_testkit::svg::texts(&svg).into_iter().map(|(_, text)| text).collect();
+            let ticks = scale["ticks"].as_array().unwrap();
+            let mut told: Vec<&str> = ticks.iter().map(|tick| tick[1].as_str().unwrap()).collect();
+            told.extend([&scale["heading"], &scale["below"]].into_iter().filter_map(Value::as_str));
+            assert!(
+                told.len() > 1 && told.iter().all(|text| words.iter().any(|word| word == text)),
+                "{told:?} {words:?}"
+            );
+            for i in 0..SIDE * SIDE {
+                let number = |at: usize| f64::from_le_bytes(tile.body[at + 8 * i..at + 8 * i + 8].try_into().unwrap());
+                let seen = drawn.of_cell(i, SIDE);
+                let value = match color {
+                    "spectral_radius" => f64::from((number(0) - 1.0) as f32),
+                    "margin" => f64::from(number(8 * SIDE * SIDE) as f32),
+                    _ => Some(tile.body[19 * SIDE * SIDE + i]).filter(|count| *count > 0).map_or(f64::NAN, f64::from),
+                };
+                if value.is_nan() {
+                    assert_eq!(seen, [255; 3], "{color} {i}");
+                    none += 1;
+                    continue;
+                }
+                let place = if scale["logarithm"] == true { value.log10() } else { value };
+                if scale["logarithm"] == true && (place.is_nan() || place < from) {
+                    assert_eq!(seen, below, "{color} {i}");
+                    lower += 1;
+                    continue;
+                }
+                // Between two steps of the scale that is handed over.
+                let step = ((place - from) / (to - from)).clamp(0.0, 1.0) * (colours.len() - 1) as f64;
+                let near = colours[step.round() as usize];
+                assert!(seen.iter().zip(near).all(|(a, b)| a.abs_diff(b) <= 1), "{color} {i} {seen:?} {near:?}");
+                numbers += 1;
+            }
+        }
+    }
+    assert!(numbers > 8000 && none > 1000 && lower > 500, "{numbers} {none} {lower}");
+    assert_eq!(numbers + none + lower, 2 * 3 * SIDE * SIDE);
+    let mut bare = scene();
+    bare["compute"]["stability"] = false.into();
+    let refused =
+        |scene: &Value, color: &str| served.post("scale", &json!({ "scene": scene, "color": color })).refused(400);
+    assert!(refused(&bare, "spectral_radius").contains("add stability = true"));
+    assert!(refused(&scene(), "impulse").contains("give spectral_radius, margin, solutions"));
+    bare["sweep"]["x"]["points"] = 100_000.into();
+    assert!(refused(&bare, "margin").contains("give at most 32768"));
+}
+
 /// What lies beyond the ends of a parameter's range is told apart, and costs no tile.
 #[test]
 fn a_tile_beyond_the_model_says_so() {
@@ -504,6 +586,11 @@ fn lines_pictures_and_tables_are_those_of_the_program() {
     assert_eq!(sweep["files"]["map.csv"].as_str().unwrap().as_bytes(), served.desk.read("own.csv"));
     assert_eq!(sweep["files"]["map.svg"].as_str().unwrap().as_bytes(), served.desk.read("own.svg"));
 
+    let margin = served.post("sweep", &json!({ "scene": scene, "color": "margin" })).json();
+    served.desk.run("sweep own.json --out own.csv --svg margin.svg --color margin --quiet").with(0, &[]);
+    assert_eq!(margin["files"]["map.svg"].as_str().unwrap().as_bytes(), served.desk.read("margin.svg"));
+    assert!(served.post("sweep", &json!({ "scene": scene, "color": "hue" })).refused(400).contains("hue"));
+
     let texts = served.post("texts", &json!({ "scene": scene })).json();
     std::fs::write(served.desk.path("view.toml"), texts["scene"].as_str().unwrap()).unwrap();
     served.desk.shell(texts["command"].as_str().unwrap()).with(0, &[]);
@@ -525,6 +612,33 @@ fn lines_pictures_and_tables_are_those_of_the_program() {
     scene["model"]["amplitude"] = 0.1.into();
     scene["model"]["restitution"] = 0.9.into();
     assert!(served.post("stripes", &json!({ "scene": scene })).refused(400).contains("without force"));
+}
+
+/// A slow orbit that nobody waits for any more gives its worker back: there are two, and both are asked for it, again and again.
+#[test]
+fn an_orbit_that_nobody_waits_for_frees_its_worker() {
+    let served = Served::new("");
+    let mut model_of_it = model(HARMONICS);
+    model_of_it.insert("sites".to_owned(), 1001.into());
+    model_of_it.insert("omega".to_owned(), 0.07.into());
+    let slow = json!({ "model": model_of_it, "which": "double-sided", "samples": 2 });
+    let quick = json!({ "model": model(MODEL), "which": "double-sided", "samples": 8 });
+    for _ in 0..4 {
+        let mut left: Vec<TcpStream> = (0..2).map(|_| served.connect()).collect();
+        for stream in &mut left {
+            stream.write_all(served.request("POST", "orbit", "", &slow.to_string()).as_bytes()).unwrap();
+        }
+        // Both are under way: the next question waits in vain as long as they are.
+        let mut third = served.connect();
+        third.write_all(served.request("POST", "orbit", "", &quick.to_string()).as_bytes()).unwrap();
+        third.set_read_timeout(Some(Duration::from_millis(1500))).unwrap();
+        let waited = third.read(&mut [0]);
+        assert!(waited.is_err(), "{waited:?}: the slow orbits are not slow");
+        drop(left);
+        third.set_read_timeout(Some(PATIENCE)).unwrap();
+        assert_eq!(read(&mut third).unwrap().code, 200);
+    }
+    served.is_alive();
 }
 
 #[test]

@@ -126,7 +126,7 @@ fn undisturbed() -> &'static (Vec<u8>, String) {
     RAN.get_or_init(|| {
         let desk = chunked();
         let answer = desk.run(&format!("{CHUNKED} --csv map.csv --threads 1")).with(0, &[]).out;
-        assert_eq!(desk.names("."), ["line.toml", "map.csv"]);
+        assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.manifest.json"]);
         (desk.read("map.csv"), answer)
     })
 }
@@ -163,7 +163,7 @@ fn a_stopped_ensemble_goes_on_where_it_was_and_ends_in_the_same_bytes() {
         desk.run(&format!("{CHUNKED} --csv map.csv")).with(2, &["chunks of an unfinished sweep", "--resume"]);
         let ran = desk.shell(again).with(0, &[]);
         assert!(desk.read("map.csv") == *expected && ran.out == *answer, "{name}: {ran:?}");
-        assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.svg"]);
+        assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.manifest.json", "map.svg"]);
         stopped += 1;
     }
     assert!(stopped >= 2);
@@ -205,7 +205,7 @@ fn shards_of_an_ensemble_merge_to_the_same_bytes_and_what_is_missing_is_named() 
     }
     let merged = desk.run("merge parts --out map.csv --png map.png").with(0, &[]);
     assert!(desk.read("map.csv") == *expected && merged.out == *answer, "{merged:?}");
-    assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.png", "parts"]);
+    assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.manifest.json", "map.png", "parts"]);
     // Compressed, it holds the same.
     desk.run("merge parts --out map.csv.gz --json").with(0, &[]);
     assert!(desk.shell("gzip -dc map.csv.gz | cmp - map.csv").code == Some(0));

@@ -8,7 +8,7 @@ use std::fs;
 #[cfg(unix)]
 use vibrochain_testkit::signal;
 use vibrochain_testkit::svg::{lines, texts, ticks};
-use vibrochain_testkit::{CHUNKS, Desk, Picture, SCENE};
+use vibrochain_testkit::{CHUNKS, Cells, Desk, SCENE};
 
 const MODEL: &str = "[model]\nsites = 6\ngamma1 = 0.2\n";
 const OMEGA: &str = r#"{ parameter = "omega", from = 0.6, to = 1.8, points = 61 }"#;
@@ -32,43 +32,6 @@ fn rows(table: &[u8]) -> Vec<BTreeMap<String, String>> {
 
 fn number(row: &BTreeMap<String, String>, column: &str) -> Option<f64> {
     row[column].parse().ok()
-}
-
-/// Where the map lies in its picture: the black frame about it.
-struct Cells {
-    picture: Picture,
-    corner: (u32, u32),
-    cell: (u32, u32),
-    rows: u32,
-}
-
-impl Cells {
-    fn of(png: &[u8], columns: u32, rows: u32) -> Self {
-        let picture = Picture::of(png);
-        let [across, down] = picture.size;
-        let black = |x: u32, y: u32| picture.at(x, y) == [0; 3];
-        // The longest black line down is the left side of the frame; no letter is as high.
-        let run = |x: u32, y: u32| (y..down).take_while(|y| black(x, *y)).count() as u32;
-        let (left, top) = (0..across)
-            .flat_map(|x| (0..down).map(move |y| (x, y)))
-            .find(|&(x, y)| black(x, y) && run(x, y) > 400)
-            .unwrap();
-        let height = run(left, top) - 2;
-        let width = (left..across).take_while(|x| black(*x, top)).count() as u32 - 2;
-        assert_eq!((width % columns, height % rows), (0, 0));
-        Self { picture, corner: (left + 1, top + 1), cell: (width / columns, height / rows), rows }
-    }
-
-    /// The middle pixel of the cell in a column and a row, counted from below.
-    fn middle(&self, column: u32, row: u32) -> [u8; 3] {
-        let x = self.corner.0 + column * self.cell.0 + self.cell.0 / 2;
-        let y = self.corner.1 + (self.rows - 1 - row) * self.cell.1 + self.cell.1 / 2;
-        self.picture.at(x, y)
-    }
-
-    fn of_cell(&self, cell: usize, columns: usize) -> [u8; 3] {
-        self.middle((cell % columns) as u32, (cell / columns) as u32)
-    }
 }
 
 #[test]
@@ -376,8 +339,9 @@ fn a_table_is_drawn_again_without_computing_it() {
     };
     refused("draw map.csv", "give --png, --svg or --pdf");
     refused("draw map.csv --png map.csv", "the table and --png are the same file");
-    refused("draw none.csv --png new.png", "none.manifest.json is not there");
     refused("draw none.csv --scene map.manifest.json --png new.png", "it cannot be read as a table");
+    fs::copy(desk.path("map.csv"), desk.path("alone.csv")).unwrap();
+    refused("draw alone.csv --png new.png", "alone.manifest.json is not there");
     refused("draw map.csv --png new.png --color impulse", "add impulse = true");
     let table = String::from_utf8(desk.read("map.csv")).unwrap();
     fs::write(desk.path("map.csv"), table.replacen("stable-double", "stable-treble", 1)).unwrap();

@@ -11,9 +11,9 @@ use vibrochain_lattice::{Ends, Parameter};
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_testkit::{Desk, Schema, written};
 
-const NAMES: [&str; 13] = [
-    "orbit", "locate", "branch", "curve", "curves", "words", "simulate", "fate", "manifest", "scene", "state", "near",
-    "plan",
+const NAMES: [&str; 14] = [
+    "orbit", "locate", "branch", "curve", "curves", "words", "simulate", "fate", "manifest", "table", "scene", "state",
+    "near", "plan",
 ];
 
 fn repository() -> PathBuf {
@@ -52,9 +52,11 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
     let words = "--sites-used 2 --reach 2 --all --sites 5 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
     answers.push(("words", told(&format!("words --json {words}"))));
     answers.push(("simulate", told(&format!("simulate --json --periods 3.5 {}", ORBITS[3]))));
-    answers.push(("branch", told(&format!("branch --json --free amplitude --to .17 --switch {DOUBLING}"))));
+    answers.push(("branch", told(&format!("branch --json --free amplitude --to .17 --switch {DOUBLING} --csv b.csv"))));
+    answers.push(("table", desk.json("b.manifest.json")));
     let plane = "--free amplitude --from .1 --to .3 --and restitution --and-from .2 --and-to .4 --tolerance 1e-3";
-    answers.push(("curve", told(&format!("curve --json --event period-doubling {plane} {DOUBLING}"))));
+    answers.push(("curve", told(&format!("curve --json --event period-doubling {plane} {DOUBLING} --csv c.csv"))));
+    answers.push(("table", desk.json("c.manifest.json")));
     desk.scene(
         "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
          x = { parameter = \"omega\", from = 0.6, to = 2.0, points = 30 }\n\
@@ -72,7 +74,8 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
         answers.push(("manifest", desk.json("map.manifest.json")));
     }
     // Of stable breathers that a thousandth does not drive away: no words of other motions, whose list is as long as it comes.
-    answers.push(("fate", told("fate scene.toml --starts 1 --periods 80 --json")));
+    answers.push(("fate", told("fate scene.toml --starts 1 --periods 80 --json --csv f.csv")));
+    answers.push(("table", desk.json("f.manifest.json")));
     answers
 }
 
@@ -128,7 +131,7 @@ const MAY_BE_MISSING: [&str; 13] = [
 ];
 
 /// Text that may be anything.
-const PROSE: [&str; 14] = [
+const PROSE: [&str; 16] = [
     "obstruction",
     "reason",
     "message",
@@ -143,6 +146,8 @@ const PROSE: [&str; 14] = [
     "target",
     "scene_file",
     "threshold",
+    "heading",
+    "name",
 ];
 
 #[test]
@@ -205,13 +210,15 @@ fn answers_have_their_form_and_nothing_near_them_has() {
     }
     assert!(answers.len() >= 20 && refused > 5000, "{} {refused}", answers.len());
     // Every key of a schema was in an answer, but for what the borders of a good window lack, and a table of scenes alone.
-    for name in ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "plan", "fate"] {
+    for name in
+        ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "table", "plan", "fate"]
+    {
         let mut keys = BTreeSet::new();
         properties(Schema::named(name).value(), &mut keys);
         let unseen: Vec<_> = keys.iter().filter(|key| !seen.contains(*key)).collect();
         let allowed: &[&str] = match name {
             "curves" => &["at", "between"],
-            "manifest" | "fate" => &["forcing"],
+            "manifest" | "table" | "fate" => &["forcing"],
             _ => &[],
         };
         assert!(keys.len() > 10 && unseen == allowed, "{name}: {unseen:?} of {} keys unseen", keys.len());
@@ -378,7 +385,10 @@ fn schemas_are_listed_and_printed_and_other_names_refused() {
     }
     desk.run("schema orbits").with(
         2,
-        &["orbits", "orbit, locate, branch, curve, curves, words, simulate, fate, manifest, scene, state, near, plan"],
+        &[
+            "orbits",
+            "orbit, locate, branch, curve, curves, words, simulate, fate, manifest, table, scene, state, near, plan",
+        ],
     );
     desk.run("schema orbit curve").with(2, &["curve"]);
     desk.shell("mapgen schema orbit | head -n 1").with(0, &[]);

@@ -6,6 +6,7 @@ import { $ } from "./dom.js";
 import { MapView, className, mechanismName } from "./map.js";
 import { Overlays } from "./overlays.js";
 import { Point } from "./point.js";
+import { Scale } from "./scale.js";
 import { recall, remember, state } from "./state.js";
 import { takeAlong } from "./take.js";
 
@@ -18,6 +19,7 @@ function dress() {
 }
 
 function legend({ classes, samples, tiles, period }) {
+  const numbers = state.color !== "class";
   const sample = (pixels) => {
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [28, 16];
@@ -45,9 +47,9 @@ function legend({ classes, samples, tiles, period }) {
     const parts = name.split("-");
     return name === "none" || (sides.has(parts.at(-1)) && parts.length === (stability ? 2 : 1));
   });
-  const items = shown.map((name) => entry(pixels(name), className(name)));
-  if (stability) items.push(...samples.map(({ mechanism, pixels: marked }) => entry(marked, `unstable: ${mechanismName(mechanism)}`)));
-  items.push(entry(pixels(null), "class not known"));
+  const items = shown.filter((name) => !numbers || name === "none").map((name) => entry(pixels(name), className(name)));
+  if (stability && !numbers) items.push(...samples.map(({ mechanism, pixels: marked }) => entry(marked, `unstable: ${mechanismName(mechanism)}`)));
+  items.push(entry(pixels(null), numbers ? "not known" : "class not known"));
   $("legend").replaceChildren(...items);
 }
 
@@ -68,10 +70,15 @@ async function begin() {
     remember();
   });
   const overlays = new Overlays(map);
+  const scale = new Scale(map, start.colours, () => {
+    map.redraw();
+    legend(start.colours);
+  });
+  map.scale = scale;
   const controls = new Controls((view) => {
     overlays.reset();
     map.reset(view.deepest);
-    legend(start.colours);
+    scale.show();
     // The point stays where it is, with what it has now.
     if (state.at) point.open(state.at, { which: state.which, number: state.number, focus: false });
     else if (point.isOpen) point.close(false);

@@ -5,7 +5,7 @@ import { CELLS, cellAt, level, short, shortRadius, span, tickTexts, ticks, toPar
 import { LETTERS, NAMES, axes, limits, remember, state } from "./state.js";
 import { NONE, Tiles } from "./tiles.js";
 
-const EDGE = { left: 64, right: 14, top: 10, bottom: 46 }; // room for axes
+const EDGE = { left: 88, right: 14, top: 10, bottom: 46 }; // room for axes
 const COARSER = 3; // levels by which the first look at a place is coarser: a 64th of the work
 const FARTHEST = -1;
 const CLICK = 4; // pixels that a hand may shake
@@ -24,6 +24,7 @@ export class MapView {
     this.tiles = new Tiles(() => this.redraw(), failed);
     this.deepest = 0;
     this.lines = [];
+    this.scale = null; // of numbers, where they colour the map
     this.firstMap = null; // when every pixel of the map first had a cell
     this.table();
     this.listen();
@@ -34,11 +35,17 @@ export class MapView {
   table() {
     const { tiles, period } = this.colours;
     const size = period * period;
-    this.lut = new Uint32Array((tiles.length + 2) * size);
+    const { scale, below } = this.colours;
+    this.lut = new Uint32Array((tiles.length + 3 + scale.length) * size);
     const pixel = (rgb) => 0xff000000 | ((rgb & 255) << 16) | (rgb & 0xff00) | (rgb >> 16);
     tiles.forEach((tile, kind) => this.lut.set(tile.pixels.map(pixel), kind * size));
     this.outside = tiles.length;
     this.pending = tiles.length + 1;
+    // Numbers: below the scale, then its steps; where there is none, as classes have it.
+    this.below = tiles.length + 2;
+    [below, ...scale].forEach((rgb, i) => this.lut.fill(pixel(rgb), (this.below + i) * size, (this.below + i + 1) * size));
+    const plain = (name) => tiles.findIndex((tile) => tile.class === name && tile.mechanism === null);
+    [this.unknown, this.nothing] = [plain(null), plain("none")];
     for (let y = 0; y < period; y += 1) {
       for (let x = 0; x < period; x += 1) {
         const at = y * period + x;
@@ -48,8 +55,20 @@ export class MapView {
     }
   }
 
+  // Which pixels each cell of a tile has.
   kinds(tile) {
-    if (tile.kinds) return tile.kinds;
+    const scale = this.scale?.is ?? null;
+    if (tile.kinds && tile.scale === scale) return tile.kinds;
+    tile.scale = scale;
+    if (scale) {
+      tile.kinds = Uint16Array.from(tile.class, (code, i) => {
+        if (tile.status[i] === NONE) return this.outside;
+        const step = this.scale.step(tile, i);
+        if (step !== null) return this.below + 1 + step;
+        return code !== NONE && this.colours.classes[code] === "none" ? this.nothing : this.unknown;
+      });
+      return tile.kinds;
+    }
     const across = this.colours.mechanisms.length + 1;
     const next = (code) => (code === NONE ? 0 : code + 1);
     tile.kinds = tile.class.map((code, i) =>
@@ -102,6 +121,7 @@ export class MapView {
     state.v = Math.min(1.5, Math.max(-0.5, state.v));
     const levels = [...new Set([0, Math.max(0, this.z - COARSER), this.z])];
     this.tiles.want(levels.flatMap((z) => this.visible(z)));
+    this.scale?.moved();
     remember();
     this.redraw();
     clearTimeout(this.rest);

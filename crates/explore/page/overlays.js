@@ -9,12 +9,13 @@ import { limits, remember, state } from "./state.js";
 const TOLERANCE = 1e-4; // of what is seen: a tenth of a pixel
 const POINTS = { curves: [200, 150], stripes: [400, 300] }; // cells; from the latter stripes are judged
 
-// The scene of what is seen, within its window, with so many cells.
-export function sceneOfView(map, [across, up]) {
+// The scene of what is seen, with so many cells; `inside` its window alone, beyond which parameters may be out of range.
+export function sceneOfView(map, [across, up], inside = false) {
   const scene = structuredClone(state.scene);
   map.seen.forEach((range, axis) => {
     const name = "xy"[axis];
-    const [from, to] = range.map((part) => toValue(limits()[axis], part));
+    const held = range.map((part) => (inside ? Math.min(1, Math.max(0, part)) : part));
+    const [from, to] = (held[0] < held[1] ? held : [0, 1]).map((part) => toValue(limits()[axis], part));
     Object.assign(scene.sweep[name], { from, to, points: [across, up][axis] });
   });
   return scene;

@@ -7,11 +7,14 @@ export const state = {
   which: null, number: 0, // the solution looked at: its family or word, and its number from 0
   run: null, // perturb, direction, seed, periods of the run shown
   over: [], // lines over the map: "curves", "stripes"
+  color: "class", // what colours the map: "class", or a number, as a column of tables is called
   theme: "system",
 };
 
+export const COLORS = ["class", "spectral_radius", "margin", "solutions"];
+
 // Keys in the address, which people see.
-const KEYS = { scene: "scene", u: "x", v: "y", zoom: "zoom", at: "at", which: "orbit", number: "solution", run: "run", over: "lines", theme: "theme" };
+const KEYS = { scene: "scene", u: "x", v: "y", zoom: "zoom", at: "at", which: "orbit", number: "solution", run: "run", over: "lines", color: "color", theme: "theme" };
 
 let timer = 0;
 
@@ -24,7 +27,7 @@ export function address() {
   const plain = {};
   for (const [key, name] of Object.entries(KEYS)) {
     const v = state[key];
-    if (v !== null && v !== "system" && !(Array.isArray(v) && v.length === 0)) plain[name] = v;
+    if (v !== null && v !== "system" && v !== "class" && !(Array.isArray(v) && v.length === 0)) plain[name] = v;
   }
   return `#${encodeURIComponent(JSON.stringify(plain))}`;
 }
@@ -50,6 +53,7 @@ export function recall(hash) {
   state.number = Math.max(0, Math.trunc(number(plain.solution, 0)));
   state.run = typeof plain.run === "object" ? plain.run : null;
   state.over = Array.isArray(plain.lines) ? plain.lines.filter((name) => name === "curves" || name === "stripes") : [];
+  state.color = COLORS.includes(plain.color) ? plain.color : "class";
   state.theme = ["light", "dark"].includes(plain.theme) ? plain.theme : "system";
   return true;
 }

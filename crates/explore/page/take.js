@@ -32,7 +32,7 @@ export function takeAlong(map) {
     csv: async (signal) => offer("Table of what is seen", (await picture(signal)).files["map.csv"], "view.csv", "text/csv"),
     address: async () => offer("Address: with its token it leads here, what follows # leads to this view from any other", `${location.href.split("#")[0]}${address()}`, "address.txt", "text/plain"),
   };
-  const picture = (signal) => post("sweep", { scene: scene(), curves: state.over.includes("curves") }, signal);
+  const picture = (signal) => post("sweep", { scene: scene(), curves: state.over.includes("curves"), ...(state.color === "class" ? {} : { color: state.color }) }, signal);
   for (const button of $("take").querySelectorAll("button")) {
     button.addEventListener("click", async () => {
       controller?.abort();

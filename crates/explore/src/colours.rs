@@ -9,8 +9,11 @@ use vibrochain_plot::{Palette, Tile};
 /// Pixels after which every texture repeats, both ways: of stripes that are 6 apart, dots that are 4 apart.
 const PERIOD: u32 = 12;
 
+/// Steps of the scale of numbers: more than a screen tells apart.
+const STEPS: u32 = 512;
+
 /// Names of classes, mechanisms and statuses, in the order of a tile's bytes, the pixels of each pair of class and mechanism, by rows, as
-/// numbers of 24 bits, those of each mechanism in a legend, and the colours of borders.
+/// numbers of 24 bits, those of each mechanism in a legend, the colours of borders, of the scale of numbers from its foot, and of what is below.
 pub(crate) fn value() -> Value {
     let mechanisms = || std::iter::once(None).chain(Mechanism::ALL.into_iter().map(Some));
     let classes = || std::iter::once(None).chain(Class::ALL.into_iter().map(Some));
@@ -27,6 +30,7 @@ pub(crate) fn value() -> Value {
     let samples = Mechanism::ALL.map(|mechanism| {
         json!({ "mechanism": mechanism.name(), "pixels": pattern(|x, y| sample(mechanism, x, y)).collect::<Vec<_>>() })
     });
+    let step = |i: u32| number(Palette::default().scale(f64::from(i) / f64::from(STEPS - 1)));
     json!({
         "classes": Class::ALL.map(Class::name),
         "mechanisms": Mechanism::ALL.map(Mechanism::name),
@@ -35,6 +39,8 @@ pub(crate) fn value() -> Value {
         "tiles": tiles,
         "samples": samples,
         "borders": BORDERS.map(number),
+        "scale": (0..STEPS).map(step).collect::<Vec<_>>(),
+        "below": number(Palette::default().below()),
     })
 }
 

@@ -5,7 +5,7 @@
 //! | `refusal` | why there is no answer, and by which code of HTTP |
 //! | `view` | the scene that is flown over, and the scene of each of its tiles |
 //! | `tile` | the cells of a tile, and their bytes |
-//! | `colours` | the colours and textures of printed maps, for the page |
+//! | `colours`, `scale` | the colours and textures of printed maps, for the page; how numbers become colours |
 //! | `page` | the files of the page |
 //! | `token`, `guard` | who may ask |
 //! | `work` | computations: so many at a time, so many in wait, ended when nobody waits for them any more |
@@ -21,6 +21,7 @@ mod guard;
 mod page;
 mod refusal;
 mod route;
+mod scale;
 mod server;
 mod tile;
 mod token;
@@ -31,4 +32,4 @@ pub use answers::Answers;
 pub use refusal::Refusal;
 pub use server::Explorer;
 pub use tile::{BYTES, compute};
-pub use view::{CELLS, MOST_SITES, View};
+pub use view::{CELLS, MOST_DENSE, MOST_SITES, View, fits};

@@ -34,6 +34,7 @@ files! {
     "state.js" SCRIPT "state.js",
     "plane.js" SCRIPT "plane.js",
     "tiles.js" SCRIPT "tiles.js",
+    "scale.js" SCRIPT "scale.js",
     "map.js" SCRIPT "map.js",
     "controls.js" SCRIPT "controls.js",
     "point.js" SCRIPT "point.js",

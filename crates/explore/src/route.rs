@@ -18,6 +18,7 @@ use crate::colours;
 use crate::guard::Guard;
 use crate::page::file;
 use crate::refusal::Refusal;
+use crate::scale;
 use crate::tile;
 use crate::view::{CELLS, View};
 use crate::work::Work;
@@ -69,6 +70,14 @@ struct TileAsked {
     z: u32,
     x: i64,
     y: i64,
+}
+
+/// The scale of a scene's numbers, likewise.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScaleAsked {
+    scene: Value,
+    color: String,
 }
 
 /// A view, likewise.
@@ -134,15 +143,25 @@ impl Desk {
                 let job = move |stop: &Arc<AtomicBool>| tile::compute(&tile, &pool, stop).ok_or_else(given_up);
                 Ok((NUMBERS, self.tiles.run(job).await?.into()))
             }
+            "scale" => {
+                let ScaleAsked { scene, color } = of(asked)?;
+                let (pool, view) = (Arc::clone(&self.pool), View::read(&scene)?);
+                let quantity = scale::asked(view.scene(), &color)?;
+                let given_up = || Refusal::new(503, "nobody waits for this scale any more");
+                let job =
+                    move |stop: &Arc<AtomicBool>| scale::of(view.scene(), quantity, &pool, stop).ok_or_else(given_up);
+                Ok((JSON, self.tiles.run(job).await?.to_string().into()))
+            }
             "view" => {
                 let ViewAsked { scene } = of(asked)?;
                 let view = View::read(&scene)?;
                 let (scene, conservative) = (view.value(), view.scene().is_conservative());
+                let heading = [view.scene().heading(), view.scene().criterion()].join(", ");
                 let value = json!({
                     "scene": scene,
                     "deepest": view.deepest(),
                     "conservative": conservative,
-                    "heading": view.scene().heading(),
+                    "heading": heading,
                 });
                 Ok((JSON, value.to_string().into()))
             }

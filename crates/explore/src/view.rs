@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Map, Value};
+use vibrochain_breather::Word;
 use vibrochain_maps::manifest::scene_parts;
 use vibrochain_maps::scene::{Scene, Values};
 
@@ -24,6 +25,25 @@ const LEAST_STEP: f64 = 64.0 * f64::EPSILON;
 
 /// How many windows there are on either side of the one of the scene.
 const BESIDE: i64 = 1;
+
+/// The most with a word that hits at several sites: its multipliers are those of a dense matrix, a quarter of a second for each orbit, in
+/// which nothing can be stopped.
+pub const MOST_DENSE: usize = 201;
+
+/// Refuses more masses than can be looked at with these words.
+///
+/// # Errors
+/// [`Refusal`] with the most there may be.
+pub fn fits(sites: usize, words: &[Word]) -> Result<(), Refusal> {
+    let is_dense = |word: &Word| word.letters().any(|letter| word.letters().any(|other| other.site != letter.site));
+    let (most, with) =
+        if words.iter().any(is_dense) { (MOST_DENSE, ", with a word of several sites,") } else { (MOST_SITES, "") };
+    if sites > most {
+        let message = format!("sites = {sites} is out of range: give at most {most} to look at{with}");
+        return Err(Refusal::wrong(message.trim_end_matches(',')));
+    }
+    Ok(())
+}
 
 /// A scene with two equally spaced axes, and what of it decides a tile.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,12 +88,7 @@ impl View {
     /// # Errors
     /// [`Refusal`] for a scene with one axis, with too many masses, or whose window is too narrow for numbers.
     pub fn of(scene: &Scene) -> Result<Self, Refusal> {
-        let sites = scene.base.sites();
-        if sites > MOST_SITES {
-            return Err(Refusal::wrong(format!(
-                "sites = {sites} is out of range: give at most {MOST_SITES} to look at"
-            )));
-        }
+        fits(scene.base.sites(), &scene.task.words)?;
         let [x, y, ..] = scene.axes.as_slice() else {
             let message = "a map to fly over has two axes: give a scene with x and y";
             return Err(Refusal::wrong(message));

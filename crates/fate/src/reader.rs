@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use vibrochain_breather::Word;
 use vibrochain_maps::cell::{Cell, Status};
+use vibrochain_maps::fields::Fields;
 use vibrochain_maps::lines::Lines;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::point::Point;
@@ -14,14 +15,10 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::ReadRows;
 use vibrochain_maps::table::parameters;
-use vibrochain_maps::text::clipped;
 
 use crate::end::End;
 use crate::fates::{BreatherFates, CellFates};
 use crate::table::header;
-
-/// Characters shown of a field that is not as it must be.
-const MOST_SHOWN: usize = 40;
 
 /// What a table tells of a cell: no class, no residual.
 const UNTOLD: Cell = Cell { class: None, ..Cell::EMPTY };
@@ -67,14 +64,19 @@ impl ReadRows<CellFates> for Reader<'_> {
         })
     }
 
-    fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
+    fn whole(self, each: &mut dyn FnMut(u64, &CellFates)) -> Result<Summary, String> {
         let Self { mut rows, lines } = self;
         rows.hand_on(each);
         let (begin, end) = (rows.cells.start, rows.cells.end);
         if rows.next != end || !lines.ended() {
             return Err(format!("it has rows of {} cells for {}", rows.next - begin, end - begin));
         }
-        if rows.counts.statuses != summary.statuses {
+        Ok(rows.counts)
+    }
+
+    /// (A table tells no class of its cells.)
+    fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
+        if self.whole(each)?.statuses != summary.statuses {
             return Err("its counts are not those of its rows".to_owned());
         }
         Ok(())
@@ -92,23 +94,16 @@ impl Rows<'_> {
     fn take(&mut self, line: &[u8], each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
         let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line);
         let record = reader.records().next().and_then(Result::ok).ok_or("it is no row")?;
-        if record.len() != self.header.len() {
-            return Err(format!("it has {} fields and not {}", record.len(), self.header.len()));
-        }
         let header = Arc::clone(&self.header);
-        let mut fields = Fields { names: header.iter(), values: record.iter() };
+        let mut fields = Fields::of(&header, &record)?;
         let mut digits = Vec::new();
         for parameter in parameters(self.scene) {
-            digits.push((parameter, fields.next()));
+            digits.push((parameter, fields.text()));
         }
         let is_at =
             |point: &Point| digits.iter().all(|(parameter, text)| Number(point.get(*parameter)).to_string() == *text);
         let solutions = fields.value()?;
-        let status = fields.next();
-        let status = Status::ALL
-            .into_iter()
-            .find(|known| known.name() == status)
-            .ok_or_else(|| format!("its status is `{}`", clipped(status, MOST_SHOWN)))?;
+        let status = fields.read(|text| Status::ALL.into_iter().find(|known| known.name() == text))?;
         let breather = self.breather(&mut fields)?;
         // Breathers of a cell have rising numbers.
         if let (Some(cell), Some(breather)) = (&mut self.current, &breather)
@@ -136,23 +131,23 @@ impl Rows<'_> {
     }
 
     /// The fields after the status; none of a cell without a breather.
-    fn breather(&self, fields: &mut Fields<'_>) -> Result<Option<BreatherFates>, String> {
+    fn breather(&self, fields: &mut Fields<'_, String>) -> Result<Option<BreatherFates>, String> {
         let Some(number) = fields.number()? else { return Ok(None) };
-        let name = fields.next().to_owned();
+        let name = fields.text().to_owned();
         let (spectral_radius, predicted) = (fields.number()?, fields.number()?);
         let measured = fields.pair()?;
         let starts: u64 = fields.value()?;
         if starts != self.starts {
             return Err(format!("it is of {starts} runs and not of {}", self.starts));
         }
-        let dominant = fields.next().to_owned();
+        let dominant = fields.text().to_owned();
         let mut ends = [0; End::NAMES.len()];
         for count in &mut ends {
             let share: f64 = fields.value()?;
             // A share is a count over the starts, to the last digit.
             *count = (share * starts as f64).round() as u32;
         }
-        let words = fields.next();
+        let words = fields.text();
         let words = words.split("; ").filter(|text| !text.is_empty()).map(|text| {
             let (word, count) = text.rsplit_once(' ')?;
             Some((Word::from_str(word).ok()?, count.parse().ok()?))
@@ -178,45 +173,5 @@ impl Rows<'_> {
             return Err("its shares are not those of its runs".to_owned());
         }
         Ok(Some(breather))
-    }
-}
-
-/// The fields of a row, one after the other.
-struct Fields<'a> {
-    names: std::slice::Iter<'a, String>,
-    values: csv::StringRecordIter<'a>,
-}
-
-impl<'a> Fields<'a> {
-    /// (There are as many as names.)
-    fn next(&mut self) -> &'a str {
-        self.named().1
-    }
-
-    fn named(&mut self) -> (&'a str, &'a str) {
-        (self.names.next().map_or("", String::as_str), self.values.next().unwrap_or_default())
-    }
-
-    /// A field that has a value.
-    fn value<T: FromStr>(&mut self) -> Result<T, String> {
-        let (name, text) = self.named();
-        text.parse().map_err(|_| format!("its {name} is `{}`", clipped(text, MOST_SHOWN)))
-    }
-
-    /// A field that may be empty.
-    fn number<T: FromStr>(&mut self) -> Result<Option<T>, String> {
-        let (name, text) = self.named();
-        if text.is_empty() {
-            return Ok(None);
-        }
-        text.parse().map(Some).map_err(|_| format!("its {name} is `{}`", clipped(text, MOST_SHOWN)))
-    }
-
-    /// Two fields of which both have a value or neither.
-    fn pair(&mut self) -> Result<Option<(f64, f64)>, String> {
-        Ok(match (self.number()?, self.number()?) {
-            (Some(a), Some(b)) => Some((a, b)),
-            _ => None,
-        })
     }
 }

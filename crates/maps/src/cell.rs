@@ -180,8 +180,11 @@ impl Status {
             BreatherError::Resonance(_) => Self::Resonance,
             BreatherError::TooStiff { .. } => Self::TooStiff,
             BreatherError::NotConverged { .. } => Self::NotConverged,
-            // None can happen to a validated model and word; the cell is marked, not dropped.
-            BreatherError::Parameter(_) | BreatherError::Impact { .. } | BreatherError::Word(_) => Self::IllConditioned,
+            // None can happen to a validated model and word, without a flag; the cell is marked, not dropped.
+            BreatherError::Parameter(_)
+            | BreatherError::Impact { .. }
+            | BreatherError::Word(_)
+            | BreatherError::Stopped => Self::IllConditioned,
         }
     }
 

@@ -12,12 +12,13 @@
 //! | | there is |
 //! | `sweep` | all cells, in chunks that outlive the process |
 //! | `files` | files that appear whole or not at all, pipes, devices |
-//! | `text`, `lines` | text from outside, read and shown; lines of text that comes in pieces |
+//! | `text`, `lines`, `fields` | text from outside, read and shown; lines of text that comes in pieces; fields of a row |
 //! | `error` | why there is none |
 
 pub mod borders;
 pub mod cell;
 pub mod error;
+pub mod fields;
 pub mod files;
 pub mod force;
 pub mod lines;

@@ -141,6 +141,12 @@ pub(crate) fn places(axis: &SweptAxis) -> (f64, f64) {
     }
 }
 
+/// What the first `points` values of a swept axis span, with so many steps of air at either end.
+pub(crate) fn spanned(axis: &SweptAxis, points: usize, air: f64) -> Range<f64> {
+    let (from, step) = places(axis);
+    from - air * step..from - air * step + step * (points as f64 - 1.0 + 2.0 * air)
+}
+
 /// Digits behind the point that tell multiples of a step apart.
 fn digits(step: f64) -> usize {
     (-step.abs().log10().floor()).clamp(0.0, 15.0) as usize

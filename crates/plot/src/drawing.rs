@@ -171,6 +171,11 @@ pub struct Image {
     pub rgb: Vec<u8>,
 }
 
+/// Width and height of the box between two corners.
+pub(crate) fn sides([[left, top], [right, bottom]]: [Place; 2]) -> [f64; 2] {
+    [right - left, bottom - top]
+}
+
 impl Drawing {
     pub(crate) fn new(size: Place, title: &str) -> Self {
         Self { size, elements: Vec::new(), patterns: Vec::new(), title: title.to_owned() }
@@ -209,8 +214,9 @@ impl Drawing {
         self.elements.push(Element::Words(Words { text, at, size, colour, anchor, upwards: false }));
     }
 
-    pub(crate) fn image(&mut self, at: Place, size: Place, pixels: [u32; 2], rgb: Vec<u8>) {
-        self.elements.push(Element::Image(Image { at, size, pixels, rgb }));
+    /// A raster in the box between two corners.
+    pub(crate) fn image(&mut self, corners: [Place; 2], pixels: [u32; 2], rgb: Vec<u8>) {
+        self.elements.push(Element::Image(Image { at: corners[0], size: sides(corners), pixels, rgb }));
     }
 
     /// Draws with what `draw` adds seen only within a box.

@@ -11,9 +11,9 @@ use crate::raster::Raster;
 use crate::sheet::Sheet;
 
 /// Colours of the ends in their order: blues for what stays periodic, white for quiet, warm ones for what does not repeat, greys for what is
-/// not known. Apart for colour-blind eyes.
+/// not known. Apart for colour-blind eyes and in grey.
 const COLOURS: [Rgb; 7] =
-    [[16, 50, 98], [46, 134, 171], [250, 250, 235], [214, 60, 40], [250, 200, 90], [150, 150, 150], [90, 90, 90]];
+    [[16, 50, 98], [46, 134, 171], [252, 253, 238], [195, 41, 26], [241, 192, 82], [150, 150, 150], [79, 79, 79]];
 
 /// Of cells from which no run has started.
 const NONE: Rgb = [225, 225, 225];
@@ -56,12 +56,24 @@ pub fn ends_picture(picture: &EndsPicture<'_>, page: impl Into<Page>) -> Result<
     let placed = sheet.placed(cells, page.into());
     let raster = Raster::of(cells, &placed, &|cell, _, _| colour(picture.cells.get(cell).copied().flatten()));
     sheet.bytes(&placed, Vec::new(), |drawing| {
-        let corners = placed.corners();
-        let size = [0, 1].map(|i| corners[1][i] - corners[0][i]);
-        drawing.image(corners[0], size, raster.size, raster.rgb);
+        drawing.image(placed.corners(), raster.size, raster.rgb);
     })
 }
 
 fn colour(end: Option<usize>) -> Rgb {
     end.and_then(|end| COLOURS.get(end)).copied().unwrap_or(NONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sight::confused;
+
+    #[test]
+    fn ends_are_told_apart_by_all_eyes_and_in_grey() {
+        let names = ["0", "1", "2", "3", "4", "5", "6", "none"];
+        let legend: Vec<_> = names.into_iter().zip(COLOURS.into_iter().chain([NONE])).collect();
+        let (pairs, found) = confused(&legend);
+        assert!(pairs == 5 * 28 && found.is_empty(), "{found:#?}");
+    }
 }

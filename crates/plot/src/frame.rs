@@ -1,25 +1,26 @@
 //! A panel: a box with two axes, their names, ticks and a light grid.
 
 use crate::axis::Axis;
-use crate::drawing::{Across, BLACK, Drawing, Line, Place, Rgb, Upright};
+use crate::drawing::{Across, BLACK, Drawing, Line, Place, Rgb, Upright, sides};
 use crate::font::width;
 use crate::page::Page;
+use crate::words::CAPTION;
 
 /// A light grid, and the lines of barriers and levels.
 const GRID: Rgb = [230, 230, 230];
 pub(crate) const LEVEL: Rgb = [110, 110, 110];
 
-/// Sizes of letters against those of legends.
+/// Size of the words of ticks against the letters of legends: a little smaller, there are many.
 pub(crate) const TICK: f64 = 0.93;
-pub(crate) const NAME: f64 = 1.07;
 
-/// Length of a tick, and the air beside it, in em.
+/// Length of a tick, and the air beside it, in em: a third of a letter is seen and no more, and words keep clear of it.
 const MARK: f64 = 0.33;
 const AIR: f64 = 0.27;
-/// Height of the line that names an axis, in em.
+/// Height of the line that names an axis, in em: its letters with the air of a line of text above and below.
 const NAMED: f64 = 1.7;
 
-/// Room of ticks in em: of the narrowest along x beside its words, and of one along y.
+/// Room of ticks in em: between words side by side more than a space, or two numbers read as one; of a line above another, twice
+/// its height.
 const BETWEEN: f64 = 1.2;
 const LINE: f64 = 2.0;
 
@@ -71,8 +72,8 @@ impl Frame {
         [left + self.x.part(x) * (right - left), bottom - self.y.part(y) * (bottom - top)]
     }
 
-    fn size(&self) -> [f64; 2] {
-        [0, 1].map(|i| self.corners[1][i] - self.corners[0][i])
+    pub(crate) fn size(&self) -> [f64; 2] {
+        sides(self.corners)
     }
 
     /// Draws a grid under what is to come.
@@ -119,7 +120,7 @@ impl Frame {
         // About the panel, not on it: a map keeps all its pixels.
         let half = 0.5 / page.scale();
         drawing.frame([[left - half, top - half], [right + half, bottom + half]], line);
-        let centred = |room: f64, name: &str| (NAME * em).min(room / width(name).max(1e-9));
+        let centred = |room: f64, name: &str| (CAPTION * em).min(room / width(name).max(1e-9));
         if !x_name.is_empty() {
             let at = [0.5 * (left + right), bottom + below(true, page) - 0.2 * em];
             let anchor = (Across::Centre, Upright::Base);

@@ -1,7 +1,7 @@
 //! What stands beside a map and tells its colours: samples, lines, notes and a bar.
 
 use crate::classes::{NOTHING, UNKNOWN};
-use crate::drawing::{BLACK, DIM, Drawing, Line, Place, Rgb};
+use crate::drawing::{BLACK, DIM, Drawing, Line, Place, Rgb, sides};
 use crate::font::width;
 use crate::page::Page;
 use crate::palette::Palette;
@@ -70,12 +70,13 @@ pub(crate) fn texture(page: &Page) -> u32 {
 
 fn sample(drawing: &mut Drawing, pixel: &dyn Fn(u32, u32) -> Rgb, [x, y]: Place, page: &Page) {
     let at = [page.snap(x), page.snap(y)];
-    let pixels = SAMPLE.map(|side| (side * page.font * page.scale()).round().max(1.0) as u32);
-    let size = pixels.map(|side| f64::from(side) / page.scale());
+    let pixels = page.pixels(SAMPLE.map(|side| side * page.font));
+    let [wide, high] = pixels.map(|side| f64::from(side) / page.scale());
+    let corners = [at, [at[0] + wide, at[1] + high]];
     let times = texture(page);
     let rgb = (0..pixels[1]).flat_map(|py| (0..pixels[0]).flat_map(move |px| pixel(px / times, py / times)));
-    drawing.image(at, size, pixels, rgb.collect());
-    drawing.frame([at, [at[0] + size[0], at[1] + size[1]]], Line::new(BLACK, page.px(1.0)).crisp());
+    drawing.image(corners, pixels, rgb.collect());
+    drawing.frame(corners, Line::new(BLACK, page.px(1.0)).crisp());
 }
 
 /// The width of entries below each other.
@@ -115,6 +116,16 @@ pub(crate) fn draw_flow(drawing: &mut Drawing, entries: &[Entry<'_>], [x, y]: Pl
     for (entry, [dx, dy]) in entries.iter().zip(flow(entries, room, page).0) {
         entry.draw(drawing, [x + dx, y + dy], page);
     }
+}
+
+/// Draws a bar of colours into a box, from 0 at its foot to 1 at its head, and hands back what its edges are drawn with.
+pub(crate) fn colour_bar(drawing: &mut Drawing, corners: [Place; 2], colour: impl Fn(f64) -> Rgb, page: &Page) -> Line {
+    let [_, rows] = page.pixels(sides(corners));
+    let colours = (0..rows).flat_map(|py| colour(1.0 - (f64::from(py) + 0.5) / f64::from(rows)));
+    drawing.image(corners, [1, rows], colours.collect());
+    let line = Line::new(BLACK, page.px(1.0)).crisp();
+    drawing.frame(corners, line);
+    line
 }
 
 /// Width and height of a bar of colours, and the height of its heading, in em.
@@ -164,11 +175,7 @@ impl Bar {
         let em = page.font;
         drawing.words(self.heading(), [x, y + 0.4 * NAME * em], SMALL * em, DIM);
         let (top, [wide, high]) = (y + NAME * em, BAR.map(|side| side * em));
-        let rows = (high * page.scale()).round().max(2.0) as u32;
-        let colours = (0..rows).flat_map(|py| palette.scale(1.0 - (f64::from(py) + 0.5) / f64::from(rows)));
-        drawing.image([x, top], [wide, high], [1, rows], colours.collect());
-        let line = Line::new(BLACK, page.px(1.0)).crisp();
-        drawing.frame([[x, top], [x + wide, top + high]], line);
+        let line = colour_bar(drawing, [[x, top], [x + wide, top + high]], |part| palette.scale(part), page);
         for (part, words) in self.ticks() {
             let at = top + (1.0 - part) * high;
             drawing.line(vec![[x + wide, at], [x + wide + 0.3 * em, at]], line);

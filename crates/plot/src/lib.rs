@@ -10,13 +10,14 @@
 //! | `font`, `typeset`, `words` | letters, where they stand, lines of a heading |
 //! | `axis`, `frame`, `markers`, `strokes` | ticks, panels, marks and lines of all pictures |
 //! | `map`, `raster`, `sheet`, `key`, `classes`, `lines`, `palette` | the picture of a map, its pixels, what stands about it, its legend and its words, lines over it, its colours and textures |
+//! | `sight` | for tests: how colours look to other eyes and on grey paper |
 //! | `quantity` | numbers of cells, and how they become colours |
 //! | `one_axis` | the curves of a sweep over one parameter |
 //! | `ends` | what becomes of perturbed breathers, over a map |
 //! | `regions`, `coverage` | the picture of a map by its regions: shapes, or pixels by exact area |
-//! | `curves` | curves in panes |
+//! | `curves`, `pane`, `legend`, `panels` | curves in panels: as values, one of them, what stands above it, all |
 //! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
-//! | `animation` | the chain between its barriers, moving |
+//! | `motion`, `stage`, `moving_svg`, `moving_pixels`, `animation` | the chain between its barriers, moving: as values, at an instant, as files |
 //! | `field` | all masses of a run in space and time, thinned while it runs |
 //!
 //! ```
@@ -41,13 +42,19 @@ mod font;
 mod format;
 mod frame;
 mod key;
+mod legend;
 mod lines;
 mod map;
 mod markers;
+mod motion;
+mod moving_pixels;
+mod moving_svg;
 mod one_axis;
 mod orbit;
 mod page;
 pub mod palette;
+mod pane;
+mod panels;
 mod pdf;
 mod pixels;
 mod quantity;
@@ -55,25 +62,30 @@ mod raster;
 mod regions;
 mod run;
 mod sheet;
+#[cfg(test)]
+mod sight;
 mod spacetime;
+mod stage;
 mod strokes;
 mod svg;
 mod typeset;
 mod words;
 
-pub use animation::{Animation, Instant, MOST_MASSES, Moving, animation};
+pub use animation::animation;
 pub use axis::power_of_ten;
 pub use canvas::{open, render};
 pub use classes::loss;
-pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
+pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 pub use ends::{EndsPicture, MOST_VALUES, ends_picture};
 pub use format::{Format, PlotError};
 pub use map::{Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines};
+pub use motion::{Animation, Instant, MOST_MASSES, Moving};
 pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};
 pub use page::{Page, Purpose};
 pub use palette::{Palette, Tile};
-pub use quantity::{Quantity, Shade};
+pub use panels::curves_picture;
+pub use quantity::{NumberScale, Quantity, Shade, number_scale};
 pub use regions::{RegionsPicture, regions_picture};
 pub use run::{RunPicture, run_picture};
 pub use spacetime::{Spacetime, spacetime_picture};

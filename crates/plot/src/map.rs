@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use vibrochain_maps::scene::{Axis, Scene};
 
-use crate::axis::places;
+use crate::axis::spanned;
 use crate::drawing::Rgb;
 use crate::format::PlotError;
 use crate::key::Entry;
@@ -125,8 +125,7 @@ pub fn map_with_lines(
     let raster = Raster::of(shown, &placed, &colour);
     sheet.bytes(&placed, Vec::new(), |drawing| {
         let (corners, part) = (placed.corners(), parts(&spans));
-        let size = [0, 1].map(|i| corners[1][i] - corners[0][i]);
-        drawing.image(corners[0], size, raster.size, raster.rgb.clone());
+        drawing.image(corners, raster.size, raster.rgb.clone());
         drawing.clipped(corners, |drawing| {
             for (kind, colour) in &kinds {
                 let of_kind = picture.borders.iter().filter(|border| border.kind == *kind);
@@ -150,10 +149,9 @@ fn parts([x, y]: &[Range<f64>; 2]) -> impl Fn([f64; 2]) -> [f64; 2] + use<> {
 
 /// What a map spans of an axis: a cell covers half a step on either side of its value.
 pub(crate) fn span(axis: &Axis) -> Range<f64> {
-    let (from, step) = places(axis);
     let stride = stride(axis.points());
     let shown = axis.points().div_ceil(stride);
-    from - 0.5 * step..from - 0.5 * step + step * (shown * stride) as f64
+    spanned(axis, shown * stride, 0.5)
 }
 
 /// Kinds of borders and their colours.

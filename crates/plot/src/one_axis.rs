@@ -5,11 +5,12 @@ use vibrochain_maps::scene::{Axis, Scene, Values};
 
 use crate::axis::power_of_ten;
 use crate::classes::{UNKNOWN, class_words};
-use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
+use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 use crate::format::PlotError;
 use crate::page::Page;
+use crate::panels::curves_picture;
 use crate::quantity::{LEAST_GROWTH, Quantity, span_decades};
-use crate::sheet::{criterion, fixed, label};
+use crate::sheet::{fixed, label};
 
 /// What is drawn.
 #[derive(Debug)]
@@ -61,16 +62,10 @@ pub fn one_axis_picture(picture: &OneAxisPicture<'_>, page: impl Into<Page>) -> 
         above.iter_mut().for_each(|pane| pane.x = String::new());
         last.x = label(axis);
     }
-    let mut named: Vec<String> = Vec::new();
-    for series in panes.iter_mut().flat_map(|pane| &mut pane.series) {
-        if named.contains(&series.name) {
-            series.name = String::new();
-        } else {
-            named.push(series.name.clone());
-        }
-    }
-    let title = [picture.scene.heading(), fixed(picture.scene), criterion(picture.scene)].join(", ");
-    curves_picture(&Curves { title, columns: 1, panes, pane: PANE, ..Curves::default() }, page)
+    let scene = picture.scene;
+    let title = [scene.heading(), fixed(scene), scene.criterion()].join(", ");
+    let picture = Curves { title, columns: 1, panes, pane: PANE, one_legend: true, ..Curves::default() };
+    curves_picture(&picture, page)
 }
 
 /// Cells with their places along the axis, from left to right.

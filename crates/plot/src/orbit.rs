@@ -1,8 +1,9 @@
 //! The picture of orbits: for each, the profile along the ring at its impacts, and the impacting mass over a period.
 
-use crate::curves::{Curves, Mark, Pane, Series, Stroke, curves_picture};
+use crate::curves::{Curves, Mark, Pane, Series, Stroke};
 use crate::format::PlotError;
 use crate::page::Page;
+use crate::panels::curves_picture;
 
 /// Displacements of a row of masses at one instant.
 #[derive(Debug, Clone, PartialEq)]

@@ -78,6 +78,11 @@ impl Page {
         self.dpi / INCH
     }
 
+    /// How many pixels a box has.
+    pub(crate) fn pixels(&self, size: [f64; 2]) -> [u32; 2] {
+        size.map(|side| (side * self.scale()).round().max(1.0) as u32)
+    }
+
     /// The nearest border between pixels.
     pub(crate) fn snap(&self, place: f64) -> f64 {
         (place * self.scale()).round() / self.scale()

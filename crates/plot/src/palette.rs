@@ -43,7 +43,7 @@ impl Palette {
     }
 
     /// A place on the scale of numbers, from 0 to 1: viridis, even in lightness and told apart by colour-blind eyes; or greys.
-    pub(crate) fn scale(self, part: f64) -> Rgb {
+    pub fn scale(self, part: f64) -> Rgb {
         let part = part.clamp(0.0, 1.0);
         match self {
             Self::Colour => colorous::VIRIDIS.eval_continuous(part).as_array(),
@@ -52,7 +52,7 @@ impl Palette {
     }
 
     /// Below the scale of numbers.
-    pub(crate) fn below(self) -> Rgb {
+    pub fn below(self) -> Rgb {
         match self {
             Self::Colour => [215, 215, 215],
             Self::Paper => [55, 55, 55],
@@ -67,9 +67,9 @@ impl Palette {
             (Self::Colour, Some(Class::UnstableDouble)) => [236, 138, 60],
             (Self::Colour, Some(Class::UnstableSingle)) => [250, 224, 120],
             (Self::Colour, Some(Class::StableWord | Class::Word)) => [0, 110, 84],
-            (Self::Colour, Some(Class::UnstableWord)) => [226, 160, 196],
+            (Self::Colour, Some(Class::UnstableWord)) => [235, 168, 204],
             (Self::Paper, Some(Class::StableWord | Class::Word)) => [35, 35, 35],
-            (Self::Paper, Some(Class::UnstableWord)) => [228, 228, 228],
+            (Self::Paper, Some(Class::UnstableWord)) => [227, 227, 227],
             (Self::Paper, Some(Class::None)) => [0, 0, 0],
             (Self::Paper, Some(Class::StableDouble | Class::Double)) => [70, 70, 70],
             (Self::Paper, Some(Class::StableSingle | Class::Single)) => [135, 135, 135],
@@ -110,48 +110,68 @@ fn shaded(colour: Rgb, marked: bool) -> Rgb {
 }
 
 /// Colours of lines in a diagram, in order of use: dark and light take turns, so that neighbours in a legend are told
-/// apart in grey; the hues are apart for colour-blind eyes.
+/// apart at a glance in grey; any two are by colour-blind eyes and in grey.
 pub const LINES: [Rgb; 6] =
-    [[16, 50, 98], [236, 138, 60], [0, 120, 90], [110, 190, 235], [150, 40, 90], [150, 150, 150]];
+    [[16, 50, 98], [236, 138, 60], [27, 128, 94], [116, 197, 242], [150, 40, 90], [138, 138, 138]];
 
-/// Colours of borders of regions, in order of use: none is a class's, and all show on any.
-pub const BORDERS: [Rgb; 6] = [[0, 0, 0], [214, 30, 40], [0, 190, 120], [170, 60, 190], [0, 200, 220], [120, 120, 120]];
+/// Colours of borders of regions, in order of use: none is a class's, and all show on any. Apart for colour-blind eyes and in grey.
+pub const BORDERS: [Rgb; 6] =
+    [[0, 0, 0], [218, 34, 42], [0, 186, 116], [147, 33, 166], [23, 207, 227], [136, 136, 136]];
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sight::{Sight, confused, lab};
 
     #[test]
-    fn classes_are_told_apart_in_grey() {
+    fn whatever_stands_in_one_legend_is_told_apart_by_all_eyes_and_in_grey() {
+        let mut pairs = 0;
+        let mut check = |legend: &[(&str, Rgb)]| {
+            let (looked, found) = confused(legend);
+            pairs += looked;
+            assert!(found.is_empty(), "{found:#?}");
+        };
         for palette in [Palette::Colour, Palette::Paper] {
-            let five = &Class::ALL[..5];
-            let mut greys: Vec<f64> = five
-                .iter()
-                .map(|&class| {
-                    let [r, g, b] = palette.class(Some(class)).map(f64::from);
-                    0.299 * r + 0.587 * g + 0.114 * b
-                })
-                .collect();
-            greys.sort_by(f64::total_cmp);
-            assert!(greys.windows(2).all(|pair| pair[1] - pair[0] > 30.0), "{palette:?} {greys:?}");
+            // Classes without a verdict have the colour of the stable ones, with which they share no legend.
+            let without = [Class::Double, Class::Single, Class::Word];
+            let of = |class: Class| (class.name(), palette.class(Some(class)));
+            let judged: Vec<_> = Class::ALL.into_iter().filter(|class| !without.contains(class)).map(of).collect();
+            check(&judged);
+            assert!(without.iter().all(|class| judged.iter().any(|(_, colour)| *colour == of(*class).1)));
         }
+        for colours in [LINES, BORDERS] {
+            let names = ["0", "1", "2", "3", "4", "5"];
+            check(&names.into_iter().zip(colours).collect::<Vec<_>>());
+        }
+        assert_eq!(pairs, 5 * (2 * 21 + 2 * 15));
     }
 
-    /// L* of the CIE, from the luminance of sRGB.
-    fn lightness(rgb: Rgb) -> f64 {
-        let linear = |c: u8| {
-            let c = f64::from(c) / 255.0;
-            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-        };
-        let [r, g, b] = rgb.map(linear);
-        let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
-        if y > 0.008856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
+    /// What is not known is told from all classes by its texture, which no mechanism has.
+    #[test]
+    fn what_is_not_known_has_a_texture_of_its_own() {
+        let places = || (0..12).flat_map(|x| (0..12).map(move |y| (x, y)));
+        let marks =
+            |pixel: &dyn Fn(u32, u32) -> Rgb| places().map(|(x, y)| pixel(x, y) != pixel(1, 0)).collect::<Vec<_>>();
+        for palette in [Palette::Colour, Palette::Paper] {
+            let unknown = marks(&|x, y| palette.unknown(x, y));
+            assert_eq!(unknown.iter().filter(|marked| **marked).count(), 36);
+            assert!(Mechanism::ALL.iter().all(|one| marks(&|x, y| sample(*one, x, y)) != unknown));
+            for sight in Sight::EACH {
+                let [on, off] = [palette.unknown(0, 0), palette.unknown(1, 0)].map(|colour| lab(colour, sight)[0]);
+                assert!(off - on > 20.0, "{palette:?} {sight:?}");
+            }
+        }
     }
 
     #[test]
     fn the_scale_of_numbers_rises_evenly_in_lightness() {
         for palette in [Palette::Colour, Palette::Paper] {
-            let steps: Vec<f64> = (0..=10).map(|i| lightness(palette.scale(f64::from(i) / 10.0))).collect();
+            let seen = |sight: Sight| (0..=10).map(move |i| lab(palette.scale(f64::from(i) / 10.0), sight)[0]);
+            for sight in Sight::EACH {
+                let steps: Vec<f64> = seen(sight).collect();
+                assert!(steps.windows(2).all(|pair| pair[1] - pair[0] > 3.0), "{palette:?} {sight:?} {steps:?}");
+            }
+            let steps: Vec<f64> = seen(Sight::All).collect();
             let rises: Vec<f64> = steps.windows(2).map(|pair| pair[1] - pair[0]).collect();
             let mean = (steps[10] - steps[0]) / 10.0;
             assert!(mean > 5.0 && rises.iter().all(|rise| (rise / mean - 1.0).abs() < 0.25), "{palette:?} {rises:?}");

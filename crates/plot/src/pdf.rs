@@ -273,7 +273,7 @@ mod tests {
         let mut drawing = Drawing::new([96.0, 192.0], "γ₂ (a)");
         drawing.words("γ₂", [10.0, 20.0], 15.0, BLACK);
         drawing.circle([50.0, 50.0], 10.0, Some(BLACK), Some(Line { opacity: 0.5, ..Line::new(BLACK, 1.0) }));
-        drawing.image([1.0, 2.0], [10.0, 10.0], [1, 1], vec![1, 2, 3]);
+        drawing.image([[1.0, 2.0], [11.0, 12.0]], [1, 1], vec![1, 2, 3]);
         let file = pdf(&drawing);
         let text = String::from_utf8_lossy(&file);
         assert!(text.starts_with("%PDF-") && text.trim_end().ends_with("%%EOF"));

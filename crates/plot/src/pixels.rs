@@ -336,7 +336,7 @@ mod tests {
         assert!(ink(&pixmap) >= 15.0);
         let mut drawing = Drawing::new([4.0, 4.0], "");
         let rgb: Vec<u8> = (0..12).map(|i| i * 20).collect();
-        drawing.image([1.2, 0.8], [2.0, 2.0], [2, 2], rgb.clone());
+        drawing.image([[1.2, 0.8], [3.2, 2.8]], [2, 2], rgb.clone());
         let pixmap = raster(&drawing, 1.0).unwrap();
         let pixel = |x: u32, y: u32| pixmap.data()[(4 * (y * 4 + x)) as usize..][..3].to_vec();
         assert_eq!([pixel(1, 1), pixel(2, 1), pixel(1, 2), pixel(2, 2)].concat(), rgb);

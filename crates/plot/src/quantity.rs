@@ -42,6 +42,11 @@ impl Quantity {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::SpectralRadius, Self::Margin, Self::Impulse, Self::Solutions];
 
+    /// What has that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|quantity| quantity.name() == name)
+    }
+
     /// The column of tables that has it.
     pub fn name(self) -> &'static str {
         match self {
@@ -231,6 +236,38 @@ impl Bar {
             }
         }
     }
+}
+
+/// How the numbers of a map become colours, for whoever paints it elsewhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberScale {
+    /// What stands above the scale.
+    pub heading: &'static str,
+    /// Whether colours go by the decimal logarithm of a number; one below the lower end then has a colour of its own.
+    pub by_logarithm: bool,
+    /// The ends, of the numbers of [`Shade`]s or of their logarithms.
+    pub ends: [f64; 2],
+    /// Places from 0 to 1, and what stands beside them.
+    pub ticks: Vec<(f64, String)>,
+    /// What numbers below mean, where there are any.
+    pub below: Option<String>,
+}
+
+/// The scale that a map with these cells has.
+pub fn number_scale(quantity: Quantity, shades: &[Shade]) -> NumberScale {
+    let bar = Bar::of(quantity, shades);
+    let (by_logarithm, ends) = match bar.colours {
+        Colours::Linear { from, to, .. } => (false, [from, to]),
+        Colours::Logarithmic { low, high } => (true, [low, high]),
+        // The only number stands in the middle.
+        Colours::Whole(1) => (false, [0.5, 1.5]),
+        Colours::Whole(most) => (false, [1.0, f64::from(most)]),
+    };
+    let ticks = match bar.patches() {
+        Some(most) => (1..=most).map(|n| (bar.colours.part(f64::from(n)).unwrap_or(0.5), n.to_string())).collect(),
+        None => bar.ticks(),
+    };
+    NumberScale { heading: bar.heading(), by_logarithm, ends, ticks, below: bar.below.then(|| bar.below_words()) }
 }
 
 impl Colours {

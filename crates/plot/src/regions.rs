@@ -4,10 +4,10 @@
 use vibrochain_maps::regions::{Region, Regions};
 use vibrochain_maps::scene::Scene;
 
-use crate::axis::places;
+use crate::axis::spanned;
 use crate::classes::{class_words, loss};
 use crate::coverage::Coverage;
-use crate::drawing::{Fill, Line, Pattern, Place, Rgb, Shape};
+use crate::drawing::{Fill, Line, Pattern, Place, Rgb, Shape, sides};
 use crate::format::{Format, PlotError};
 use crate::key::{Entry, texture};
 use crate::page::Page;
@@ -47,10 +47,7 @@ pub fn regions_picture(picture: &RegionsPicture<'_>, page: impl Into<Page>) -> R
     let Some(axes) = picture.scene.plane() else {
         return Err(PlotError("a map has two axes".to_owned()));
     };
-    let spans = axes.map(|axis| {
-        let (from, step) = places(axis);
-        from..from + step * (axis.points() - 1) as f64
-    });
+    let spans = axes.map(|axis| spanned(axis, axis.points(), 0.0));
     let mut tiles: Vec<Tile> = Vec::new();
     for region in picture.regions.regions() {
         if !tiles.contains(&region.class) {
@@ -69,9 +66,8 @@ pub fn regions_picture(picture: &RegionsPicture<'_>, page: impl Into<Page>) -> R
     let (fills, patterns) = fills(picture.palette, &tiles);
     sheet.bytes(&placed, patterns, |drawing| {
         if page.format == Format::Png {
-            let size = [0, 1].map(|i| corners[1][i] - corners[0][i]);
-            let pixels = size.map(|side| (side * page.scale()).round().max(1.0) as u32);
-            drawing.image(corners[0], size, pixels, raster(picture, pixels, texture(&page)));
+            let pixels = page.pixels(sides(corners));
+            drawing.image(corners, pixels, raster(picture, pixels, texture(&page)));
         } else {
             let within = |place: &[f64; 2]| placed.within([place[0], 1.0 - place[1]]);
             for Region { class: tile, share, outlines } in picture.regions.regions() {

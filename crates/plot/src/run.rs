@@ -1,13 +1,14 @@
 //! The picture of a simulated run: the impacting mass over the analytic orbit, and all masses in space and time.
 
 use crate::canvas::render;
-use crate::curves::{EDGE, Mark, Pane, Scale, Series, Stroke, draw_pane};
-use crate::drawing::{BLACK, Drawing};
+use crate::curves::{Mark, Pane, Scale, Series, Stroke};
+use crate::drawing::Drawing;
 use crate::field::Field;
 use crate::format::PlotError;
 use crate::page::Page;
+use crate::panels::draw_pane;
 use crate::spacetime::{BAR, Panel, WIDTH};
-use crate::words::Heading;
+use crate::words::{HEADING, Title};
 
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,12 +38,12 @@ const FIELD: f64 = 480.0;
 pub fn run_picture(picture: &RunPicture, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
     let page = page.into();
     let (em, wide) = (page.font, page.width.unwrap_or(page.px(WIDTH)));
-    let title = Heading::new(&picture.title, wide - 2.0 * EDGE * em, 1.13 * em);
-    let top = 1.5 * EDGE * em + title.height();
+    let title = Title::new(&picture.title, HEADING, wide, em);
+    let top = title.foot();
     let middle = top + (wide * TRACE / WIDTH).max(15.0 * em);
     let bottom = middle + (wide * FIELD / WIDTH).max(15.0 * em);
     let mut drawing = Drawing::new([wide, bottom + 0.5 * em], &picture.title);
-    title.draw(&mut drawing, [EDGE * em, EDGE * em], BLACK);
+    title.draw(&mut drawing);
     let RunPicture { field, barriers, periods, .. } = picture;
     let x = "time, in periods since the start (whole run)";
     let panel = Panel { field, barriers: *barriers, periods: *periods, x, impacts: &[] };

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use vibrochain_floquet::{Mechanism, Tolerance};
+use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
@@ -10,7 +10,6 @@ use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 use crate::axis::Axis;
 use crate::canvas::render;
 use crate::classes::{class_words, loss};
-use crate::curves::EDGE;
 use crate::drawing::{BLACK, DIM, Drawing, Line, Pattern, Place, Shape};
 use crate::format::PlotError;
 use crate::frame::{Frame, below, left_of};
@@ -18,14 +17,13 @@ use crate::key::{Entry, draw_flow, draw_list, flow, list_height, list_width};
 use crate::page::Page;
 use crate::palette::{Palette, Tile, sample};
 use crate::quantity::Bar;
-use crate::words::Heading;
+use crate::words::{CAPTION, EDGE, Heading};
 
 /// About this wide and high the map itself becomes on a screen.
 pub(crate) const TARGET: f64 = 900.0;
 
-/// Sizes of the two headings against the letters of legends.
+/// Size of the title against the letters of legends: a map is as large as two panels.
 const TITLE: f64 = 1.45;
-const FIXED: f64 = 1.07;
 
 /// A page so many em wide has its legend beside the map; on a narrower one it stands below.
 const WIDE: f64 = 46.0;
@@ -89,40 +87,10 @@ pub(crate) fn fixed(scene: &Scene) -> String {
     text
 }
 
-/// What was looked for, and what counts as stable: "double-sided and single-sided breathers, stable: all |μ| ≤ 1 up to rounding".
-pub(crate) fn criterion(scene: &Scene) -> String {
-    let names: Vec<String> = scene.task.family_names().collect();
-    let mut text = match names.split_last() {
-        Some((last, [])) => format!("{last} breathers"),
-        Some((last, others)) => format!("{} and {last} breathers", others.join(", ")),
-        // The heading names the words.
-        None => String::new(),
-    };
-    if scene.task.stability {
-        if !text.is_empty() {
-            text += ", ";
-        }
-        text += &match scene.task.tolerance {
-            Tolerance::Rounding => "stable: no |μ| above 1 by more than rounding".to_owned(),
-            Tolerance::Growth(growth) => format!("stable: growth |μ| − 1 below {growth} a period"),
-        };
-    }
-    text
-}
-
-/// The heading of a scene without its criterion, which stands below.
-fn title(scene: &Scene) -> String {
-    let text = scene.heading();
-    match text.split_once(", growth below ") {
-        Some((title, _)) if matches!(scene.task.tolerance, Tolerance::Growth(_)) => title.to_owned(),
-        _ => text,
-    }
-}
-
 impl<'a> Sheet<'a> {
     /// Of a scene, the map alone: nothing of its legend yet.
     pub(crate) fn new(scene: &'a Scene, axes: [&'a SweptAxis; 2], spans: [Range<f64>; 2]) -> Self {
-        let notes = [fixed(scene), criterion(scene)].into_iter().filter(|line| !line.is_empty()).collect();
+        let notes = [fixed(scene), scene.criterion()].into_iter().filter(|line| !line.is_empty()).collect();
         Self { scene, axes, spans, notes, bar: None, entries: Vec::new() }
     }
 
@@ -170,7 +138,8 @@ impl<'a> Sheet<'a> {
         };
         let map = cells.map(|cells| pixels(cells) / page.scale());
         let wide = page.width.unwrap_or(left + map[0] + legend + RIGHT * em);
-        let lines = [(title(self.scene), TITLE)].into_iter().chain(self.notes.iter().map(|note| (note.clone(), FIXED)));
+        let lines =
+            [(self.scene.heading(), TITLE)].into_iter().chain(self.notes.iter().map(|note| (note.clone(), CAPTION)));
         // On a narrow page headings begin at its edge.
         let indent = if beside { left } else { EDGE * em };
         let headings: Vec<Heading> =
@@ -197,7 +166,8 @@ impl<'a> Sheet<'a> {
         let Placed { frame, headings, size, beside, page } = placed;
         page.holds(*size)?;
         let em = page.font;
-        let mut drawing = Drawing::new(*size, &self.scene.heading());
+        let told: Vec<String> = [self.scene.heading()].into_iter().chain(self.notes.iter().cloned()).collect();
+        let mut drawing = Drawing::new(*size, &told.join(", "));
         drawing.patterns = patterns;
         let [[left, top], [right, _]] = frame.corners;
         let mut y = EDGE * em;

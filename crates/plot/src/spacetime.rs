@@ -2,13 +2,13 @@
 
 use crate::axis::{Axis, tick};
 use crate::canvas::render;
-use crate::curves::EDGE;
 use crate::drawing::{BLACK, Drawing, Line, Place, Rgb, WHITE};
 use crate::field::{Field, Shown};
 use crate::format::PlotError;
 use crate::frame::{Frame, TICK, below, left_of};
+use crate::key::colour_bar;
 use crate::page::Page;
-use crate::words::Heading;
+use crate::words::{HEADING, Title};
 
 /// Width and height on a screen.
 pub(crate) const WIDTH: f64 = 1200.0;
@@ -46,11 +46,11 @@ pub struct Spacetime {
 pub fn spacetime_picture(picture: &Spacetime, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
     let page = page.into();
     let (em, wide) = (page.font, page.width.unwrap_or(page.px(WIDTH)));
-    let heading = Heading::new(&picture.title, wide - 2.0 * EDGE * em, 1.13 * em);
-    let top = 1.5 * EDGE * em + heading.height();
+    let title = Title::new(&picture.title, HEADING, wide, em);
+    let top = title.foot();
     let bottom = top + (wide * HEIGHT / WIDTH).max(16.0 * em);
     let mut drawing = Drawing::new([wide, bottom + 0.5 * em], &picture.title);
-    heading.draw(&mut drawing, [EDGE * em, EDGE * em], BLACK);
+    title.draw(&mut drawing);
     let Spacetime { barriers, field, impacts, .. } = picture;
     let panel = Panel { field, barriers: *barriers, periods: 1.0, x: "time, in periods of the orbit", impacts };
     let left = panel.left(bottom - top, &page);
@@ -85,9 +85,8 @@ impl Panel<'_> {
         let corners =
             [[page.snap(left), page.snap(top)], [page.snap(right - BAR * em), page.snap(bottom - below(true, page))]];
         let frame = Frame { corners, x: Axis::numbers(0.0..periods), y: self.y() };
-        let size = [0, 1].map(|i| corners[1][i] - corners[0][i]);
-        let pixels = size.map(|side| (side * page.scale()).round().max(1.0) as u32);
-        drawing.image(corners[0], size, pixels, self.raster(pixels));
+        let pixels = page.pixels(frame.size());
+        drawing.image(corners, pixels, self.raster(pixels));
         for border in (*length..*sites).step_by(*length) {
             let y = frame.place((0.0, (*lowest + border as i64) as f64 - 0.5))[1];
             drawing.line(vec![[corners[0][0], y], [corners[1][0], y]], Line::new(BLACK, page.px(2.0)).crisp());
@@ -105,7 +104,7 @@ impl Panel<'_> {
             (false, true) => "site, layer upon layer",
         };
         frame.axes(drawing, [self.x, y], page);
-        self.bar(drawing, [corners[1][0] + 1.2 * em, corners[0][1]], size[1], page);
+        self.bar(drawing, [corners[1][0] + 1.2 * em, corners[0][1]], frame.size()[1], page);
     }
 
     fn raster(&self, [w, h]: [u32; 2]) -> Vec<u8> {
@@ -133,16 +132,14 @@ impl Panel<'_> {
         let (em, (lower, upper)) = (page.font, self.barriers);
         let names = self.names();
         let height = (13.0 * em).min(room - 1.4 * em * names.len() as f64).max(4.0 * em);
-        let size = [1.2 * em, height];
+        let right = x + 1.2 * em;
         let displacement = self.field.shown == Shown::Displacement;
         let depth = if displacement { 2.0 } else { 1.0 };
-        let rows = (height * page.scale()).round().max(2.0) as u32;
-        let colours = (0..rows).flat_map(|py| diverging(1.0 - depth * f64::from(py) / f64::from(rows - 1)));
-        drawing.image([x, top], size, [1, rows], colours.collect());
-        drawing.frame([[x, top], [x + size[0], top + height]], Line::new(BLACK, page.px(1.0)).crisp());
+        let colour = |part: f64| diverging(1.0 - depth * (1.0 - part));
+        colour_bar(drawing, [[x, top], [right, top + height]], colour, page);
         let ends = if displacement { [upper, 0.5 * (lower + upper), lower] } else { [1.0, 0.5, 0.0] };
         for (label, part) in ends.into_iter().zip([0.04, 0.5, 0.96]) {
-            drawing.words(&tick(label), [x + size[0] + 0.5 * em, top + part * height], TICK * em, BLACK);
+            drawing.words(&tick(label), [right + 0.5 * em, top + part * height], TICK * em, BLACK);
         }
         for (i, line) in names.iter().enumerate() {
             drawing.words(line, [x, top + height + (1.0 + 1.3 * i as f64) * em], 0.88 * em, BLACK);

@@ -68,7 +68,7 @@ pub(crate) fn number(value: f64) -> String {
 }
 
 /// A colour as an SVG has it.
-fn hex([r, g, b]: Rgb) -> String {
+pub(crate) fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

@@ -1,10 +1,43 @@
 //! Headings: text in as many lines as the width of a picture asks for.
 
-use crate::drawing::{Across, Drawing, Place, Rgb, Upright};
+use crate::drawing::{Across, BLACK, Drawing, Place, Rgb, Upright};
 use crate::font::width;
 
 /// Distance of two lines in em.
 const STEP: f64 = 1.36;
+
+/// Sizes of headings against the letters of legends: what stands above a whole picture is the largest, what stands above a row or a
+/// panel, or names an axis, is between; legends themselves are the body.
+pub(crate) const TITLE: f64 = 1.2;
+pub(crate) const HEADING: f64 = 1.13;
+pub(crate) const CAPTION: f64 = 1.07;
+
+/// Air between the edge of a picture and its words, in em: less than a letter looks cut off.
+pub(crate) const EDGE: f64 = 0.8;
+
+/// What stands above a picture, over its whole width.
+pub(crate) struct Title {
+    heading: Heading,
+    em: f64,
+}
+
+impl Title {
+    /// In letters so many times as large as those of legends, above a picture so wide.
+    pub(crate) fn new(text: &str, times: f64, wide: f64, em: f64) -> Self {
+        Self { heading: Heading::new(text, wide - 2.0 * EDGE * em, times * em), em }
+    }
+
+    /// Where what it stands above begins.
+    pub(crate) fn foot(&self) -> f64 {
+        let height = self.heading.height();
+        // Without a title some air is left.
+        if height > 0.0 { 1.5 * EDGE * self.em + height } else { 0.5 * EDGE * self.em }
+    }
+
+    pub(crate) fn draw(&self, drawing: &mut Drawing) {
+        self.heading.draw(drawing, [EDGE * self.em; 2], BLACK);
+    }
+}
 
 /// Lines of one size, from the same place on.
 #[derive(Debug, Clone, PartialEq)]

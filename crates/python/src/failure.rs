@@ -92,6 +92,7 @@ impl From<BreatherError> for Failure {
             }
             BreatherError::TooStiff { .. } => Self::TooLarge(message),
             BreatherError::NotConverged { .. } => Self::NotConverged(message),
+            BreatherError::Stopped => Self::Other(message),
         }
     }
 }

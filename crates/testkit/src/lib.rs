@@ -19,7 +19,7 @@ pub use desk::*;
 pub use digest::Digest;
 pub use models::{Meeting, Ranges, Values};
 pub use net::Net;
-pub use picture::Picture;
+pub use picture::{Cells, Picture};
 pub use random::Random;
 pub use reference::{Case, reference};
 pub use ring::{ReturnMap, Ring, dense, stiffness};

@@ -83,6 +83,9 @@ pub struct LocateArgs {
     pub json: bool,
 }
 
+/// What a bifurcation diagram shows unless it is asked for something else.
+pub(crate) const SHOWN: [QuantityName; 2] = [QuantityName::Impulse, QuantityName::SpectralRadius];
+
 /// What a bifurcation diagram shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum QuantityName {
@@ -135,7 +138,7 @@ pub struct BranchArgs {
     #[command(flatten)]
     pub page: PageArgs,
     /// What the picture shows, a list with commas.
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "impulse,spectral-radius", requires = "plot")]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = SHOWN, requires = "plot")]
     pub show: Vec<QuantityName>,
     /// Print JSON instead of text.
     #[arg(long)]

@@ -7,6 +7,7 @@ use vibrochain_maps::numbers::real;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::sweep::ShardFlag;
 
+use super::events::QuantityName;
 use crate::page_args::PageArgs;
 
 /// Colours of a map.
@@ -128,13 +129,26 @@ pub struct MergeArgs {
 
 /// Arguments of `mapgen draw`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Tables that hold a picture: those of sweep, merge and fate, branch --csv, curve --csv, and stripes --csv together with the table \
+                  of its map. Which one it is the names of its columns say; what it is of, the manifest beside it."
+)]
 pub struct DrawArgs {
-    /// Table of `mapgen sweep` or `mapgen merge` (.csv).
+    /// Table (.csv); `-` is standard input.
     pub table: PathBuf,
-    /// Scene of the table, or its manifest [default: the manifest beside the table].
+    /// Manifest of the table, or of one of sweep and merge its scene [default: the manifest beside the table].
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Pictures of the table.
     #[command(flatten)]
     pub pictures: PictureArgs,
+    /// Of the table of a branch: what the picture shows, a list with commas [default: impulse,spectral-radius].
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub show: Vec<QuantityName>,
+    /// Of the table of a branch: also what is not physical; of lines of stripes: also differences, faintly.
+    #[arg(long)]
+    pub all: bool,
+    /// Of the table of lines of stripes: the table of the map that they lie on.
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
 }

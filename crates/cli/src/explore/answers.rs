@@ -10,7 +10,8 @@ use serde_json::{Map, Value, json};
 
 use super::line::{Line, Runs};
 use super::texts::{of_map, of_point, toml_of};
-use vibrochain_explore::{Answers, MOST_SITES, Refusal, View};
+use vibrochain_breather::Word;
+use vibrochain_explore::{Answers, Refusal, View, fits};
 use vibrochain_maps::cell::SYMMETRIC;
 use vibrochain_maps::manifest::VERSION;
 use vibrochain_maps::numbers::{Number, plain};
@@ -72,6 +73,8 @@ struct Window {
     /// Borders over a picture.
     #[serde(default)]
     curves: bool,
+    /// What colours it.
+    color: Option<String>,
 }
 
 impl Answers for Program {
@@ -120,15 +123,13 @@ const MODEL: [&str; 12] = [
 ];
 
 /// The flags of a model.
-fn with_model(mut line: Line, model: &Map<String, Value>) -> Result<Line, Refusal> {
+fn with_model(mut line: Line, model: &Map<String, Value>, words: &[Word]) -> Result<Line, Refusal> {
     if let Some(key) = model.keys().find(|key| !MODEL.contains(&key.as_str())) {
         return Err(Refusal::wrong(format!("model has no {key}: it has {}", MODEL.join(", "))));
     }
     let masses = ["sites", "layers"].map(|key| model.get(key).and_then(Value::as_u64).unwrap_or(1));
     let masses = masses[0].saturating_mul(masses[1]);
-    if masses > MOST_SITES as u64 {
-        return Err(Refusal::wrong(format!("sites = {masses} is out of range: give at most {MOST_SITES} to look at")));
-    }
+    fits(usize::try_from(masses).unwrap_or(usize::MAX), words)?;
     for key in MODEL {
         let flag = key.replace('_', "-");
         line = match model.get(key) {
@@ -167,7 +168,9 @@ fn force(harmonics: &[Value]) -> Result<String, Refusal> {
 fn at(command: &str, point: &Point) -> Result<Line, Refusal> {
     let is_word = point.which.contains(['+', '-']) && !point.which.contains(char::is_alphabetic);
     let which = if is_word { "word" } else { "family" };
-    with_model(Line::new(command).flag(which, name(&point.which)), &point.model)
+    // A word that is none is refused by the program.
+    let words: Vec<Word> = point.which.parse().into_iter().collect();
+    with_model(Line::new(command).flag(which, name(&point.which)), &point.model, &words)
 }
 
 /// What a map leaves out is not left out at a point.
@@ -180,7 +183,7 @@ fn masses(model: &Map<String, Value>) -> f64 {
 }
 
 /// Refuses tables that are too long for a page: so many samples in each of so many periods.
-fn fits(point: &Point, periods: f64) -> Result<(), Refusal> {
+fn is_short(point: &Point, periods: f64) -> Result<(), Refusal> {
     let most = (0.5 * MOST_NUMBERS / (masses(&point.model) * periods)).floor();
     // Also where there is no limit, as periods are no number.
     if point.samples as f64 <= most {
@@ -198,7 +201,7 @@ const SOLUTIONS: f64 = 4.0;
 
 fn orbit(point: &Point) -> Result<Line, Refusal> {
     let mut line = at("orbit", point)?;
-    fits(point, SOLUTIONS)?;
+    is_short(point, SOLUTIONS)?;
     if let Some(threshold) = point.threshold {
         line = line.flag("threshold", Number(threshold));
     }
@@ -207,7 +210,7 @@ fn orbit(point: &Point) -> Result<Line, Refusal> {
 
 fn simulate(run: &Run) -> Result<Line, Refusal> {
     let mut line = at("simulate", &run.point)?.flag("solution", run.solution);
-    fits(&run.point, run.periods)?;
+    is_short(&run.point, run.periods)?;
     if run.perturb != 0.0 {
         line = line.flag("perturb", Number(run.perturb)).flag("direction", &run.direction).flag("seed", run.seed);
     }
@@ -244,5 +247,9 @@ fn stripes(asked: &Window) -> Result<Line, Refusal> {
 
 fn sweep(asked: &Window) -> Result<Line, Refusal> {
     let line = about("sweep", asked)?.output("out", "map.csv").output("svg", "map.svg");
+    let line = match &asked.color {
+        Some(color) => line.flag("color", color),
+        None => line,
+    };
     Ok(if asked.curves { line.switch("curves") } else { line })
 }

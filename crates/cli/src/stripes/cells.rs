@@ -7,9 +7,9 @@ use rayon::ThreadPool;
 
 use crate::error::CliError;
 use crate::stripes::request::Request;
-use crate::table_cells;
+use crate::table_rows::TableRows;
 use vibrochain_maps::cell::Class;
-use vibrochain_maps::sweep::{Ended, sweep};
+use vibrochain_maps::sweep::{Cells, Ended, sweep};
 use vibrochain_plot::Tile;
 
 /// Class and mechanism of every cell, by rows.
@@ -44,9 +44,13 @@ pub(super) fn cells(
     }
 }
 
-fn read(request: &Request, path: &Path) -> Result<Vec<Tile>, CliError> {
+/// The same from a table.
+///
+/// # Errors
+/// [`CliError::Request`] for a table that is not of this scene.
+pub(super) fn read(request: &Request, path: &Path) -> Result<Vec<Tile>, CliError> {
     let (mut tiles, mut without) = (Vec::new(), false);
-    table_cells::read("--map", path, &request.scene, |_, cell| {
+    TableRows::open("--map", path)?.cells(&Cells, &request.scene, &mut |_, cell| {
         without |= matches!(cell.class, Some(Class::Double | Class::Single));
         tiles.push(Tile::from(cell));
     })?;

@@ -12,7 +12,6 @@ use vibrochain_floquet::{DressedModes, Passing, felt_modes, passings};
 use crate::error::CliError;
 use crate::stripes::cuts::{Carrier, Cut};
 use crate::stripes::request::{Request, family};
-use vibrochain_maps::numbers::Number;
 use vibrochain_maps::point::Parameter;
 use vibrochain_plot::Tile;
 
@@ -257,36 +256,6 @@ pub(super) fn joined(request: &Request, crossings: &[Crossing]) -> Vec<Line> {
         lines.extend(open.into_iter().map(|(_, _, line)| line));
     }
     lines
-}
-
-/// The table of lines.
-///
-/// # Errors
-/// [`CliError::Computation`].
-pub(super) fn table(lines: &[Line]) -> Result<Vec<u8>, CliError> {
-    let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not write the lines: {error}"));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let columns = ["family", "mode1", "mode2", "harmonic", "sum", "gamma2", "omega", "signature_product"];
-    writer.write_record(columns).map_err(|error| failed(&error))?;
-    for line in lines {
-        let (k, l) = line.modes;
-        // On a sum the multipliers that meet are e^{iΩT} of one mode and e^{−iΩT} of the other.
-        let product = if line.sum { "-1" } else { "1" };
-        for point in &line.points {
-            let record = [
-                line.family.name().to_owned(),
-                k.to_string(),
-                l.to_string(),
-                line.harmonic.to_string(),
-                line.sum.to_string(),
-                Number(point.gamma2).to_string(),
-                Number(point.omega).to_string(),
-                product.to_owned(),
-            ];
-            writer.write_record(&record).map_err(|error| failed(&error))?;
-        }
-    }
-    writer.into_inner().map_err(|error| failed(&error))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 //! | `lines` | the lines Ω̃_k ± Ω̃_l = jω |
 //! | `cuts` | runs of cells along a row, carried on where no such breather is |
 //! | `evidence` | shares of unstable and stable cells next to a line |
+//! | `table` | the table of lines |
 //! | `widths` | the table of stripes |
 
 mod cells;
@@ -15,36 +16,56 @@ mod cuts;
 mod evidence;
 mod lines;
 mod request;
+mod table;
 mod widths;
+
+use std::path::Path;
 
 use crate::args::StripesArgs;
 use crate::console::Console;
 use crate::error::CliError;
+use crate::picture_files::PictureFiles;
 use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
-use crate::stripes::lines::{Line, joined, rows, table};
+use crate::stripes::lines::{Line, joined, rows};
 use crate::stripes::request::Request;
+use crate::stripes::table::table;
 use crate::stripes::widths::HEADER;
+use crate::table_manifest::{Manifest, beside, of_scene};
+use crate::table_rows::TableRows;
 use crate::threads::threads;
 use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
 use vibrochain_plot::{Cells, MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
+
+pub(crate) use crate::stripes::table::COLUMNS;
+
+/// What the manifest of the lines calls their table.
+pub(crate) const LINES: &str = "stripes";
 
 /// Runs the subcommand.
 ///
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let request = Request::read(args)?;
+    args.page.checked(true, "--plot")?;
+    let request = Request::read(&args.scene)?;
+    let manifest = beside(args.csv.as_deref())?;
     let taken = distinct(
         &[("the scene", Some(&args.scene)), ("--map", args.map.as_deref())],
-        &[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref()), ("--widths", args.widths.as_deref())],
+        &[
+            ("--plot", Some(&args.plot)),
+            ("--csv", args.csv.as_deref()),
+            ("the manifest of --csv", manifest.as_deref()),
+            ("--widths", args.widths.as_deref()),
+        ],
     )?;
     if let Some(table) = &args.csv {
         promises("--csv", table, "a table as plain CSV", &["csv"])?;
     }
     // Destinations first: an impossible one should not cost a computation.
-    let picture = Output::create(&args.plot)?;
+    let picture = PictureFiles::one("--plot", Some(&args.plot), &args.page)?;
     let csv = args.csv.as_deref().map(Output::create).transpose()?;
+    let manifest = Manifest::create(manifest.as_deref())?;
     let widths = args.widths.as_deref().map(|path| CsvFile::create("--widths", path, HEADER)).transpose()?;
     let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
@@ -58,18 +79,42 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
         text += &widths::write(widths, &request, &pool, &stop, &bar)?;
     }
     if let Some(csv) = csv {
-        csv.finish_with(&table(&lines)?)?;
+        let (table, rows) = table(&lines)?;
+        csv.finish_with(&table)?;
+        manifest.finish(LINES, rows, &of_scene(&request.scene, None))?;
     }
+    draw(picture, &request, &tiles, &lines, args.all)?;
+    console.answer(&text, taken)
+}
+
+/// Draws the lines of a table over the map of another, `told` of them as the manifest at `scene` says; how many they are.
+///
+/// # Errors
+/// [`CliError::Request`] for tables that are not of this scene.
+pub(crate) fn redraw(
+    files: PictureFiles,
+    (table, told): (TableRows, u64),
+    scene: &Path,
+    map: &Path,
+    all: bool,
+) -> Result<usize, CliError> {
+    let request = Request::read(scene)?;
+    let mut lines = Vec::new();
+    table.rows(told, |fields| table::take(&mut lines, fields))?;
+    let tiles = cells::read(&request, map)?;
+    draw(files, &request, &tiles, &lines, all)?;
+    Ok(lines.len())
+}
+
+/// The picture of the map and its lines, with `all` also those of differences.
+fn draw(files: PictureFiles, request: &Request, tiles: &[Tile], lines: &[Line], all: bool) -> Result<(), CliError> {
     let shown = tiles.iter().zip(0..).filter(|(_, cell)| is_shown(&request.scene, *cell));
     let shown: Vec<Tile> = shown.map(|(tile, _)| *tile).collect();
-    let bytes = map_with_lines(
-        &MapPicture { scene: &request.scene, cells: Cells::Classes(&shown), palette: Palette::default(), borders: &[] },
-        &lines.iter().filter(|line| line.sum || args.all).map(|line| drawn(line, request.own)).collect::<Vec<_>>(),
-        request.page,
-    )
-    .map_err(|error| CliError::Computation(error.to_string()))?;
-    picture.finish_with(&bytes)?;
-    console.answer(&text, taken)
+    let map =
+        MapPicture { scene: &request.scene, cells: Cells::Classes(&shown), palette: Palette::default(), borders: &[] };
+    let lines: Vec<MapLine> =
+        lines.iter().filter(|line| line.sum || all).map(|line| drawn(line, request.own)).collect();
+    files.draw(|page| map_with_lines(&map, &lines, page))
 }
 
 fn drawn(line: &Line, own: usize) -> MapLine {

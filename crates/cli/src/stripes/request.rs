@@ -1,11 +1,12 @@
 //! What `mapgen stripes` is asked for, checked.
 
-use crate::args::StripesArgs;
+use std::path::Path;
+
 use crate::error::CliError;
 use vibrochain_floquet::felt_modes;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
-use vibrochain_plot::{Format, Page, Tile};
+use vibrochain_plot::Tile;
 
 /// The most cells of a map: it is held whole, at about ten bytes a cell.
 const MOST_CELLS: u64 = 10_000_000;
@@ -34,7 +35,6 @@ pub(super) struct Request {
     pub(super) scene: Scene,
     pub(super) omega: Steps,
     pub(super) gamma2: Steps,
-    pub(super) page: Page,
     /// Number of the breather's own mode, above that of all others.
     pub(super) own: usize,
 }
@@ -42,11 +42,9 @@ pub(super) struct Request {
 impl Request {
     /// # Errors
     /// [`CliError::Request`].
-    pub(super) fn read(args: &StripesArgs) -> Result<Self, CliError> {
-        args.page.checked(true, "--plot")?;
-        let page = args.page.page(Format::asked("--plot", &args.plot)?)?;
-        let scene = Scene::read(&args.scene)?;
-        let name = args.scene.display();
+    pub(super) fn read(path: &Path) -> Result<Self, CliError> {
+        let scene = Scene::read(path)?;
+        let name = path.display();
         let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));
         if !scene.is_conservative() {
             return Err(wrong(
@@ -81,7 +79,7 @@ impl Request {
         }
         // Families of scenes are at site 0.
         let own = felt_modes(model.chain(), 0).len().saturating_sub(1);
-        Ok(Self { scene, omega, gamma2, page, own })
+        Ok(Self { scene, omega, gamma2, own })
     }
 
     /// Number of a cell.

@@ -73,6 +73,23 @@ impl Station {
     }
 }
 
+/// What [`FollowedBranch::is_physical_about`] tells, of stations in any form: `tell` says of one its event, if it is no point, and whether
+/// its orbit is physical.
+pub fn is_physical_about<S>(stations: &[S], at: usize, tell: impl Fn(&S) -> (Option<Event>, Option<bool>)) -> bool {
+    let told = |station: &S| match tell(station) {
+        (None, physical) => Some(physical == Some(true)),
+        (Some(_), _) => None,
+    };
+    let grazes = |station: &&S| tell(station).0 == Some(Event::Grazing);
+    let (before, behind) = stations.split_at(at.min(stations.len()));
+    let mut before = before.iter().rev().take_while(|station| !grazes(station));
+    let own = behind.first().and_then(told);
+    let mut behind = behind.iter().skip(1).take_while(|station| !grazes(station));
+    let nearest = [own, before.find_map(told), behind.find_map(told)];
+    let itself = stations.get(at).is_some_and(|station| matches!(tell(station), (Some(_), Some(true))));
+    nearest.contains(&Some(true)) || itself && nearest == [None; 3]
+}
+
 /// Where a branch of a diagram was taken up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -122,19 +139,10 @@ impl FollowedBranch {
     /// Whether the orbits just before or just behind a station are physical. At a grazing the one there is a matter of rounding; beyond
     /// another one they are others.
     pub fn is_physical_about(&self, station: usize) -> bool {
-        let told = |station: &Station| match station {
-            Station::Point(point) => Some(point.physical == Some(true)),
-            Station::Event(_) => None,
-        };
-        let grazes = |station: &&Station| matches!(station, Station::Event(located) if located.event == Event::Grazing);
-        let (before, behind) = self.stations.split_at(station.min(self.stations.len()));
-        let mut before = before.iter().rev().take_while(|station| !grazes(station));
-        let own = behind.first().and_then(told);
-        let mut behind = behind.iter().skip(1).take_while(|station| !grazes(station));
-        let nearest = [own, before.find_map(told), behind.find_map(told)];
-        let itself =
-            matches!(self.stations.get(station), Some(Station::Event(located)) if located.physical == Some(true));
-        nearest.contains(&Some(true)) || itself && nearest == [None; 3]
+        is_physical_about(&self.stations, station, |station| match station {
+            Station::Point(point) => (None, point.physical),
+            Station::Event(located) => (Some(located.event), located.physical),
+        })
     }
 
     /// Whether an orbit is one of it, or the mirror image of one.

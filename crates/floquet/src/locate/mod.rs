@@ -35,7 +35,7 @@ mod switch;
 mod watch;
 
 pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};
-pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station};
+pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station, is_physical_about};
 pub use diagram::{diagram, diagram_while};
 pub use follow::{locate, locate_while};
 pub(crate) use polish::Polisher;

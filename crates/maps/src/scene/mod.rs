@@ -200,15 +200,32 @@ impl Scene {
         !forced && !self.sweeps(Parameter::Restitution) && self.base.get(Parameter::Restitution) == 1.0
     }
 
-    /// The title of pictures: the scene's own, or what is swept, and always from which growth on an orbit counts as unstable.
+    /// The title of pictures: the scene's own, or what is swept.
     pub fn heading(&self) -> String {
         let kind = if self.is_conservative() { "Conservative breathers" } else { "Forced breathers" };
         let words: Vec<String> = self.task.words.iter().map(ToString::to_string).collect();
         let kind = if words.is_empty() { kind.to_owned() } else { format!("{kind}: {}", words.join("; ")) };
-        let title = self.title.as_deref().unwrap_or(&kind);
-        match self.task.tolerance {
-            Tolerance::Rounding => title.to_owned(),
-            Tolerance::Growth(growth) => format!("{title}, growth below {growth} a period counts as stable"),
+        self.title.clone().unwrap_or(kind)
+    }
+
+    /// What was looked for, and what counts as stable: "double-sided and single-sided breathers, stable: no |μ| above 1 by more than rounding".
+    pub fn criterion(&self) -> String {
+        let names: Vec<String> = self.task.family_names().collect();
+        let mut text = match names.split_last() {
+            Some((last, [])) => format!("{last} breathers"),
+            Some((last, others)) => format!("{} and {last} breathers", others.join(", ")),
+            // The heading names the words.
+            None => String::new(),
+        };
+        if self.task.stability {
+            if !text.is_empty() {
+                text += ", ";
+            }
+            text += &match self.task.tolerance {
+                Tolerance::Rounding => "stable: no |μ| above 1 by more than rounding".to_owned(),
+                Tolerance::Growth(growth) => format!("stable: growth |μ| − 1 below {growth} a period"),
+            };
         }
+        text
     }
 }

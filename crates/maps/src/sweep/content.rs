@@ -59,7 +59,13 @@ pub trait ReadRows<T> {
     /// What is wrong with the first row that is not as it must be.
     fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(u64, &T)) -> Result<(), String>;
 
-    /// Hands on what has waited for more, and tells whether that was every row, with these counts.
+    /// Hands on what has waited for more, and tells the counts of the rows, if that was every one.
+    ///
+    /// # Errors
+    /// What is missing.
+    fn whole(self, each: &mut dyn FnMut(u64, &T)) -> Result<Summary, String>;
+
+    /// The same, which must have these counts.
     ///
     /// # Errors
     /// What is wrong.
@@ -108,6 +114,10 @@ impl Content for Cells {
 impl ReadRows<Cell> for Reader<'_> {
     fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(u64, &Cell)) -> Result<(), String> {
         self.take(bytes, each)
+    }
+
+    fn whole(self, _: &mut dyn FnMut(u64, &Cell)) -> Result<Summary, String> {
+        self.whole()
     }
 
     fn finish(self, summary: &Summary, _: &mut dyn FnMut(u64, &Cell)) -> Result<(), String> {

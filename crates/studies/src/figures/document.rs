@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use vibrochain_floquet::Tolerance;
+
 use crate::figures::captions::caption;
 use crate::figures::drawn::file_name;
 use crate::figures::scene::{FigureScene, Kind};
@@ -38,7 +40,12 @@ impl Document {
     /// Adds a figure.
     pub(super) fn add(&mut self, id: &str, scene: &FigureScene, findings: &[String]) {
         let title = match scene {
-            FigureScene::Map(scene) => scene.heading(),
+            FigureScene::Map(scene) => match scene.task.tolerance {
+                Tolerance::Rounding => scene.heading(),
+                Tolerance::Growth(growth) => {
+                    format!("{}, growth below {growth} a period counts as stable", scene.heading())
+                }
+            },
             FigureScene::Lines(scene) => scene.title.clone(),
         };
         self.parts.push(format!("## Figure {id}: {title}"));

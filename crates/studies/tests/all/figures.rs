@@ -226,18 +226,18 @@ fn scenes_of_a_folder_take_the_place_of_those_built_in() {
     let scene = scenes.join("figure-15a.toml");
     swept_by(&format!("--quiet {} --out {}", scene.display(), swept.display()));
     assert_eq!(fs::read(swept).unwrap(), fs::read(out.join("figure-15a.csv")).unwrap());
-    // From which growth on an orbit is unstable is always in the title.
+    // From which growth on an orbit is unstable always stands above the map.
     let heading = |svg: &Path| {
         let text = fs::read_to_string(svg).unwrap();
-        text.lines().find(|line| line.contains("counts as stable")).map(|line| line.trim().to_owned())
+        text.lines().find(|line| line.contains("stable: growth")).map(|line| line.trim().to_owned())
     };
-    assert!(heading(&out.join("figure-10.svg")).unwrap().contains("growth below 0.01 a period"));
+    assert!(heading(&out.join("figure-10.svg")).unwrap().contains("below 0.01 a period"));
     assert_eq!(heading(&out.join("figure-15a.svg")), None);
     let picture = desk.path().join("map.svg");
     let again = desk.path().join("again.csv");
     let files = format!("{} --svg {} --out {}", scene.display(), picture.display(), again.display());
     swept_by(&format!("--quiet --threshold 0.5 {files}"));
-    assert!(heading(&picture).unwrap().contains("growth below 0.5 a period"));
+    assert!(heading(&picture).unwrap().contains("below 0.5 a period"));
     let text = fs::read_to_string(document).unwrap();
     let count = |class: &str| map.iter().filter(|row| row["class"] == class).count();
     assert!(text.contains(&format!("| stable-double | {} (", count("stable-double"))), "{text}");

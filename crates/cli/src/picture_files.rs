@@ -1,0 +1,103 @@
+//! The files that a picture goes to, opened before anything is computed for it.
+
+#[cfg(feature = "plot")]
+pub(crate) use with_plot::PictureFiles;
+#[cfg(not(feature = "plot"))]
+pub(crate) use without_plot::PictureFiles;
+
+use crate::args::{ColorName, PaletteName, PictureArgs};
+use crate::error::CliError;
+
+/// Refuses what is of maps alone, where another picture is drawn: that of `what`.
+pub(crate) fn of_no_map(wanted: &PictureArgs, what: &str) -> Result<(), CliError> {
+    let PictureArgs { slice, color, curves, palette, .. } = wanted;
+    let of_maps = [
+        ("--slice", !slice.is_empty()),
+        ("--color", *color != ColorName::default()),
+        ("--curves", *curves),
+        ("--palette", *palette != PaletteName::default()),
+    ];
+    match of_maps.iter().find(|(_, given)| *given) {
+        Some((flag, _)) => Err(CliError::Request(format!("{flag} is of maps, {what}: leave it out"))),
+        None => Ok(()),
+    }
+}
+
+#[cfg(feature = "plot")]
+mod with_plot {
+    use std::path::Path;
+
+    use vibrochain_maps::files::Output;
+    use vibrochain_plot::{Format, Page, PlotError};
+
+    use crate::args::PictureArgs;
+    use crate::error::CliError;
+    use crate::page_args::PageArgs;
+
+    /// Files, each with what it is drawn for.
+    pub(crate) struct PictureFiles(Vec<(Page, Output)>);
+
+    impl PictureFiles {
+        /// The one that `flag` names, if it does.
+        ///
+        /// # Errors
+        /// [`CliError::Request`] of a file that cannot be written, or of a page that cannot be.
+        pub(crate) fn one(flag: &str, path: Option<&Path>, page: &PageArgs) -> Result<Self, CliError> {
+            Ok(Self(page.open(flag, path)?.into_iter().collect()))
+        }
+
+        /// Those of --png, --svg and --pdf.
+        ///
+        /// # Errors
+        /// As [`PictureFiles::one`].
+        pub(crate) fn asked(wanted: &PictureArgs) -> Result<Self, CliError> {
+            let flags = [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg), (&wanted.pdf, Format::Pdf)];
+            let asked = || flags.iter().filter_map(|(path, format)| Some((path.as_deref()?, *format)));
+            wanted.page.checked(asked().next().is_some(), "--png, --svg or --pdf")?;
+            asked().try_for_each(|(path, format)| format.promised(path))?;
+            let open = |(path, format): (&Path, Format)| Ok((wanted.page.page(format)?, Output::create(path)?));
+            Ok(Self(asked().map(open).collect::<Result<_, CliError>>()?))
+        }
+
+        pub(crate) fn is_empty(&self) -> bool {
+            self.0.is_empty()
+        }
+
+        /// Draws a picture into each.
+        ///
+        /// # Errors
+        /// [`CliError::Computation`] of a picture that cannot be drawn, or a file that cannot be written.
+        pub(crate) fn draw(self, picture: impl Fn(Page) -> Result<Vec<u8>, PlotError>) -> Result<(), CliError> {
+            for (page, file) in self.0 {
+                file.finish_with(&picture(page).map_err(|error| CliError::Computation(error.to_string()))?)?;
+            }
+            Ok(())
+        }
+    }
+}
+
+#[cfg(not(feature = "plot"))]
+mod without_plot {
+    use std::path::Path;
+
+    use crate::args::PictureArgs;
+    use crate::error::CliError;
+    use crate::page_args::PageArgs;
+
+    /// This build draws nothing.
+    pub(crate) struct PictureFiles;
+
+    impl PictureFiles {
+        pub(crate) fn one(flag: &str, path: Option<&Path>, _: &PageArgs) -> Result<Self, CliError> {
+            match path {
+                Some(_) => Err(CliError::Request(format!("{flag} needs a build with the feature `plot`"))),
+                None => Ok(Self),
+            }
+        }
+
+        pub(crate) fn asked(wanted: &PictureArgs) -> Result<Self, CliError> {
+            let PictureArgs { png, svg, pdf, page, .. } = wanted;
+            Self::one("--png, --svg and --pdf", png.as_deref().or(svg.as_deref()).or(pdf.as_deref()), page)
+        }
+    }
+}
