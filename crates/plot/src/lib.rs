@@ -68,7 +68,9 @@ pub use classes::loss;
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke, curves_picture};
 pub use ends::{EndsPicture, MOST_VALUES, ends_picture};
 pub use format::{Format, PlotError};
-pub use map::{Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines};
+pub use map::{
+    Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines, shown_cells, shown_within,
+};
 pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};
 pub use page::{Page, Purpose};
