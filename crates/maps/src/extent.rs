@@ -11,12 +11,6 @@ pub struct Extent {
     pub size: u32,
 }
 
-/// Which column of a square of so many is computed: of the half that has it when the square is halved, it is the one that is computed,
-/// too, so that no cell is computed twice. About a third of the side from either end: odd binary digits are 1, even ones 0.
-fn within(size: u32) -> u32 {
-    0x5555_5555 & (size - 1)
-}
-
 impl Extent {
     /// How many cells of the finest grid these are.
     #[must_use]
@@ -24,10 +18,11 @@ impl Extent {
         u64::from(self.size) * u64::from(self.size)
     }
 
-    /// Column and row of the one that is computed for all of them.
+    /// Column and row of the one that is computed for all of them: the first, so that it is that of the first quarter, too, when the
+    /// square is halved, and no cell is computed twice.
     #[must_use]
     pub fn sample(self) -> [u32; 2] {
-        [self.column, self.row].map(|first| first + within(self.size))
+        [self.column, self.row]
     }
 
     /// Its quarters, the first row first.

@@ -39,7 +39,7 @@ impl<'a> Ground<'a> {
         let [x, y] = scene.plane()?.map(|axis| axis.points() as u32 * whole);
         let cells = (0..scene.cells()).map(|_| OnceLock::new()).collect();
         let finest = scene.finest();
-        let stripes = if std::env::var_os("NOSTRIPES").is_some() { Covered::default() } else {job.pool.install(|| Covered::of(&finest, job.stop))};
+        let stripes = job.pool.install(|| Covered::of(&finest, job.stop));
         Some(Self { scene, finest, size: [x, y], whole, cells, stripes })
     }
 }
@@ -206,20 +206,24 @@ impl<'a, 'b> Refiner<'a, 'b> {
         if self.ground.stripes.divides(square, cell.class) {
             return Some(true);
         }
+        // A border between two points that were computed lies in the square of the lower one: so it is halved, and the other is not.
         let Extent { column, row, size } = square;
-        let before = |first: u32| first.checked_sub(size);
-        let after = |first: u32, i: usize| Some(first + size).filter(|next| *next < self.ground.size[i]);
-        let columns = [before(column), Some(column), after(column, 0)];
-        let rows = [before(row), Some(row), after(row, 1)];
-        for (i, &column) in columns.iter().enumerate() {
-            for (j, &row) in rows.iter().enumerate() {
-                let (Some(column), Some(row), false) = (column, row, (i, j) == (1, 1)) else { continue };
-                if std::env::var_os("FOUR").is_some() && i != 1 && j != 1 { continue }
-                if self.lives_about(Extent { column, row, size })? != here {
-                    return Some(true);
-                }
+        let next = [column, row].map(|first| first + size);
+        for (column, row) in [(next[0], row), (column, next[1]), (next[0], next[1])] {
+            if self.lives_beside(Extent { column, row, size })? != here {
+                return Some(true);
             }
         }
         Some(false)
+    }
+
+    /// What lives in the first cell of a square, or, beyond the last column or row, in that.
+    fn lives_beside(&mut self, square: Extent) -> Option<Lives> {
+        let [columns, rows] = self.ground.size;
+        if square.column < columns && square.row < rows {
+            return self.lives_about(square);
+        }
+        let last = Extent { column: square.column.min(columns - 1), row: square.row.min(rows - 1), size: 1 };
+        self.cell(last).as_ref().map(lives)
     }
 }
