@@ -77,11 +77,16 @@ fn rows_per_cell(plan: &Plan, pool: &ThreadPool, stop: &AtomicBool) -> Result<f6
     let parts: Vec<Range<u64>> = (0..SAMPLE.min(plan.cells())).map(part).collect();
     let begun = Instant::now();
     let (mut cells, mut rows) = (0, 0);
-    let ended = refined(&job, &parts, |_| {}, |leaves| {
-        cells += 1;
-        rows += leaves.len();
-        if begun.elapsed() < PATIENCE { Ok(()) } else { Err(()) }
-    });
+    let ended = refined(
+        &job,
+        &parts,
+        |_| {},
+        |leaves| {
+            cells += 1;
+            rows += leaves.len();
+            if begun.elapsed() < PATIENCE { Ok(()) } else { Err(()) }
+        },
+    );
     match ended {
         Ended::Stopped => Err(CliError::Interrupted),
         Ended::Complete(_) | Ended::Failed(()) => Ok(rows as f64 / f64::from(cells.max(1))),

@@ -95,7 +95,9 @@ mod with_pictures {
             }
             asked().try_for_each(|(path, format)| format.promised(path))?;
             if scene.refine.is_some() && !wanted.slice.is_empty() {
-                return Err(refused("--slice is of grids, a map that is refined is drawn whole: leave it out".to_owned()));
+                return Err(refused(
+                    "--slice is of grids, a map that is refined is drawn whole: leave it out".to_owned(),
+                ));
             }
             let slice = slice(wanted, &scene.finest())?;
             let seen = Self::kept(wanted.color, slice.scene())?;

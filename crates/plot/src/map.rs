@@ -78,7 +78,9 @@ pub fn shown_within(scene: &Scene, square: Extent) -> impl Iterator<Item = usize
     let points = scene.plane().map_or([0, 0], |plane| plane.map(Axis::points));
     let strides = points.map(stride);
     let size = square.size as usize;
-    let places = |first: u32, i: usize| (first as usize).div_ceil(strides[i])..(first as usize + size).min(points[i]).div_ceil(strides[i]);
+    let places = |first: u32, i: usize| {
+        (first as usize).div_ceil(strides[i])..(first as usize + size).min(points[i]).div_ceil(strides[i])
+    };
     let (columns, rows) = (places(square.column, 0), places(square.row, 1));
     let wide = points[0].div_ceil(strides[0]);
     rows.flat_map(move |row| columns.clone().map(move |column| row * wide + column))

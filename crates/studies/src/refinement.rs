@@ -67,7 +67,8 @@ pub fn missed(scene: &Scene, pool: &ThreadPool, stop: &AtomicBool) -> Result<Mis
     let finest = scene.finest();
     let cells = finest.cells();
     if cells > MOST_CELLS {
-        let message = format!("the finest grid has {cells} cells, at most {MOST_CELLS} are compared: give --depth or --points");
+        let message =
+            format!("the finest grid has {cells} cells, at most {MOST_CELLS} are compared: give --depth or --points");
         return Err(CliError::Request(message));
     }
     let levels = depth as usize + 1;
@@ -75,38 +76,49 @@ pub fn missed(scene: &Scene, pool: &ThreadPool, stop: &AtomicBool) -> Result<Mis
     let mut map = vec![nothing; cells as usize];
     let columns = finest.axes[0].points();
     let (mut leaves, mut painted) = (vec![0; levels], 0);
-    let ended = refined(&Job { scene, pool, stop }, &[0..scene.cells()], |_| {}, |some| {
-        for (_, cell) in some {
-            let Some(extent) = cell.extent else { continue };
-            let level = depth - extent.size.ilog2();
-            leaves[level as usize] += 1;
-            painted += extent.cells();
-            for row in extent.row..extent.row + extent.size {
-                let first = row as usize * columns + extent.column as usize;
-                map[first..first + extent.size as usize].fill(Painted::of(cell, level as u8));
+    let ended = refined(
+        &Job { scene, pool, stop },
+        &[0..scene.cells()],
+        |_| {},
+        |some| {
+            for (_, cell) in some {
+                let Some(extent) = cell.extent else { continue };
+                let level = depth - extent.size.ilog2();
+                leaves[level as usize] += 1;
+                painted += extent.cells();
+                for row in extent.row..extent.row + extent.size {
+                    let first = row as usize * columns + extent.column as usize;
+                    map[first..first + extent.size as usize].fill(Painted::of(cell, level as u8));
+                }
             }
-        }
-        Ok::<_, CliError>(())
-    });
+            Ok::<_, CliError>(())
+        },
+    );
     whole(ended)?;
     if painted != cells {
         return Err(CliError::Computation(format!("the leaves are {painted} cells, the finest grid has {cells}")));
     }
     let mut found = Missed { cells, leaves, classes: vec![0; levels], mechanisms: 0, solutions: 0 };
-    let ended = sweep(&finest, pool, stop, |_| {}, |range, cells| {
-        for (number, cell) in range.zip(cells) {
-            let leaf = map[number as usize];
-            let here = Painted::of(cell, leaf.level);
-            if here.class != leaf.class {
-                found.classes[usize::from(leaf.level)] += 1;
-            } else if here.mechanism != leaf.mechanism {
-                found.mechanisms += 1;
-            } else if here.solutions != leaf.solutions {
-                found.solutions += 1;
+    let ended = sweep(
+        &finest,
+        pool,
+        stop,
+        |_| {},
+        |range, cells| {
+            for (number, cell) in range.zip(cells) {
+                let leaf = map[number as usize];
+                let here = Painted::of(cell, leaf.level);
+                if here.class != leaf.class {
+                    found.classes[usize::from(leaf.level)] += 1;
+                } else if here.mechanism != leaf.mechanism {
+                    found.mechanisms += 1;
+                } else if here.solutions != leaf.solutions {
+                    found.solutions += 1;
+                }
             }
-        }
-        Ok::<_, CliError>(())
-    });
+            Ok::<_, CliError>(())
+        },
+    );
     whole(ended)?;
     Ok(found)
 }
@@ -130,7 +142,9 @@ fn scene(args: &RefinementArgs) -> Result<Scene, CliError> {
         scene.refine = Some(Refine { depth });
     }
     if !args.points.is_empty() && args.points.len() != 2 {
-        return Err(CliError::Request("--points has one number: give those along x and along y, as in 100,75".to_owned()));
+        return Err(CliError::Request(
+            "--points has one number: give those along x and along y, as in 100,75".to_owned(),
+        ));
     }
     let axes = scene.axes.len();
     for (axis, wanted) in scene.axes.iter_mut().zip(&args.points) {

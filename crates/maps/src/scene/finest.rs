@@ -55,7 +55,8 @@ impl Scene {
         });
         let sizes: Vec<String> = sizes.collect();
         let sizes = sizes.join(", ");
-        let besides = if self.has_known_stripes() { "; thin stripes where two modes meet were followed, others not" } else { "" };
+        let besides =
+            if self.has_known_stripes() { "; thin stripes where two modes meet were followed, others not" } else { "" };
         Some(format!(
             "what lies within cells of the grid ({sizes}) and meets none of the points computed, such as islands, tips, and bands \
              thinner than that{besides}"

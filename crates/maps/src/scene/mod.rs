@@ -95,7 +95,9 @@ impl Scene {
             return Err(source.error(sweep.span(), message));
         }
         let refine = sweep.get_ref().refine.as_ref();
-        let refine = refine.map(|table| Refine::of(table, &axes, (cells.unwrap_or(MAX_CELLS), MAX_CELLS), &source)).transpose()?;
+        let refine = refine
+            .map(|table| Refine::of(table, &axes, (cells.unwrap_or(MAX_CELLS), MAX_CELLS), &source))
+            .transpose()?;
         let mut base = Point::of(layout);
         let axis_of = |parameter| axes.iter().find(|axis| axis.parameter == parameter);
         let is_swept = |parameter| axis_of(parameter).is_some();

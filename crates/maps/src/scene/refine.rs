@@ -51,8 +51,9 @@ impl Refine {
         for axis in [x, y] {
             let name = axis.parameter.name();
             let Values::Linear { points, .. } = axis.values else {
-                let message =
-                    format!("refine halves equally spaced axes, {name} is none: give from, to and points, or leave it out");
+                let message = format!(
+                    "refine halves equally spaced axes, {name} is none: give from, to and points, or leave it out"
+                );
                 return Err(source.error(table.span(), message));
             };
             if points > MAX_POINTS >> depth {

@@ -84,11 +84,7 @@ impl<'a, C: Content> Assembly<'a, C> {
 
     fn cell(&mut self, number: u64, cell: &C::Item) -> Result<(), MapError> {
         self.watcher.cell(number, cell);
-        if self.table.wants_cells() {
-            self.content.put(&mut self.table, &self.scene, number, cell)
-        } else {
-            Ok(())
-        }
+        if self.table.wants_cells() { self.content.put(&mut self.table, &self.scene, number, cell) } else { Ok(()) }
     }
 
     /// Takes the next rows.

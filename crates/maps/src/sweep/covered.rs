@@ -76,7 +76,8 @@ impl Covered {
         let rows = self.rows.iter().skip(row as usize).take(size as usize);
         let (mut whole, mut none) = (false, false);
         for runs in rows {
-            let met = runs.iter().filter(|run| run.first < column + size && run.last >= column && !hides(class, run.family));
+            let met =
+                runs.iter().filter(|run| run.first < column + size && run.last >= column && !hides(class, run.family));
             let mut inside = false;
             for run in met {
                 if run.first > column || run.last < column + size - 1 {
