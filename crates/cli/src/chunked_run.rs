@@ -217,7 +217,7 @@ impl<C: Content> ChunkedRun<'_, C> {
     fn effort(&self, summary: &Summary, started: Instant) -> Effort {
         Effort {
             threads: self.pool.current_num_threads(),
-            computed_cells: summary.cells(),
+            computed_cells: summary.computed,
             wall_seconds: started.elapsed().as_secs_f64(),
         }
     }

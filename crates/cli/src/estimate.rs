@@ -1,14 +1,17 @@
 //! `mapgen sweep --dry-run`: what a sweep will cost, from a few of its cells.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+use rayon::ThreadPool;
 
 use crate::error::CliError;
 use crate::report::grid;
 use crate::threads::cores;
 use vibrochain_maps::cell::Worker;
-use vibrochain_maps::sweep::{Plan, Shard};
+use vibrochain_maps::sweep::{Ended, Job, Plan, Shard, refined};
 use vibrochain_maps::table::{Table, names};
 use vibrochain_maps::text::duration;
 
@@ -28,6 +31,11 @@ struct Sample {
     bytes: usize,
 }
 
+/// The place of cell number `i` of the sample, from 0 to 1.
+fn place(i: u64) -> f64 {
+    ((i as f64 + 0.5) * GOLDEN).fract()
+}
+
 fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
     let scene = &plan.scene;
     let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not estimate: {error}"));
@@ -45,7 +53,7 @@ fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
         if stop.load(Ordering::Relaxed) {
             return Err(CliError::Interrupted);
         }
-        let number = (((cells as f64 + 0.5) * GOLDEN).fract() * plan.cells() as f64) as u64;
+        let number = (place(cells) * plan.cells() as f64) as u64;
         let number = number.min(plan.cells() - 1);
         if cells == 0 {
             compute(number)?;
@@ -59,12 +67,43 @@ fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
     Ok(Sample { cells, seconds, bytes: table.text.len() })
 }
 
+/// How many rows a cell has on the average, from some of them.
+fn rows_per_cell(plan: &Plan, pool: &ThreadPool, stop: &AtomicBool) -> Result<f64, CliError> {
+    let job = Job { scene: &plan.scene, pool, stop };
+    let part = |i: u64| {
+        let number = (place(i) * plan.cells() as f64) as u64;
+        number.min(plan.cells() - 1)..number.min(plan.cells() - 1) + 1
+    };
+    let parts: Vec<Range<u64>> = (0..SAMPLE.min(plan.cells())).map(part).collect();
+    let begun = Instant::now();
+    let (mut cells, mut rows) = (0, 0);
+    let ended = refined(
+        &job,
+        &parts,
+        |_| {},
+        |leaves| {
+            cells += 1;
+            rows += leaves.len();
+            if begun.elapsed() < PATIENCE { Ok(()) } else { Err(()) }
+        },
+    );
+    match ended {
+        Ended::Stopped => Err(CliError::Interrupted),
+        Ended::Complete(_) | Ended::Failed(()) => Ok(rows as f64 / f64::from(cells.max(1))),
+    }
+}
+
 /// The answer.
 ///
 /// # Errors
 /// [`CliError::Interrupted`].
-pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicBool) -> Result<String, CliError> {
+pub(crate) fn estimate(plan: &Plan, shard: Shard, pool: &ThreadPool, stop: &AtomicBool) -> Result<String, CliError> {
+    let threads = pool.current_num_threads();
     let sample = sample(plan, stop)?;
+    let rows = match plan.scene.refine {
+        Some(_) => rows_per_cell(plan, pool, stop)?,
+        None => 1.0,
+    };
     let (cells, chunks) = (plan.cells(), plan.chunks());
     let (per_cell, per_row) = (sample.seconds / sample.cells as f64, sample.bytes as f64 / sample.cells as f64);
     let mut text = String::new();
@@ -73,6 +112,10 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicB
         let _ = writeln!(text, "{name:<8} {value}");
     };
     line("cells", format!("{cells} ({})", grid(&plan.scene)));
+    if plan.scene.refine.is_some() {
+        let (leaves, finest) = ((rows * cells as f64).round(), grid(&plan.scene.finest()));
+        line("leaves", format!("about {leaves:.1e}, {rows:.1} a cell, for {finest} cells"));
+    }
     line("chunks", format!("{chunks} of {} cells", plan.chunk_cells.min(cells)));
     line("columns", names(&plan.scene).join(", "));
     let of_shard: u64 = shard.chunks(plan).map(|chunk| plan.range(chunk).count() as u64).sum();
@@ -80,9 +123,9 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, threads: usize, stop: &AtomicB
         let Shard { index, count } = shard;
         line("shard", format!("{index}/{count}: {} chunks, {of_shard} cells", shard.chunks(plan).count()));
     }
-    let wall = per_cell * of_shard as f64 / threads.min(cores()) as f64;
+    let wall = per_cell * rows * of_shard as f64 / threads.min(cores()) as f64;
     line("time", format!("about {} on {threads} threads, {:.3e} s per cell and core", duration(wall), per_cell));
-    let bytes = per_row * cells as f64;
+    let bytes = per_row * rows * cells as f64;
     line("disk", format!("about {} for the table, as much again for the chunks until it is whole", size(bytes)));
     line("sample", format!("{} cells in {:.3} s", sample.cells, sample.seconds));
     Ok(text)

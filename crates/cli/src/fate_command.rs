@@ -216,7 +216,7 @@ impl Ends<'_> {
         let job = Job { scene, pool: run.pool, stop: run.stop };
         let whole = 0..scene.cells();
         let ended = self.fates.compute(&job, &[whole], &|runs| bar.inc(runs), &mut |block| {
-            block.cells.zip(&block.made.cells).for_each(|(number, cell)| seen.cell(number, cell));
+            block.made.cells.iter().for_each(|(number, cell)| seen.cell(*number, cell));
             Ok(())
         });
         bar.finish_and_clear();

@@ -13,12 +13,13 @@ mod with_pictures {
     use rayon::ThreadPool;
     use vibrochain_maps::borders::{Border, BorderKind, Borders};
     use vibrochain_maps::cell::Cell;
+    use vibrochain_maps::extent::Extent;
     use vibrochain_maps::files::Output;
     use vibrochain_maps::scene::{Scene, Slice};
     use vibrochain_maps::sweep::Watcher;
     use vibrochain_plot::{
         Cells, Format, MapBorder, MapPicture, OneAxisPicture, Page, Palette, Quantity, Shade, Tile, is_shown,
-        map_picture, one_axis_picture,
+        map_picture, one_axis_picture, shown_cells, shown_within,
     };
 
     use crate::args::{ColorName, PaletteName, PictureArgs};
@@ -93,7 +94,12 @@ mod with_pictures {
                 return Ok(Self { slice, files: Vec::new(), palette, seen, curves: false, borders: Vec::new() });
             }
             asked().try_for_each(|(path, format)| format.promised(path))?;
-            let slice = slice(wanted, scene)?;
+            if scene.refine.is_some() && !wanted.slice.is_empty() {
+                return Err(refused(
+                    "--slice is of grids, a map that is refined is drawn whole: leave it out".to_owned(),
+                ));
+            }
+            let slice = slice(wanted, &scene.finest())?;
             let seen = Self::kept(wanted.color, slice.scene())?;
             if wanted.curves {
                 if let Seen::Cells(_) = seen {
@@ -169,6 +175,22 @@ mod with_pictures {
             Ok(line)
         }
 
+        /// Fills all cells of the finest grid that a leaf stands for, as far as they are shown.
+        fn leaf(&mut self, extent: Extent, cell: &Cell) {
+            fn fill<T: Copy>(all: &mut Vec<T>, scene: &Scene, extent: Extent, value: T) {
+                // A leaf that has not come yet is not seen: all come before anything is drawn.
+                all.resize(shown_cells(scene), value);
+                shown_within(scene, extent).for_each(|place| all[place] = value);
+            }
+            let scene = self.slice.scene();
+            match &mut self.seen {
+                Seen::Classes(tiles) => fill(tiles, scene, extent, Tile::from(cell)),
+                Seen::Numbers(quantity, shades) => fill(shades, scene, extent, quantity.shade(cell)),
+                // A map that is refined has two axes.
+                Seen::Cells(_) => {}
+            }
+        }
+
         /// Draws and writes them.
         pub(crate) fn finish(self) -> Result<(), CliError> {
             let (scene, palette, borders) = (self.slice.scene(), self.palette, self.borders.as_slice());
@@ -218,6 +240,9 @@ mod with_pictures {
         fn cell(&mut self, number: u64, cell: &Cell) {
             if !self.looks() {
                 return;
+            }
+            if let Some(extent) = cell.extent {
+                return self.leaf(extent, cell);
             }
             let shown = self.slice.cell(number).is_some_and(|number| is_shown(self.slice.scene(), number));
             match &mut self.seen {

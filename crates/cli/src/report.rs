@@ -3,7 +3,7 @@
 use crate::threads::cores;
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_maps::manifest::Effort;
-use vibrochain_maps::scene::Scene;
+use vibrochain_maps::scene::{Refine, Scene};
 use vibrochain_maps::summary::Summary;
 
 /// "400 × 300": the points of the axes.
@@ -11,10 +11,22 @@ pub(crate) fn grid(scene: &Scene) -> String {
     scene.axes.iter().map(|axis| axis.points().to_string()).collect::<Vec<_>>().join(" × ")
 }
 
+/// What a table has: its cells, or its leaves where the grid is refined.
+pub(crate) fn size(scene: &Scene, summary: &Summary) -> String {
+    let (cells, finest) = (summary.cells(), scene.finest());
+    match scene.refine {
+        None => format!("{cells} cells ({})", grid(scene)),
+        Some(Refine { depth }) => {
+            let (leaves, coarse, fine) = (summary.computed, grid(scene), grid(&finest));
+            format!("{leaves} leaves for {cells} cells ({fine}: {coarse}, refined {depth} times)")
+        }
+    }
+}
+
 /// The summary of a finished table.
 pub(crate) fn report(scene: &Scene, summary: &Summary, effort: Option<&Effort>) -> String {
-    let cells = scene.cells();
-    let mut lines = vec![format!("{cells} cells ({})", grid(scene))];
+    let cells = summary.cells();
+    let mut lines = vec![size(scene, summary)];
     let share = |count: u64| 100.0 * count as f64 / cells as f64;
     for (class, &count) in Class::ALL.iter().zip(&summary.classes).filter(|(_, count)| **count > 0) {
         lines.push(format!("  {:<16} {count:>9}  {:5.1} %", class.name(), share(count)));
@@ -24,6 +36,7 @@ pub(crate) fn report(scene: &Scene, summary: &Summary, effort: Option<&Effort>) 
     }
     lines.extend(effort.map(speed));
     lines.push(format!("worst residual of an orbit {:.1e}", summary.worst_residual));
+    lines.extend(scene.may_miss().map(|what| format!("may have missed: {what}")));
     lines.join("\n")
 }
 

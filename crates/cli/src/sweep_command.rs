@@ -36,7 +36,7 @@ pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> 
             Form::of(out)?;
         }
         let stop = (console.interrupt)()?;
-        let estimate = estimate(&plan, shard.unwrap_or(Shard::WHOLE), pool.current_num_threads(), &stop)?;
+        let estimate = estimate(&plan, shard.unwrap_or(Shard::WHOLE), &pool, &stop)?;
         return console.print(&estimate);
     }
     let Some(out) = &args.out else {

@@ -83,9 +83,11 @@ fn columns() -> Names {
     let layered = "--word 0:0+0:1+,0:0-0:1- --sites 6 --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
     let desk = Desk::with_scene(SCENE);
     fs::write(desk.path("other.toml"), OTHER).unwrap();
+    fs::write(desk.path("refined.toml"), SCENE.replace("[compute]", "refine = { depth = 1 }\n[compute]")).unwrap();
     let mut commands = vec![
         "sweep other.toml --out table".to_owned(),
         "sweep scene.toml --out table".to_owned(),
+        "sweep refined.toml --out table".to_owned(),
         "curves scene.toml --csv table --points more".to_owned(),
         format!("orbit {ORBIT} --multipliers table"),
         format!("simulate {layered} --periods 1 --impacts table --trajectory more"),

@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::path::Path;
 
 use vibrochain_maps::error::MapError;
-use vibrochain_maps::point::Point;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Block, Content, Ended, Job, Settings, Sink};
@@ -100,7 +99,7 @@ impl Content for Fates {
     }
 
     /// No form of this table wants items.
-    fn put(&self, _: &mut TableFile, _: &Point, _: &CellFates) -> Result<(), MapError> {
+    fn put(&self, _: &mut TableFile, _: &Scene, _: u64, _: &CellFates) -> Result<(), MapError> {
         Ok(())
     }
 
@@ -113,8 +112,8 @@ impl Content for Fates {
     ) -> Ended<MapError> {
         of_parts(job, &self.ensemble, self.from, parts, tick, |part, last, cell| {
             let cells = cell.number..cell.number + 1;
-            let rows = Rows { range: cells.clone(), text: text(job.scene, &cell)?, cells: vec![cell] };
-            let summary = Summary::of(&[rows.cells[0].cell]);
+            let summary = Summary::of(&[cell.cell]);
+            let rows = Rows { range: cells.clone(), text: text(job.scene, &cell)?, cells: vec![(cell.number, cell)] };
             sink(Block { part, cells, last, summary, made: rows })
         })
     }

@@ -4,6 +4,8 @@ use vibrochain_breather::{BreatherError, Completeness, Family, Finder, Found, No
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::Model;
 
+use crate::extent::Extent;
+
 /// What a map is asked to compute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Task {
@@ -219,6 +221,8 @@ pub struct Cell {
     pub residual: f64,
     /// Which modes have collided, where that was asked for.
     pub collision: Option<Collision>,
+    /// Which cells of the finest grid it stands for, where a grid is refined.
+    pub extent: Option<Extent>,
 }
 
 impl Cell {
@@ -233,6 +237,7 @@ impl Cell {
         status: Status::Ok,
         residual: 0.0,
         collision: None,
+        extent: None,
     };
 }
 

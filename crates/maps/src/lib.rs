@@ -6,6 +6,7 @@
 //! | `point`, `force`, `numbers` | points of the parameter space, forces of several harmonics, numbers as they are typed and written |
 //! | `scene` | what to sweep and what to compute, checked, with errors that point at lines |
 //! | `cell`, `summary` | one cell: a point and what lives there; the counts of many |
+//! | `extent` | the cells of the finest grid that a cell of a refined one stands for |
 //! | `table` | its columns, rows of cells written and read back, the forms of its file |
 //! | `manifest` | where a table came from |
 //! | `borders`, `regions` | the curves on which what lives in a scene's window changes; what lives between them, and how much of it
@@ -18,6 +19,7 @@
 pub mod borders;
 pub mod cell;
 pub mod error;
+pub mod extent;
 pub mod fields;
 pub mod files;
 pub mod force;

@@ -7,7 +7,7 @@ use vibrochain_lattice::{Ends, Layout};
 use crate::cell::{Class, Status};
 use crate::force;
 use crate::point::Parameter;
-use crate::scene::{Axis, Scene, Values};
+use crate::scene::{Axis, Refine, Scene, Values};
 use crate::summary::Summary;
 
 /// The program's version.
@@ -95,6 +95,9 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     if scene.axes.len() > 2 {
         sweep.insert("axes".to_owned(), scene.axes.iter().skip(2).map(axis).collect());
     }
+    if let Some(Refine { depth }) = scene.refine {
+        sweep.insert("refine".to_owned(), json!({ "depth": depth }));
+    }
     let threshold = match scene.task.tolerance {
         Tolerance::Rounding => Value::Null,
         Tolerance::Growth(growth) => growth.into(),
@@ -133,7 +136,11 @@ pub fn manifest(run: &Run<'_>) -> Value {
     for (name, part) in scene_parts(run.scene) {
         add(&name, part);
     }
-    add("cells", run.scene.cells().into());
+    add("cells", (run.scene.cells() * run.scene.cells_within()).into());
+    if let Some(may_miss) = run.scene.may_miss() {
+        let grid: Vec<usize> = run.scene.finest().axes.iter().map(Axis::points).collect();
+        add("refinement", json!({ "grid": grid, "leaves": run.summary.computed, "may_miss": may_miss }));
+    }
     add("classes", counts(&mut Class::ALL.iter().map(|c| c.name()).zip(run.summary.classes)));
     add("statuses", counts(&mut Status::ALL.iter().map(|s| s.name()).zip(run.summary.statuses)));
     add("worst_residual", run.summary.worst_residual.into());

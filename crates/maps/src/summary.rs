@@ -1,16 +1,19 @@
 //! What the cells of a sweep add up to.
 
 use crate::cell::{Cell, Class, Status};
+use crate::extent::Extent;
 
 /// Counts of a finished sweep.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Summary {
-    /// Cells per class, in the order of [`Class::ALL`].
+    /// Cells per class, in the order of [`Class::ALL`]: of the finest grid, where a grid is refined.
     pub classes: [u64; Class::ALL.len()],
     /// Cells per status, in the order of [`Status::ALL`].
     pub statuses: [u64; Status::ALL.len()],
     /// Largest residual of any physical orbit.
     pub worst_residual: f64,
+    /// Cells that were computed: each stands for itself alone unless the grid is refined.
+    pub computed: u64,
 }
 
 impl Summary {
@@ -23,10 +26,12 @@ impl Summary {
 
     /// Counts one more.
     pub fn count(&mut self, cell: &Cell) {
+        let cells = cell.extent.map_or(1, Extent::cells);
         if let Some(class) = cell.class {
-            self.classes[class as usize] += 1;
+            self.classes[class as usize] += cells;
         }
-        self.statuses[cell.status as usize] += 1;
+        self.statuses[cell.status as usize] += cells;
+        self.computed += 1;
         self.worst_residual = self.worst_residual.max(cell.residual);
     }
 
@@ -35,6 +40,7 @@ impl Summary {
         self.classes.iter_mut().zip(other.classes).for_each(|(count, more)| *count += more);
         self.statuses.iter_mut().zip(other.statuses).for_each(|(count, more)| *count += more);
         self.worst_residual = self.worst_residual.max(other.worst_residual);
+        self.computed += other.computed;
     }
 
     /// Number of cells counted.

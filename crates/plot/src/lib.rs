@@ -78,7 +78,9 @@ pub use classes::loss;
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 pub use ends::{EndsPicture, MOST_VALUES, ends_picture};
 pub use format::{Format, PlotError};
-pub use map::{Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines};
+pub use map::{
+    Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines, shown_cells, shown_within,
+};
 pub use motion::{Animation, Instant, MOST_MASSES, Moving};
 pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};

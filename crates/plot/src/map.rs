@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use vibrochain_maps::extent::Extent;
 use vibrochain_maps::scene::{Axis, Scene};
 
 use crate::axis::spanned;
@@ -65,6 +66,24 @@ pub fn is_shown(scene: &Scene, cell: u64) -> bool {
         }
         _ => false,
     }
+}
+
+/// How many cells the picture of a map shows.
+pub fn shown_cells(scene: &Scene) -> usize {
+    scene.axes.iter().map(|axis| axis.points().div_ceil(stride(axis.points()))).product()
+}
+
+/// Which of the cells that the picture of a map shows are in a square of its cells: their places among those shown.
+pub fn shown_within(scene: &Scene, square: Extent) -> impl Iterator<Item = usize> + use<> {
+    let points = scene.plane().map_or([0, 0], |plane| plane.map(Axis::points));
+    let strides = points.map(stride);
+    let size = square.size as usize;
+    let places = |first: u32, i: usize| {
+        (first as usize).div_ceil(strides[i])..(first as usize + size).min(points[i]).div_ceil(strides[i])
+    };
+    let (columns, rows) = (places(square.column, 0), places(square.row, 1));
+    let wide = points[0].div_ceil(strides[0]);
+    rows.flat_map(move |row| columns.clone().map(move |column| row * wide + column))
 }
 
 fn stride(points: usize) -> usize {
@@ -186,5 +205,25 @@ mod tests {
         let expected: Vec<u64> = (0..2).flat_map(|row| (0..4001).map(move |i| 12_001 * row + 3 * i)).collect();
         assert_eq!(shown, expected);
         assert_eq!(12_001_usize.div_ceil(stride(12_001)), 4001);
+    }
+
+    #[test]
+    fn squares_show_those_of_their_cells_that_are_shown() {
+        let scene = scene("from = 0.4, to = 3.0, points = 12800", "from = 0.1, to = 0.2, points = 64");
+        let shown: Vec<u64> = (0..scene.cells()).filter(|&cell| is_shown(&scene, cell)).collect();
+        assert_eq!(shown_cells(&scene), shown.len());
+        let mut compared = 0;
+        for square in [(0, 0, 64), (12_736, 0, 64), (17, 3, 1), (18, 3, 1), (9600, 32, 8)] {
+            let (column, row, size) = square;
+            let places: Vec<usize> = shown_within(&scene, Extent { column, row, size }).collect();
+            let inside = |cell: u64| {
+                let (x, y) = ((cell % 12_800) as u32, (cell / 12_800) as u32);
+                (column..column + size).contains(&x) && (row..row + size).contains(&y)
+            };
+            let expected: Vec<usize> = (0..shown.len()).filter(|&place| inside(shown[place])).collect();
+            assert_eq!(places, expected);
+            compared += places.len();
+        }
+        assert!(compared > 2000, "{compared}");
     }
 }

@@ -14,7 +14,7 @@ use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::call::long;
 use crate::failure::{Failure, named, whole};
-use crate::sweep::{NO_WORD, grid, pool, scene, thread_count};
+use crate::sweep::{NO_WORD, grid, pool, scene, thread_count, unrefined};
 
 /// The most cells in memory: a gigabyte, and more runs than a machine makes in weeks.
 const MOST_CELLS: u64 = 1_000_000;
@@ -59,6 +59,7 @@ pub(crate) fn _fate<'py>(
     let (starts, periods) = (starts? as u64, periods? as u64);
     let ensemble = Ensemble { starts, size: perturb, seed, periods, transient, tolerance, leave };
     let scene = Arc::new(scene(text.as_deref(), &path)?);
+    unrefined(&scene)?;
     ensemble.check(scene.base.sites()).map_err(|error| Failure::request(error.to_string().trim_start_matches('-')))?;
     let cells = scene.cells();
     if cells > MOST_CELLS {

@@ -105,6 +105,17 @@ pub(crate) fn scene(text: Option<&str>, path: &Path) -> Result<Scene, Failure> {
     })
 }
 
+/// Refuses a scene that is refined: its leaves are no array.
+pub(crate) fn unrefined(scene: &Scene) -> Result<(), Failure> {
+    match scene.refine {
+        None => Ok(()),
+        Some(_) => Err(Failure::request(
+            "the leaves of a map that is refined are no array: leave refine out, or write them as a table with `mapgen sweep`, which \
+             pandas reads",
+        )),
+    }
+}
+
 /// All of a scene that decides what its map holds, as JSON.
 fn parts(scene: &Scene) -> String {
     let mut parts = scene_parts(scene);
@@ -129,6 +140,7 @@ pub(crate) fn _sweep<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let count = thread_count(threads)?;
     let scene = Arc::new(scene(text.as_deref(), &path)?);
+    unrefined(&scene)?;
     let cells = scene.cells();
     if cells > MOST_CELLS {
         return Err(too_large(cells).into());

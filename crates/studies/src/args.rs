@@ -32,6 +32,8 @@ pub enum Command {
     Accuracy(AccuracyArgs),
     /// Print how wide stripes of instability are and how strong, beside the law they follow (docs/stripes.md).
     Stripes(StripesArgs),
+    /// Count what a map that is refined has wrong, against all cells of its finest grid (docs/scenes.md).
+    Refinement(RefinementArgs),
     /// Run one inner loop, whose instructions scripts/instructions.sh counts.
     Loop(LoopArgs),
 }
@@ -118,6 +120,23 @@ pub enum SuiteName {
     Map,
     /// Extreme corners of the parameters and random points: promised and delivered errors.
     Extremes,
+}
+
+/// Arguments of `studies refinement`.
+#[derive(Debug, Args)]
+pub struct RefinementArgs {
+    /// The scene, with `refine`; all cells of its finest grid are computed.
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Points along both axes instead of the scene's.
+    #[arg(long, value_name = "N,N", value_delimiter = ',', num_args = 1..=2)]
+    pub points: Vec<usize>,
+    /// Depth instead of the scene's.
+    #[arg(long, value_name = "N")]
+    pub depth: Option<u32>,
+    /// Threads [default: one a core].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
 }
 
 /// Arguments of `studies accuracy`.

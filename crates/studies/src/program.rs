@@ -7,7 +7,7 @@ use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
 
 use crate::args::{Cli, Command};
-use crate::{accuracy, errata, figures, loops, stripes, validate};
+use crate::{accuracy, errata, figures, loops, refinement, stripes, validate};
 
 /// Runs `studies` with `arguments`, the first of which is its own name.
 ///
@@ -20,6 +20,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Errata(args) => errata::run(args, console),
         Command::Accuracy(args) => accuracy::run(args, console),
         Command::Stripes(args) => stripes::run(args, console),
+        Command::Refinement(args) => refinement::run(args, console),
         Command::Loop(args) => loops::run(args, console),
     }
 }

@@ -8,6 +8,7 @@
 //! | `grid` | a coarse look: which changes between neighbouring places a border explains |
 //! | `known` | whether a place lies on a border that is known |
 //! | `lanes` | stripes of conservative breathers, however thin, each edge from row to row |
+//! | `courses` | all stripes of a window |
 //! | `meet` | a change between two places, enclosed, and the events that make it |
 //! | `change` | the border between two classes by the classes themselves, where no event tells it |
 //! | `search` | all of it, until nothing is left unexplained |
@@ -19,6 +20,7 @@
 
 mod border;
 mod change;
+mod courses;
 mod grid;
 mod known;
 mod lanes;
@@ -27,4 +29,5 @@ mod part;
 mod search;
 
 pub use border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
+pub use courses::StripeCourse;
 pub use search::{Asked, Stage};

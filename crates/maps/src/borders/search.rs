@@ -5,15 +5,14 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
-use vibrochain_breather::Family;
 use vibrochain_floquet::{CurveEnd, Event, Located, StripeFinder, Walk, curve_along};
-use vibrochain_lattice::Parameter;
 
 use super::border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
 use super::change::trace;
+use super::courses::{Courses, is_uncoupled, striped};
 use super::grid::{Edge, Grid};
 use super::known::Known;
-use super::lanes::{Lane, Liner, Row};
+use super::lanes::{Lane, Liner};
 use super::meet::{detuning, enclose, meet};
 use super::part::{Eye, Part, parts};
 use crate::cell::Class;
@@ -26,10 +25,6 @@ const MOST_PLACES: f64 = 160_000.0;
 
 /// Places that are asked at most: a hundred bytes each.
 const MOST_ASKED: usize = 10_000_000;
-
-/// Rows in which stripes are looked for by themselves, and points of one.
-const ROWS: usize = 16;
-const ROW_POINTS: usize = 800;
 
 /// How far on either side of a change a stripe is looked for, and at how many points.
 const BESIDE: f64 = 2e-3;
@@ -182,23 +177,6 @@ impl Search<'_> {
         (self.asked.told)(&self.part.name, stage, done, all);
     }
 
-    /// Where nothing couples masses, multipliers stand on the circle together: no border, but an end of all of them.
-    fn is_uncoupled(&self, place: [f64; 2]) -> bool {
-        (0..2).any(|i| {
-            let coupling = matches!(self.plane.parameters[i], Parameter::Gamma2 | Parameter::Gamma3);
-            coupling && place[i] == 0.0 && self.plane.from[i] == 0.0
-        })
-    }
-
-    /// The family whose stripes are known by their modes.
-    fn striped(&self) -> Option<Family> {
-        let family = match self.part.task.families.first() {
-            Some(&family @ (Family::DoubleSided | Family::SingleSided)) => family,
-            _ => return None,
-        };
-        (self.scene.is_conservative() && self.part.is_strict()).then_some(family)
-    }
-
     fn eye(&self) -> Eye<'_> {
         Eye::new(self.scene, self.window)
     }
@@ -228,7 +206,7 @@ impl Search<'_> {
             .map_init(
                 || self.eye(),
                 |eye, &place| {
-                    let skipped = self.is_uncoupled(place) || stop.load(Ordering::Relaxed);
+                    let skipped = is_uncoupled(self.scene, place) || stop.load(Ordering::Relaxed);
                     if skipped { None } else { eye.class(part, place) }
                 },
             )
@@ -239,54 +217,16 @@ impl Search<'_> {
 
     /// Stripes by themselves.
     fn stripes(&mut self) {
-        let Some(family) = self.striped() else { return };
+        let Some(family) = striped(self.scene, self.part) else { return };
         if self.stopped() {
             return;
         }
-        let (part, tolerance, stop) = (self.part, self.asked.tolerance, self.asked.stop);
-        // Both sides, too, but not where nothing couples masses: all modes are one there.
-        let rows = (0..=ROWS).map(|row| row as f64 / ROWS as f64);
-        let rows: Vec<f64> = rows.filter(|&y| !self.is_uncoupled([0.5, y])).collect();
-        self.told(Stage::Rows, 0, rows.len());
-        let workers = || (self.eye(), StripeFinder::default());
-        let rows: Vec<Row> = rows
-            .par_iter()
-            .map_init(workers, |(eye, finder), &y| {
-                if stop.load(Ordering::Relaxed) {
-                    return Row::default();
-                }
-                Liner { eye, part, finder, family, tolerance }.row(y, (0.0, 1.0), ROW_POINTS)
-            })
-            .collect();
-        let (mut lanes, mut unresolved): (Vec<Lane>, Vec<_>) = (Vec::new(), Vec::new());
-        for (done, row) in rows.iter().enumerate() {
-            if stop.load(Ordering::Relaxed) {
-                break;
-            }
-            self.told(Stage::Rows, done, rows.len());
-            let sides = self.plane.sides();
-            let part_of = |value: f64| (value - self.plane.from[0]) / sides[0];
-            let new = row.stripes.iter().filter(|stripe| {
-                let edges = stripe.edges.map(part_of);
-                !lanes.iter().any(|lane| {
-                    let same = stripe.pair == Some((lane.modes, lane.harmonic));
-                    // One with another name is another one, unless both have their width in common.
-                    let wide = edges[1] - edges[0] > 10.0 * tolerance;
-                    (same || wide) && lane.has(row.y, edges, 3.0 * tolerance)
-                })
-            });
-            let new: Vec<_> = new.collect();
-            let more: Vec<Option<Lane>> = new
-                .par_iter()
-                .map_init(workers, |(eye, finder), stripe| {
-                    Liner { eye, part, finder, family, tolerance }.lane(row.y, stripe)
-                })
-                .collect();
-            lanes.extend(more.into_iter().flatten());
-            let value = self.window.point([0.0, row.y])[1];
-            unresolved.extend(row.unresolved.iter().map(|&range| (part.name.clone(), range, value)));
-        }
-        self.found.unresolved = unresolved;
+        let Asked { tolerance, stop, .. } = self.asked;
+        let courses = Courses { scene: self.scene, window: self.window, part: self.part, family, tolerance, stop };
+        let (lanes, unresolved) = courses.lanes(&|done, all| self.told(Stage::Rows, done, all));
+        let value = |y: f64| self.window.point([0.0, y])[1];
+        let of_part = |(y, range): (f64, [f64; 2])| (self.part.name.clone(), range, value(y));
+        self.found.unresolved = unresolved.into_iter().map(of_part).collect();
         for lane in &lanes {
             for upper in [false, true] {
                 self.add(self.edge(lane, upper));
@@ -471,7 +411,7 @@ impl Search<'_> {
 
     /// Both edges of the stripe that has one of them at a place.
     fn stripe_at(&self, eye: &mut Eye<'_>, [x, y]: [f64; 2]) -> Vec<Border> {
-        let Some(family) = self.striped() else { return Vec::new() };
+        let Some(family) = striped(self.scene, self.part) else { return Vec::new() };
         let (part, tolerance) = (self.part, self.asked.tolerance);
         let mut liner = Liner { eye, part, finder: &mut StripeFinder::default(), family, tolerance };
         let row = liner.row(y, ((x - BESIDE).max(0.0), (x + BESIDE).min(1.0)), BESIDE_POINTS);

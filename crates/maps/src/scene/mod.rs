@@ -2,7 +2,9 @@
 
 mod axis;
 mod file;
+mod finest;
 mod given;
+mod refine;
 mod slice;
 
 use std::path::Path;
@@ -13,6 +15,7 @@ use vibrochain_floquet::Tolerance;
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
 pub use crate::scene::file::{MAX_BYTES, Source, tolerance_from};
 pub use crate::scene::given::Given;
+pub use crate::scene::refine::Refine;
 pub use crate::scene::slice::Slice;
 
 use crate::cell::Task;
@@ -34,6 +37,8 @@ pub struct Scene {
     pub base: Point,
     /// The axes, the fastest first; each parameter once.
     pub axes: Vec<Axis>,
+    /// How the grid is refined, if it is; the points of the axes are then those of the grid that is.
+    pub refine: Option<Refine>,
     /// What to compute.
     pub task: Task,
 }
@@ -89,6 +94,10 @@ impl Scene {
             let message = format!("the axes have more than {MAX_CELLS} cells together: give fewer points");
             return Err(source.error(sweep.span(), message));
         }
+        let refine = sweep.get_ref().refine.as_ref();
+        let refine = refine
+            .map(|table| Refine::of(table, &axes, (cells.unwrap_or(MAX_CELLS), MAX_CELLS), &source))
+            .transpose()?;
         let mut base = Point::of(layout);
         let axis_of = |parameter| axes.iter().find(|axis| axis.parameter == parameter);
         let is_swept = |parameter| axis_of(parameter).is_some();
@@ -140,7 +149,7 @@ impl Scene {
         let anywhere = varied.fold(base, |point, (parameter, value)| point.with(parameter, value));
         let anywhere = anywhere.model().map_err(|error| source.error(file.model.sites.span(), error))?;
         let task = source.task(compute, &anywhere)?;
-        let scene = Self { title: file.title, base, axes, task };
+        let scene = Self { title: file.title, base, axes, refine, task };
         if let Some(span) = compute.collisions.as_ref().map(Spanned::span)
             && scene.task.collisions
             && !scene.is_conservative()

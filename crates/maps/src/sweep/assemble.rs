@@ -84,11 +84,7 @@ impl<'a, C: Content> Assembly<'a, C> {
 
     fn cell(&mut self, number: u64, cell: &C::Item) -> Result<(), MapError> {
         self.watcher.cell(number, cell);
-        if self.table.wants_cells() {
-            self.content.put(&mut self.table, &self.scene.point(number), cell)
-        } else {
-            Ok(())
-        }
+        if self.table.wants_cells() { self.content.put(&mut self.table, &self.scene, number, cell) } else { Ok(()) }
     }
 
     /// Takes the next rows.
@@ -97,7 +93,7 @@ impl<'a, C: Content> Assembly<'a, C> {
     /// [`MapError`] if the table cannot be written; it must then be thrown away.
     pub fn rows(&mut self, rows: &Rows<C::Item>) -> Result<(), MapError> {
         if self.wants_cells() {
-            rows.range.clone().zip(&rows.cells).try_for_each(|(number, cell)| self.cell(number, cell))?;
+            rows.cells.iter().try_for_each(|(number, cell)| self.cell(*number, cell))?;
         }
         self.table.text(&rows.text)
     }

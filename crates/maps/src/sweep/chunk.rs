@@ -1,9 +1,9 @@
 //! The file of one chunk: a line that says what it is, rows of the table, a line with their counts, a checksum.
 //!
 //! ```text
-//! vibrochain-chunk 1 IDENTITY chunk 12 cells 98304..106496
+//! vibrochain-chunk 2 IDENTITY chunk 12 cells 98304..106496
 //! 0.1,1.5,stable-double,…
-//! summary classes 0,8192,… statuses 8192,0,… worst_residual 8.9e-16
+//! summary classes 0,8192,… statuses 8192,0,… worst_residual 8.9e-16 computed 8192
 //! checksum XXH3-128 OF ALL ABOVE
 //! ```
 
@@ -90,13 +90,16 @@ fn listed(counts: &[u64]) -> String {
 
 fn summary_line(summary: &Summary) -> String {
     let (classes, statuses) = (listed(&summary.classes), listed(&summary.statuses));
-    format!("summary classes {classes} statuses {statuses} worst_residual {:e}\n", summary.worst_residual)
+    let Summary { worst_residual, computed, .. } = summary;
+    format!("summary classes {classes} statuses {statuses} worst_residual {worst_residual:e} computed {computed}\n")
 }
 
 fn read_summary(line: &str) -> Option<Summary> {
     let mut summary = Summary::default();
     let words: Vec<&str> = line.strip_suffix('\n')?.split(' ').collect();
-    let ["summary", "classes", classes, "statuses", statuses, "worst_residual", residual] = words.as_slice() else {
+    let ["summary", "classes", classes, "statuses", statuses, "worst_residual", residual, "computed", computed] =
+        words.as_slice()
+    else {
         return None;
     };
     let read = |text: &str, counts: &mut [u64]| {
@@ -106,6 +109,7 @@ fn read_summary(line: &str) -> Option<Summary> {
     read(classes, &mut summary.classes)?;
     read(statuses, &mut summary.statuses)?;
     summary.worst_residual = residual.parse().ok().filter(|residual: &f64| residual.is_finite())?;
+    summary.computed = computed.parse().ok()?;
     Some(summary)
 }
 
@@ -220,7 +224,7 @@ pub(super) fn read<E: From<Fault>>(
     match (found, read_summary(&tail.summary)) {
         (Some(other), _) if other != chunk => Err(Fault::Misplaced(other).into()),
         (None, _) => Err(Fault::Foreign.into()),
-        (_, Some(summary)) if summary.cells() == range.end - range.start => Ok(summary),
+        (_, Some(summary)) if summary.cells() == (range.end - range.start) * plan.scene.cells_within() => Ok(summary),
         _ => Err(damaged("its counts are wrong").into()),
     }
 }
@@ -324,7 +328,7 @@ mod tests {
         ["0.1,0.5,double,,,0.25,1,ok\n", "0.1,0.7,double,,,,1,ok\n", "0.1,1.1,double,,,1e-7,1,ok\n"];
 
     fn summary(cells: u64) -> Summary {
-        let mut summary = Summary { worst_residual: 0.1 + 0.2, ..Summary::default() };
+        let mut summary = Summary { worst_residual: 0.1 + 0.2, computed: cells, ..Summary::default() };
         (summary.classes[5], summary.statuses[0]) = (cells, cells);
         summary
     }

@@ -4,9 +4,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::engine::{Block, Ended, Job, blocks};
+use super::leaves::leaves;
+use super::refiner::Ground;
 use crate::cell::Cell;
 use crate::error::MapError;
-use crate::point::Point;
 use crate::scene::Scene;
 use crate::summary::Summary;
 use crate::table::{Reader, Rows, TableFile, header};
@@ -31,11 +32,11 @@ pub trait Content: Sync {
     /// As [`TableFile::create`].
     fn create(&self, out: &Path, scene: &Scene) -> Result<TableFile, MapError>;
 
-    /// Hands an item to a table that wants items and not their text.
+    /// Hands an item, of the cell of this number, to a table that wants items and not their text.
     ///
     /// # Errors
     /// [`MapError`] if it cannot be written.
-    fn put(&self, table: &mut TableFile, point: &Point, item: &Self::Item) -> Result<(), MapError>;
+    fn put(&self, table: &mut TableFile, scene: &Scene, number: u64, item: &Self::Item) -> Result<(), MapError>;
 
     /// Computes all cells of `parts` and hands them to `sink` in order. `tick` is called, from any thread, with each number of
     /// steps that is done.
@@ -72,7 +73,7 @@ pub trait ReadRows<T> {
     fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &T)) -> Result<(), String>;
 }
 
-/// The content of a sweep's table: a row a cell.
+/// The content of a sweep's table: a row a cell, or a row a leaf where the grid is refined.
 #[derive(Debug, Clone, Copy)]
 pub struct Cells;
 
@@ -88,8 +89,8 @@ impl Content for Cells {
         TableFile::create(out, scene)
     }
 
-    fn put(&self, table: &mut TableFile, point: &Point, cell: &Cell) -> Result<(), MapError> {
-        table.cell(point, cell)
+    fn put(&self, table: &mut TableFile, scene: &Scene, number: u64, cell: &Cell) -> Result<(), MapError> {
+        table.cell(&scene.point_of(number, cell), cell)
     }
 
     fn compute(
@@ -99,6 +100,13 @@ impl Content for Cells {
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, Cell>,
     ) -> Ended<MapError> {
+        if let Some(ground) = Ground::new(job) {
+            let digest = |range: Range<u64>, leaves: Vec<(u64, Cell)>| {
+                tick(range.end - range.start);
+                Rows::of_leaves(job.scene, range, leaves)
+            };
+            return leaves(job, &ground, parts, digest, sink);
+        }
         let digest = |range: Range<u64>, cells: &[Cell]| {
             tick(range.end - range.start);
             Rows::of(job.scene, range, cells)

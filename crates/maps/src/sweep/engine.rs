@@ -143,19 +143,45 @@ impl Drop for Watch<'_, '_> {
     }
 }
 
+/// How many cells are taken at a time at most, and how many such blocks before the sink has seen them, per thread.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pace {
+    pub(super) block: u64,
+    pub(super) ahead: u64,
+}
+
 /// Computes the cells of all parts, makes `digest` of a few at a time, on any thread, and hands these to `sink` in order,
 /// on this one.
 pub fn blocks<T: Send, E>(
     job: &Job<'_>,
     parts: &[Range<u64>],
     digest: impl Fn(Range<u64>, &[Cell]) -> T + Sync,
+    sink: impl FnMut(Block<T>) -> Result<(), E>,
+) -> Ended<E> {
+    let pace = Pace { block: BLOCK, ahead: AHEAD };
+    let begin = || (Worker::new(job.scene.base.sites()), Vec::new());
+    let make = |(worker, cells): &mut (Worker, Vec<Cell>), range: Range<u64>| {
+        compute(job, worker, range.clone(), cells)?;
+        Some((Summary::of(cells), digest(range, cells)))
+    };
+    in_order(job, parts, pace, begin, make, sink)
+}
+
+/// Takes blocks of the cells of all parts, some at a time, on any thread, each of which does what `begin` has given it, and hands what
+/// `make` makes of them to `sink` in order, on this one. `make` tells `None` if it was stopped.
+pub(super) fn in_order<W, T: Send, E>(
+    job: &Job<'_>,
+    parts: &[Range<u64>],
+    pace: Pace,
+    begin: impl Fn() -> W + Sync,
+    make: impl Fn(&mut W, Range<u64>) -> Option<(Summary, T)> + Sync,
     mut sink: impl FnMut(Block<T>) -> Result<(), E>,
 ) -> Ended<E> {
     let threads = job.pool.current_num_threads().max(1) as u64;
     let cells: u64 = parts.iter().map(|part| part.end - part.start).sum();
-    let block = (cells / (threads * BLOCKS_PER_THREAD)).clamp(1, BLOCK);
-    let queue =
-        Queue { parts, block, ahead: AHEAD * threads, state: Mutex::new(State::default()), moved: Condvar::new() };
+    let block = (cells / (threads * BLOCKS_PER_THREAD)).clamp(1, pace.block);
+    let ahead = pace.ahead * threads;
+    let queue = Queue { parts, block, ahead, state: Mutex::new(State::default()), moved: Condvar::new() };
     let stopped = AtomicBool::new(job.stop.load(Ordering::Relaxed));
     // Before a worker takes its memory.
     if stopped.load(Ordering::Relaxed) {
@@ -166,22 +192,19 @@ pub fn blocks<T: Send, E>(
     job.pool.in_place_scope(|scope| {
         let (sender, receiver) = mpsc::channel();
         for _ in 0..threads {
-            let (sender, queue, digest, stopped) = (sender.clone(), &queue, &digest, &stopped);
+            let (sender, queue, begin, make, stopped) = (sender.clone(), &queue, &begin, &make, &stopped);
             scope.spawn(move |_| {
                 let _watch = Watch(queue);
-                let mut worker = Worker::new(job.scene.base.sites());
-                let mut cells = Vec::with_capacity(queue.block as usize);
+                let mut worker = begin();
                 while let Some(order) = queue.take() {
-                    if compute(job, &mut worker, order.cells.clone(), &mut cells).is_none() {
+                    let Order { number, part, cells, last } = order;
+                    let Some((summary, made)) = make(&mut worker, cells.clone()) else {
                         stopped.store(true, Ordering::Relaxed);
                         queue.close();
                         return;
-                    }
-                    let Order { number, part, cells: range, last } = order;
-                    let made = digest(range.clone(), &cells);
-                    let block = Block { part, cells: range, last, summary: Summary::of(&cells), made };
+                    };
                     // A collector that has gone wants nothing more.
-                    let _ = sender.send((number, block));
+                    let _ = sender.send((number, Block { part, cells, last, summary, made }));
                 }
             });
         }

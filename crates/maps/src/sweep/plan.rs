@@ -20,7 +20,7 @@ use crate::text::{clipped, read_text};
 pub(super) const PLAN_BEGINS: &[u8] = b"{\n  \"program\": \"mapgen\"";
 
 /// The form of chunks and of the plan beside them.
-pub(super) const FORMAT: u32 = 1;
+pub(super) const FORMAT: u32 = 2;
 
 /// Cells of a chunk of the paper's forced maps: a fraction of a second of work, which an interruption may cost, against a
 /// millisecond for a file that must reach the disk.
@@ -107,7 +107,9 @@ fn chunk_cells(scene: &Scene) -> u64 {
     let slower = (scene.base.sites() / FEW_SITES) as u64;
     let slower = if scene.task.stability { slower.saturating_mul(slower) } else { slower };
     let most = CHUNK_CELLS * if scene.is_conservative() { CONSERVATIVE } else { 1 };
-    let cells = (most / slower.max(1).next_power_of_two()).max(LEAST_CELLS);
+    // Along a border a cell has as many leaves as its side, and a quarter of the cells has one.
+    let leaves = scene.refine.map_or(1, |refine| (refine.size() / 4).max(1).into());
+    let cells = (most / slower.max(1).next_power_of_two() / leaves).max(LEAST_CELLS);
     cells.max(least_cells(scene))
 }
 
@@ -157,6 +159,13 @@ impl Plan {
                 return Err(MapError::Request(message));
             }
             scene.task.tolerance = tolerance_from(threshold).map_err(MapError::Request)?;
+        }
+        if scene.refine.is_some() && ensemble.is_some() {
+            let message = format!(
+                "refine in {} is of maps: an ensemble is run at every cell of the grid; remove it, or give more points",
+                scene_file.display()
+            );
+            return Err(MapError::Request(message));
         }
         let (ensemble, chunk_cells) = match ensemble {
             Some((settings, cells)) => (Some(settings), cells.max(least_cells(&scene))),
@@ -359,7 +368,7 @@ mod tests {
         assert!(back.identity == plan.identity && back.differences(&plan).is_none());
         assert!(Plan::from_json(&text.replace("0.30000000000000004", "0.3")).is_err());
         assert!(Plan::from_json(&text.replace("gamma1 = 0.2", "gamma1 = 0.3")).unwrap_err().contains("damaged"));
-        assert!(Plan::from_json(&text.replace("\"format\": 1", "\"format\": 2")).unwrap_err().contains("format 2"));
+        assert!(Plan::from_json(&text.replace("\"format\": 2", "\"format\": 3")).unwrap_err().contains("format 3"));
         assert!(Plan::from_json(&text[..text.len() / 2]).unwrap_err().contains("damaged"));
     }
 

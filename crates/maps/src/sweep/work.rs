@@ -1,5 +1,7 @@
 //! Computes the chunks that are missing.
 
+use std::ops::Range;
+
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use super::assemble::Assembly;
@@ -45,8 +47,9 @@ impl Todo {
         for (chunk, checked) in chunks.into_iter().zip(checked) {
             let path = Store::path(store.folder(), chunk);
             match checked {
-                Ok(summary) => {
-                    todo.finished_cells += summary.cells();
+                Ok(_) => {
+                    let Range { start, end } = plan.range(chunk);
+                    todo.finished_cells += end - start;
                     continue;
                 }
                 Err(Fault::Foreign) => {

@@ -4,6 +4,7 @@ use vibrochain_floquet::{Collision, Mechanism};
 use vibrochain_lattice::Parameter;
 
 use crate::cell::{Cell, Class, Status, Task};
+use crate::extent::Extent;
 use crate::scene::Scene;
 
 /// A value of a cell in a table.
@@ -137,6 +138,38 @@ const IMPULSE: [Column; 1] = [Column {
     set: |cell, value| number(&mut cell.impulse, value),
 }];
 
+/// Further columns where the grid is refined: what a leaf stands for.
+const EXTENT: [Column; 3] = [
+    Column {
+        name: "cell_column",
+        kind: Kind::Count,
+        optional: false,
+        get: |cell| Some(Value::Count(cell.extent?.column.into())),
+        set: |cell, value| extent(cell, value, |extent| &mut extent.column),
+    },
+    Column {
+        name: "cell_row",
+        kind: Kind::Count,
+        optional: false,
+        get: |cell| Some(Value::Count(cell.extent?.row.into())),
+        set: |cell, value| extent(cell, value, |extent| &mut extent.row),
+    },
+    Column {
+        name: "cell_size",
+        kind: Kind::Count,
+        optional: false,
+        get: |cell| Some(Value::Count(cell.extent?.size.into())),
+        set: |cell, value| extent(cell, value, |extent| &mut extent.size),
+    },
+];
+
+fn extent(cell: &mut Cell, value: Value<'_>, place: fn(&mut Extent) -> &mut u32) -> Option<()> {
+    let Value::Count(count) = value else { return None };
+    let nothing = Extent { column: 0, row: 0, size: 0 };
+    *place(cell.extent.get_or_insert(nothing)) = u32::try_from(count).ok()?;
+    Some(())
+}
+
 fn number(place: &mut Option<f64>, value: Value<'_>) -> Option<()> {
     let Value::Number(number) = value else { return None };
     *place = Some(number);
@@ -166,7 +199,9 @@ pub fn parameters(scene: &Scene) -> Vec<Parameter> {
 pub fn columns(scene: &Scene) -> impl Iterator<Item = Column> + use<> {
     let Task { impulse, collisions, .. } = scene.task;
     let further = IMPULSE.into_iter().filter(move |_| impulse);
-    COLUMNS.into_iter().chain(further).chain(COLLISION.into_iter().filter(move |_| collisions))
+    let refined = scene.refine.is_some();
+    let found = COLUMNS.into_iter().chain(further).chain(COLLISION.into_iter().filter(move |_| collisions));
+    found.chain(EXTENT.into_iter().filter(move |_| refined))
 }
 
 /// The names of all columns.

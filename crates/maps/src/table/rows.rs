@@ -6,6 +6,7 @@ use vibrochain_lattice::Parameter;
 
 use super::columns::{Column, Kind, Value, columns, names, parameters};
 use crate::cell::Cell;
+use crate::extent::Extent;
 use crate::lines::Lines;
 use crate::numbers::Number;
 use crate::point::Point;
@@ -31,8 +32,8 @@ pub fn header(scene: &Scene) -> String {
 pub struct Rows<T = Cell> {
     /// The numbers of the cells.
     pub range: Range<u64>,
-    /// The cells, or what else is known of each.
-    pub cells: Vec<T>,
+    /// The cells, or what else is known of each, by their numbers: where a grid is refined, the leaves of each.
+    pub cells: Vec<(u64, T)>,
     /// Their rows.
     pub text: Vec<u8>,
 }
@@ -43,8 +44,18 @@ impl Rows<Cell> {
     pub fn of(scene: &Scene, range: Range<u64>, cells: &[Cell]) -> Self {
         let mut table = Table::new(scene);
         table.text.reserve(ROW * cells.len());
-        range.clone().zip(cells).for_each(|(number, cell)| table.write(&scene.point(number), cell));
-        Self { range, cells: cells.to_vec(), text: table.text }
+        let cells: Vec<(u64, Cell)> = range.clone().zip(cells.iter().copied()).collect();
+        cells.iter().for_each(|(number, cell)| table.write(&scene.point(*number), cell));
+        Self { range, cells, text: table.text }
+    }
+
+    /// Of all leaves of the cells numbered `range`.
+    #[must_use]
+    pub fn of_leaves(scene: &Scene, range: Range<u64>, leaves: Vec<(u64, Cell)>) -> Self {
+        let mut table = Table::new(scene);
+        table.text.reserve(ROW * leaves.len());
+        leaves.iter().for_each(|(number, cell)| table.write(&scene.point_of(*number, cell), cell));
+        Self { range, cells: leaves, text: table.text }
     }
 }
 
@@ -130,6 +141,8 @@ pub struct Reader<'a> {
     scene: &'a Scene,
     cells: Range<u64>,
     next: u64,
+    /// Cells of the finest grid, of the next one, that rows have been read of.
+    within: u64,
     places: Places,
     columns: Vec<Column>,
     lines: Lines,
@@ -141,7 +154,7 @@ impl<'a> Reader<'a> {
     pub fn new(scene: &'a Scene, cells: Range<u64>) -> Self {
         let (next, places) = (cells.start, Places::new(scene));
         let columns = columns(scene).collect();
-        Self { scene, cells, next, places, columns, lines: Lines::default(), counts: Summary::default() }
+        Self { scene, cells, next, within: 0, places, columns, lines: Lines::default(), counts: Summary::default() }
     }
 
     /// Reads the rows in `bytes`, which may end anywhere, and hands each cell with its number to `each`. What a table does not
@@ -150,17 +163,32 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// What is wrong with the first row that is not as it must be.
     pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(u64, &Cell)) -> Result<(), String> {
-        let Self { scene, cells, next, places, columns, lines, counts } = self;
+        let Self { scene, cells, next, within, places, columns, lines, counts } = self;
         lines.take(bytes, |row| {
-            let number = *next - cells.start + 1;
+            let number = counts.computed + 1;
             if !cells.contains(next) {
                 return Err(format!("it has more rows than its {} cells", cells.end - cells.start));
             }
-            let cell = read_row(row, places.of(&scene.point(*next)), columns)
-                .map_err(|wrong| format!("row {number}: {wrong}"))?;
+            let mut read = || {
+                let row = std::str::from_utf8(row).map_err(|_| "it is no text".to_owned())?;
+                let mut fields = row.split(',');
+                let Some(whole) = scene.extent(*next) else {
+                    check_places(&mut fields, places.of(&scene.point(*next)))?;
+                    return read_cell(fields, columns);
+                };
+                let of_row = fields.clone();
+                let cell = read_cell(fields.skip(places.parameters.len()), columns)?;
+                let extent = cell.extent.filter(|extent| extent.begins(whole, *within));
+                let extent = extent.ok_or("it is not of the next leaf")?;
+                check_places(&mut of_row.clone(), places.of(&scene.sample(extent))).map(|()| cell)
+            };
+            let cell = read().map_err(|wrong| format!("row {number}: {wrong}"))?;
             counts.count(&cell);
             each(*next, &cell);
-            *next += 1;
+            *within += cell.extent.map_or(1, Extent::cells);
+            if *within >= scene.cells_within() {
+                (*next, *within) = (*next + 1, 0);
+            }
             Ok(())
         })
     }
@@ -190,18 +218,22 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The cell of a row whose first fields are `places`, or what is wrong with it.
-fn read_row<'a>(row: &[u8], mut places: impl Iterator<Item = &'a str>, columns: &[Column]) -> Result<Cell, String> {
-    let row = std::str::from_utf8(row).map_err(|_| "it is no text".to_owned())?;
-    let mut fields = row.split(',');
-    let mut field = |name: &str| fields.next().ok_or_else(|| format!("it ends before its {name}"));
-    places.try_for_each(|digits| match field("class")? {
+/// Whether the first fields of a row are `places`, or what is wrong with them.
+fn check_places<'a, 'b>(
+    fields: &mut impl Iterator<Item = &'a str>,
+    mut places: impl Iterator<Item = &'b str>,
+) -> Result<(), String> {
+    places.try_for_each(|digits| match fields.next().ok_or("it ends before its class")? {
         text if text == digits => Ok(()),
         text => Err(format!("it is of the cell at {} and not at {digits}", clipped(text, MOST_SHOWN))),
-    })?;
+    })
+}
+
+/// The cell that the other fields tell of, or what is wrong with them.
+fn read_cell<'a>(mut fields: impl Iterator<Item = &'a str>, columns: &[Column]) -> Result<Cell, String> {
     let mut cell = Cell { class: None, ..Cell::EMPTY };
     for column in columns {
-        let text = field(column.name)?;
+        let text = fields.next().ok_or_else(|| format!("it ends before its {}", column.name))?;
         if text.is_empty() && column.optional {
             continue;
         }

@@ -122,7 +122,8 @@ def sweep(
     Raises
     ------
     RequestError
-        For a scene that is wrong; the message points at the line.
+        For a scene that is wrong, where the message points at the line; for one that is refined, whose leaves are no array:
+        ``mapgen sweep`` writes them as a table.
     TooLargeError
         For more than 100 million cells: those belong into a file.
     KeyboardInterrupt

@@ -1,0 +1,122 @@
+//! The courses of stripes through a window, of which no raster need tell: from rows in which they are found, each followed both ways.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+use vibrochain_breather::Family;
+use vibrochain_floquet::StripeFinder;
+use vibrochain_lattice::Parameter;
+
+use super::lanes::{Lane, Liner, Row};
+use super::part::{Eye, Part, parts};
+use crate::regions::Window;
+use crate::scene::{Scene, Values};
+
+/// Rows in which stripes are looked for by themselves, and points of one.
+const ROWS: usize = 16;
+const ROW_POINTS: usize = 800;
+
+/// Where the stripes of one part are looked for.
+pub(super) struct Courses<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) window: Window,
+    pub(super) part: &'a Part,
+    pub(super) family: Family,
+    /// How far a chord between two points may be from the edge, as a part of the window's sides.
+    pub(super) tolerance: f64,
+    pub(super) stop: &'a AtomicBool,
+}
+
+/// The family whose stripes are known by their modes, if a part has one.
+pub(super) fn striped(scene: &Scene, part: &Part) -> Option<Family> {
+    let family = match part.task.families.first() {
+        Some(&family @ (Family::DoubleSided | Family::SingleSided)) => family,
+        _ => return None,
+    };
+    (scene.is_conservative() && part.is_strict()).then_some(family)
+}
+
+/// Where nothing couples masses, multipliers stand on the circle together: no border, but an end of all of them.
+pub(super) fn is_uncoupled(scene: &Scene, place: [f64; 2]) -> bool {
+    scene.axes.iter().zip(place).any(|(axis, part)| {
+        let coupling = matches!(axis.parameter, Parameter::Gamma2 | Parameter::Gamma3);
+        coupling && part == 0.0 && axis.first() == 0.0
+    })
+}
+
+impl Courses<'_> {
+    /// All of them, and what rows could not tell: where along y, and between which values. `told` hears of rows.
+    pub(super) fn lanes(&self, told: &dyn Fn(usize, usize)) -> (Vec<Lane>, Vec<(f64, [f64; 2])>) {
+        let Self { scene, window, part, family, tolerance, stop } = *self;
+        // Both sides, too, but not where nothing couples masses: all modes are one there.
+        let rows = (0..=ROWS).map(|row| row as f64 / ROWS as f64);
+        let rows: Vec<f64> = rows.filter(|&y| !is_uncoupled(scene, [0.5, y])).collect();
+        told(0, rows.len());
+        let workers = || (Eye::new(scene, window), StripeFinder::default());
+        let rows: Vec<Row> = rows
+            .par_iter()
+            .map_init(workers, |(eye, finder), &y| {
+                if stop.load(Ordering::Relaxed) {
+                    return Row::default();
+                }
+                Liner { eye, part, finder, family, tolerance }.row(y, (0.0, 1.0), ROW_POINTS)
+            })
+            .collect();
+        let (mut lanes, mut unresolved): (Vec<Lane>, Vec<_>) = (Vec::new(), Vec::new());
+        let [from, to] = [0.0, 1.0].map(|x| window.point([x, 0.0])[0]);
+        let part_of = |value: f64| (value - from) / (to - from);
+        for (done, row) in rows.iter().enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+            told(done, rows.len());
+            let new = row.stripes.iter().filter(|stripe| {
+                let edges = stripe.edges.map(part_of);
+                !lanes.iter().any(|lane| {
+                    let same = stripe.pair == Some((lane.modes, lane.harmonic));
+                    // One with another name is another one, unless both have their width in common.
+                    let wide = edges[1] - edges[0] > 10.0 * tolerance;
+                    (same || wide) && lane.has(row.y, edges, 3.0 * tolerance)
+                })
+            });
+            let new: Vec<_> = new.collect();
+            let more: Vec<Option<Lane>> = new
+                .par_iter()
+                .map_init(workers, |(eye, finder), stripe| {
+                    Liner { eye, part, finder, family, tolerance }.lane(row.y, stripe)
+                })
+                .collect();
+            lanes.extend(more.into_iter().flatten());
+            unresolved.extend(row.unresolved.iter().map(|&range| (row.y, range)));
+        }
+        (lanes, unresolved)
+    }
+}
+
+/// A stripe of instability through the window of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StripeCourse {
+    /// Whose it is: single- or double-sided breathers'.
+    pub family: Family,
+    /// Along y, rising, in parts of the window's sides: where, and both edges along x there.
+    pub points: Vec<(f64, [f64; 2])>,
+}
+
+impl StripeCourse {
+    /// Those of all breathers of a scene, if they have such stripes: conservative ones, over two equally spaced axes. A straight line
+    /// between neighbouring points is at most `tolerance` from the edge, as a part of the window's sides. If `stop` is raised there are
+    /// fewer. Threads are those of the pool of `rayon` that this is called in, the answer is the same on any number of them.
+    #[must_use]
+    pub fn all(scene: &Scene, tolerance: f64, stop: &AtomicBool) -> Vec<Self> {
+        let linear = scene.axes.iter().all(|axis| matches!(axis.values, Values::Linear { .. }));
+        let Some(window) = Window::of(scene).ok().filter(|_| linear) else { return Vec::new() };
+        let mut all = Vec::new();
+        for part in &parts(&scene.task) {
+            let Some(family) = striped(scene, part) else { continue };
+            let (lanes, _) = Courses { scene, window, part, family, tolerance, stop }.lanes(&|_, _| {});
+            let points = |lane: &Lane| lane.points.iter().map(|point| (point.y, point.edges)).collect();
+            all.extend(lanes.iter().map(|lane| Self { family, points: points(lane) }));
+        }
+        all
+    }
+}

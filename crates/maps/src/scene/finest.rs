@@ -1,0 +1,85 @@
+//! The finest grid of a scene that is refined.
+
+use vibrochain_floquet::Tolerance;
+
+use crate::cell::Cell;
+use crate::extent::Extent;
+use crate::point::Point;
+use crate::scene::Scene;
+use crate::scene::axis::{Axis, Values};
+use crate::scene::refine::Refine;
+
+impl Scene {
+    /// The scene whose cells are those of the finest grid, all of them; the scene itself if it is not refined.
+    #[must_use]
+    pub fn finest(&self) -> Self {
+        let axes = self.axes.iter().map(|axis| self.finer(axis)).collect();
+        Self { axes, refine: None, ..self.clone() }
+    }
+
+    /// An axis of the finest grid: between the same ends.
+    fn finer(&self, axis: &Axis) -> Axis {
+        let values = match (&axis.values, self.refine) {
+            (Values::Linear { from, to, points }, Some(refine)) => {
+                Values::Linear { from: *from, to: *to, points: points << refine.depth }
+            }
+            (values, _) => values.clone(),
+        };
+        Axis { parameter: axis.parameter, values }
+    }
+
+    /// How many cells of the finest grid a cell is.
+    #[must_use]
+    pub fn cells_within(&self) -> u64 {
+        self.refine.map_or(1, |refine| u64::from(refine.size()).pow(2))
+    }
+
+    /// The whole of cell number `cell`; nothing where the grid is not refined.
+    #[must_use]
+    pub fn extent(&self, cell: u64) -> Option<Extent> {
+        let size = self.refine?.size();
+        let columns = self.axes.first()?.points() as u64;
+        // A million cells at most, and a million columns and rows of the finest grid.
+        let [column, row] = [cell % columns, cell / columns].map(|place| place as u32 * size);
+        Some(Extent { column, row, size })
+    }
+
+    /// What a refined map may lack, in words; nothing of one that is not refined.
+    #[must_use]
+    pub fn may_miss(&self) -> Option<String> {
+        let Refine { depth } = self.refine?;
+        let sizes = self.axes.iter().map(|axis| {
+            let [from, to] = axis.limits();
+            let step = (to - from) / ((axis.points() << depth) - 1) as f64;
+            format!("{:.2e} in {}", step * f64::from(1 << depth), axis.parameter.name())
+        });
+        let sizes: Vec<String> = sizes.collect();
+        let sizes = sizes.join(", ");
+        let besides =
+            if self.has_known_stripes() { "; thin stripes where two modes meet were followed, others not" } else { "" };
+        Some(format!(
+            "what lies within cells of the grid ({sizes}) and meets none of the points computed, such as islands, tips, and bands \
+             thinner than that{besides}"
+        ))
+    }
+
+    /// Whether it is known where breathers lose stability in thin stripes: where two modes meet, of conservative breathers at the sites of
+    /// the families.
+    fn has_known_stripes(&self) -> bool {
+        let strict = self.task.stability && self.task.tolerance == Tolerance::Rounding;
+        self.is_conservative() && strict && !self.task.families.is_empty()
+    }
+
+    /// The point at which a cell of the grid, or a leaf of it, is computed.
+    #[must_use]
+    pub fn point_of(&self, number: u64, cell: &Cell) -> Point {
+        cell.extent.map_or_else(|| self.point(number), |extent| self.sample(extent))
+    }
+
+    /// The point at which a leaf is computed.
+    #[must_use]
+    pub fn sample(&self, extent: Extent) -> Point {
+        let pairs = self.axes.iter().zip(extent.sample());
+        pairs.fold(self.base, |point, (axis, i)| point.with(axis.parameter, self.finer(axis).value(i as usize)))
+    }
+}

@@ -1,0 +1,96 @@
+//! Which cells of the finest grid lie in a stripe of instability, told by the stripes' edges alone: stripes thinner than a cell of the
+//! grid that is refined pass between its points unseen.
+
+use std::sync::atomic::AtomicBool;
+
+use vibrochain_breather::Family;
+
+use crate::borders::StripeCourse;
+use crate::cell::Class;
+use crate::extent::Extent;
+use crate::scene::Scene;
+
+/// How exact edges are, in columns of the finest grid: a cell nearer to one is looked at whether it lies in the stripe or not.
+const EXACT: f64 = 0.02;
+
+/// The most exact and the least that edges are told, in parts of the window.
+const FINEST: f64 = 1e-9;
+const COARSEST: f64 = 1e-5;
+
+/// Neighbouring cells of a row that lie in one stripe: the first and the last.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    first: u32,
+    last: u32,
+    family: Family,
+}
+
+/// The cells that lie in stripes, by rows of the finest grid.
+#[derive(Debug, Default)]
+pub(super) struct Covered {
+    rows: Vec<Vec<Run>>,
+}
+
+/// Whether none of this family's stripes shows in cells of this class: a stable breather of the other wins.
+fn hides(class: Option<Class>, family: Family) -> bool {
+    match class {
+        Some(Class::StableDouble) => family == Family::SingleSided,
+        Some(Class::StableSingle) => family == Family::DoubleSided,
+        _ => false,
+    }
+}
+
+impl Covered {
+    /// Of a scene whose finest grid is `finest`. Threads are those of the pool that this is called in.
+    pub(super) fn of(finest: &Scene, stop: &AtomicBool) -> Self {
+        let Some([columns, rows]) = finest.plane().map(|plane| plane.map(|axis| axis.points())) else {
+            return Self::default();
+        };
+        let steps = [columns, rows].map(|points| (points - 1) as f64);
+        let tolerance = (EXACT / steps[0].max(steps[1])).clamp(FINEST, COARSEST);
+        let courses = StripeCourse::all(finest, tolerance, stop);
+        let mut covered = Self { rows: if courses.is_empty() { Vec::new() } else { vec![Vec::new(); rows] } };
+        for StripeCourse { family, points } in courses {
+            for ends in points.windows(2) {
+                let ([(low, from), (high, to)], true) = ([ends[0], ends[1]], ends[0].0 < ends[1].0) else { continue };
+                // Rows from one end to, not including, the other: each is some chord's, the last end is hardly a row.
+                let row_at = |y: f64| (y * steps[1]).ceil().clamp(0.0, rows as f64) as usize;
+                let end = if high >= 1.0 { rows } else { row_at(high) };
+                for (row, runs) in covered.rows.iter_mut().enumerate().take(end).skip(row_at(low)) {
+                    let share = (row as f64 / steps[1] - low) / (high - low);
+                    let edges = [0, 1].map(|i| (from[i] + share * (to[i] - from[i])) * steps[0]);
+                    let (first, last) = ((edges[0] - EXACT).ceil().max(0.0), (edges[1] + EXACT).floor().min(steps[0]));
+                    if first <= last {
+                        runs.push(Run { first: first as u32, last: last as u32, family });
+                    }
+                }
+            }
+        }
+        covered.rows.iter_mut().for_each(|runs| runs.sort_by_key(|run| (run.first, run.last)));
+        covered
+    }
+
+    /// Whether some of these cells lie in a stripe that would show, and others do not; what is computed of them is of this class.
+    pub(super) fn divides(&self, square: Extent, class: Option<Class>) -> bool {
+        let Extent { column, row, size } = square;
+        let rows = self.rows.iter().skip(row as usize).take(size as usize);
+        let (mut whole, mut none) = (false, false);
+        for runs in rows {
+            let met =
+                runs.iter().filter(|run| run.first < column + size && run.last >= column && !hides(class, run.family));
+            let mut inside = false;
+            for run in met {
+                if run.first > column || run.last < column + size - 1 {
+                    return true;
+                }
+                inside = true;
+            }
+            whole |= inside;
+            none |= !inside;
+            if whole && none {
+                return true;
+            }
+        }
+        false
+    }
+}
