@@ -114,7 +114,7 @@ fn around(free: Parameter, range: [Option<f64>; 2], model: &Model) -> Result<(),
 pub(crate) fn start(args: &AlongArgs, console: &mut Console<'_>) -> Result<Start, CliError> {
     let chosen = chosen(&args.model, console)?;
     let which = which::wanted(&args.which, chosen.scene.as_ref())?;
-    let (model, free) = (&chosen.model, Parameter::from(args.free));
+    let (model, free) = (&chosen.model, args.free);
     for (flag, value) in [("--from", args.from), ("--to", args.to)] {
         let Some(value) = value else { continue };
         // In the range of the parameter, told before any work.
