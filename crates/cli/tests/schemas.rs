@@ -118,7 +118,9 @@ fn places(value: &Value) -> Vec<String> {
 }
 
 /// Keys without which an answer is one, too.
-const MAY_BE_MISSING: [&str; 13] = [
+const MAY_BE_MISSING: [&str; 15] = [
+    "refine",
+    "refinement",
     // Of one layer, of a ring, of a word, of what was searched.
     "layer",
     "ends",
