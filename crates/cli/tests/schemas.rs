@@ -66,6 +66,12 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
     answers.push(("curves", told("curves scene.toml --json")));
     desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     answers.push(("manifest", desk.json("map.manifest.json")));
+    let refined = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nrefine = { depth = 1 }\n\
+        x = { parameter = \"omega\", from = 0.8, to = 1.2, points = 4 }\n\
+        y = { parameter = \"gamma2\", from = 0.1, to = 0.2, points = 3 }\n[compute]\nfamilies = [\"single-sided\"]\n";
+    std::fs::write(desk.path("refined.toml"), refined).unwrap();
+    desk.run("sweep refined.toml --out refined.csv --quiet").with(0, &[]);
+    answers.push(("manifest", desk.json("refined.manifest.json")));
     desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
     answers.push(("plan", desk.json("parts/plan.json")));
     for text in SCENES {
@@ -112,7 +118,9 @@ fn places(value: &Value) -> Vec<String> {
 }
 
 /// Keys without which an answer is one, too.
-const MAY_BE_MISSING: [&str; 13] = [
+const MAY_BE_MISSING: [&str; 15] = [
+    "refine",
+    "refinement",
     // Of one layer, of a ring, of a word, of what was searched.
     "layer",
     "ends",
