@@ -238,6 +238,10 @@ fn a_merge_that_is_interrupted_while_it_checks_chunks_ends_at_once() {
     let all = reads();
     ["map.csv", "map.manifest.json", "trace"].iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
 
+    if interrupts_are_ignored() {
+        eprintln!("skipped: interrupts are ignored here");
+        return;
+    }
     // A slow disk: a tenth of a second for each read. The tracer writes its lines by the hundred.
     let mut child = merge(&desk, "delay_enter=100000").unwrap();
     let begun = Instant::now();
@@ -247,9 +251,7 @@ fn a_merge_that_is_interrupted_while_it_checks_chunks_ends_at_once() {
     }
     let ran = signal(child, "INT");
     println!("{} of {all} reads of chunks, {ran:?}", reads());
-    if !interrupts_are_ignored() {
-        ran.with(130, &["interrupted"]);
-        assert!(reads() < all / 4, "{} of {all}", reads());
-        assert_eq!(desk.names("."), ["parts", "scene.toml", "trace"]);
-    }
+    ran.with(130, &["interrupted"]);
+    assert!(reads() < all / 4, "{} of {all}", reads());
+    assert_eq!(desk.names("."), ["parts", "scene.toml", "trace"]);
 }

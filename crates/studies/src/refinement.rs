@@ -78,7 +78,7 @@ pub fn missed(scene: &Scene, pool: &ThreadPool, stop: &AtomicBool) -> Result<Mis
     let (mut leaves, mut painted) = (vec![0; levels], 0);
     let ended = refined(
         &Job { scene, pool, stop },
-        &[0..scene.cells()],
+        std::slice::from_ref(&(0..scene.cells())),
         |_| {},
         |some| {
             for (_, cell) in some {

@@ -22,16 +22,17 @@ fn grid(columns: usize, rows: usize) -> impl Iterator<Item = (f64, f64)> {
 
 #[test]
 fn the_2000_term_series_differs_only_where_the_series_is_wrong() {
-    series_differs_only_where_it_is_wrong(20, 14);
+    series_differs_only_where_it_is_wrong(3);
 }
 
 #[test]
 #[ignore = "half a minute: cargo test --workspace --test all -- --ignored slow"]
 fn slow_the_2000_term_series_differs_only_where_the_series_is_wrong() {
-    series_differs_only_where_it_is_wrong(40, 24);
+    series_differs_only_where_it_is_wrong(1);
 }
 
-fn series_differs_only_where_it_is_wrong(columns: usize, rows: usize) {
+/// At every point of a map, or every third.
+fn series_differs_only_where_it_is_wrong(every: usize) {
     let (sites, mut worker) = (21, Worker::new(21));
     let families = vec![Family::DoubleSided, Family::SingleSided];
     let tolerance = Tolerance::Growth(BLUR);
@@ -45,7 +46,7 @@ fn series_differs_only_where_it_is_wrong(columns: usize, rows: usize) {
         impulse: false,
     };
     let (mut compared, mut wrong, mut worst) = (0, 0, 0.0_f64);
-    for (gamma2, omega) in grid(columns, rows).filter(|(gamma2, _)| *gamma2 > 0.0) {
+    for (gamma2, omega) in grid(40, 24).step_by(every).filter(|(gamma2, _)| *gamma2 > 0.0) {
         let model = model(sites, gamma2, omega);
         // The series has no resonance to report; its terms are those of the closed form by construction of λ_j.
         assert!(matches!(decay(model.chain(), 10.0 * omega), Decay::Evanescent(_)));
@@ -78,6 +79,6 @@ fn series_differs_only_where_it_is_wrong(columns: usize, rows: usize) {
     println!(
         "{compared} cells, in {wrong} the series' radius is off by more than 1e-3, at worst by {worst:.3} of itself"
     );
-    let cells = columns * rows;
+    let cells = 960 / every;
     assert!(compared > 7 * cells / 10 && wrong > cells / 50 && worst > 0.02, "{compared} {wrong} {worst}");
 }
