@@ -41,17 +41,8 @@ fn positive(a: f64) -> f64 {
 
 /// Bound on |p_J| for every mass of a ring.
 pub(crate) fn tail(rows: &Rows, sites: usize, units: &Units, horizon: f64) -> f64 {
-    let larger = |m: f64, d: f64| if d.abs() > m { d.abs() } else { m };
-    let largest = |k: usize| {
-        let (groups, rest) = rows.row(k, 0)[..sites].as_chunks::<LANES>();
-        let mut most = [0.0; LANES];
-        for group in groups {
-            for i in 0..LANES {
-                most[i] = larger(most[i], group[i]);
-            }
-        }
-        most.iter().chain(rest).fold(0.0, |m, d| larger(m, *d))
-    };
+    let largest =
+        |k: usize| rows.row(k, 0)[..sites].iter().fold(0.0, |m: f64, d| if d.abs() > m { d.abs() } else { m });
     let edge = positive(largest(TAIL).max(largest(TAIL + 1) / units.rate));
     let q = units.rate * horizon / (TAIL + 1) as f64;
     let forced = 0.5 * units.amplitude * units.rate.powi(TAIL as i32 - 2) * q / ((1.0 - q) * (1.0 - q));

@@ -177,21 +177,15 @@ impl Rows {
         }
     }
 
-    /// d_{k+2} of the first `columns` columns from d_k and its ghosts. Whole groups of masses: what the last one writes over the end
-    /// nobody reads, but for the ghost.
+    /// d_{k+2} of the first `columns` columns from d_k and its ghosts.
     fn advance(&mut self, k: usize, columns: usize, units: &Units, force: f64) {
         let (known, new) = self.data.split_at_mut((k + 2) * self.stride);
-        let (from, to) = (&known[k * self.stride..], &mut new[1..]);
-        let ghost = to[columns];
-        let all = columns.next_multiple_of(LANES);
-        let [left, own, right] = [0, 1, 2].map(|first| from[first..first + all].as_chunks::<LANES>().0);
+        let from = &known[k * self.stride..];
+        let (left, own, right) = (&from[..columns], &from[1..=columns], &from[2..columns + 2]);
         let (g1, g2) = (units.gamma1, units.gamma2);
-        for (((to, l), m), r) in to[..all].as_chunks_mut::<LANES>().0.iter_mut().zip(left).zip(own).zip(right) {
-            for i in 0..LANES {
-                to[i] = g2 * ((l[i] + r[i]) - 2.0 * m[i]) - g1 * m[i] + force;
-            }
+        for (((to, l), m), r) in new[1..=columns].iter_mut().zip(left).zip(own).zip(right) {
+            *to = g2 * ((l + r) - 2.0 * m) - g1 * m + force;
         }
-        to[columns] = ghost;
     }
 
     /// Room for `columns` masses, reusing the memory there is.

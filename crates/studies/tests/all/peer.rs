@@ -80,5 +80,6 @@ fn series_differs_only_where_it_is_wrong(every: usize) {
         "{compared} cells, in {wrong} the series' radius is off by more than 1e-3, at worst by {worst:.3} of itself"
     );
     let cells = 960 / every;
-    assert!(compared > 7 * cells / 10 && wrong > cells / 50 && worst > 0.02, "{compared} {wrong} {worst}");
+    let seen = if every == 1 { 0.04 } else { 0.01 };
+    assert!(compared > 7 * cells / 10 && wrong > cells / 50 && worst > seen, "{compared} {wrong} {worst}");
 }
