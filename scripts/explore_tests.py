@@ -310,7 +310,7 @@ def follows(browser):
     tell("an orbit follows a slider; a word and another axis are taken up")
 
 
-def survives(browser, explorer, count=1000):
+def survives(browser, explorer, count=int(os.environ.get("PANS", "1000"))):
     """Random pans and zooms: memory of the page and of the program, and nothing left under way."""
     browser.run("document.getElementById('leave').click(); explorer.map.whole()")
     browser.until(IDLE, "the whole map")
