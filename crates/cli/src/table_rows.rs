@@ -35,8 +35,8 @@ impl TableRows {
     /// [`CliError::Request`] of a file that cannot be read, or is no plain CSV.
     pub(crate) fn open(flag: &str, path: &Path) -> Result<Self, CliError> {
         let name = format!("{flag} {}", path.display());
-        let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));
-        let unreadable = |error: io::Error| wrong(&format!("it cannot be read as a table: {error}"));
+        let wrong = |what: &str| wrong(&name, what);
+        let unreadable = |error: io::Error| unreadable(&name, &error);
         let packed = path
             .extension()
             .is_some_and(|end| ["gz", "zst", "parquet"].iter().any(|known| end.eq_ignore_ascii_case(known)));
@@ -65,7 +65,7 @@ impl TableRows {
 
     /// A request that this table makes wrong.
     pub(crate) fn wrong(&self, what: &str) -> CliError {
-        CliError::Request(format!("{}: {what}", self.name))
+        wrong(&self.name, what)
     }
 
     /// Reads what is told of all cells of a scene, and hands each with its number to `each`.
@@ -89,10 +89,10 @@ impl TableRows {
                 break;
             }
             let count = piece.len();
-            reader.take(piece, each).map_err(|what| CliError::Request(format!("{}: {what}", self.name)))?;
+            reader.take(piece, each).map_err(|what| wrong(&self.name, &what))?;
             self.file.consume(count);
         }
-        reader.whole(each).map_err(|what| CliError::Request(format!("{}: {what}", self.name))).map(|_| ())
+        reader.whole(each).map_err(|what| wrong(&self.name, &what)).map(|_| ())
     }
 
     /// Reads all rows, as many as a manifest has told, by their fields.
@@ -105,7 +105,7 @@ impl TableRows {
         mut each: impl FnMut(&mut Fields<'_, &str>) -> Result<(), String>,
     ) -> Result<(), CliError> {
         let Self { name, file, header } = self;
-        let wrong = |what: String| CliError::Request(format!("{name}: {what}"));
+        let wrong = |what: String| wrong(&name, &what);
         let columns: Vec<&str> = header.trim_end().split(',').collect();
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(file);
         let (mut record, mut count) = (csv::StringRecord::new(), 0_u64);
@@ -127,6 +127,10 @@ impl TableRows {
     }
 }
 
+fn wrong(name: &str, what: &str) -> CliError {
+    CliError::Request(format!("{name}: {what}"))
+}
+
 fn unreadable(name: &str, error: &io::Error) -> CliError {
-    CliError::Request(format!("{name}: it cannot be read as a table: {error}"))
+    wrong(name, &format!("it cannot be read as a table: {error}"))
 }
