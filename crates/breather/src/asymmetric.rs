@@ -14,12 +14,14 @@
 //! that `rises` leaves.
 
 use vibrochain_lattice::{ImpulseResponse, Model};
+use wide::f64x4;
 
 use crate::conservative::{impulses, two_impact_draft};
 use crate::enclosure::Dual;
+use crate::lanes::{LANES, Lane};
 use crate::orbit::{Draft, Family};
 use crate::rises::{MOST, Rises, top};
-use crate::roots::{Enclosed, Zeros};
+use crate::roots::{Clearance, Enclosed, Zeros};
 
 /// Orbits closer than this part of half a period to the symmetric one, which they branch from, are not told from it.
 const APART: f64 = 1e-6;
@@ -31,9 +33,15 @@ struct Balance<'a> {
 }
 
 impl Enclosed for Balance<'_> {
-    fn enclose(&self, delta: f64, radius: f64) -> Dual {
+    fn clearances(&self, deltas: Lane, radii: Lane) -> [Clearance; LANES] {
+        let [_, slope, curvature, third] = self.response.jets_from_half(deltas).map(f64x4::from);
+        let fourth = f64x4::splat(self.fourth);
+        Clearance::of(&Dual::from_jet([slope, curvature, third, fourth], 0.0, f64x4::from(radii)))
+    }
+
+    fn at(&self, delta: f64) -> (f64, f64) {
         let jet = self.response.jet_from_half(delta);
-        Dual::from_jet([jet.slope, jet.curvature, jet.third, self.fourth], 0.0, radius)
+        (jet.slope, jet.curvature)
     }
 }
 

@@ -6,80 +6,77 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// An enclosure of a function on an interval of the given radius about its centre.
+use crate::lanes::Number;
+
+/// An enclosure of a function on an interval of the given radius about its centre, or of four such.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Enclosure {
-    value: f64,
-    slope: f64,
-    rest: f64,
-    radius: f64,
+pub(crate) struct Enclosure<T = f64> {
+    value: T,
+    slope: T,
+    rest: T,
+    radius: T,
 }
 
-impl Enclosure {
+impl<T: Number> Enclosure<T> {
     /// A function with this value and slope at the centre and |second derivative| ≤ `curvature` on the interval.
-    pub(crate) fn new(value: f64, slope: f64, curvature: f64, radius: f64) -> Self {
+    pub(crate) fn new(value: T, slope: T, curvature: T, radius: T) -> Self {
         // 8 units in the last place: what the kernels' sums are good for, relative to themselves.
-        let rounding = 8.0 * f64::EPSILON * value.abs();
-        Self { value, slope, rest: 0.5 * curvature * radius * radius + rounding, radius }
+        let rounding = value.modulus() * (8.0 * f64::EPSILON);
+        Self { value, slope, rest: curvature * 0.5 * radius * radius + rounding, radius }
     }
 
-    pub(crate) fn constant(value: f64, radius: f64) -> Self {
-        Self { value, slope: 0.0, rest: 0.0, radius }
+    pub(crate) fn constant(value: f64, radius: T) -> Self {
+        Self { value: T::of(value), slope: T::of(0.0), rest: T::of(0.0), radius }
     }
 
-    /// The function has no zero on the interval.
-    pub(crate) fn excludes_zero(&self) -> bool {
-        self.value.abs() > self.slope.abs() * self.radius + self.rest
-    }
-
-    /// Of which nothing is known.
-    pub(crate) fn unknown(radius: f64) -> Self {
-        Self { value: 0.0, slope: 0.0, rest: f64::INFINITY, radius }
-    }
-
-    /// Value at the centre.
-    pub(crate) fn value(&self) -> f64 {
-        self.value
+    /// By how much the function stays away from 0 on the interval: it has no zero there where this is positive.
+    pub(crate) fn clearance(&self) -> T {
+        self.value.modulus() - (self.slope.modulus() * self.radius + self.rest)
     }
 }
 
-impl Add for Enclosure {
+impl<T: Number> Add for Enclosure<T> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        let rest = self.rest + other.rest + f64::EPSILON * (self.value.abs() + other.value.abs());
+        let rounding = (self.value.modulus() + other.value.modulus()) * f64::EPSILON;
+        let rest = self.rest + other.rest + rounding;
         Self { value: self.value + other.value, slope: self.slope + other.slope, rest, radius: self.radius }
     }
 }
 
-impl Neg for Enclosure {
+impl<T: Number> Neg for Enclosure<T> {
     type Output = Self;
     fn neg(self) -> Self {
         self.scaled(-1.0)
     }
 }
 
-impl Sub for Enclosure {
+impl<T: Number> Sub for Enclosure<T> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self + -other
     }
 }
 
-impl Mul for Enclosure {
+impl<T: Number> Mul for Enclosure<T> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         let r = self.radius;
-        let (a, b) = (self.value.abs() + self.slope.abs() * r, other.value.abs() + other.slope.abs() * r);
-        let quadratic = self.slope.abs() * other.slope.abs() * r * r;
+        let (rise, other_rise) = (self.slope.modulus() * r, other.slope.modulus() * r);
         let value = self.value * other.value;
-        let rest = quadratic + a * other.rest + b * self.rest + self.rest * other.rest + f64::EPSILON * value.abs();
+        let (a, b) = (self.value.modulus() + rise, other.value.modulus() + other_rise);
+        let rest = rise * other_rise
+            + a * other.rest
+            + b * self.rest
+            + self.rest * other.rest
+            + value.modulus() * f64::EPSILON;
         Self { value, slope: self.value * other.slope + self.slope * other.value, rest, radius: r }
     }
 }
 
-impl Algebra for Enclosure {
+impl<T: Number> Algebra for Enclosure<T> {
     fn scaled(self, factor: f64) -> Self {
-        Self { value: factor * self.value, slope: factor * self.slope, rest: factor.abs() * self.rest, ..self }
+        Self { value: self.value * factor, slope: self.slope * factor, rest: self.rest * factor.abs(), ..self }
     }
 
     fn shifted(self, constant: f64) -> Self {
@@ -110,25 +107,32 @@ pub(crate) struct Dual<T = Enclosure> {
     pub(crate) derivative: T,
 }
 
-impl Dual {
+impl<T: Number> Dual<Enclosure<T>> {
     /// From value, first, second and third derivative at the centre, with |fourth derivative| ≤ `fourth`.
-    pub(crate) fn from_jet(jet: [f64; 4], fourth: f64, radius: f64) -> Self {
+    pub(crate) fn from_jet(jet: [T; 4], fourth: f64, radius: T) -> Self {
         let [value, first, second, third] = jet;
-        let third_bound = third.abs() + fourth * radius;
-        let second_bound = second.abs() + third_bound * radius;
+        let third_bound = third.modulus() + radius * fourth;
+        let second_bound = second.modulus() + third_bound * radius;
         Self {
             function: Enclosure::new(value, first, second_bound, radius),
             derivative: Enclosure::new(first, second, third_bound, radius),
         }
     }
 
-    /// amplitude·cos(rate·x + phase), given the cosine and sine of the phase at the centre.
-    pub(crate) fn wave(cos: f64, sin: f64, rate: f64, radius: f64) -> Self {
-        let bound = (cos * cos + sin * sin).sqrt() * rate * rate;
+    /// amplitude·cos(rate·x + phase), given the cosine and sine of the phase at the centre, each no larger than the amplitude.
+    pub(crate) fn wave(cos: T, sin: T, rate: f64, amplitude: f64, radius: T) -> Self {
+        let bound = amplitude * rate * rate;
         Self {
-            function: Enclosure::new(cos, -rate * sin, bound, radius),
-            derivative: Enclosure::new(-rate * sin, -rate * rate * cos, bound * rate, radius),
+            function: Enclosure::new(cos, sin * -rate, T::of(bound), radius),
+            derivative: Enclosure::new(sin * -rate, cos * (-rate * rate), T::of(bound * rate), radius),
         }
+    }
+}
+
+impl Dual {
+    /// Function and derivative at the centre.
+    pub(crate) fn at_centre(&self) -> (f64, f64) {
+        (self.function.value, self.derivative.value)
     }
 }
 
@@ -175,8 +179,8 @@ mod tests {
         // f = (sin x)(cos 2x − 0.3) about several centres, checked at many points of each interval.
         for centre in [-1.0_f64, 0.0, 0.4, 2.0] {
             for radius in [0.5_f64, 0.1, 1e-3] {
-                let sin = Dual::wave(centre.sin(), -centre.cos(), 1.0, radius);
-                let cos = Dual::wave((2.0 * centre).cos(), (2.0 * centre).sin(), 2.0, radius);
+                let sin = Dual::wave(centre.sin(), -centre.cos(), 1.0, 1.0, radius);
+                let cos = Dual::wave((2.0 * centre).cos(), (2.0 * centre).sin(), 2.0, 1.0, radius);
                 let product = sin * cos.shifted(-0.3);
                 for i in -50..=50 {
                     let x = f64::from(i) / 50.0 * radius;

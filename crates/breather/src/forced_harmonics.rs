@@ -19,9 +19,10 @@ use crate::conservative::single_sided_draft;
 use crate::enclosure::{Algebra, Dual};
 use crate::error::NoBreather;
 use crate::harmonic_impacts::HarmonicImpacts;
+use crate::lanes::{LANES, Lane};
 use crate::orbit::{Draft, Family};
 use crate::planar_roots::PlanarZeros;
-use crate::roots::{Enclosed, Zeros};
+use crate::roots::{Clearance, Enclosed, Zeros, one_by_one};
 use crate::two_impacts::{Pattern, SYMMETRIC, SYMMETRIC_GUARD, shortest_flight};
 
 /// α Ġ(ψ) + β G(ψ) + γ.
@@ -33,19 +34,27 @@ struct Line<'a> {
 }
 
 impl Enclosed for Line<'_> {
-    fn enclose(&self, psi: f64, radius: f64) -> Dual {
-        let mut sum = Dual::wave(0.0, 0.0, 0.0, radius).shifted(self.constant);
-        for term in self.steady.terms() {
-            let (sin, cos) = (term.rate * psi + term.phase).sin_cos();
-            let (g, v) = (self.displacement * term.amplitude, -self.velocity * term.rate * term.amplitude);
-            sum = sum + Dual::wave(g * cos, g * sin, term.rate, radius);
-            sum = sum + Dual::wave(v * sin, -v * cos, term.rate, radius);
-        }
-        sum
+    fn clearances(&self, phases: Lane, radii: Lane) -> [Clearance; LANES] {
+        one_by_one(phases, radii, |psi, radius| self.enclose(psi, radius))
+    }
+
+    fn at(&self, psi: f64) -> (f64, f64) {
+        self.enclose(psi, 0.0).at_centre()
     }
 }
 
 impl Line<'_> {
+    fn enclose(&self, psi: f64, radius: f64) -> Dual {
+        let mut sum = Dual::wave(0.0, 0.0, 0.0, 0.0, radius).shifted(self.constant);
+        for term in self.steady.terms() {
+            let (sin, cos) = (term.rate * psi + term.phase).sin_cos();
+            let (g, v) = (self.displacement * term.amplitude, -self.velocity * term.rate * term.amplitude);
+            sum = sum + Dual::wave(g * cos, g * sin, term.rate, g.abs(), radius);
+            sum = sum + Dual::wave(v * sin, -v * cos, term.rate, v.abs(), radius);
+        }
+        sum
+    }
+
     /// All zeros on one repetition of the force, each in 0 … `repeat`, appended to `zeros`.
     fn zeros(&self, repeat: f64, zeros: &mut Zeros) {
         let pieces = 8 + (repeat * self.steady.top_rate()) as usize;

@@ -23,7 +23,8 @@
 use vibrochain_lattice::{Model, sine_over};
 
 use crate::enclosure::{Algebra, Dual};
-use crate::roots::{Enclosed, Zeros};
+use crate::lanes::{LANES, Lane};
+use crate::roots::{Clearance, Enclosed, Zeros, one_by_one};
 use crate::two_impacts::Pattern;
 
 /// One parameter point.
@@ -144,7 +145,17 @@ impl OneMass {
 }
 
 impl Enclosed for OneMass {
+    fn clearances(&self, deltas: Lane, radii: Lane) -> [Clearance; LANES] {
+        one_by_one(deltas, radii, |delta, radius| self.enclose(delta, radius))
+    }
+
+    fn at(&self, delta: f64) -> (f64, f64) {
+        self.enclose(delta, 0.0).at_centre()
+    }
+}
+
+impl OneMass {
     fn enclose(&self, delta: f64, radius: f64) -> Dual {
-        self.condition(self.cramer(|cos, sin, rate| Dual::wave(cos, sin, rate, radius), delta))
+        self.condition(self.cramer(|cos, sin, rate| Dual::wave(cos, sin, rate, 1.0, radius), delta))
     }
 }

@@ -5,19 +5,45 @@
 //! at the resolution of the arithmetic is a double zero, or two closer than can be told apart: it is returned as
 //! unresolved, not dropped.
 
-use crate::enclosure::Dual;
+use smallvec::SmallVec;
+use wide::f64x4;
+
+use crate::enclosure::{Dual, Enclosure};
+use crate::lanes::{LANES, Lane};
 use crate::stop::Stop;
+
+/// How far function and derivative stay away from 0 on an interval: neither has a zero there where this is positive.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Clearance {
+    pub(crate) function: f64,
+    /// Of use only where the function may vanish.
+    pub(crate) derivative: f64,
+}
+
+impl Clearance {
+    /// Those of four enclosures.
+    pub(crate) fn of(enclosed: &Dual<Enclosure<f64x4>>) -> [Self; LANES] {
+        let [functions, derivatives] =
+            [enclosed.function, enclosed.derivative].map(|enclosure| enclosure.clearance().to_array());
+        std::array::from_fn(|i| Self { function: functions[i], derivative: derivatives[i] })
+    }
+}
+
+/// Of functions that know nothing of four intervals at a time.
+pub(crate) fn one_by_one(centres: Lane, radii: Lane, enclose: impl Fn(f64, f64) -> Dual) -> [Clearance; LANES] {
+    std::array::from_fn(|i| {
+        let Dual { function, derivative } = enclose(centres[i], radii[i]);
+        Clearance { function: function.clearance(), derivative: derivative.clearance() }
+    })
+}
 
 /// A function of one variable with an enclosure on any interval.
 pub(crate) trait Enclosed {
-    /// Encloses the function and its derivative on |x − centre| ≤ radius.
-    fn enclose(&self, centre: f64, radius: f64) -> Dual;
+    /// What enclosures say on |x − centre| ≤ radius, for four intervals.
+    fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES];
 
     /// The function and its derivative at a point.
-    fn at(&self, x: f64) -> (f64, f64) {
-        let point = self.enclose(x, 0.0);
-        (point.function.value(), point.derivative.value())
-    }
+    fn at(&self, x: f64) -> (f64, f64);
 }
 
 /// The zeros found.
@@ -34,6 +60,8 @@ pub(crate) struct Zeros {
     /// Evaluations spent, those that close in on a zero included.
     pub(crate) evaluations: usize,
     stack: Vec<(f64, f64)>,
+    /// Places and widths of zeros, simple or not, in the order in which intervals were looked at.
+    places: Vec<Place>,
     /// Once raised, what is left is not looked at.
     pub(crate) stop: Stop,
 }
@@ -86,29 +114,41 @@ impl Zeros {
             share(from, to, pieces);
         }
         let budget = self.evaluations + LEAST_BUDGET.max(MOST_PER_PIECE * pieces);
-        while let Some((low, high)) = self.stack.pop() {
+        self.places.clear();
+        while !self.stack.is_empty() {
             if self.evaluations > budget || self.stop.is_raised() {
-                self.exhausted += 1 + self.stack.len();
-                return;
+                self.exhausted += self.stack.len();
+                break;
             }
-            self.evaluations += 1;
-            self.intervals += 1;
-            let centre = 0.5 * (low + high);
-            let radius = (high - centre).max(centre - low);
-            let enclosed = f.enclose(centre, radius);
-            if enclosed.function.excludes_zero() {
-                continue;
-            }
-            if enclosed.derivative.excludes_zero() {
-                if let Some(zero) = self.bracketed(f, low, high) {
-                    push_distinct(&mut self.simple, zero, resolution(zero));
+            // Four at a time, the last one again where there are fewer.
+            let taken: SmallVec<[(f64, f64); LANES]> = (0..LANES).map_while(|_| self.stack.pop()).collect();
+            let interval = |i: usize| taken[i.min(taken.len() - 1)];
+            let centres = std::array::from_fn(|i| 0.5 * (interval(i).0 + interval(i).1));
+            let radii = std::array::from_fn(|i| (interval(i).1 - centres[i]).max(centres[i] - interval(i).0));
+            let clearances = f.clearances(centres, radii);
+            self.evaluations += taken.len();
+            self.intervals += taken.len();
+            // The first one goes on the stack last.
+            for i in (0..taken.len()).rev() {
+                let ((low, high), centre, radius) = (taken[i], centres[i], radii[i]);
+                if clearances[i].function > 0.0 {
+                    continue;
                 }
-            } else if radius <= resolution(centre) {
-                push_distinct(&mut self.unresolved, centre, 8.0 * radius);
-            } else {
-                self.stack.push((centre, high));
-                self.stack.push((low, centre));
+                if clearances[i].derivative > 0.0 {
+                    if let Some(zero) = self.bracketed(f, low, high) {
+                        self.places.push(Place { zero, width: resolution(zero), simple: true });
+                    }
+                } else if radius <= resolution(centre) {
+                    self.places.push(Place { zero: centre, width: 8.0 * radius, simple: false });
+                } else {
+                    self.stack.push((centre, high));
+                    self.stack.push((low, centre));
+                }
             }
+        }
+        self.places.sort_unstable_by(|a, b| a.zero.total_cmp(&b.zero));
+        for place in &self.places {
+            push_distinct(if place.simple { &mut self.simple } else { &mut self.unresolved }, place.zero, place.width);
         }
     }
 
@@ -156,6 +196,15 @@ impl Zeros {
     }
 }
 
+/// A zero, or the middle of an interval that may have two.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    zero: f64,
+    /// Another one closer than this is the same.
+    width: f64,
+    simple: bool,
+}
+
 fn push_distinct(list: &mut Vec<f64>, value: f64, width: f64) {
     if list.last().is_none_or(|&last| (value - last).abs() > width) {
         list.push(value);
@@ -172,10 +221,20 @@ mod tests {
         level: f64,
     }
 
-    impl Enclosed for Pairs {
+    impl Pairs {
         fn enclose(&self, x: f64, radius: f64) -> Dual {
-            let sine = Dual::wave(x.sin(), -x.cos(), 1.0, radius);
+            let sine = Dual::wave(x.sin(), -x.cos(), 1.0, 1.0, radius);
             (sine * sine).shifted(-self.level)
+        }
+    }
+
+    impl Enclosed for Pairs {
+        fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES] {
+            one_by_one(centres, radii, |x, radius| self.enclose(x, radius))
+        }
+
+        fn at(&self, x: f64) -> (f64, f64) {
+            self.enclose(x, 0.0).at_centre()
         }
     }
 
@@ -205,6 +264,16 @@ mod tests {
     }
 
     impl Enclosed for Rounded {
+        fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES] {
+            one_by_one(centres, radii, |x, radius| self.enclose(x, radius))
+        }
+
+        fn at(&self, x: f64) -> (f64, f64) {
+            self.enclose(x, 0.0).at_centre()
+        }
+    }
+
+    impl Rounded {
         fn enclose(&self, x: f64, radius: f64) -> Dual {
             let noise = self.size * f64::EPSILON * (1e17 * x).sin();
             Dual::from_jet([x * x - 2.0 + noise, 2.0 * x, 2.0, 0.0], 0.0, radius)

@@ -35,11 +35,13 @@
 //! for γ₁ → 0.
 
 use vibrochain_lattice::ImpulseResponse;
+use wide::f64x4;
 
 use crate::conservative::two_impact_draft;
 use crate::enclosure::{Algebra, Dual, Enclosure};
+use crate::lanes::{LANES, Lane};
 use crate::orbit::{Draft, Family};
-use crate::roots::{Enclosed, Zeros};
+use crate::roots::{Clearance, Enclosed, Zeros};
 
 /// Where δ = 0 solves by itself (a = 0, e = 1 or γ₁ = 0, and always for a doubled orbit), E has a double zero there that
 /// is not a pair of orbits; the search stays this fraction of the half period away from it. Asymmetric orbits closer
@@ -115,19 +117,22 @@ impl<'a> TwoImpacts<'a> {
         }
     }
 
-    /// D, χ₃, Σ·g, sin h and cos h about δ.
-    fn pieces(&self, delta: f64, radius: f64) -> [Dual; 5] {
-        let jet = self.response.jet_from_half(delta);
-        let kernel = Dual::from_jet([jet.value, jet.slope, jet.curvature, jet.third], self.fourth, radius);
-        let slope = Dual::from_jet([jet.slope, jet.curvature, jet.third, self.fourth], 0.0, radius);
+    /// D, χ₃, Σ·g, sin h and cos h about four δ.
+    fn pieces(&self, deltas: Lane, radii: Lane) -> [Dual<Enclosure<f64x4>>; 5] {
+        let [value, slope, curvature, third] = self.response.jets_from_half(deltas).map(f64x4::from);
+        let radius = f64x4::from(radii);
+        let kernel = Dual::from_jet([value, slope, curvature, third], self.fourth, radius);
+        let slope = Dual::from_jet([slope, curvature, third, f64x4::splat(self.fourth)], 0.0, radius);
         let difference = kernel.shifted(-self.at_impulse).scaled(2.0);
         let sum = kernel.shifted(self.at_impulse).scaled(-2.0 * self.stiffness).shifted(-4.0);
         let rate = 0.5 * self.omega;
-        let (sin, cos) = (rate * delta).sin_cos();
+        let phases = deltas.map(|delta| (rate * delta).sin_cos());
+        let (sin, cos) = (f64x4::from(phases.map(|(sin, _)| sin)), f64x4::from(phases.map(|(_, cos)| cos)));
+        let wave = |cos, sin| Dual::wave(cos, sin, rate, 1.0, radius);
         // h = π/2 + ωδ/2 for the double-sided word; π + ωδ/2 for the doubled one, whose period is twice the force's.
         let (sin_h, cos_h) = match self.pattern {
-            Pattern::DoubleSided => (Dual::wave(cos, sin, rate, radius), Dual::wave(-sin, cos, rate, radius)),
-            Pattern::PeriodDoubled => (Dual::wave(-sin, cos, rate, radius), Dual::wave(-cos, -sin, rate, radius)),
+            Pattern::DoubleSided => (wave(cos, sin), wave(-sin, cos)),
+            Pattern::PeriodDoubled => (wave(-sin, cos), wave(-cos, -sin)),
         };
         [difference, slope.scaled(2.0), sum, sin_h, cos_h]
     }
@@ -208,14 +213,15 @@ impl<'a> TwoImpacts<'a> {
 }
 
 impl Enclosed for TwoImpacts<'_> {
-    fn enclose(&self, delta: f64, radius: f64) -> Dual {
-        let pieces = self.pieces(delta, radius);
+    fn clearances(&self, deltas: Lane, radii: Lane) -> [Clearance; LANES] {
+        let pieces = self.pieces(deltas, radii);
         // Where the function itself has no zero nobody asks for its slope.
-        let function = self.condition(pieces.map(|piece| piece.function));
-        if function.excludes_zero() {
-            return Dual { function, derivative: Enclosure::unknown(radius) };
+        let function = self.condition(pieces.map(|piece| piece.function)).clearance().to_array();
+        if function.iter().all(|clearance| *clearance > 0.0) {
+            return function.map(|function| Clearance { function, derivative: 0.0 });
         }
-        self.condition(pieces)
+        let derivative = self.condition(pieces).derivative.clearance().to_array();
+        std::array::from_fn(|i| Clearance { function: function[i], derivative: derivative[i] })
     }
 
     fn at(&self, delta: f64) -> (f64, f64) {

@@ -467,43 +467,79 @@ impl ImpulseResponse {
 
     /// The same, four modes at a time.
     fn jet_by_fours(&self, offset: f64) -> KernelJet {
-        let (zero, one) = (f64x4::ZERO, f64x4::ONE);
+        let zero = f64x4::ZERO;
         let fours =
             |list: &'_ [f64], i: usize| list.as_chunks::<LANES>().0.get(i).map_or(zero, |four| f64x4::from(*four));
-        let (time, turns) = (f64x4::splat(offset), f64x4::splat(offset / self.period));
         let mut sums = [zero; 4];
         for i in 0..self.frequencies.len() / LANES {
-            let (frequency, y, defect) =
-                (fours(&self.frequencies, i), fours(&self.half_phase, i), fours(&self.offsets, i));
             let scale = fours(&self.scales, i);
             let scale = if self.squares.is_empty() { scale } else { scale * self.squares_of(i) };
-            let (x, is_soft) = (frequency * time, y.simd_lt(one));
-            let mut terms = [zero; 4];
-            if !is_soft.all() {
-                let [sin, cos] = sin_cos(x);
-                let (swing, bend) = (scale * sin, scale * frequency);
-                terms = [scale * (cos - defect) / frequency, -swing, -bend * cos, bend * frequency * sin];
-            }
-            if is_soft.any() {
-                let x = is_soft.select(x, zero);
-                // 2s² of the modes one by one is 4ξ² (1 − cos x)/x².
-                let [sinc, rest] = soft(x);
-                let slope = scale * turns * sinc;
-                let value =
-                    scale * f64x4::splat(0.25 * self.period) * (defect - f64x4::splat(4.0) * turns * turns * rest);
-                let curvature = scale * (one - x * x * rest) * f64x4::splat(-1.0 / self.period);
-                let soft = [value, -slope, curvature, frequency * frequency * slope];
-                for (term, soft) in terms.iter_mut().zip(soft) {
-                    *term = is_soft.select(soft, *term);
-                }
-            }
-            for (sum, term) in sums.iter_mut().zip(terms) {
-                *sum += term;
-            }
+            let mode = [fours(&self.frequencies, i), scale, fours(&self.offsets, i), fours(&self.half_phase, i)];
+            let terms = self.terms(mode, f64x4::splat(offset));
+            (0..4).for_each(|i| sums[i] += terms[i]);
         }
         let [a, b, c, d] = f64x4::transpose(sums);
         let [value, slope, curvature, third] = ((a + c) + (b + d)).to_array();
         KernelJet { value, slope, curvature, third }
+    }
+
+    /// As [`ImpulseResponse::jet_from_half`] at four times at once: four values, slopes, curvatures and third derivatives.
+    pub fn jets_from_half(&self, offsets: [f64; 4]) -> [[f64; 4]; 4] {
+        let farthest = offsets.iter().fold(0.0, |most: f64, offset| most.max(offset.abs()));
+        if self.modes > FEW || self.top * farthest > MOST {
+            let jets = offsets.map(|offset| self.jet_from_half(offset));
+            let of = |part: fn(&KernelJet) -> f64| std::array::from_fn(|i| part(&jets[i]));
+            return [of(|jet| jet.value), of(|jet| jet.slope), of(|jet| jet.curvature), of(|jet| jet.third)];
+        }
+        let mut sums = [f64x4::ZERO; 4];
+        for k in 0..self.modes {
+            let scale = self.scales[k] * self.squares.get(k).copied().unwrap_or(1.0);
+            let mode = [self.frequencies[k], scale, self.offsets[k], self.half_phase[k]].map(f64x4::splat);
+            let terms = self.terms(mode, f64x4::from(offsets));
+            (0..4).for_each(|i| sums[i] += terms[i]);
+        }
+        sums.map(f64x4::to_array)
+    }
+
+    /// As [`ImpulseResponse::jet_between`] of one site and itself, at four times at once.
+    pub fn jets_at(&self, site: usize, offsets: [f64; 4]) -> [KernelJet; 4] {
+        if !self.is_home(site, site) {
+            return offsets.map(|offset| self.jet_between(site, site, offset));
+        }
+        let [values, slopes, curvatures, thirds] = self.jets_from_half(offsets);
+        std::array::from_fn(|i| KernelJet {
+            value: values[i],
+            slope: slopes[i],
+            curvature: curvatures[i],
+            third: thirds[i],
+        })
+    }
+
+    /// Four terms of the dynamic part and its derivatives, of modes with these frequencies, scales, offsets and half phases.
+    #[inline(always)]
+    fn terms(&self, [frequency, scale, defect, y]: [f64x4; 4], time: f64x4) -> [f64x4; 4] {
+        let (zero, one) = (f64x4::ZERO, f64x4::ONE);
+        let (x, is_soft) = (frequency * time, y.simd_lt(one));
+        let mut terms = [zero; 4];
+        if !is_soft.all() {
+            let [sin, cos] = sin_cos(x);
+            let (swing, bend) = (scale * sin, scale * frequency);
+            terms = [scale * (cos - defect) / frequency, -swing, -bend * cos, bend * frequency * sin];
+        }
+        if is_soft.any() {
+            let x = is_soft.select(x, zero);
+            // 2s² of the modes one by one is 4ξ² (1 − cos x)/x².
+            let [sinc, rest] = soft(x);
+            let turns = time / f64x4::splat(self.period);
+            let slope = scale * turns * sinc;
+            let value = scale * f64x4::splat(0.25 * self.period) * (defect - f64x4::splat(4.0) * turns * turns * rest);
+            let curvature = scale * (one - x * x * rest) * f64x4::splat(-1.0 / self.period);
+            let soft = [value, -slope, curvature, frequency * frequency * slope];
+            for (term, soft) in terms.iter_mut().zip(soft) {
+                *term = is_soft.select(soft, *term);
+            }
+        }
+        terms
     }
 
     /// φ_k² of home over the weights, of four modes.
@@ -720,6 +756,8 @@ mod tests {
                 let r = response(sites, g1, 0.1, omega);
                 for part in -40..=40 {
                     let offset = f64::from(part) / 80.0 * r.period;
+                    // Modes or times by fours.
+                    let [_, of_times, ..] = r.jets_at(0, [0.0, offset, -offset, 0.3 * offset]);
                     let (fours, ones) = (r.jet_by_fours(offset), r.jet_one_by_one(offset));
                     let own = r.own_weights();
                     let size = |power: i32| -> f64 {
@@ -733,20 +771,25 @@ mod tests {
                     // Terms of K itself are larger by their static part.
                     let static_part =
                         r.period * r.at_half().iter().chain(r.at_impulse()).fold(1.0, |m: f64, x| m.max(x.abs()));
-                    let pairs = [
-                        (fours.value, ones.value, static_part * (1.0 + size(0))),
-                        (fours.slope, ones.slope, (1.0 + r.period) * size(0)),
-                        (fours.curvature, ones.curvature, size(0)),
-                        (fours.third, ones.third, (1.0 + r.period) * size(2)),
-                    ];
-                    for (four, one, size) in pairs {
-                        assert!((four - one).abs() <= 1e-15 * size, "{sites} {omega} {offset}: {four} {one} {size}");
-                        compared += 1;
+                    for fours in [fours, of_times] {
+                        let pairs = [
+                            (fours.value, ones.value, static_part * (1.0 + size(0))),
+                            (fours.slope, ones.slope, (1.0 + r.period) * size(0)),
+                            (fours.curvature, ones.curvature, size(0)),
+                            (fours.third, ones.third, (1.0 + r.period) * size(2)),
+                        ];
+                        for (four, one, size) in pairs {
+                            assert!(
+                                (four - one).abs() <= 1e-15 * size,
+                                "{sites} {omega} {offset}: {four} {one} {size}"
+                            );
+                            compared += 1;
+                        }
                     }
                 }
             }
         }
-        assert_eq!(compared, 7 * 6 * 81 * 4);
+        assert_eq!(compared, 7 * 6 * 81 * 8);
     }
 
     #[test]
