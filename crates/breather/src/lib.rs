@@ -22,7 +22,8 @@
 //! | `branch`, `corrector`, `resonances`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
 //! | `word` | [`Word`]: which mass meets which barrier, in which order |
 //! | `enumeration` | all words of a few sites |
-//! | `word_search`, `uncoupled`, `ended` | [`Finder::find_word`]: all orbits of a word |
+//! | `word_search`, `uncoupled`, `free_phases` | [`Finder::find_word`]: all orbits of a word |
+//! | `alone`, `side_by_side`, `followed`, `ended` | masses alone, put side by side, followed as they are coupled |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `stop` | a flag that ends long searches |
@@ -48,6 +49,7 @@
 //! ```
 
 mod admissibility;
+mod alone;
 mod assembly;
 mod asymmetric;
 mod branch;
@@ -64,10 +66,12 @@ mod equations;
 mod error;
 mod finder;
 mod flights;
+mod followed;
 mod forced_double;
 mod forced_harmonics;
 mod forced_places;
 mod forced_single;
+mod free_phases;
 mod grid;
 mod harmonic_impacts;
 #[doc(hidden)]
@@ -87,6 +91,7 @@ mod reduction;
 mod resonances;
 mod rises;
 mod roots;
+mod side_by_side;
 mod stop;
 mod surface;
 mod two_impacts;

@@ -34,7 +34,7 @@ pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichAr
     let Some(scene) = scene.filter(|_| which.family.is_none() && which.word.is_none() && which.near.is_none()) else {
         return Ok(which.clone());
     };
-    let none = WhichArgs { family: None, word: None, near: None };
+    let none = WhichArgs { family: None, word: None, force_periods: None, near: None };
     if scene.has_orbits {
         return Ok(WhichArgs { near: Some(scene.path.clone()), ..none });
     }
@@ -74,8 +74,16 @@ pub(crate) fn find(
         if let (true, Some(console)) = (canonical != *word, console) {
             console.summary(&format!("{word} is the word {canonical}"));
         }
-        finder.find_word(model, &canonical, Wanted::All, &mut found)?;
-        return Ok((canonical.to_string(), found));
+        let Some(periods) = which.force_periods else {
+            finder.find_word(model, &canonical, Wanted::All, &mut found)?;
+            return Ok((canonical.to_string(), found));
+        };
+        if model.is_conservative() && periods > 1 {
+            let message = "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
+            return Err(CliError::Request(message.to_owned()));
+        }
+        finder.find_word_over(model, &canonical, periods, &mut found)?;
+        return Ok((over(&canonical.to_string(), periods), found));
     }
     let Some(path) = &which.near else {
         return Err(CliError::Request("give --family, --word, --near FILE or --scene FILE".to_owned()));
@@ -94,9 +102,14 @@ pub(crate) fn of_branch(branch: &FollowedBranch) -> String {
             .family()
             .filter(|family| *family != Family::PeriodDoubled)
             .map_or_else(|| orbit.name(), |family| family.name().to_owned()),
-        (Family::Word, periods) => format!("{} in {periods} periods of the force", orbit.name()),
+        (Family::Word, periods) => over(&orbit.name(), periods),
         _ => orbit.name(),
     }
+}
+
+/// The name of a word of so many periods of the force.
+fn over(word: &str, periods: u32) -> String {
+    if periods == 1 { word.to_owned() } else { format!("{word} in {periods} periods of the force") }
 }
 
 #[derive(Deserialize)]

@@ -1,0 +1,118 @@
+//! A branch of a word, followed in the coupling from where it is weak or none to the model's: in γ₂ and, where there are layers, then in
+//! γ₃, until there or the event that ends it.
+
+use vibrochain_lattice::{Model, Parameter};
+
+use crate::branch::{Branch, BranchPoint};
+use crate::ended::{End, Ended};
+use crate::error::{BranchError, BreatherError};
+use crate::orbit::Orbit;
+use crate::stop::Stop;
+
+/// What couples masses, in the order in which it is raised.
+pub(crate) const COUPLINGS: [Parameter; 2] = [Parameter::Gamma2, Parameter::Gamma3];
+
+/// The longest and the shortest step, where 1 is a change of coupling as large as that asked for or of the orbit of order 1.
+const LONGEST: f64 = 0.1;
+const SHORTEST: f64 = 1e-7;
+
+/// Steps over a branch point, and how near an event must be to be what ended a branch.
+const OVER: [f64; 3] = [1e-4, 1e-3, 1e-2];
+const NEAR: f64 = 1e-3;
+
+/// Follows an orbit of weaker coupling to the model's.
+pub(crate) fn follow(start: &Orbit, model: &Model, stop: &Stop) -> Result<Result<Orbit, Ended>, BreatherError> {
+    let mut orbit = start.clone();
+    for coupling in COUPLINGS {
+        match follow_in(&orbit, coupling, model.get(coupling), stop)? {
+            Ok(there) => orbit = there,
+            ended => return Ok(ended),
+        }
+    }
+    Ok(Ok(orbit))
+}
+
+/// Follows an orbit in one coupling, from its own to `target`.
+fn follow_in(
+    start: &Orbit,
+    coupling: Parameter,
+    target: f64,
+    stop: &Stop,
+) -> Result<Result<Orbit, Ended>, BreatherError> {
+    if target == start.model().get(coupling) {
+        return Ok(Ok(start.clone()));
+    }
+    let ended = |value: f64, by: End| Ok(Err(Ended { coupling, value, by }));
+    let branch = |error: BranchError| match error {
+        BranchError::Breather(error) => Err(error),
+        _ => ended(0.0, End::Lost),
+    };
+    let mut along = match Branch::through(start, coupling, target) {
+        Ok(along) => along,
+        Err(error) => return branch(error),
+    };
+    let mut point = match along.start() {
+        Ok(point) => point,
+        Err(error) => return branch(error),
+    };
+    let mut step = LONGEST;
+    loop {
+        stop.heard()?;
+        let left = (target - point.value()) / target;
+        let there = left <= step * point.heading();
+        let mut next = if there { along.at(&point, target) } else { along.step(&point, step) };
+        if next.is_err() && step >= SHORTEST {
+            step *= 0.5;
+            continue;
+        }
+        if next.is_err() {
+            // A word with a symmetry passes points where others branch off that lack it.
+            let over = OVER.iter().find_map(|&length| along.step_over(&point, length).ok());
+            next = over.filter(|next| next.value() < target).ok_or(BranchError::NoConvergence);
+            step = OVER[0];
+        }
+        let Ok(next) = next else {
+            let here = point.value();
+            let near = along.resonance_within(&point, here + NEAR * target);
+            return ended(here, near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance)));
+        };
+        if next.heading() <= 0.0 {
+            let near = |fold: &BranchPoint| (fold.value() - point.value()).abs() < LONGEST * target;
+            let there = along.fold(&next).ok().filter(near).map_or(point.value(), |fold| fold.value());
+            return ended(there, End::Fold);
+        }
+        if let Some(site) = grazing(&next) {
+            let there = grazing_value(&mut along, &point, &next);
+            // Where a harmonic meets a mode all impulses vanish.
+            let reach = NEAR * there;
+            let resonance = along.resonance_within(&point, there + reach);
+            let resonance = resonance.filter(|(value, _)| (value - there).abs() <= reach);
+            let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
+            return ended(there, by);
+        }
+        if there && next.value() == target {
+            return Ok(Ok(next.orbit().clone()));
+        }
+        point = next;
+        step = (1.5 * step).min(LONGEST);
+    }
+}
+
+/// The mass whose impact has lost its velocity.
+fn grazing(point: &BranchPoint) -> Option<usize> {
+    point.orbit().impacts().iter().find(|impact| !impact.is_right_signed()).map(|impact| impact.site)
+}
+
+/// The coupling between the two points where an impact loses its velocity.
+fn grazing_value(along: &mut Branch, from: &BranchPoint, to: &BranchPoint) -> f64 {
+    let (mut low, mut high) = (from.clone(), to.value());
+    // Bisection: each halves what is left of a step of a tenth.
+    for _ in 0..44 {
+        let middle = 0.5 * (low.value() + high);
+        match along.at(&low, middle) {
+            Ok(point) if grazing(&point).is_none() => low = point,
+            _ => high = middle,
+        }
+    }
+    0.5 * (low.value() + high)
+}
