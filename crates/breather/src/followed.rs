@@ -47,7 +47,7 @@ fn follow_in(
         BranchError::Breather(error) => Err(error),
         _ => ended(0.0, End::Lost),
     };
-    let mut along = match Branch::through(start, coupling, target) {
+    let mut along = match Branch::of_symmetric(start, coupling, target) {
         Ok(along) => along,
         Err(error) => return branch(error),
     };

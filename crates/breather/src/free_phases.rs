@@ -19,11 +19,12 @@ use crate::alone::{self, Alone, Beat};
 use crate::completeness::Completeness;
 use crate::ended::{End, Ended};
 use crate::enumeration::combinations;
-use crate::error::{BreatherError, NoBreather, Unsearched};
+use crate::branch::Branch;
+use crate::error::{BranchError, BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found};
 use crate::followed::COUPLINGS;
 use crate::linear::{Matrix, Vector, zeros};
-use crate::orbit::{Hit, Orbit};
+use crate::orbit::Hit;
 use crate::side_by_side::{follow_into, orbit_of, side_by_side};
 use crate::stop::Stop;
 use crate::uncoupled::{MOST_STARTS, outcome, parts};
@@ -48,8 +49,8 @@ const MOST_TRIED: usize = 4096;
 const STEPS: usize = 12;
 const SAME: f64 = 1e-7;
 
-/// An orbit whose impacts are this part of the period away from its start's has left it.
-const AWAY: f64 = 0.05;
+/// How far weak coupling may carry an orbit from the masses alone, in units of the branch: nearly to others.
+const REACH: f64 = 0.3;
 
 /// All orbits of `word`, of one row, that can be followed to the model's coupling.
 pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut Found) -> Result<(), BreatherError> {
@@ -96,13 +97,12 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
             seen.push(hits.clone());
             let Some(start) = orbit_of(&weak, 1, 0.0, hits)? else { continue };
             starts += 1;
-            match finder.polish(&start) {
-                Ok(orbit) if is_near(&start, &orbit) => follow_into(&orbit, model, &finder.stop, found)?,
-                Ok(_) | Err(BreatherError::NotConverged { .. }) => {
-                    let coupling = if model.chain().gamma2() > 0.0 { COUPLINGS[0] } else { COUPLINGS[1] };
-                    found.ended.push(Ended { coupling, value: weak.get(coupling), by: End::Lost });
-                }
-                Err(error) => return Err(error),
+            let coupling = if model.chain().gamma2() > 0.0 { COUPLINGS[0] } else { COUPLINGS[1] };
+            let orbit = Branch::of_symmetric(&start, coupling, model.get(coupling)).and_then(|mut at| at.nearby(REACH));
+            match orbit {
+                Ok(orbit) => follow_into(&orbit, model, &finder.stop, found)?,
+                Err(BranchError::Breather(BreatherError::Stopped)) => return Err(BreatherError::Stopped),
+                Err(_) => found.ended.push(Ended { coupling, value: weak.get(coupling), by: End::Lost }),
             }
         }
     }
@@ -112,19 +112,6 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
         Completeness::None { reason: NoBreather::NotSearched(Unsearched::FreePhases), by: None }
     };
     Ok(())
-}
-
-fn is_near(start: &Orbit, orbit: &Orbit) -> bool {
-    let period = start.period();
-    start.impacts().iter().all(|impact| {
-        let near = |other: &&crate::Impact| {
-            let apart = (impact.time - other.time).abs();
-            other.site == impact.site
-                && other.barrier == impact.barrier
-                && apart.min(period - apart) <= AWAY * period
-        };
-        orbit.impacts().iter().any(|other| near(&other))
-    })
 }
 
 /// Phases of the masses, in periods, the first one's 0, that weak coupling leaves at rest.

@@ -19,7 +19,7 @@
 //! | `admissibility`, `watch`, `window`, `grid`, `polynomial` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `unknowns`, `equations`, `polish` | the equations of any impact word, linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
-//! | `branch`, `corrector`, `resonances`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
+//! | `branch`, `corrector`, `resonances`, `symmetries`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
 //! | `word` | [`Word`]: which mass meets which barrier, in which order |
 //! | `enumeration` | all words of a few sites |
 //! | `word_search`, `uncoupled`, `free_phases` | [`Finder::find_word`]: all orbits of a word |
@@ -94,6 +94,7 @@ mod roots;
 mod side_by_side;
 mod stop;
 mod surface;
+mod symmetries;
 mod two_impacts;
 mod uncoupled;
 mod unknowns;

@@ -36,7 +36,7 @@ fn check(orbit: &Orbit, finder: &mut Finder) -> bool {
     let lead = map.ring.flow(-map.start);
     let matrix = dense(&full_monodromy(orbit).unwrap());
     let difference = (&matrix * &lead - &lead * map.jacobian()).amax();
-    assert!(difference < 1e-6 * matrix.amax().max(1.0), "{difference:e} {}", Word::of(orbit));
+    assert!(difference < 1e-6 * matrix.amax().max(1.0), "{difference:e} {} {orbit:?}", Word::of(orbit));
     true
 }
 
