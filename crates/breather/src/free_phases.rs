@@ -17,15 +17,13 @@ use vibrochain_lattice::{ImpulseResponse, Model};
 
 use crate::alone::{self, Alone, Beat};
 use crate::completeness::Completeness;
-use crate::ended::{End, Ended};
 use crate::enumeration::combinations;
-use crate::branch::Branch;
-use crate::error::{BranchError, BreatherError, NoBreather, Unsearched};
+use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found};
-use crate::followed::COUPLINGS;
+use crate::followed::{follow_from, with_part};
 use crate::linear::{Matrix, Vector, zeros};
 use crate::orbit::Hit;
-use crate::side_by_side::{follow_into, orbit_of, side_by_side};
+use crate::side_by_side::{list, orbit_of, side_by_side};
 use crate::stop::Stop;
 use crate::uncoupled::{MOST_STARTS, outcome, parts};
 use crate::word::Word;
@@ -48,9 +46,6 @@ const MOST_TRIED: usize = 4096;
 /// Steps of Newton's method at most; phases, in periods, that differ by less are one.
 const STEPS: usize = 12;
 const SAME: f64 = 1e-7;
-
-/// How far weak coupling may carry an orbit from the masses alone, in units of the branch: nearly to others.
-const REACH: f64 = 0.3;
 
 /// All orbits of `word`, of one row, that can be followed to the model's coupling.
 pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut Found) -> Result<(), BreatherError> {
@@ -79,7 +74,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
     for choice in combinations(solutions.iter().map(Vec::len).collect()).take(MOST_STARTS) {
         let masses: Vec<(usize, &Alone)> =
             choice.iter().zip(&solutions).zip(&parts).map(|((&i, list), (site, _))| (*site, &list[i])).collect();
-        let Some(AtRest { weak, phases, untried }) = at_rest(finder, model, &masses)? else { continue };
+        let Some(AtRest { weak, part, phases, untried }) = at_rest(finder, model, &masses)? else { continue };
         felt = true;
         left += untried;
         let mut seen: Vec<Vec<Hit>> = Vec::new();
@@ -97,13 +92,8 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
             seen.push(hits.clone());
             let Some(start) = orbit_of(&weak, 1, 0.0, hits)? else { continue };
             starts += 1;
-            let coupling = if model.chain().gamma2() > 0.0 { COUPLINGS[0] } else { COUPLINGS[1] };
-            let orbit = Branch::of_symmetric(&start, coupling, model.get(coupling)).and_then(|mut at| at.nearby(REACH));
-            match orbit {
-                Ok(orbit) => follow_into(&orbit, model, &finder.stop, found)?,
-                Err(BranchError::Breather(BreatherError::Stopped)) => return Err(BreatherError::Stopped),
-                Err(_) => found.ended.push(Ended { coupling, value: weak.get(coupling), by: End::Lost }),
-            }
+            let ended = follow_from(&start, part, model, &finder.stop)?;
+            list(ended, found);
         }
     }
     found.completeness = if felt {
@@ -117,6 +107,8 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
 /// Phases of the masses, in periods, the first one's 0, that weak coupling leaves at rest.
 struct AtRest {
     weak: Model,
+    /// Its couplings in those of the model.
+    part: f64,
     phases: Vec<Vec<f64>>,
     /// Beginnings that were not tried, because there are too many.
     untried: usize,
@@ -129,7 +121,7 @@ fn at_rest(
     masses: &[(usize, &Alone)],
 ) -> Result<Option<AtRest>, BreatherError> {
     for part in PARTS {
-        let weak = COUPLINGS.iter().try_fold(*model, |weak, &coupling| weak.with(coupling, part * model.get(coupling)))?;
+        let weak = with_part(model, part)?;
         // A resonance on the way is not in the way of a start.
         if finder.prepare(&weak, weak.omega()).is_err() {
             continue;
@@ -137,7 +129,7 @@ fn at_rest(
         let tails = Tails { response: &finder.response, masses, scale: strength(masses) };
         if tails.are_felt() {
             let (phases, untried) = tails.zeros(&finder.stop)?;
-            return Ok(Some(AtRest { weak, phases, untried }));
+            return Ok(Some(AtRest { weak, part, phases, untried }));
         }
     }
     Ok(None)

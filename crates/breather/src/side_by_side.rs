@@ -3,11 +3,10 @@
 use vibrochain_lattice::Model;
 
 use crate::alone::Beat;
+use crate::ended::Ended;
 use crate::error::BreatherError;
 use crate::finder::Found;
-use crate::followed::follow;
 use crate::orbit::{Hit, Impact, Orbit, SIMULTANEOUS};
-use crate::stop::Stop;
 use crate::word::{Letter, Word};
 
 /// Orbits whose impulses and times differ by less are one.
@@ -68,9 +67,9 @@ pub(crate) fn orbit_of(
     Ok(orbit.impacts().iter().all(Impact::is_right_signed).then_some(orbit))
 }
 
-/// Follows a start to the model, and lists where it comes to or why it does not.
-pub(crate) fn follow_into(start: &Orbit, model: &Model, stop: &Stop, found: &mut Found) -> Result<(), BreatherError> {
-    match follow(start, model, stop)? {
+/// Lists where a branch has come to, or why it has not.
+pub(crate) fn list(there: Result<Orbit, Ended>, found: &mut Found) {
+    match there {
         Ok(orbit) => {
             if !found.orbits.iter().any(|other| is_same(other, &orbit)) {
                 found.orbits.push(orbit);
@@ -78,10 +77,9 @@ pub(crate) fn follow_into(start: &Orbit, model: &Model, stop: &Stop, found: &mut
         }
         Err(ended) => found.ended.push(ended),
     }
-    Ok(())
 }
 
-pub(crate) fn is_same(one: &Orbit, other: &Orbit) -> bool {
+fn is_same(one: &Orbit, other: &Orbit) -> bool {
     let (period, clock) = (one.period(), one.model().period());
     let close = |x: f64, y: f64| (x - y).abs() <= SAME;
     let apart = |x: f64, y: f64, period: f64| (x - y).abs().min(period - (x - y).abs());

@@ -10,8 +10,8 @@ use crate::completeness::Completeness;
 use crate::enumeration::combinations;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found};
-use crate::followed::COUPLINGS;
-use crate::side_by_side::{follow_into, orbit_of, side_by_side};
+use crate::followed::{follow, with_part};
+use crate::side_by_side::{list, orbit_of, side_by_side};
 use crate::word::Word;
 
 /// The most starts that are followed; each takes some milliseconds.
@@ -56,7 +56,7 @@ pub(crate) fn find(
             }
         }
     }
-    let uncoupled = COUPLINGS.iter().try_fold(*model, |model, &coupling| model.with(coupling, 0.0))?;
+    let uncoupled = with_part(model, 0.0)?;
     let product = solutions.iter().try_fold(1_usize, |product, list| product.checked_mul(list.len()));
     let all = product.unwrap_or(usize::MAX);
     let mut starts = 0;
@@ -71,7 +71,7 @@ pub(crate) fn find(
         let psi = first * f64::from(periods) * model.period();
         if let Some(start) = orbit_of(&uncoupled, periods, psi, hits)? {
             starts += 1;
-            follow_into(&start, model, &finder.stop, found)?;
+            list(follow(&start, model, &finder.stop)?, found);
         }
     }
     found.completeness = outcome(found, starts, all.saturating_sub(MOST_STARTS));
