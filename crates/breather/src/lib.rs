@@ -24,6 +24,7 @@
 //! | `enumeration` | all words of a few sites |
 //! | `word_search`, `uncoupled`, `free_phases` | [`Finder::find_word`]: all orbits of a word |
 //! | `alone`, `side_by_side`, `followed`, `ended` | masses alone, put side by side, followed as they are coupled |
+//! | `beside` | [`Limit`]: what becomes of orbits at a resonance |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `stop` | a flag that ends long searches |
@@ -52,6 +53,7 @@ mod admissibility;
 mod alone;
 mod assembly;
 mod asymmetric;
+mod beside;
 mod branch;
 mod branching;
 mod completeness;
@@ -105,6 +107,7 @@ mod word_search;
 mod worst;
 
 pub use admissibility::{Admissibility, Approach, Obstruction};
+pub use beside::Limit;
 pub use branch::{Branch, BranchPoint};
 pub use branching::Departure;
 pub use completeness::{Completeness, Proof};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use serde::Deserialize;
-use vibrochain_breather::{Family, Finder, Found, Hit, Orbit, Wanted, Word};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, Hit, Limit, Orbit, Wanted, Word};
 use vibrochain_floquet::FollowedBranch;
 use vibrochain_lattice::{Barrier, Model};
 
@@ -65,7 +65,7 @@ pub(crate) fn find(
 ) -> Result<(String, Found), CliError> {
     let mut found = Found::default();
     if let Some(name) = which.family {
-        finder.find(model, family(name), &mut found)?;
+        search(model, &mut found, |model, found| finder.find(model, family(name), found))?;
         return Ok((family(name).name().to_owned(), found));
     }
     if let Some(word) = &which.word {
@@ -75,14 +75,14 @@ pub(crate) fn find(
             console.summary(&format!("{word} is the word {canonical}"));
         }
         let Some(periods) = which.force_periods else {
-            finder.find_word(model, &canonical, Wanted::All, &mut found)?;
+            search(model, &mut found, |model, found| finder.find_word(model, &canonical, Wanted::All, found))?;
             return Ok((canonical.to_string(), found));
         };
         if model.is_conservative() && periods > 1 {
             let message = "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
             return Err(CliError::Request(message.to_owned()));
         }
-        finder.find_word_over(model, &canonical, periods, &mut found)?;
+        search(model, &mut found, |model, found| finder.find_word_over(model, &canonical, periods, found))?;
         return Ok((over(&canonical.to_string(), periods), found));
     }
     let Some(path) = &which.near else {
@@ -91,6 +91,28 @@ pub(crate) fn find(
     let near = read(path, model)?;
     found.orbits.push(finder.polish(&near).map_err(|error| CliError::from(error).about("--near"))?);
     Ok((Word::of(&near).to_string(), found))
+}
+
+/// A search; at a resonance, without one, what becomes there of the orbits beside it.
+fn search(
+    model: &Model,
+    found: &mut Found,
+    mut find: impl FnMut(&Model, &mut Found) -> Result<(), BreatherError>,
+) -> Result<(), CliError> {
+    let resonance = match find(model, found) {
+        Err(BreatherError::Resonance(resonance)) => resonance,
+        other => return Ok(other?),
+    };
+    let limits = Limit::all(model, &resonance, |model| {
+        let mut beside = Found::default();
+        match find(model, &mut beside) {
+            Ok(()) => Ok(beside.orbits),
+            Err(BreatherError::Stopped) => Err(BreatherError::Stopped),
+            Err(_) => Ok(Vec::new()),
+        }
+    })?;
+    let told = limits.first().map(|limit| format!("; {limit}")).unwrap_or_default();
+    Err(CliError::IllPosed(format!("{resonance}{told}")))
 }
 
 /// What the orbits of a branch are called.
