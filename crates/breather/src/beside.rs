@@ -11,9 +11,9 @@ use vibrochain_lattice::{Model, Parameter, Resonance, Shapes, Short};
 use crate::orbit::{Hit, Orbit};
 use crate::resonances::pushes;
 
-/// How far beside a resonance orbits are looked at, relative: the mean of both sides is that much better than each, and rounding costs as
-/// much.
-const ASIDE: f64 = 1e-5;
+/// How far beside a resonance orbits are looked at, relative: what the mean of both sides is wrong by goes with the square, and rounding
+/// with the inverse. Impulses that are balanced in the limit only push by the square, too, which is still beyond rounding.
+const ASIDE: f64 = 1e-6;
 
 /// Impulses on both sides that differ by less, relative to the largest, have one limit.
 const ALIKE: f64 = 1e-2;
@@ -22,7 +22,7 @@ const ALIKE: f64 = 1e-2;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Limit {
-    /// Its impacts in the limit, which is the same from both sides; to eight digits or so.
+    /// Its impacts in the limit, which is the same from both sides; to six digits or so.
     pub impacts: Vec<Hit>,
     /// Whether it pushes the mode on neither side, and not only in the limit.
     pub spared: bool,
@@ -76,10 +76,13 @@ impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "from both sides the orbit goes over into one with impulses")?;
         for (i, Hit { site, impulse, .. }) in self.impacts.iter().enumerate() {
-            write!(f, "{} {impulse:.7} of site {site}", if i > 0 { "," } else { "" })?;
+            write!(f, "{} {impulse:.6} of site {site}", if i > 0 { "," } else { "" })?;
         }
         if self.spared {
-            write!(f, ", which never push that mode; any motion of it that leaves the masses that are hit at rest may be added")?;
+            write!(
+                f,
+                ", which never push that mode; any motion of it that leaves the masses that are hit at rest may be added"
+            )?;
         } else {
             write!(f, ", which in the limit do not push that mode, and with it as it must swing then")?;
         }

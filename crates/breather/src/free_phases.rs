@@ -115,11 +115,7 @@ struct AtRest {
 }
 
 /// `None` where masses do not feel each other by more than rounding.
-fn at_rest(
-    finder: &mut Finder,
-    model: &Model,
-    masses: &[(usize, &Alone)],
-) -> Result<Option<AtRest>, BreatherError> {
+fn at_rest(finder: &mut Finder, model: &Model, masses: &[(usize, &Alone)]) -> Result<Option<AtRest>, BreatherError> {
     for part in PARTS {
         let weak = with_part(model, part)?;
         // A resonance on the way is not in the way of a start.
@@ -174,8 +170,7 @@ impl Tails<'_> {
         let mut reached = vec![0];
         let mut next = 0;
         while next < reached.len() {
-            let more: Vec<usize> =
-                (0..count).filter(|b| !reached.contains(b) && feels(reached[next], *b)).collect();
+            let more: Vec<usize> = (0..count).filter(|b| !reached.contains(b) && feels(reached[next], *b)).collect();
             reached.extend(more);
             next += 1;
         }

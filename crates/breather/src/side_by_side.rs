@@ -41,7 +41,8 @@ pub(crate) fn side_by_side(word: &Word, masses: &[(usize, Vec<Beat>)]) -> Option
     instants.iter_mut().for_each(|instant| instant.sort_by_key(|beat| beat.1));
     let n = instants.len();
     let fits = |shift: &usize| {
-        let same = |i: usize| instants[(shift + i) % n].iter().map(|beat| beat.1).eq(word.instants()[i].iter().copied());
+        let same =
+            |i: usize| instants[(shift + i) % n].iter().map(|beat| beat.1).eq(word.instants()[i].iter().copied());
         n == word.instants().len() && (0..n).all(same)
     };
     let shift = (0..n).find(fits)?;

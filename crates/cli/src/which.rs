@@ -79,7 +79,8 @@ pub(crate) fn find(
             return Ok((canonical.to_string(), found));
         };
         if model.is_conservative() && periods > 1 {
-            let message = "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
+            let message =
+                "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
             return Err(CliError::Request(message.to_owned()));
         }
         search(model, &mut found, |model, found| finder.find_word_over(model, &canonical, periods, found))?;
