@@ -32,7 +32,7 @@ type Orbits = Result<Result<Vec<Alone>, NoBreather>, BreatherError>;
 /// Those of a mass without force and losses that hits these barriers, in turn, in a period of the word.
 pub(crate) fn without_force(model: &Model, barriers: &[Barrier]) -> Orbits {
     let n = barriers.len();
-    let in_turns = n % 2 == 0 && (0..n).all(|i| barriers[i] != barriers[(i + 1) % n]);
+    let in_turns = n.is_multiple_of(2) && (0..n).all(|i| barriers[i] != barriers[(i + 1) % n]);
     let base: &[Barrier] = match barriers.first() {
         Some(first) if barriers.iter().all(|barrier| barrier == first) => &barriers[..1],
         Some(_) if in_turns => &[Barrier::Upper, Barrier::Lower],
@@ -66,7 +66,7 @@ pub(crate) fn under_force(model: &Model, barriers: &[Barrier], periods: u32) -> 
     let n = barriers.len();
     let mut list = Vec::new();
     let mut why = None;
-    for repeats in (1..=periods).filter(|repeats| periods % repeats == 0 && n % *repeats as usize == 0) {
+    for repeats in (1..=periods).filter(|&part| periods.is_multiple_of(part) && n.is_multiple_of(part as usize)) {
         let (own, base) = (periods / repeats, n / repeats as usize);
         if (0..n).any(|i| barriers[i] != barriers[(i + base) % n]) {
             continue;

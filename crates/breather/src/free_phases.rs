@@ -246,5 +246,5 @@ impl Tails<'_> {
 
 /// The least common multiple, which impacts a word has room for keep small.
 fn least_common(a: u32, b: u32) -> u32 {
-    (1..=b).map(|i| a * i).find(|multiple| multiple % b == 0).unwrap_or(a)
+    (1..=b).map(|i| a * i).find(|multiple| multiple.is_multiple_of(b)).unwrap_or(a)
 }

@@ -4,7 +4,7 @@
 
 mod support;
 
-use vibrochain_breather::{Completeness, End, Finder, Found, NoBreather, Orbit, Unsearched, Wanted, Word};
+use vibrochain_breather::{End, Finder, Found, NoBreather, Orbit, Unsearched, Wanted, Word};
 use vibrochain_floquet::full_monodromy;
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, ReturnMap, dense};
@@ -21,22 +21,21 @@ fn check(orbit: &Orbit, finder: &mut Finder) -> bool {
         return false;
     }
     let map = ReturnMap::new(orbit);
-    let point = map.fixed_point();
+    let (point, jacobian) = (map.fixed_point(), map.jacobian());
+    let radius = jacobian.complex_eigenvalues().iter().map(|value| value.norm()).fold(1.0, f64::max);
     let mut state = point.clone();
-    for _ in 0..10 {
+    // Ten periods, or as many as the growth of rounding allows.
+    let periods = (1e4_f64.ln() / radius.ln()).clamp(1.0, 10.0) as usize;
+    for _ in 0..periods {
         state = map.apply(&state);
-        // Where it is unstable rounding grows.
-        if (&state - &point).amax() > 1e-10 {
-            break;
-        }
     }
-    assert!((map.apply(&point) - &point).amax() < 1e-11, "{}", Word::of(orbit));
+    assert!((&state - &point).amax() < 1e-10, "{} {:e}", Word::of(orbit), (&state - &point).amax());
     let lead = map.ring.flow(-map.start);
     let matrix = dense(&full_monodromy(orbit).unwrap());
-    let difference = (&matrix * &lead - &lead * map.jacobian()).amax();
-    println!("      {difference:e} of {:e}, slowest {:e}", matrix.amax(), map.slowest_impact());
-    let slow = map.slowest_impact().powi(2);
-    assert!(difference * slow < 1e-6 * matrix.amax().max(1.0), "{difference:e} {} {orbit:?}", Word::of(orbit));
+    let difference = (&matrix * &lead - &lead * jacobian).amax();
+    // Next to a grazing the map bends within the square of the impact's velocity, and differences see less of its slope.
+    let seen = matrix.amax().max(1.0) / map.slowest_impact().powi(2);
+    assert!(difference < 1e-6 * seen, "{difference:e} {} {orbit:?}", Word::of(orbit));
     true
 }
 
@@ -63,15 +62,12 @@ fn masses_of_other_frequencies_and_waves_that_go_round_are_found() {
         let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
         let word: Word = word.parse().unwrap();
         finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
-        println!("{word}: {} {:?} {:?}", found.orbits.len(), found.completeness, found.ended);
         for orbit in &found.orbits {
-            let yes = check(orbit, &mut finder);
-            println!("   {} {yes}", Word::of(orbit));
-            physical += usize::from(yes);
+            physical += usize::from(check(orbit, &mut finder));
             all += 1;
         }
     }
-    println!("{all} {physical}");
+    assert!(all >= 9 && physical >= 6, "{all} {physical}");
 }
 
 #[test]
@@ -83,17 +79,14 @@ fn one_mass_may_have_doubled_its_period_beside_one_that_has_not() {
             let (mut finder, mut found) = (Finder::new(9), Found::default());
             let word: Word = word.parse().unwrap();
             finder.find_word_over(&model, &word, 2, &mut found).unwrap();
-            println!("{word}: {} {:?} {:?}", found.orbits.len(), found.completeness, found.ended);
             for orbit in &found.orbits {
                 assert_eq!(orbit.force_periods(), 2);
-                let yes = check(orbit, &mut finder);
-                println!("   {} {yes}", Word::of(orbit));
-                physical += usize::from(yes);
+                physical += usize::from(check(orbit, &mut finder));
                 all += 1;
             }
         }
     }
-    println!("{all} {physical}");
+    assert!(all >= 31 && physical >= 21, "{all} {physical}");
 }
 
 /// What nothing determines is not searched for, and the answer says so.
