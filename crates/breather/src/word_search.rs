@@ -90,8 +90,8 @@ impl Finder {
     /// ```
     /// use vibrochain_breather::{Finder, Found};
     /// use vibrochain_lattice::{Chain, Model};
-    /// // Site 0 has doubled its period, site 3 has not.
-    /// let model = Model::forced(Chain::new(9, 0.2, 0.02)?, 1.07, 0.8, 0.16, 0.25)?;
+    /// // Either site may have doubled its period, or both.
+    /// let model = Model::forced(Chain::new(9, 0.2, 0.01)?, 1.07, 0.6, 0.3, 0.9)?;
     /// let mut found = Found::default();
     /// Finder::new(9).find_word_over(&model, &"0-,3-,0-,3-".parse()?, 2, &mut found)?;
     /// let orbit = &found.orbits[0];
