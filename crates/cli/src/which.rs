@@ -31,6 +31,9 @@ pub fn family(name: FamilyName) -> Family {
 /// [`CliError::Request`] where neither says it.
 pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichArgs, CliError> {
     let request = |message: String| Err(CliError::Request(message));
+    if which.force_periods.is_some() && (which.family.is_some() || which.near.is_some()) {
+        return request("--force-periods says how long a word is: give it with --word".to_owned());
+    }
     let Some(scene) = scene.filter(|_| which.family.is_none() && which.word.is_none() && which.near.is_none()) else {
         return Ok(which.clone());
     };
@@ -46,7 +49,7 @@ pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichAr
             Ok(family) => Ok(WhichArgs { family: Some(family), ..none }),
             Err(_) => {
                 let word = one.parse().map_err(|error| CliError::Request(format!("{path}: families: {error}")))?;
-                Ok(WhichArgs { word: Some(word), ..none })
+                Ok(WhichArgs { word: Some(word), force_periods: which.force_periods, ..none })
             }
         },
         several => request(format!("{path} has {}: say which by --family, --word or --near", several.join(", "))),

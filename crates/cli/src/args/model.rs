@@ -97,7 +97,7 @@ pub struct WhichArgs {
     #[arg(long, value_name = "WORD", group = "which")]
     pub word: Option<Word>,
     /// Periods of the force in one period of the word [default: 1; of `0-,0-`, the doubled family, 2].
-    #[arg(long, value_name = "N", requires = "word", value_parser = force_periods, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = force_periods, allow_negative_numbers = true)]
     pub force_periods: Option<u32>,
     /// The breather near that of a file, as `mapgen orbit --json` writes it (its first solution), or an object with `impacts`
     /// (site, barrier, time, impulse) and `psi`.
