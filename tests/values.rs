@@ -240,7 +240,7 @@ fn other_values_come_back_and_have_their_names() {
         read_back(&Completeness::All(proof));
         read_back(&Completeness::None { reason: NoBreather::ForceTooWeak { threshold: 0.1 + 0.2 }, by: Some(proof) });
     }
-    read_back(&Completeness::None { reason: NoBreather::NotSearched(Unsearched::FreeTimes), by: None });
+    read_back(&Completeness::None { reason: NoBreather::NotSearched(Unsearched::FreePhases), by: None });
     read_back(&[Completeness::Asked { left_out: 3 }, Completeness::Open { unresolved: 1, exhausted: 2 }]);
     let crossing = Obstruction::Crossing { site: 3, barrier: Barrier::Upper, time: 0.1, excess: 0.3 };
     read_back(&Admissibility { margin: Some(-0.3), obstruction: Some(crossing), closest: None });

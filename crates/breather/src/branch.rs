@@ -149,6 +149,21 @@ impl Branch {
         self.correct(&z, &unit(z.len(), z.len() - 1), 0.0, true)
     }
 
+    /// The branch of a word among orbits with all the symmetry that the impacts of `orbit` have: it passes the points where others
+    /// branch off that lack it.
+    pub(crate) fn of_symmetric(orbit: &Orbit, free: Parameter, unit: f64) -> Result<Self, BranchError> {
+        let unknowns = Unknowns::of(orbit);
+        Self::with(orbit, (free, unit), unknowns, Reduction::of_word(orbit, &unknowns))
+    }
+
+    /// The orbit of the branch at the parameter of the one it was made with, which is only near it.
+    pub(crate) fn nearby(&mut self, reach: f64) -> Result<Orbit, BranchError> {
+        let z = self.origin_coordinates()?;
+        let fixed = unit(z.len(), z.len() - 1);
+        let z = self.equations.newton(&z, &[&fixed], reach, false)?;
+        Ok(self.equations.evaluate(&z)?.orbit)
+    }
+
     /// Where the orbit that the branch was started from stands.
     pub(crate) fn origin_coordinates(&mut self) -> Result<Vector, BranchError> {
         let origin = self.equations.origin.clone();

@@ -90,12 +90,12 @@ pub enum Completeness {
         /// Intervals of φ where they could.
         left_out: usize,
     },
-    /// A word followed in γ₂ from masses without coupling, whose orbits are all known: orbits that are not connected to those
-    /// are missing.
+    /// A word followed from masses without coupling, or with hardly any, whose orbits are all known: orbits that are not connected to
+    /// those are missing.
     Followed {
         /// Combinations of orbits of the masses alone that were followed.
         starts: usize,
-        /// Combinations that were not, because there are too many.
+        /// Combinations, of phases as well, that were not tried, because there are too many.
         left: usize,
     },
     /// There may be more orbits than the list holds: at the places told, or one is beyond the range of numbers.

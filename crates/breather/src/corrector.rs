@@ -122,7 +122,7 @@ impl Continuation {
         if let Some(place) = self.unknowns.psi() {
             full[place] = psi;
         }
-        self.reduction.expand(z, &mut full);
+        self.reduction.expand(z, period, &mut full);
         let draft = self.template.draft(&self.unknowns, &full, &model, response);
         let (draft, places) = draft.ok_or(BranchError::NoConvergence)?;
         Ok((Orbit::assemble(&model, response, motion, draft)?, places))

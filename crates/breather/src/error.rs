@@ -57,8 +57,11 @@ pub enum BreatherError {
 pub enum Unsearched {
     /// No word has been named.
     Unnamed,
-    /// Without force and losses, more than two instants: symmetry does not tell the times.
-    FreeTimes,
+    /// Without force and losses, more than two instants, and masses that feel each other too little, or not at all, to tell when each
+    /// hits.
+    FreePhases,
+    /// The same without any coupling: any phases of the masses will do.
+    Uncoupled,
     /// One mass hits twice on one barrier, or more than twice.
     ManyImpacts,
     /// A mass that γ₁ = 0 leaves without any spring once it is not coupled: there is nothing to follow.
@@ -71,11 +74,14 @@ impl fmt::Display for Unsearched {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Unnamed => "give the word",
-            Self::FreeTimes => {
-                "without force and losses only words of one or two instants determine their times; give an orbit nearby"
+            Self::FreePhases => {
+                "the masses share no harmonic, or are so far apart that rounding hides what they feel of each other, so that nothing tells when each hits; bring them nearer, raise gamma2, or give an orbit nearby"
+            }
+            Self::Uncoupled => {
+                "without coupling and force the masses may hit whenever they like, and every shift in time of one of them is another orbit; give gamma2 or gamma3"
             }
             Self::ManyImpacts => {
-                "a mass that hits twice on one barrier, or more than twice, has no closed form; give an orbit nearby"
+                "a mass that hits twice on one barrier, or more than twice, in a period of the force has no closed form to begin from; give the word as many periods of the force as its masses have impacts alike, or an orbit nearby"
             }
             Self::Unheld => {
                 "with gamma1 = 0 masses without coupling have no springs to begin from; give an orbit nearby"

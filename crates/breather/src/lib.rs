@@ -19,10 +19,12 @@
 //! | `admissibility`, `watch`, `window`, `grid`, `polynomial` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `unknowns`, `equations`, `polish` | the equations of any impact word, linearised; Newton steps on them |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
-//! | `branch`, `corrector`, `resonances`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
+//! | `branch`, `corrector`, `resonances`, `symmetries`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
 //! | `word` | [`Word`]: which mass meets which barrier, in which order |
 //! | `enumeration` | all words of a few sites |
-//! | `word_search`, `uncoupled`, `ended` | [`Finder::find_word`]: all orbits of a word |
+//! | `word_search`, `uncoupled`, `free_phases` | [`Finder::find_word`]: all orbits of a word |
+//! | `alone`, `side_by_side`, `followed`, `ended` | masses alone, put side by side, followed as they are coupled |
+//! | `beside` | [`Limit`]: what becomes of orbits at a resonance |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
 //! | `stop` | a flag that ends long searches |
@@ -48,8 +50,10 @@
 //! ```
 
 mod admissibility;
+mod alone;
 mod assembly;
 mod asymmetric;
+mod beside;
 mod branch;
 mod branching;
 mod completeness;
@@ -64,10 +68,12 @@ mod equations;
 mod error;
 mod finder;
 mod flights;
+mod followed;
 mod forced_double;
 mod forced_harmonics;
 mod forced_places;
 mod forced_single;
+mod free_phases;
 mod grid;
 mod harmonic_impacts;
 #[doc(hidden)]
@@ -87,8 +93,10 @@ mod reduction;
 mod resonances;
 mod rises;
 mod roots;
+mod side_by_side;
 mod stop;
 mod surface;
+mod symmetries;
 mod two_impacts;
 mod uncoupled;
 mod unknowns;
@@ -99,6 +107,7 @@ mod word_search;
 mod worst;
 
 pub use admissibility::{Admissibility, Approach, Obstruction};
+pub use beside::Limit;
 pub use branch::{Branch, BranchPoint};
 pub use branching::Departure;
 pub use completeness::{Completeness, Proof};

@@ -12,7 +12,7 @@ use crate::orbit::{Impact, Orbit};
 const STILL: f64 = 64.0 * f64::EPSILON;
 
 /// Whether a harmonic of the impulses pushes a mode.
-fn pushes(orbit: &Orbit, shapes: &Shapes, mode: usize, harmonic: f64) -> bool {
+pub(crate) fn pushes(orbit: &Orbit, shapes: &Shapes, mode: usize, harmonic: f64) -> bool {
     let rate = harmonic * orbit.frequency();
     let share = |one: &Impact, other: &Impact| {
         let turned = (rate * (one.time - other.time)).cos();

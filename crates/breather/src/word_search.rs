@@ -2,15 +2,17 @@
 //!
 //! A word that is a family's name is searched for as the family. One of one or two instants without force and losses has its
 //! impacts at 0 and T/2, where K′ vanishes and Newton's law holds by itself: one linear system, as the closed forms of one site are.
-//! All others are followed from masses without coupling (`uncoupled`).
+//! All others are followed from masses without coupling (`uncoupled`), or with hardly any where no force tells when each hits
+//! (`free_phases`).
 
 use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::completeness::{Completeness, Proof};
 use crate::equations::System;
-use crate::error::{BreatherError, NoBreather, Unsearched};
+use crate::error::{BreatherError, NoBreather};
 use crate::finder::{Finder, Found, Wanted};
+use crate::free_phases;
 use crate::linear::{Matrix, USUAL, Vector, dot};
 use crate::orbit::{Draft, Family, Hit, Orbit};
 use crate::polish::{STEPS, polish};
@@ -63,11 +65,11 @@ impl Finder {
         let answer = if !model.is_conservative() && model.amplitude() == 0.0 {
             Err(NoBreather::LossWithoutForce)
         } else if !model.is_conservative() {
-            return uncoupled::find(self, model, word, found);
+            return uncoupled::find(self, model, (word, 1), found);
         } else if word.instants().len() <= 2 {
             self.reversible(model, word, wanted, found)?
         } else {
-            Err(NoBreather::NotSearched(Unsearched::FreeTimes))
+            return free_phases::find(self, model, word, found);
         };
         found.completeness = match answer {
             Ok(()) => Completeness::All(Proof::Reversible),
@@ -76,6 +78,46 @@ impl Finder {
                 Completeness::None { reason, by: known.then_some(Proof::ClosedForm) }
             }
         };
+        Ok(())
+    }
+
+    /// All orbits of a word whose period is that of so many periods of the force, into `found`. `0-,0-` in two is the doubled family.
+    /// Masses may repeat what they do within the word, as one that keeps the period of the force beside one that has doubled it.
+    ///
+    /// # Errors
+    /// As [`Finder::find_word`].
+    ///
+    /// ```
+    /// use vibrochain_breather::{Finder, Found};
+    /// use vibrochain_lattice::{Chain, Model};
+    /// // Either site may have doubled its period, or both.
+    /// let model = Model::forced(Chain::new(9, 0.2, 0.01)?, 1.07, 0.6, 0.3, 0.9)?;
+    /// let mut found = Found::default();
+    /// Finder::new(9).find_word_over(&model, &"0-,3-,0-,3-".parse()?, 2, &mut found)?;
+    /// let orbit = &found.orbits[0];
+    /// assert!(orbit.force_periods() == 2 && orbit.residual() < 1e-13);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn find_word_over(
+        &mut self,
+        model: &Model,
+        word: &Word,
+        force_periods: u32,
+        found: &mut Found,
+    ) -> Result<(), BreatherError> {
+        if force_periods <= 1 || force_periods == 2 && word.family() == Some(Family::PeriodDoubled) {
+            return self.find_word(model, word, Wanted::All, found);
+        }
+        let layout = model.chain().layout();
+        word.check(&layout)?;
+        found.orbits.clear();
+        found.ended.clear();
+        let reason = match model {
+            model if model.is_conservative() => NoBreather::NeedsForce,
+            model if model.amplitude() == 0.0 => NoBreather::LossWithoutForce,
+            _ => return uncoupled::find(self, model, (&word.in_one_row(&layout), force_periods), found),
+        };
+        found.completeness = Completeness::None { reason, by: Some(Proof::ClosedForm) };
         Ok(())
     }
 

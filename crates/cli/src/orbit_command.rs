@@ -324,7 +324,9 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
         let places = if unresolved == 1 { "place" } else { "places" };
         let _ = writeln!(out, "{unresolved} {places} where two more may have merged: next to a fold");
     }
-    if exhausted > 0 {
+    if exhausted > 0 && matches!(completeness, Completeness::Followed { .. }) {
+        let _ = writeln!(out, "{exhausted} combinations of the masses' orbits and phases were too many to be tried");
+    } else if exhausted > 0 {
         let _ = writeln!(
             out,
             "the search for solutions was cut short ({exhausted} intervals left): the list may be incomplete"

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use serde::Deserialize;
-use vibrochain_breather::{Family, Finder, Found, Hit, Orbit, Wanted, Word};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, Hit, Limit, Orbit, Wanted, Word};
 use vibrochain_floquet::FollowedBranch;
 use vibrochain_lattice::{Barrier, Model};
 
@@ -31,10 +31,13 @@ pub fn family(name: FamilyName) -> Family {
 /// [`CliError::Request`] where neither says it.
 pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichArgs, CliError> {
     let request = |message: String| Err(CliError::Request(message));
+    if which.force_periods.is_some() && (which.family.is_some() || which.near.is_some()) {
+        return request("--force-periods says how long a word is: give it with --word".to_owned());
+    }
     let Some(scene) = scene.filter(|_| which.family.is_none() && which.word.is_none() && which.near.is_none()) else {
         return Ok(which.clone());
     };
-    let none = WhichArgs { family: None, word: None, near: None };
+    let none = WhichArgs { family: None, word: None, force_periods: None, near: None };
     if scene.has_orbits {
         return Ok(WhichArgs { near: Some(scene.path.clone()), ..none });
     }
@@ -46,7 +49,7 @@ pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichAr
             Ok(family) => Ok(WhichArgs { family: Some(family), ..none }),
             Err(_) => {
                 let word = one.parse().map_err(|error| CliError::Request(format!("{path}: families: {error}")))?;
-                Ok(WhichArgs { word: Some(word), ..none })
+                Ok(WhichArgs { word: Some(word), force_periods: which.force_periods, ..none })
             }
         },
         several => request(format!("{path} has {}: say which by --family, --word or --near", several.join(", "))),
@@ -65,7 +68,7 @@ pub(crate) fn find(
 ) -> Result<(String, Found), CliError> {
     let mut found = Found::default();
     if let Some(name) = which.family {
-        finder.find(model, family(name), &mut found)?;
+        search(model, &mut found, |model, found| finder.find(model, family(name), found))?;
         return Ok((family(name).name().to_owned(), found));
     }
     if let Some(word) = &which.word {
@@ -74,8 +77,17 @@ pub(crate) fn find(
         if let (true, Some(console)) = (canonical != *word, console) {
             console.summary(&format!("{word} is the word {canonical}"));
         }
-        finder.find_word(model, &canonical, Wanted::All, &mut found)?;
-        return Ok((canonical.to_string(), found));
+        let Some(periods) = which.force_periods else {
+            search(model, &mut found, |model, found| finder.find_word(model, &canonical, Wanted::All, found))?;
+            return Ok((canonical.to_string(), found));
+        };
+        if model.is_conservative() && periods > 1 {
+            let message =
+                "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
+            return Err(CliError::Request(message.to_owned()));
+        }
+        search(model, &mut found, |model, found| finder.find_word_over(model, &canonical, periods, found))?;
+        return Ok((over(&canonical.to_string(), periods), found));
     }
     let Some(path) = &which.near else {
         return Err(CliError::Request("give --family, --word, --near FILE or --scene FILE".to_owned()));
@@ -83,6 +95,28 @@ pub(crate) fn find(
     let near = read(path, model)?;
     found.orbits.push(finder.polish(&near).map_err(|error| CliError::from(error).about("--near"))?);
     Ok((Word::of(&near).to_string(), found))
+}
+
+/// A search; at a resonance, without one, what becomes there of the orbits beside it.
+fn search(
+    model: &Model,
+    found: &mut Found,
+    mut find: impl FnMut(&Model, &mut Found) -> Result<(), BreatherError>,
+) -> Result<(), CliError> {
+    let resonance = match find(model, found) {
+        Err(BreatherError::Resonance(resonance)) => resonance,
+        other => return Ok(other?),
+    };
+    let limits = Limit::all(model, &resonance, |model| {
+        let mut beside = Found::default();
+        match find(model, &mut beside) {
+            Ok(()) => Ok(beside.orbits),
+            Err(BreatherError::Stopped) => Err(BreatherError::Stopped),
+            Err(_) => Ok(Vec::new()),
+        }
+    })?;
+    let told = limits.first().map(|limit| format!("; {limit}")).unwrap_or_default();
+    Err(CliError::IllPosed(format!("{resonance}{told}")))
 }
 
 /// What the orbits of a branch are called.
@@ -94,9 +128,14 @@ pub(crate) fn of_branch(branch: &FollowedBranch) -> String {
             .family()
             .filter(|family| *family != Family::PeriodDoubled)
             .map_or_else(|| orbit.name(), |family| family.name().to_owned()),
-        (Family::Word, periods) => format!("{} in {periods} periods of the force", orbit.name()),
+        (Family::Word, periods) => over(&orbit.name(), periods),
         _ => orbit.name(),
     }
+}
+
+/// The name of a word of so many periods of the force.
+fn over(word: &str, periods: u32) -> String {
+    if periods == 1 { word.to_owned() } else { format!("{word} in {periods} periods of the force") }
 }
 
 #[derive(Deserialize)]

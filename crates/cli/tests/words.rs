@@ -278,3 +278,64 @@ fn words_are_followed_from_masses_without_coupling_to_their_end() {
         .run(&format!("words --sites-used 2 --reach 2 --gamma2 0.02 {FORCED} --from-zero"))
         .with(2, &["--from-zero"]);
 }
+
+/// Words that masses of other frequencies, or of other periods of the force, make.
+#[test]
+fn words_of_many_instants_and_of_several_periods_of_the_force() {
+    let desk = Desk::new();
+    let told = orbit(&desk, &format!("--word 0+3+,3-,0-3+,3- {MODEL}"));
+    assert_eq!((&told["completeness"]["by"], &told["completeness"]["starts"]), (&"followed".into(), &1.into()));
+    let solution = &told["solutions"][0];
+    assert_eq!(
+        (&solution["word"], &solution["physical"], solution["impacts"].as_array().unwrap().len()),
+        (&"0+3+,0-,0+3-,0-".into(), &true.into(), 6)
+    );
+    assert!(solution["residual"].as_f64().unwrap() < 1e-13);
+    // What it prints is an orbit to start near.
+    let printed = desk.run(&format!("orbit --word 0+3+,3-,0-3+,3- {MODEL} --json")).with(0, &[]).out;
+    fs::write(desk.path("two.json"), printed).unwrap();
+    let near = orbit(&desk, &format!("--near two.json {MODEL}"));
+    assert_eq!(near["solutions"][0]["word"], solution["word"]);
+    let forced = "--sites 9 --gamma1 0.2 --gamma2 0.01 --omega 1.07 --asymmetry 0.6 --amplitude 0.3 --restitution 0.9";
+    let doubled = orbit(&desk, &format!("--word 0-,3-,0-,3- --force-periods 2 {forced}"));
+    let solutions = doubled["solutions"].as_array().unwrap();
+    assert!(solutions.len() >= 2, "{doubled}");
+    let period = 2.0 * std::f64::consts::TAU / 1.07;
+    for solution in solutions {
+        assert!((solution["period"].as_f64().unwrap() - period).abs() < 1e-12);
+        assert_eq!(solution["physical"], true);
+    }
+    // The doubled family by its own name.
+    let family = desk.run(&format!("orbit --word 0-,0- --force-periods 2 {forced}")).with(0, &[]).out;
+    let word = desk.run(&format!("orbit --word 0-,0- {forced}")).with(0, &[]).out;
+    assert_eq!(family.lines().skip(1).collect::<Vec<_>>(), word.lines().skip(1).collect::<Vec<_>>());
+    let _ = desk.run(&format!("orbit --word 0-,3- --force-periods 2 {MODEL}")).with(2, &["--force-periods", "omega/N"]);
+    for count in ["0", "65", "-1", "two"] {
+        let _ = desk.run(&format!("orbit --word 0-,3- --force-periods {count} {forced}")).with(2, &["--force-periods"]);
+    }
+    let _ = desk.run(&format!("orbit --family single-sided --force-periods 2 {forced}")).with(2, &["--word"]);
+    // What nothing determines is said, with what to do.
+    let centred = MODEL.replace("--asymmetry 0.2", "--asymmetry 0");
+    let none = desk.run(&format!("orbit --word 0+3+,3-,0-3+,3- {centred}")).with(0, &[]).out;
+    assert!(none.contains("share no harmonic") && none.contains("nearby"), "{none}");
+    let uncoupled = MODEL.replace("--gamma2 0.05", "--gamma2 0");
+    let none = desk.run(&format!("orbit --word 0+,3+,0-,3- {uncoupled}")).with(0, &[]).out;
+    assert!(none.contains("whenever they like"), "{none}");
+}
+
+/// At a resonance with a mode that a word does not push the limit is told; one that it does push takes its impulses away.
+#[test]
+fn at_a_resonance_the_limit_is_told() {
+    let desk = Desk::new();
+    // ω = 2Ω of the mode of a row of three that has a node in the middle: Ω² = 0.2 + 0.05.
+    let row = "--sites 3 --ends free --gamma1 0.2 --gamma2 0.05 --asymmetry 0.2";
+    let told =
+        desk.run(&format!("orbit --word 1+,1- {row} --omega 0.5")).with(3, &["meets mode 1", "never push that mode"]);
+    let limit: f64 = told.err.split("impulses ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let beside = orbit(&desk, &format!("--word 1+,1- {row} --omega 0.5000000001"));
+    let impulse = beside["solutions"][0]["impacts"][0]["impulse"].as_f64().unwrap();
+    assert!((limit - impulse).abs() < 1e-6 && limit.abs() > 0.1, "{limit} {impulse}");
+    // At the end of the row it is pushed.
+    let pushed = desk.run(&format!("orbit --word 0+,0- {row} --omega 0.5")).with(3, &["meets mode 1"]);
+    assert!(!pushed.err.contains("never push"), "{}", pushed.err);
+}

@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vibrochain_breather::{BreatherError, Family, Finder, Found, Wanted, Word, breathers};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, MAX_IMPACTS, Word, breathers};
 use vibrochain_lattice::{Model, Short};
 
 use crate::breathers::PyBreathers;
 use crate::call::{call, long};
-use crate::failure::Failure;
+use crate::failure::{Failure, whole};
 use crate::params::{PyChain, PyForce, PyModel, parameter};
 
 #[pymethods]
@@ -123,6 +123,8 @@ impl PyModel {
     ///     "double-sided" (one impact on each barrier a period), "single-sided" (one on the nearer barrier), "period-doubled", or
     ///     a word of impacts: instants separated by commas or spaces, in each the sites that hit the upper (+) or lower (-)
     ///     barrier, as in "0+3+,0-3-"; SITE:LAYER where there are layers.
+    /// force_periods : int
+    ///     Periods of the force in one period of a word; 1 unless it is given, of "0-,0-" 2. No meaning for families.
     ///
     /// Returns
     /// -------
@@ -146,8 +148,16 @@ impl PyModel {
     /// >>> pair = model.replace(asymmetry=0.2, gamma2=0.05).breathers("0+3-,0-3+")
     /// >>> pair.name
     /// '0+3-,0-3+'
-    fn breathers(&self, py: Python<'_>, which: &str) -> PyResult<PyBreathers> {
+    #[pyo3(signature = (which, *, force_periods = None))]
+    fn breathers(
+        &self,
+        py: Python<'_>,
+        which: &str,
+        force_periods: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<PyBreathers> {
         let model = self.0;
+        let most = i64::try_from(MAX_IMPACTS).unwrap_or(i64::MAX);
+        let periods = force_periods.map_or(Ok(1), |value| whole("force_periods", value, 1, most))? as u32;
         let families = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
         let (name, found) = match families.into_iter().find(|family| family.name() == which) {
             Some(family) => (which.to_owned(), call(py, &model, move || breathers(&model, family))?),
@@ -156,7 +166,7 @@ impl PyModel {
                 let name = word.to_string();
                 let search = move |_: &_| {
                     let mut found = Found::default();
-                    Finder::new(model.chain().sites()).find_word(&model, &word, Wanted::All, &mut found)?;
+                    Finder::new(model.chain().sites()).find_word_over(&model, &word, periods, &mut found)?;
                     Ok::<_, BreatherError>(found)
                 };
                 (name, long(py, |_| Ok(()), search)?)

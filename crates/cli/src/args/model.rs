@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use vibrochain_breather::Word;
+use vibrochain_breather::{MAX_IMPACTS, Word};
 use vibrochain_lattice::Force;
 use vibrochain_maps::numbers::{real, whole};
 
@@ -87,19 +87,31 @@ pub enum LayerEndsName {
 /// Which breathers: of a family, of any impact word, or near a given one. With --scene: the one family or word of the scene, or the orbit
 /// of the file, if none of them is given.
 #[derive(Debug, Clone, Args)]
-#[group(id = "which", multiple = false)]
+#[group(skip)]
 pub struct WhichArgs {
     /// Family of breathers.
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, group = "which")]
     pub family: Option<FamilyName>,
     /// Breathers of an impact word: instants separated by commas or spaces, each one or more impacts, SITE+ on the upper or SITE- on
     /// the lower barrier, as in "0+3+,0-3-" for two masses in phase; SITE:LAYER+ where there are layers.
-    #[arg(long, value_name = "WORD")]
+    #[arg(long, value_name = "WORD", group = "which")]
     pub word: Option<Word>,
+    /// Periods of the force in one period of the word [default: 1; of `0-,0-`, the doubled family, 2].
+    #[arg(long, value_name = "N", value_parser = force_periods, allow_negative_numbers = true)]
+    pub force_periods: Option<u32>,
     /// The breather near that of a file, as `mapgen orbit --json` writes it (its first solution), or an object with `impacts`
     /// (site, barrier, time, impulse) and `psi`.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "which")]
     pub near: Option<PathBuf>,
+}
+
+/// A number of periods: every mass hits at least once in them, and a word has room for so many impacts.
+fn force_periods(text: &str) -> Result<u32, String> {
+    let most = u32::try_from(MAX_IMPACTS).unwrap_or(u32::MAX);
+    match whole(text)? {
+        periods if (1..=most).contains(&periods) => Ok(periods),
+        periods => Err(format!("{periods} is out of range: a word takes 1 to {most} periods of the force")),
+    }
 }
 
 /// What a site of a word does.
