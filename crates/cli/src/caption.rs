@@ -1,12 +1,27 @@
 //! What captions say of models and orbits.
 
 use vibrochain_breather::{Impact, Orbit};
-use vibrochain_lattice::{Model, Parameter, Spectrum, far_motion};
+use vibrochain_lattice::{Model, Parameter, Short, Spectrum, far_motion};
 use vibrochain_maps::force;
+
+use crate::args::{Direction, SimulateArgs};
 
 /// "21 masses (N = 20), γ₁ = 0.2, …": all that is fixed.
 pub fn describe(model: &Model) -> String {
     in_common(&[model])
+}
+
+/// What a run is of: the breather it starts on, and how it is perturbed.
+pub(crate) fn describe_run(args: &SimulateArgs, model: &Model, orbit: Option<&Orbit>) -> String {
+    let whose = orbit.map_or("from a state".to_owned(), |orbit| format!("{} breather", orbit.name()));
+    let perturbed = args.perturb.map_or(String::new(), |size| {
+        let direction = match args.direction {
+            Direction::Random => format!("at random (seed {})", args.seed),
+            Direction::Unstable => "along its unstable direction".to_owned(),
+        };
+        format!(", perturbed by {} {direction}", Short(size))
+    });
+    format!("{whose}: {}{perturbed}", describe(model))
 }
 
 /// All that is fixed while a parameter varies.

@@ -7,7 +7,7 @@ use vibrochain_maps::cell::Class;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 
-use crate::axis::Axis;
+use crate::axis::{Axis, label};
 use crate::canvas::render;
 use crate::classes::{class_words, loss};
 use crate::drawing::{BLACK, DIM, Drawing, Line, Pattern, Place, Shape};
@@ -67,10 +67,6 @@ impl Placed {
     }
 }
 
-pub(crate) fn label(axis: &SweptAxis) -> String {
-    format!("{} {}", axis.parameter.meaning(), axis.parameter.symbol())
-}
-
 /// "21 masses (N = 20), γ₁ = 0.2, …": what is fixed.
 pub(crate) fn fixed(scene: &Scene) -> String {
     let layout = scene.base.layout;
@@ -85,6 +81,12 @@ pub(crate) fn fixed(scene: &Scene) -> String {
         }
     }
     text
+}
+
+/// What the picture of a scene says above its panels: heading, all that is fixed, and what counts as stable.
+pub fn about(scene: &Scene) -> String {
+    let parts = [scene.heading(), fixed(scene), scene.criterion()];
+    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
 impl<'a> Sheet<'a> {
