@@ -11,6 +11,11 @@ pub fn describe(model: &Model) -> String {
     in_common(&[model])
 }
 
+/// The name of an event in the words of a legend.
+pub(crate) fn in_words(name: &str) -> String {
+    if name == "neimark-sacker" { "Neimark–Sacker".to_owned() } else { name.replace('-', " ") }
+}
+
 /// What a run is of: the breather it starts on, and how it is perturbed.
 pub(crate) fn describe_run(args: &SimulateArgs, model: &Model, orbit: Option<&Orbit>) -> String {
     let whose = orbit.map_or("from a state".to_owned(), |orbit| format!("{} breather", orbit.name()));

@@ -11,7 +11,7 @@ mod with_pictures {
     use std::sync::atomic::AtomicBool;
 
     use rayon::ThreadPool;
-    use vibrochain_maps::borders::{Border, BorderKind, Borders};
+    use vibrochain_maps::borders::{Border, Borders};
     use vibrochain_maps::cell::Cell;
     use vibrochain_maps::scene::{Scene, Slice};
     use vibrochain_maps::sweep::Watcher;
@@ -21,6 +21,7 @@ mod with_pictures {
 
     use crate::args::{ColorName, PaletteName, PictureArgs};
     use crate::border_search::BorderSearch;
+    use crate::caption::in_words;
     use crate::error::CliError;
     use crate::picture_files::PictureFiles;
 
@@ -180,10 +181,7 @@ mod with_pictures {
             format!(", stripe {k},{l},{}", stripe.harmonic)
         });
         MapBorder {
-            kind: match border.kind {
-                BorderKind::NeimarkSacker => "Neimark–Sacker".to_owned(),
-                kind => kind.name().replace('-', " "),
-            },
+            kind: in_words(border.kind.name()),
             title: format!("{}: {}{stripe}", border.family, border.kind),
             points: points.collect(),
         }

@@ -45,11 +45,11 @@ pub fn run_picture(picture: &RunPicture, page: impl Into<Page>) -> Result<Vec<u8
     let mut drawing = Drawing::new([wide, bottom + 0.5 * em], &picture.title);
     title.draw(&mut drawing);
     let RunPicture { field, barriers, periods, .. } = picture;
-    let x = "time, in periods since the start (whole run)";
+    let x = "time in periods (whole run)";
     let panel = Panel { field, barriers: *barriers, periods: *periods, x, impacts: &[] };
     let left = panel.left(bottom - middle, &page).max(4.6 * em);
     let trace = [[left, top], [wide - BAR * em, middle - 0.8 * em]];
-    draw_pane(&mut drawing, &picture.trace(), trace, left, &page);
+    draw_pane(&mut drawing, &picture.trace(), trace, [left, panel.ticks(bottom - middle, &page)], &page);
     panel.draw(&mut drawing, [[left, middle], [wide, bottom]], &page);
     render(&drawing, &page)
 }
@@ -68,7 +68,7 @@ impl RunPicture {
             points: points.clone(),
         };
         Pane {
-            x: "time, in periods since the start (end of the run)".to_owned(),
+            x: "time in periods (end of the run)".to_owned(),
             y: "impacting mass u₀".to_owned(),
             x_range: Some(first..last),
             scale: Scale::Between(lower - 0.15..upper + 0.15),
