@@ -196,16 +196,16 @@ impl Bar {
         }
         let em = page.font;
         drawing.words(self.heading(), [x, y + 0.4 * NAME * em], SMALL * em, DIM);
-        let (top, wide) = (y + NAME * em, room.min(LYING * em));
-        let foot = top + BAR[0] * em;
-        let line = colour_bar(drawing, [[x, top], [x + wide, foot]], |part| palette.scale(part), page);
-        for (part, words) in self.ticks() {
-            let at = x + part * wide;
+        // The words of ticks at its ends stand out by half of their length.
+        let ticks = self.ticks();
+        let air = ticks.iter().map(|(_, words)| 0.5 * em * width(words)).fold(0.0, f64::max);
+        let (left, top) = (page.snap(x + air), y + NAME * em);
+        let (wide, foot) = ((room - 2.0 * air).min(LYING * em), top + BAR[0] * em);
+        let line = colour_bar(drawing, [[left, top], [left + wide, foot]], |part| palette.scale(part), page);
+        for (part, words) in ticks {
+            let at = left + part * wide;
             drawing.line(vec![[at, foot], [at, foot + 0.3 * em]], line);
-            // At the ends they stay above the bar's own length.
-            let half = 0.5 * em * width(&words);
-            let centre = at.clamp(x + half, (x + wide - half).max(x + half));
-            drawing.anchored(&words, [centre, foot + 0.5 * em], em, BLACK, (Across::Centre, Upright::Top));
+            drawing.anchored(&words, [at, foot + 0.5 * em], em, BLACK, (Across::Centre, Upright::Top));
         }
     }
 

@@ -52,13 +52,7 @@ pub fn spacetime_picture(picture: &Spacetime, page: impl Into<Page>) -> Result<V
     let mut drawing = Drawing::new([wide, bottom + 0.5 * em], &picture.title);
     title.draw(&mut drawing);
     let Spacetime { barriers, field, impacts, .. } = picture;
-    let panel = Panel {
-        field,
-        barriers: *barriers,
-        periods: 1.0,
-        x: "time, in periods of the orbit (rings: impacts)",
-        impacts,
-    };
+    let panel = Panel { field, barriers: *barriers, periods: 1.0, x: "time in periods (rings: impacts)", impacts };
     let left = panel.left(bottom - top, &page);
     panel.draw(&mut drawing, [[left, top], [wide, bottom]], &page);
     render(&drawing, &page)
