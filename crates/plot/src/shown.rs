@@ -276,7 +276,7 @@ mod tests {
                 (0..2 * columns).for_each(|cell| shown.tile(cell as u64, tile(cell)));
                 let raster = raster(&scene, &shown, page);
                 let [wide, high] = raster.size.map(|side| side as usize);
-                assert!(wide >= 1000 && wide <= 4267, "{wide}");
+                assert!((1000..=4267).contains(&wide), "{wide}");
                 let row = &raster.rgb[3 * wide * (high / 2)..][..3 * wide];
                 let found: f64 = row.chunks(3).map(|pixel| (light - f64::from(pixel[0])) / (light - dark)).sum();
                 let expected = wide as f64 / columns as f64;
@@ -306,7 +306,7 @@ mod tests {
                 let place = 2 * (at / 3) as usize;
                 assert_eq!(kept[place..place + 2], [Shade::Number(expected as f32); 2]);
                 let others = kept.iter().enumerate().filter(|(i, _)| i / 2 != place / 2);
-                let usual = |i: usize| if i % 2 == 0 { Shade::Number(0.25) } else { Shade::Nothing };
+                let usual = |i: usize| if i.is_multiple_of(2) { Shade::Number(0.25) } else { Shade::Nothing };
                 assert!(others.clone().count() == 11_998 && others.clone().all(|(i, shade)| *shade == usual(i)));
             }
         }
