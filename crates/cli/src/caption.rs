@@ -1,9 +1,12 @@
 //! What captions say of models and orbits.
 
 use vibrochain_breather::{Impact, Orbit};
-use vibrochain_lattice::{Model, Parameter, Short, Spectrum, far_motion};
+#[cfg(feature = "plot")]
+use vibrochain_lattice::Short;
+use vibrochain_lattice::{Model, Parameter, Spectrum, far_motion};
 use vibrochain_maps::force;
 
+#[cfg(feature = "plot")]
 use crate::args::{Direction, SimulateArgs};
 
 /// "21 masses (N = 20), γ₁ = 0.2, …": all that is fixed.
@@ -17,6 +20,7 @@ pub(crate) fn in_words(name: &str) -> String {
 }
 
 /// What a run is of: the breather it starts on, and how it is perturbed.
+#[cfg(feature = "plot")]
 pub(crate) fn describe_run(args: &SimulateArgs, model: &Model, orbit: Option<&Orbit>) -> String {
     let whose = orbit.map_or("from a state".to_owned(), |orbit| format!("{} breather", orbit.name()));
     let perturbed = args.perturb.map_or(String::new(), |size| {
