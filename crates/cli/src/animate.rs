@@ -7,6 +7,7 @@ pub(crate) use without_plot::Film;
 
 #[cfg(feature = "plot")]
 mod with_plot {
+    use vibrochain_breather::Orbit;
     use vibrochain_eventsim::{Event, Simulation};
     use vibrochain_lattice::{Barrier, Model};
     use vibrochain_maps::files::Output;
@@ -39,7 +40,7 @@ mod with_plot {
     }
 
     impl Film {
-        pub(crate) fn open(args: &SimulateArgs, model: &Model) -> Result<Self, CliError> {
+        pub(crate) fn open(args: &SimulateArgs, model: &Model, orbit: Option<&Orbit>) -> Result<Self, CliError> {
             let Some(path) = args.animate.as_deref() else { return Ok(Self(None)) };
             let name = path.display();
             let Some(moving) = Moving::of(path) else {
@@ -57,7 +58,7 @@ mod with_plot {
             }
             let lowest = if chain.is_ring() { -(masses.saturating_sub(1) as i64 / 2) } else { 0 };
             let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
-            let title = crate::caption::describe(model);
+            let title = crate::caption::describe_run(args, model, orbit);
             Ok(Self(Some(Reel {
                 moving,
                 file: Output::create(path)?,
@@ -114,6 +115,7 @@ mod with_plot {
 
 #[cfg(not(feature = "plot"))]
 mod without_plot {
+    use vibrochain_breather::Orbit;
     use vibrochain_eventsim::{Event, Simulation};
     use vibrochain_lattice::Model;
 
@@ -124,7 +126,7 @@ mod without_plot {
     pub(crate) struct Film;
 
     impl Film {
-        pub(crate) fn open(args: &SimulateArgs, _: &Model) -> Result<Self, CliError> {
+        pub(crate) fn open(args: &SimulateArgs, _: &Model, _: Option<&Orbit>) -> Result<Self, CliError> {
             match args.animate {
                 Some(_) => Err(CliError::Request("--animate needs a build with the feature `plot`".to_owned())),
                 None => Ok(Self),

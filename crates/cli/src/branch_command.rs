@@ -9,6 +9,7 @@ use vibrochain_floquet::{
 };
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::criterion;
 
 use crate::args::{BranchArgs, QuantityName};
 use crate::branch_table::{HEADER, Table, write};
@@ -62,7 +63,8 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
         as_text(&start, &course, &diagram, args.all)
     };
     console.answer(&text, taken)?;
-    let heading = format!("branches of breathers, {}", describe_without(start.orbit.model(), course.free));
+    let fixed = describe_without(start.orbit.model(), course.free);
+    let heading = format!("branches of breathers, {fixed}, {}", criterion(course.tolerance));
     let table = Table::new(course.free.name(), heading, point_value(start.orbit.model()), &diagram);
     if let Some(file) = file {
         write(file, &diagram)?;

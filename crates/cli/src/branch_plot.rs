@@ -8,6 +8,7 @@ use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 use crate::args::QuantityName;
 use crate::branch_table::{BranchName, Row, Table};
+use crate::caption::in_words;
 
 /// Colours of generations of branches, by turns; the last but one marks events, the last what is not physical.
 const COLOURS: usize = 4;
@@ -238,6 +239,6 @@ fn events(quantity: QuantityName, event: Event, mark: Mark, table: &Table) -> Op
             points.extend(heights(quantity, branch, at).into_iter().reduce(f64::max).map(|y| (found.value, y)));
         }
     }
-    let name = event.name().to_owned();
+    let name = in_words(event.name());
     (!points.is_empty()).then_some(Series { name, colour: EVENTS, stroke: Stroke::None, mark, points })
 }

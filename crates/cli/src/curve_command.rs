@@ -9,7 +9,7 @@ use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 
 use crate::args::CurveArgs;
-use crate::caption::in_common;
+use crate::caption::{in_common, in_words};
 use crate::console::{Console, nothing_else};
 use crate::curve_table::{About, header, write};
 use crate::error::CliError;
@@ -135,7 +135,9 @@ impl Curves {
 
     /// What is in the heading of a picture: the event, and what all points of all curves have in common.
     fn heading(&self, start: &Start) -> String {
-        let event = self.list.first().map_or(String::new(), |curve| format!("{} of breathers, ", curve.event));
+        let event = self.list.first().map_or(String::new(), |curve| {
+            format!("{} of {} breathers, ", in_words(curve.event.name()), start.orbit.name())
+        });
         let ends = self.list.iter().flat_map(|curve| [curve.points.first(), curve.points.last()]).flatten();
         let mut models: Vec<_> = ends.map(|point| point.orbit.model()).collect();
         models.push(start.orbit.model());

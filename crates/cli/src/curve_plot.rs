@@ -5,11 +5,15 @@ use std::collections::BTreeMap;
 use vibrochain_floquet::Window;
 use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
+use crate::caption::in_words;
 use crate::curve_table::Row;
 
 /// Colours of curves, by turns; what is not physical is grey.
 const COLOURS: usize = 5;
 const GREY: usize = 5;
+
+/// What a legend calls points whose orbit is none that can live.
+const NOT_PHYSICAL: &str = "not physical";
 
 /// The picture of the curves in a window.
 pub(crate) fn picture(heading: &str, window: &Window, curves: &[Vec<Row>]) -> Curves {
@@ -31,12 +35,16 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
     let mut marks: BTreeMap<&str, Vec<(f64, f64)>> = BTreeMap::new();
     for (i, curve) in curves.iter().enumerate() {
         let line = |physical: bool| part(curve, physical);
-        let name = format!("curve {}", i + 1);
+        let is_seen = |points: &[(f64, f64)]| points.iter().any(|point| point.0.is_finite());
+        let name = if is_seen(&line(true)) { format!("curve {}", i + 1) } else { String::new() };
         // Of two curves of one colour the later is thicker.
         let (colour, stroke) = (i % COLOURS, Stroke::Solid(2 + 2 * (i / COLOURS).min(3) as u32));
         all.push(Series { name, colour, stroke, mark: Mark::None, points: line(true) });
         let (colour, stroke) = (GREY, Stroke::Dashed(1));
-        all.push(Series { name: String::new(), colour, stroke, mark: Mark::None, points: line(false) });
+        // All of them have one entry.
+        let is_told = all.iter().any(|series| series.name == NOT_PHYSICAL);
+        let name = if is_seen(&line(false)) && !is_told { NOT_PHYSICAL } else { "" }.to_owned();
+        all.push(Series { name, colour, stroke, mark: Mark::None, points: line(false) });
         for Row { values: [x, y], special, .. } in curve {
             for name in special {
                 marks.entry(name).or_default().push((*x, *y));
@@ -44,7 +52,7 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
         }
     }
     for (shape, (name, points)) in marks.into_iter().enumerate() {
-        let (name, stroke, mark) = (name.to_owned(), Stroke::None, Mark::Filled(shape));
+        let (name, stroke, mark) = (in_words(name), Stroke::None, Mark::Filled(shape));
         all.push(Series { name, colour: 4, stroke, mark, points });
     }
     all

@@ -18,6 +18,7 @@ use crate::fate_command::{ENDS, SECTION};
 use crate::fate_plot::Plot;
 use crate::picture_files::{PictureFiles, of_no_map};
 use crate::pictures::Pictures;
+use crate::report::size;
 use crate::stripes;
 use crate::table_manifest::{OfRuns, manifest_path, read};
 use crate::table_rows::TableRows;
@@ -113,8 +114,7 @@ impl Kind {
 /// [`CliError`].
 pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let wanted = &args.pictures;
-    let outputs =
-        [("--png", wanted.png.as_deref()), ("--svg", wanted.svg.as_deref()), ("--pdf", wanted.pdf.as_deref())];
+    let outputs = wanted.files();
     if outputs.iter().all(|(_, path)| path.is_none()) {
         return Err(CliError::Request("nothing is asked for: give --png, --svg or --pdf".to_owned()));
     }
@@ -159,10 +159,10 @@ fn cells(args: &DrawArgs, table: TableRows, source: &Path, console: &mut Console
     let mut pictures = Pictures::plan(&args.pictures, &scene)?;
     let stop = (console.interrupt)()?;
     pictures.begin();
-    table.cells(&Cells, &scene, &mut |number, cell| pictures.cell(number, cell))?;
+    let summary = table.cells(&Cells, &scene, &mut |number, cell| pictures.cell(number, cell))?;
     let told = pictures.find_borders(&pool, &stop, console.progress)?;
     pictures.finish()?;
-    Ok(format!("{} cells{told}", scene.cells()))
+    Ok(size(&scene, &summary) + &told)
 }
 
 /// What the tables of ensembles are of: rows, scene, runs.

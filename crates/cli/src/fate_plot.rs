@@ -9,9 +9,9 @@ pub(crate) use without_plot::Plot;
 mod with_plot {
     use vibrochain_fate::{CellFates, End, Ensemble};
     use vibrochain_lattice::Short;
-    use vibrochain_maps::scene::{Axis, Scene, Values};
+    use vibrochain_maps::scene::{Axis, Scene};
     use vibrochain_plot::{
-        Curves, EndsPicture, MOST_VALUES, Mark, Pane, Scale, Series, Stroke, curves_picture, ends_picture,
+        Curves, EndsPicture, MOST_VALUES, Mark, Pane, Scale, Series, Stroke, about, curves_picture, ends_picture, place,
     };
 
     use crate::error::CliError;
@@ -142,25 +142,11 @@ mod with_plot {
                 let shares = self.shares.into_iter().filter(shown).collect();
                 ("share of the runs", Scale::Between(-0.03..1.03), shares)
             };
-            let (x, y, x_log) = (axis_name(axis), y.to_owned(), is_logarithmic(axis));
-            let pane = Pane { caption, x, y, x_log, scale, series, ..Pane::default() };
-            let (title, panes) = ([scene.heading(), scene.criterion()].join(", "), vec![pane]);
-            let picture = Curves { title, panes, columns: 1, pane: (960, 560), ..Curves::default() };
+            let pane = Pane { caption, y: y.to_owned(), scale, series, ..Pane::over(axis) };
+            let picture =
+                Curves { title: about(scene), panes: vec![pane], columns: 1, pane: (960, 560), ..Curves::default() };
             self.files.draw(|page| curves_picture(&picture, page))
         }
-    }
-
-    /// Where a value lies along the axis: its logarithm where ratios are equal.
-    fn place(axis: &Axis, value: f64) -> f64 {
-        if is_logarithmic(axis) { value.log10() } else { value }
-    }
-
-    fn is_logarithmic(axis: &Axis) -> bool {
-        matches!(axis.values, Values::Logarithmic { .. })
-    }
-
-    fn axis_name(axis: &Axis) -> String {
-        format!("{} {}", axis.parameter.meaning(), axis.parameter.symbol())
     }
 }
 

@@ -88,14 +88,8 @@ fn ensemble(
 
 /// Sees to it that no file is another, or a chunk. Tells whether one is standard output.
 fn apart(args: &MergeArgs, manifest_file: Option<&Path>) -> Result<bool, CliError> {
-    let wanted = &args.pictures;
-    let outputs = [
-        ("--out", Some(args.out.as_path())),
-        ("the manifest of --out", manifest_file),
-        ("--png", wanted.png.as_deref()),
-        ("--svg", wanted.svg.as_deref()),
-        ("--pdf", wanted.pdf.as_deref()),
-    ];
+    let [png, svg, pdf] = args.pictures.files();
+    let outputs = [("--out", Some(args.out.as_path())), ("the manifest of --out", manifest_file), png, svg, pdf];
     let taken = distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?;
     nothing_else(args.json, taken)?;
     for (flag, path) in outputs {

@@ -473,13 +473,16 @@ mod with_plot {
         let mut motion = Motion::of(orbit)?;
         let at = |impacts: &[Impact]| format!("at t = {:.4}", impacts.first().map_or(0.0, |impact| impact.time));
         let profiles = orbit_plots::profiles(orbit, &mut motion, at);
-        let part = |k: usize| k as f64 / SAMPLES as f64;
+        // Between samples the tips of a trace, which are its impacts, would be cut off.
+        let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period()).rem_euclid(1.0));
+        let mut parts: Vec<f64> = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).chain(impacts).collect();
+        parts.sort_by(f64::total_cmp);
         let traces = orbit
             .hit_sites()
             .into_iter()
             .map(|site| {
-                let at = |k: usize| (part(k), motion.at(site, part(k) * orbit.period()).displacement);
-                (site, (0..=SAMPLES).map(at).collect())
+                let at = |part: &f64| (*part, motion.at(site, part * orbit.period()).displacement);
+                (site, parts.iter().map(at).collect())
             })
             .collect();
         let state = match (&solution.admissibility.is_physical(), &solution.stability) {

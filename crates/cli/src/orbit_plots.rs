@@ -262,7 +262,7 @@ fn multipliers(stability: &Stability) -> Pane {
 fn in_six_digits(z: Complex<f64>) -> String {
     let sign = if z.im < 0.0 { '−' } else { '+' };
     let imaginary = if z.im == 0.0 { String::new() } else { format!(" {sign} {:.6}i", z.im.abs()) };
-    format!("{:.6}{imaginary}", z.re)
+    format!("{:.6}{imaginary}", z.re).replace('-', "−")
 }
 
 /// The leading multiplier or its conjugate.

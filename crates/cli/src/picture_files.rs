@@ -25,7 +25,7 @@ pub(crate) fn of_no_map(wanted: &PictureArgs, what: &str) -> Result<(), CliError
 
 #[cfg(feature = "plot")]
 mod with_plot {
-    use std::path::Path;
+    use std::path::{Path, PathBuf};
 
     use vibrochain_maps::files::Output;
     use vibrochain_plot::{Format, Page, PlotError};
@@ -51,12 +51,31 @@ mod with_plot {
         /// # Errors
         /// As [`PictureFiles::one`].
         pub(crate) fn asked(wanted: &PictureArgs) -> Result<Self, CliError> {
-            let flags = [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg), (&wanted.pdf, Format::Pdf)];
-            let asked = || flags.iter().filter_map(|(path, format)| Some((path.as_deref()?, *format)));
-            wanted.page.checked(asked().next().is_some(), "--png, --svg or --pdf")?;
-            asked().try_for_each(|(path, format)| format.promised(path))?;
-            let open = |(path, format): (&Path, Format)| Ok((wanted.page.page(format)?, Output::create(path)?));
-            Ok(Self(asked().map(open).collect::<Result<_, CliError>>()?))
+            Self::open(&Self::named(wanted)?)
+        }
+
+        /// The names that --png, --svg and --pdf give, each with what is drawn for it.
+        ///
+        /// # Errors
+        /// [`CliError::Request`] of a name that promises something else, or of a page that cannot be.
+        pub(crate) fn named(wanted: &PictureArgs) -> Result<Vec<(Page, PathBuf)>, CliError> {
+            let flags = wanted.files().into_iter().zip([Format::Png, Format::Svg, Format::Pdf]);
+            let asked: Vec<(Format, &Path)> = flags.filter_map(|((_, path), format)| Some((format, path?))).collect();
+            wanted.page.checked(!asked.is_empty(), "--png, --svg or --pdf")?;
+            let page = |(format, path): (Format, &Path)| {
+                format.promised(path)?;
+                Ok((wanted.page.page(format)?, path.to_owned()))
+            };
+            asked.into_iter().map(page).collect()
+        }
+
+        /// Opens files that were named.
+        ///
+        /// # Errors
+        /// [`CliError::Request`] of a file that cannot be written.
+        pub(crate) fn open(named: &[(Page, PathBuf)]) -> Result<Self, CliError> {
+            let open = |(page, path): &(Page, PathBuf)| Ok((*page, Output::create(path)?));
+            Ok(Self(named.iter().map(open).collect::<Result<_, CliError>>()?))
         }
 
         pub(crate) fn is_empty(&self) -> bool {
@@ -96,8 +115,12 @@ mod without_plot {
         }
 
         pub(crate) fn asked(wanted: &PictureArgs) -> Result<Self, CliError> {
-            let PictureArgs { png, svg, pdf, page, .. } = wanted;
-            Self::one("--png, --svg and --pdf", png.as_deref().or(svg.as_deref()).or(pdf.as_deref()), page)
+            if wanted.files().iter().any(|(_, path)| path.is_some()) {
+                return Err(CliError::Request(
+                    "--png, --svg and --pdf need a build with the feature `plot`".to_owned(),
+                ));
+            }
+            Ok(Self)
         }
     }
 }

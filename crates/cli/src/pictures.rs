@@ -11,20 +11,19 @@ mod with_pictures {
     use std::sync::atomic::AtomicBool;
 
     use rayon::ThreadPool;
-    use vibrochain_maps::borders::{Border, BorderKind, Borders};
+    use vibrochain_maps::borders::{Border, Borders};
     use vibrochain_maps::cell::Cell;
-    use vibrochain_maps::extent::Extent;
-    use vibrochain_maps::files::Output;
     use vibrochain_maps::scene::{Scene, Slice};
     use vibrochain_maps::sweep::Watcher;
     use vibrochain_plot::{
-        Cells, Format, MapBorder, MapPicture, OneAxisPicture, Page, Palette, Quantity, Shade, Tile, is_shown,
-        map_picture, one_axis_picture, shown_cells, shown_within,
+        MapBorder, MapPicture, OneAxisPicture, Page, Palette, Quantity, Shown, is_shown, map_picture, one_axis_picture,
     };
 
     use crate::args::{ColorName, PaletteName, PictureArgs};
     use crate::border_search::BorderSearch;
+    use crate::caption::in_words;
     use crate::error::CliError;
+    use crate::picture_files::PictureFiles;
 
     /// How exact borders in a picture are, as a part of its sides: what `mapgen curves` takes. A pixel asks for less, but between
     /// less exact borders stripes cannot be told apart.
@@ -46,11 +45,9 @@ mod with_pictures {
 
     /// What is kept of the cells.
     enum Seen {
-        /// Over two axes, their classes.
-        Classes(Vec<Tile>),
-        /// Or a number.
-        Numbers(Quantity, Vec<Shade>),
-        /// Over one axis, all of them.
+        /// Over two axes, what the map shows.
+        Map(Shown),
+        /// Over one axis, the cells themselves.
         Cells(Vec<Cell>),
     }
 
@@ -86,14 +83,11 @@ mod with_pictures {
                 PaletteName::Colour => Palette::Colour,
                 PaletteName::Paper => Palette::Paper,
             };
-            let flags = [(&wanted.png, Format::Png), (&wanted.svg, Format::Svg), (&wanted.pdf, Format::Pdf)];
-            let asked = || flags.iter().filter_map(|(path, format)| Some((path.as_ref()?, *format)));
-            wanted.page.checked(asked().next().is_some(), "--png, --svg or --pdf")?;
-            if asked().next().is_none() {
+            let files = PictureFiles::named(wanted)?;
+            if files.is_empty() {
                 let (slice, seen) = (Slice::of(scene, &[])?, Seen::Cells(Vec::new()));
-                return Ok(Self { slice, files: Vec::new(), palette, seen, curves: false, borders: Vec::new() });
+                return Ok(Self { slice, files, palette, seen, curves: false, borders: Vec::new() });
             }
-            asked().try_for_each(|(path, format)| format.promised(path))?;
             if scene.refine.is_some() && !wanted.slice.is_empty() {
                 return Err(refused(
                     "--slice is of grids, a map that is refined is drawn whole: leave it out".to_owned(),
@@ -110,12 +104,7 @@ mod with_pictures {
                 }
                 Borders::window(slice.scene()).map_err(|error| refused(format!("--curves: {error}")))?;
             }
-            let mut files = Vec::new();
-            for (path, format) in asked() {
-                let page = wanted.page.page(format)?;
-                Output::create(path)?;
-                files.push((page, path.clone()));
-            }
+            PictureFiles::open(&files)?;
             Ok(Self { slice, files, palette, seen, curves: wanted.curves, borders: Vec::new() })
         }
 
@@ -129,13 +118,13 @@ mod with_pictures {
             };
             match (quantity, scene.axes.len()) {
                 (None, 1) => Ok(Seen::Cells(Vec::new())),
-                (None, _) => Ok(Seen::Classes(Vec::new())),
+                (None, _) => Ok(Seen::Map(Shown::classes(scene))),
                 (Some(_), 1) => Err(refused(format!(
                     "--color is of maps over two axes, here is one, {}: leave it out, each number has a panel of its own",
                     scene.axis_names()
                 ))),
                 (Some(quantity), _) => match quantity.of_scene(scene) {
-                    Ok(()) => Ok(Seen::Numbers(quantity, Vec::new())),
+                    Ok(()) => Ok(Seen::Map(Shown::numbers(scene, quantity))),
                     Err(key) => {
                         let name = quantity.name();
                         Err(refused(format!(
@@ -175,36 +164,13 @@ mod with_pictures {
             Ok(line)
         }
 
-        /// Fills all cells of the finest grid that a leaf stands for, as far as they are shown.
-        fn leaf(&mut self, extent: Extent, cell: &Cell) {
-            fn fill<T: Copy>(all: &mut Vec<T>, scene: &Scene, extent: Extent, value: T) {
-                // A leaf that has not come yet is not seen: all come before anything is drawn.
-                all.resize(shown_cells(scene), value);
-                shown_within(scene, extent).for_each(|place| all[place] = value);
-            }
-            let scene = self.slice.scene();
-            match &mut self.seen {
-                Seen::Classes(tiles) => fill(tiles, scene, extent, Tile::from(cell)),
-                Seen::Numbers(quantity, shades) => fill(shades, scene, extent, quantity.shade(cell)),
-                // A map that is refined has two axes.
-                Seen::Cells(_) => {}
-            }
-        }
-
         /// Draws and writes them.
         pub(crate) fn finish(self) -> Result<(), CliError> {
             let (scene, palette, borders) = (self.slice.scene(), self.palette, self.borders.as_slice());
-            let map = |cells, page| map_picture(&MapPicture { scene, cells, palette, borders }, page);
-            for (page, path) in self.files {
-                let bytes = match &self.seen {
-                    Seen::Classes(tiles) => map(Cells::Classes(tiles), page),
-                    Seen::Numbers(quantity, shades) => map(Cells::Numbers(*quantity, shades), page),
-                    Seen::Cells(cells) => one_axis_picture(&OneAxisPicture { scene, cells }, page),
-                };
-                let bytes = bytes.map_err(|error| CliError::Computation(error.to_string()))?;
-                Output::create(&path)?.finish_with(&bytes)?;
-            }
-            Ok(())
+            PictureFiles::open(&self.files)?.draw(|page| match &self.seen {
+                Seen::Map(cells) => map_picture(&MapPicture { scene, cells, palette, borders }, page),
+                Seen::Cells(cells) => one_axis_picture(&OneAxisPicture { scene, cells }, page),
+            })
         }
     }
 
@@ -215,10 +181,7 @@ mod with_pictures {
             format!(", stripe {k},{l},{}", stripe.harmonic)
         });
         MapBorder {
-            kind: match border.kind {
-                BorderKind::NeimarkSacker => "Neimark–Sacker".to_owned(),
-                kind => kind.name().replace('-', " "),
-            },
+            kind: in_words(border.kind.name()),
             title: format!("{}: {}{stripe}", border.family, border.kind),
             points: points.collect(),
         }
@@ -231,8 +194,7 @@ mod with_pictures {
 
         fn begin(&mut self) {
             match &mut self.seen {
-                Seen::Classes(tiles) => tiles.clear(),
-                Seen::Numbers(_, shades) => shades.clear(),
+                Seen::Map(shown) => shown.clear(),
                 Seen::Cells(cells) => cells.clear(),
             }
         }
@@ -241,15 +203,17 @@ mod with_pictures {
             if !self.looks() {
                 return;
             }
-            if let Some(extent) = cell.extent {
-                return self.leaf(extent, cell);
-            }
-            let shown = self.slice.cell(number).is_some_and(|number| is_shown(self.slice.scene(), number));
-            match &mut self.seen {
-                _ if !shown => {}
-                Seen::Classes(tiles) => tiles.push(Tile::from(cell)),
-                Seen::Numbers(quantity, shades) => shades.push(quantity.shade(cell)),
-                Seen::Cells(cells) => cells.push(*cell),
+            match (&mut self.seen, cell.extent, self.slice.cell(number)) {
+                // A map that is refined is drawn whole.
+                (Seen::Map(shown), Some(extent), _) => shown.square_of(extent, cell),
+                (Seen::Map(shown), None, Some(number)) => shown.cell(number, cell),
+                (Seen::Cells(cells), _, Some(number)) => {
+                    let axis = self.slice.scene().axes.first();
+                    if axis.is_some_and(|axis| is_shown(axis, number)) {
+                        cells.push(*cell);
+                    }
+                }
+                (_, _, None) => {}
             }
         }
     }
@@ -266,18 +230,14 @@ mod without_pictures {
 
     use crate::args::PictureArgs;
     use crate::error::CliError;
+    use crate::picture_files::PictureFiles;
 
     /// This build draws nothing.
     pub(crate) struct Pictures;
 
     impl Pictures {
         pub(crate) fn plan(wanted: &PictureArgs, _: &Scene) -> Result<Self, CliError> {
-            if wanted.png.is_some() || wanted.svg.is_some() || wanted.pdf.is_some() {
-                return Err(CliError::Request(
-                    "--png, --svg and --pdf need a build with the feature `plot`".to_owned(),
-                ));
-            }
-            Ok(Self)
+            PictureFiles::asked(wanted).map(|_| Self)
         }
 
         pub(crate) fn find_borders(&mut self, _: &ThreadPool, _: &AtomicBool, _: bool) -> Result<String, CliError> {

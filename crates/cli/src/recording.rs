@@ -99,9 +99,9 @@ pub(crate) use without_plot::Plot;
 
 #[cfg(feature = "plot")]
 mod with_plot {
-    use vibrochain_breather::{Motion, Orbit};
-    use vibrochain_eventsim::Simulation;
-    use vibrochain_lattice::Model;
+    use vibrochain_breather::{Impact, Motion, Orbit};
+    use vibrochain_eventsim::{Event, Simulation};
+    use vibrochain_lattice::{Barrier, Model};
 
     use super::{CliError, SimulateArgs, Start, orbit_time};
     use vibrochain_maps::files::Output;
@@ -147,7 +147,7 @@ mod with_plot {
             let Some((page, file)) = args.page.open("--plot", Some(path))? else { return Ok(Self(None)) };
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
             let sites = model.chain().sites();
-            let title = crate::caption::describe(model);
+            let title = crate::caption::describe_run(args, model, orbit);
             Ok(Self(Some(Collected {
                 page,
                 file,
@@ -168,6 +168,21 @@ mod with_plot {
 
         pub(crate) fn is_wanted(&self) -> bool {
             self.0.is_some()
+        }
+
+        /// Between samples the tips of a trace, which are its impacts, would be cut off.
+        pub(crate) fn hit(&mut self, event: &Event) {
+            let Some(collected) = &mut self.0 else { return };
+            let periods = event.time.periods() as f64 + event.time.part();
+            if event.site != collected.home || periods < collected.periods - SHOWN {
+                return;
+            }
+            let point = (periods, place(collected.barriers, event.barrier));
+            // Of a mass that bounces on a barrier nobody sees each.
+            let seen = |last: &(f64, f64)| last.1 == point.1 && point.0 - last.0 < SHOWN / POINTS;
+            if !collected.simulated.last().is_some_and(seen) {
+                collected.simulated.push(point);
+            }
         }
 
         pub(crate) fn see(&mut self, simulation: &Simulation) {
@@ -191,13 +206,43 @@ mod with_plot {
         }
 
         pub(crate) fn finish(self) -> Result<(), CliError> {
-            let Some(Collected { page, file, title, barriers, periods, simulated, analytic, field, .. }) = self.0
-            else {
-                return Ok(());
-            };
+            let Some(collected) = self.0 else { return Ok(()) };
+            let tips = collected.tips();
+            let Collected { page, file, title, barriers, periods, simulated, mut analytic, field, .. } = collected;
+            analytic.extend(tips);
+            analytic.sort_by(|one, other| one.0.total_cmp(&other.0));
             let picture = RunPicture { title, barriers, simulated, analytic, field: field.finish(), periods };
             let bytes = run_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
             Ok(file.finish_with(&bytes)?)
+        }
+    }
+
+    impl Collected {
+        /// The impacts of the orbit's own mass within its trace.
+        fn tips(&self) -> Vec<(f64, f64)> {
+            let (Some((orbit, _)), Some(first), Some(last)) =
+                (&self.orbit, self.analytic.first(), self.analytic.last())
+            else {
+                return Vec::new();
+            };
+            let (period, every) = (orbit.model().period(), f64::from(orbit.force_periods()));
+            let own = orbit.impacts().iter().filter(|impact| impact.site == self.home);
+            let of = |impact: &Impact| {
+                let at = (impact.time - self.start) / period;
+                let next = at + every * ((first.0 - at) / every).ceil();
+                let height = place(self.barriers, impact.barrier);
+                let rounds = ((last.0 - next) / every).floor().clamp(-1.0, SHOWN) as i64;
+                (0..=rounds).map(move |k| (next + k as f64 * every, height))
+            };
+            own.flat_map(of).collect()
+        }
+    }
+
+    /// Where a barrier is.
+    fn place((lower, upper): (f64, f64), barrier: Barrier) -> f64 {
+        match barrier {
+            Barrier::Lower => lower,
+            Barrier::Upper => upper,
         }
     }
 }
@@ -205,7 +250,7 @@ mod with_plot {
 #[cfg(not(feature = "plot"))]
 mod without_plot {
     use vibrochain_breather::Orbit;
-    use vibrochain_eventsim::Simulation;
+    use vibrochain_eventsim::{Event, Simulation};
     use vibrochain_lattice::Model;
 
     use super::{CliError, SimulateArgs, Start};
@@ -223,6 +268,8 @@ mod without_plot {
         pub(crate) fn is_wanted(&self) -> bool {
             false
         }
+
+        pub(crate) fn hit(&mut self, _: &Event) {}
 
         pub(crate) fn see(&mut self, _: &Simulation) {}
 

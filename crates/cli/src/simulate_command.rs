@@ -86,7 +86,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
     let mut section = Section::open(args, &model, orbit.as_ref(), &start)?;
     let mut plot = Plot::open(args, &model, orbit.as_ref(), &start)?;
-    let mut film = Film::open(args, &model)?;
+    let mut film = Film::open(args, &model, orbit.as_ref())?;
     let stop = (console.interrupt)()?;
 
     // Samples if somebody wants them, the last one at the end; otherwise the end alone.
@@ -96,14 +96,18 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut pace = Pace::new(periods, args.max_impacts, console);
     let portion = Limits::portion(model.chain().sites());
     let mut counts = Counts::default();
-    let mut observe =
-        |event: &Event, impacts: &mut Option<ImpactTable>, section: &mut Option<Section>, film: &mut Film| {
-            counts.see(event, impacts);
-            film.hit(event);
-            section.iter_mut().for_each(|section| section.see(event));
-        };
+    let mut observe = |event: &Event,
+                       impacts: &mut Option<ImpactTable>,
+                       section: &mut Option<Section>,
+                       plot: &mut Plot,
+                       film: &mut Film| {
+        counts.see(event, impacts);
+        plot.hit(event);
+        film.hit(event);
+        section.iter_mut().for_each(|section| section.see(event));
+    };
     let begin = Limits::until(Time::new(&model, 0, 0.0));
-    let mut report = simulation.run(&begin, |event| observe(event, &mut impacts, &mut section, &mut film));
+    let mut report = simulation.run(&begin, |event| observe(event, &mut impacts, &mut section, &mut plot, &mut film));
     let mut step = 0_u64;
     let mut stopped = false;
     loop {
@@ -128,7 +132,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
             let look = section.as_ref().and_then(|section| section.due(time));
             let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
             let limits = Limits { until: look.or(Some(time)), impacts: left, flights: portion, ..Limits::default() };
-            report = simulation.run(&limits, |event| observe(event, &mut impacts, &mut section, &mut film));
+            report = simulation.run(&limits, |event| observe(event, &mut impacts, &mut section, &mut plot, &mut film));
             stopped = stop.load(Ordering::Relaxed);
             pace.see(&report, console);
             if let (Some(_), Outcome::TimeReached, Some(section)) = (look, report.outcome, &mut section) {

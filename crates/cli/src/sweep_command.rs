@@ -73,17 +73,11 @@ impl Sweep<'_> {
         let Some(place) = place(out)? else { return self.streamed(console) };
         let (manifest_file, parts) = (manifest_path(out), parts_path(out));
         let wanted = &self.args.pictures;
-        let taken = distinct(
-            &[("the scene", Some(&self.args.scene))],
-            &[
-                ("--out", Some(out)),
-                ("the manifest of --out", Some(&manifest_file)),
-                ("the folder of chunks", Some(&parts)),
-                ("--png", wanted.png.as_deref()),
-                ("--svg", wanted.svg.as_deref()),
-                ("--pdf", wanted.pdf.as_deref()),
-            ],
-        )?;
+        let [png, svg, pdf] = wanted.files();
+        let (chunks, manifest) =
+            (("the folder of chunks", Some(&*parts)), ("the manifest of --out", Some(&*manifest_file)));
+        let outputs = [("--out", Some(out)), manifest, chunks, png, svg, pdf];
+        let taken = distinct(&[("the scene", Some(&self.args.scene))], &outputs)?;
         nothing_else(self.args.json, taken)?;
         Form::of(out)?;
         // Destinations first: an impossible one should not cost a computation.
@@ -113,15 +107,8 @@ impl Sweep<'_> {
             return Err(nothing_to_resume("--out", out));
         }
         let wanted = &self.args.pictures;
-        let taken = distinct(
-            &[("the scene", Some(&self.args.scene))],
-            &[
-                ("--out", Some(out)),
-                ("--png", wanted.png.as_deref()),
-                ("--svg", wanted.svg.as_deref()),
-                ("--pdf", wanted.pdf.as_deref()),
-            ],
-        )?;
+        let [png, svg, pdf] = wanted.files();
+        let taken = distinct(&[("the scene", Some(&self.args.scene))], &[("--out", Some(out)), png, svg, pdf])?;
         nothing_else(self.args.json, taken)?;
         let mut pictures = Pictures::plan(wanted, scene)?;
         let stop = (console.interrupt)()?;
@@ -144,9 +131,7 @@ impl Sweep<'_> {
     fn command(&self, threads: Option<usize>) -> String {
         let mut words = vec!["mapgen sweep".to_owned(), quoted(&self.args.scene)];
         let pictures = &self.args.pictures;
-        for (flag, path) in
-            [("--out", &self.args.out), ("--png", &pictures.png), ("--svg", &pictures.svg), ("--pdf", &pictures.pdf)]
-        {
+        for (flag, path) in [("--out", self.args.out.as_deref())].into_iter().chain(pictures.files()) {
             words.extend(path.iter().map(|path| format!("{flag} {}", quoted(path))));
         }
         words.extend(

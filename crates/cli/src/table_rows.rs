@@ -6,6 +6,7 @@ use std::path::Path;
 
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::scene::Scene;
+use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Content, ReadRows};
 
 use crate::error::CliError;
@@ -68,7 +69,7 @@ impl TableRows {
         wrong(&self.name, what)
     }
 
-    /// Reads what is told of all cells of a scene, and hands each with its number to `each`.
+    /// Reads what is told of all cells of a scene, and hands each with its number to `each`; what they add up to.
     ///
     /// # Errors
     /// [`CliError::Request`] of a table that is not of this content and scene.
@@ -77,7 +78,7 @@ impl TableRows {
         content: &C,
         scene: &Scene,
         each: &mut dyn FnMut(u64, &C::Item),
-    ) -> Result<(), CliError> {
+    ) -> Result<Summary, CliError> {
         let expected = content.header(scene);
         if self.header != expected {
             return Err(self.wrong(&format!("its columns are not those of this scene, {}", expected.trim_end())));
@@ -92,7 +93,7 @@ impl TableRows {
             reader.take(piece, each).map_err(|what| wrong(&self.name, &what))?;
             self.file.consume(count);
         }
-        reader.whole(each).map_err(|what| wrong(&self.name, &what)).map(|_| ())
+        reader.whole(each).map_err(|what| wrong(&self.name, &what))
     }
 
     /// Reads all rows, as many as a manifest has told, by their fields.

@@ -86,9 +86,14 @@ impl<'a, N: AsRef<str>> Fields<'a, N> {
     /// Two of which both have a value or neither.
     ///
     /// # Errors
-    /// As [`Fields::value`].
+    /// As [`Fields::value`]; also of one without the other.
     pub fn pair(&mut self) -> Result<Option<(f64, f64)>, String> {
-        Ok(self.number()?.zip(self.number()?))
+        let names: Vec<&str> = self.names.as_slice().iter().take(2).map(AsRef::as_ref).collect();
+        match (self.number()?, self.number()?) {
+            (Some(one), Some(other)) => Ok(Some((one, other))),
+            (None, None) => Ok(None),
+            _ => Err(format!("of its {} one has a value and the other none", names.join(" and "))),
+        }
     }
 }
 
@@ -104,6 +109,13 @@ mod tests {
         assert_eq!((fields.value::<u32>(), fields.number::<f64>()), (Ok(3), Ok(None)));
         assert_eq!(fields.pair(), Ok(Some((0.1, 0.2))));
         assert_eq!(fields.value::<f64>().unwrap_err(), "its class is `x`");
+        for lone in [["0.1", ""], ["", "0.2"]] {
+            let record = csv::StringRecord::from(lone.to_vec());
+            let told = Fields::of(&names[2..4], &record).unwrap().pair().unwrap_err();
+            assert_eq!(told, "of its value and error one has a value and the other none");
+        }
+        let none = csv::StringRecord::from(vec!["", ""]);
+        assert_eq!(Fields::of(&names[2..4], &none).unwrap().pair(), Ok(None));
         assert_eq!(Fields::of(&names[..4], &record).unwrap_err(), "it has 5 fields and not 4");
     }
 }

@@ -141,6 +141,21 @@ pub(crate) fn places(axis: &SweptAxis) -> (f64, f64) {
     }
 }
 
+/// What stands below a swept axis.
+pub(crate) fn label(axis: &SweptAxis) -> String {
+    format!("{} {}", axis.parameter.meaning(), axis.parameter.symbol())
+}
+
+/// Whether equal steps along a swept axis are equal ratios.
+pub(crate) fn is_logarithmic(axis: &SweptAxis) -> bool {
+    matches!(axis.values, Values::Logarithmic { .. })
+}
+
+/// Where a value of a swept axis lies on panels of curves: its logarithm where equal steps are equal ratios.
+pub fn place(axis: &SweptAxis, value: f64) -> f64 {
+    if is_logarithmic(axis) { value.log10() } else { value }
+}
+
 /// What the first `points` values of a swept axis span, with so many steps of air at either end.
 pub(crate) fn spanned(axis: &SweptAxis, points: usize, air: f64) -> Range<f64> {
     let (from, step) = places(axis);

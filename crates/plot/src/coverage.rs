@@ -70,6 +70,18 @@ impl Coverage {
     }
 }
 
+/// For each of `to` equal parts of a line, the `from` equal parts in it and their shares.
+pub(crate) fn parts(from: u32, to: u32) -> Vec<Vec<(usize, f32)>> {
+    let ratio = f64::from(from) / f64::from(to);
+    let part = |i: u32| {
+        let (low, high) = (f64::from(i) * ratio, f64::from(i + 1) * ratio);
+        let inside = low.floor() as usize..(high.ceil() as usize).min(from as usize);
+        let share = |k: usize| ((high.min((k + 1) as f64) - low.max(k as f64)) / ratio) as f32;
+        inside.map(|k| (k, share(k))).filter(|(_, share)| *share > 1e-6).collect()
+    };
+    (0..to).map(part).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

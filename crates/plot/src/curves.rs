@@ -2,6 +2,10 @@
 
 use std::ops::Range;
 
+use vibrochain_maps::scene::Axis;
+
+use crate::axis::{is_logarithmic, label};
+
 /// A picture of panels side by side.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curves {
@@ -42,6 +46,13 @@ pub struct Pane {
     pub round: bool,
     /// The curves.
     pub series: Vec<Series>,
+}
+
+impl Pane {
+    /// An empty one over an axis of a sweep, along which values have the places that [`place`](crate::place) gives them.
+    pub fn over(axis: &Axis) -> Self {
+        Self { x: label(axis), x_log: is_logarithmic(axis), ..Self::default() }
+    }
 }
 
 /// A vertical axis.

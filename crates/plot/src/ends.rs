@@ -54,7 +54,8 @@ pub fn ends_picture(picture: &EndsPicture<'_>, page: impl Into<Page>) -> Result<
     }
     let cells = [x.points(), y.points()];
     let placed = sheet.placed(cells, page.into());
-    let raster = Raster::of(cells, &placed, &|cell, _, _| colour(picture.cells.get(cell).copied().flatten()));
+    let raster =
+        Raster::of(cells, &placed, &|cell, _, each| each(colour(picture.cells.get(cell).copied().flatten()), 1.0));
     sheet.bytes(&placed, Vec::new(), |drawing| {
         drawing.image(placed.corners(), raster.size, raster.rgb);
     })

@@ -4,7 +4,7 @@ use crate::axis::Axis;
 use crate::drawing::{Across, BLACK, Drawing, Line, Place, Rgb, Upright, sides};
 use crate::font::width;
 use crate::page::Page;
-use crate::words::CAPTION;
+use crate::words::{CAPTION, STEP};
 
 /// A light grid, and the lines of barriers and levels.
 const GRID: Rgb = [230, 230, 230];
@@ -31,6 +31,8 @@ pub(crate) struct Frame {
     pub(crate) corners: [Place; 2],
     pub(crate) x: Axis,
     pub(crate) y: Axis,
+    /// The width of the ticks of the vertical axis, where it shares a line for its name with panels above and below it; otherwise 0.
+    pub(crate) ticks: f64,
 }
 
 /// The ticks of an axis so long, with as many as their words have room for.
@@ -53,11 +55,40 @@ fn upright(axis: &Axis, length: f64, em: f64) -> Vec<(f64, String)> {
     axis.ticks(((length / (LINE * em)) as usize).clamp(2, 10))
 }
 
-/// The width that ticks and name of a vertical axis so long take.
-pub(crate) fn left_of(axis: &Axis, named: bool, length: f64, page: &Page) -> f64 {
+/// The width of the ticks of a vertical axis so long.
+pub(crate) fn ticks_of(axis: &Axis, length: f64, page: &Page) -> f64 {
     let em = page.font;
     let wide = upright(axis, length, em).iter().map(|(_, words)| width(words)).fold(0.0, f64::max);
-    (wide * TICK + MARK + AIR + if named { NAMED } else { 0.0 } + 0.3) * em
+    (wide * TICK + MARK + AIR) * em
+}
+
+/// The width that the name of a vertical axis so long takes.
+pub(crate) fn name_of(name: &str, length: f64, page: &Page) -> f64 {
+    let lines = named(name, length, page.font).len() as f64;
+    if lines > 0.0 { (NAMED + (lines - 1.0) * STEP * CAPTION) * page.font } else { 0.0 }
+}
+
+/// The width that ticks and name of a vertical axis so long take.
+pub(crate) fn left_of(axis: &Axis, name: &str, length: f64, page: &Page) -> f64 {
+    ticks_of(axis, length, page) + name_of(name, length, page) + 0.3 * page.font
+}
+
+/// The lines of the name of a vertical axis so long: two where it does not fit, broken where they are most alike.
+fn named(name: &str, length: f64, em: f64) -> Vec<&str> {
+    if name.is_empty() {
+        return Vec::new();
+    }
+    let longer = |(one, other): &(&str, &str)| width(one).max(width(other));
+    let broken = name.match_indices(' ').map(|(i, _)| (&name[..i], &name[i + 1..]));
+    match broken.min_by(|one, other| longer(one).total_cmp(&longer(other))) {
+        Some((one, other)) if width(name) * CAPTION * em > room(length, em) => vec![one, other],
+        _ => vec![name],
+    }
+}
+
+/// What the name of a vertical axis may take: it may stand out a little at either end.
+fn room(length: f64, em: f64) -> f64 {
+    length + 1.6 * em
 }
 
 /// The height that ticks and name of a horizontal axis take.
@@ -127,17 +158,19 @@ impl Frame {
             drawing.anchored(x_name, at, centred(width_of + 1.5 * em, x_name), BLACK, anchor);
         }
         if !y_name.is_empty() {
-            let at = [left - mark - air - wide - 0.55 * em, 0.5 * (top + bottom)];
-            let words = crate::drawing::Words {
-                text: y_name.to_owned(),
-                at,
-                // A long name on a low panel is set in smaller letters: it must not run into its neighbours.
-                size: centred(height + 2.0 * em, y_name),
-                colour: BLACK,
-                anchor: (Across::Centre, Upright::Base),
-                upwards: true,
-            };
-            drawing.elements.push(crate::drawing::Element::Words(words));
+            let first = left - self.ticks.max(mark + air + wide) - 0.55 * em;
+            for (i, line) in named(y_name, height, em).into_iter().rev().enumerate() {
+                let words = crate::drawing::Words {
+                    text: line.to_owned(),
+                    at: [first - i as f64 * STEP * CAPTION * em, 0.5 * (top + bottom)],
+                    // What is too long in two lines, too, is set in smaller letters: it must not run into its neighbours.
+                    size: centred(room(height, em), line),
+                    colour: BLACK,
+                    anchor: (Across::Centre, Upright::Base),
+                    upwards: true,
+                };
+                drawing.elements.push(crate::drawing::Element::Words(words));
+            }
         }
     }
 }
@@ -170,13 +203,19 @@ mod tests {
     #[test]
     fn a_point_lies_in_proportion() {
         let corners = [[10.0, 20.0], [110.0, 220.0]];
-        let frame = Frame { corners, x: Axis::numbers(0.0..2.0), y: Axis::numbers(-1.0..1.0) };
+        let frame = Frame { corners, x: Axis::numbers(0.0..2.0), y: Axis::numbers(-1.0..1.0), ticks: 0.0 };
         assert_eq!(frame.place((0.5, 0.5)), [35.0, 70.0]);
         let page = Page::from(Format::Svg);
         let mut drawing = Drawing::new([150.0, 260.0], "");
         frame.grid(&mut drawing, &page);
         frame.axes(&mut drawing, ["ω", "γ₂"], &page);
         assert!(drawing.elements.len() > 15);
-        assert!(left_of(&frame.y, true, 200.0, &page) > left_of(&frame.y, false, 200.0, &page));
+        let of = |name: &str| left_of(&frame.y, name, 200.0, &page);
+        assert!(of("γ₂") > of(""));
+        // A name that does not fit stands in two lines, both of them in letters of the usual size.
+        let long = "margin, the smallest distance to a barrier";
+        assert_eq!(named(long, 200.0, page.font), ["margin, the smallest", "distance to a barrier"]);
+        assert_eq!((named(long, 900.0, page.font), named("", 9.0, page.font).len()), (vec![long], 0));
+        assert!(of(long) > of("γ₂") + page.font);
     }
 }

@@ -1,7 +1,7 @@
 //! What stands beside a map and tells its colours: samples, lines, notes and a bar.
 
 use crate::classes::{NOTHING, UNKNOWN};
-use crate::drawing::{BLACK, DIM, Drawing, Line, Place, Rgb, sides};
+use crate::drawing::{Across, BLACK, DIM, Drawing, Line, Place, Rgb, Upright, sides};
 use crate::font::width;
 use crate::page::Page;
 use crate::palette::Palette;
@@ -25,8 +25,9 @@ const BESIDE: f64 = 0.7;
 const ROW: f64 = 2.25;
 const HEADING: f64 = 2.4;
 const NOTE: f64 = 1.5;
-/// Between entries that stand side by side.
+/// Between entries that stand side by side, and between words.
 const BETWEEN: f64 = 1.6;
+const SPACE: f64 = 0.32;
 
 /// Sizes of letters against those of legends.
 const TEXT: f64 = 1.1;
@@ -100,13 +101,15 @@ pub(crate) fn draw_list(drawing: &mut Drawing, entries: &[Entry<'_>], [x, mut y]
 pub(crate) fn flow(entries: &[Entry<'_>], room: f64, page: &Page) -> (Vec<Place>, f64) {
     let em = page.font;
     let (mut x, mut y, mut places) = (0.0, 0.0, Vec::new());
-    for entry in entries {
-        let [wide, _] = entry.size();
+    for (i, entry) in entries.iter().enumerate() {
+        let ([wide, _], after) = (entry.size(), entries.get(i + 1));
         if x > 0.0 && (x + wide * em > room || matches!(entry, Entry::Heading(_))) {
             (x, y) = (0.0, y + ROW * em);
         }
+        // A note may go on in the next one.
+        let goes_on = matches!(entry, Entry::Note(_)) && matches!(after, Some(Entry::Note(_)));
         places.push([x, y]);
-        x += (wide + BETWEEN) * em;
+        x += (wide + if goes_on { SPACE } else { BETWEEN }) * em;
     }
     let height = if places.is_empty() { 0.0 } else { y + ROW * em };
     (places, height)
@@ -114,15 +117,26 @@ pub(crate) fn flow(entries: &[Entry<'_>], room: f64, page: &Page) -> (Vec<Place>
 
 pub(crate) fn draw_flow(drawing: &mut Drawing, entries: &[Entry<'_>], [x, y]: Place, room: f64, page: &Page) {
     for (entry, [dx, dy]) in entries.iter().zip(flow(entries, room, page).0) {
-        entry.draw(drawing, [x + dx, y + dy], page);
+        let at = [x + dx, y + dy];
+        match entry {
+            // On one line with what stands beside it.
+            Entry::Heading(text) | Entry::Note(text) => {
+                drawing.words(text, [at[0], at[1] + 0.5 * ROW * page.font], SMALL * page.font, DIM);
+            }
+            _ => entry.draw(drawing, at, page),
+        }
     }
 }
 
-/// Draws a bar of colours into a box, from 0 at its foot to 1 at its head, and hands back what its edges are drawn with.
+/// Draws a bar of colours into a box, along its longer side from 0 at the left or at its foot to 1, and hands back what its edges are drawn
+/// with.
 pub(crate) fn colour_bar(drawing: &mut Drawing, corners: [Place; 2], colour: impl Fn(f64) -> Rgb, page: &Page) -> Line {
-    let [_, rows] = page.pixels(sides(corners));
-    let colours = (0..rows).flat_map(|py| colour(1.0 - (f64::from(py) + 0.5) / f64::from(rows)));
-    drawing.image(corners, [1, rows], colours.collect());
+    let [columns, rows] = page.pixels(sides(corners));
+    let lies = columns > rows;
+    let count = columns.max(rows);
+    let part = |i: u32| (f64::from(i) + 0.5) / f64::from(count);
+    let colours = (0..count).flat_map(|i| colour(if lies { part(i) } else { 1.0 - part(i) }));
+    drawing.image(corners, if lies { [count, 1] } else { [1, count] }, colours.collect());
     let line = Line::new(BLACK, page.px(1.0)).crisp();
     drawing.frame(corners, line);
     line
@@ -130,6 +144,9 @@ pub(crate) fn colour_bar(drawing: &mut Drawing, corners: [Place; 2], colour: imp
 
 /// Width and height of a bar of colours, and the height of its heading, in em.
 const BAR: [f64; 2] = [1.7, 15.0];
+/// Its length where it lies below a map, so that ten ticks have room; and the height of those with some air.
+const LYING: f64 = 28.0;
+const BELOW: f64 = 2.6;
 const NAME: f64 = 2.0;
 
 impl Bar {
@@ -165,6 +182,31 @@ impl Bar {
         let ticks = self.ticks().iter().map(|(_, words)| width(words)).fold(0.0, f64::max);
         let wide = (BAR[0] + 0.7 + ticks).max(SMALL * width(self.heading()));
         [wide * page.font, (NAME + BAR[1] + 1.0) * page.font]
+    }
+
+    /// The height of the bar as it lies below a map, with its name and its ticks; none if it has patches.
+    pub(crate) fn lying(&self, page: &Page) -> f64 {
+        if self.patches().is_some() { 0.0 } else { (NAME + BAR[0] + BELOW) * page.font }
+    }
+
+    /// Draws it so from a place down, no longer than `room`.
+    pub(crate) fn draw_lying(&self, drawing: &mut Drawing, palette: Palette, [x, y]: Place, room: f64, page: &Page) {
+        if self.patches().is_some() {
+            return;
+        }
+        let em = page.font;
+        drawing.words(self.heading(), [x, y + 0.4 * NAME * em], SMALL * em, DIM);
+        // The words of ticks at its ends stand out by half of their length.
+        let ticks = self.ticks();
+        let air = ticks.iter().map(|(_, words)| 0.5 * em * width(words)).fold(0.0, f64::max);
+        let (left, top) = (page.snap(x + air), y + NAME * em);
+        let (wide, foot) = ((room - 2.0 * air).min(LYING * em), top + BAR[0] * em);
+        let line = colour_bar(drawing, [[left, top], [left + wide, foot]], |part| palette.scale(part), page);
+        for (part, words) in ticks {
+            let at = left + part * wide;
+            drawing.line(vec![[at, foot], [at, foot + 0.3 * em]], line);
+            drawing.anchored(&words, [at, foot + 0.5 * em], em, BLACK, (Across::Centre, Upright::Top));
+        }
     }
 
     /// Draws it from a place down.

@@ -9,7 +9,7 @@
 //! | `svg`, `pixels`, `pdf` | the three kinds of files |
 //! | `font`, `typeset`, `words` | letters, where they stand, lines of a heading |
 //! | `axis`, `frame`, `markers`, `strokes` | ticks, panels, marks and lines of all pictures |
-//! | `map`, `raster`, `sheet`, `key`, `classes`, `lines`, `palette` | the picture of a map, its pixels, what stands about it, its legend and its words, lines over it, its colours and textures |
+//! | `map`, `shown`, `raster`, `sheet`, `key`, `classes`, `lines`, `palette` | the picture of a map, what it shows of its cells, its pixels, what stands about it, its legend and its words, lines over it, its colours and textures |
 //! | `sight` | for tests: how colours look to other eyes and on grey paper |
 //! | `quantity` | numbers of cells, and how they become colours |
 //! | `one_axis` | the curves of a sweep over one parameter |
@@ -62,6 +62,7 @@ mod raster;
 mod regions;
 mod run;
 mod sheet;
+mod shown;
 #[cfg(test)]
 mod sight;
 mod spacetime;
@@ -72,15 +73,13 @@ mod typeset;
 mod words;
 
 pub use animation::animation;
-pub use axis::power_of_ten;
+pub use axis::{place, power_of_ten};
 pub use canvas::{open, render};
 pub use classes::loss;
 pub use curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 pub use ends::{EndsPicture, MOST_VALUES, ends_picture};
 pub use format::{Format, PlotError};
-pub use map::{
-    Cells, MapBorder, MapLine, MapPicture, is_shown, map_picture, map_with_lines, shown_cells, shown_within,
-};
+pub use map::{MapBorder, MapLine, MapPicture, map_picture, map_with_lines};
 pub use motion::{Animation, Instant, MOST_MASSES, Moving};
 pub use one_axis::{OneAxisPicture, one_axis_picture};
 pub use orbit::{OrbitPanels, Profile, orbit_picture};
@@ -90,4 +89,6 @@ pub use panels::curves_picture;
 pub use quantity::{NumberScale, Quantity, Shade, number_scale};
 pub use regions::{RegionsPicture, regions_picture};
 pub use run::{RunPicture, run_picture};
+pub use sheet::about;
+pub use shown::{Shown, is_shown};
 pub use spacetime::{Spacetime, spacetime_picture};

@@ -1,16 +1,16 @@
 //! The picture of a sweep over one parameter: numbers of the breather that gives each cell its class, against the parameter.
 
 use vibrochain_maps::cell::{Cell, Class};
-use vibrochain_maps::scene::{Axis, Scene, Values};
+use vibrochain_maps::scene::{Axis, Scene};
 
-use crate::axis::power_of_ten;
+use crate::axis::{place, power_of_ten};
 use crate::classes::{UNKNOWN, class_words};
 use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 use crate::format::PlotError;
 use crate::page::Page;
 use crate::panels::curves_picture;
 use crate::quantity::{LEAST_GROWTH, Quantity, span_decades};
-use crate::sheet::{fixed, label};
+use crate::sheet::about;
 
 /// What is drawn.
 #[derive(Debug)]
@@ -58,28 +58,21 @@ pub fn one_axis_picture(picture: &OneAxisPicture<'_>, page: impl Into<Page>) -> 
         .filter(|quantity| quantity.of_scene(picture.scene).is_ok());
     let mut panes: Vec<Pane> = there.map(|quantity| pane(quantity, axis, &cells)).collect();
     // One above the other they share what stands below the last one, and names.
-    if let Some((last, above)) = panes.split_last_mut() {
+    if let Some((_, above)) = panes.split_last_mut() {
         above.iter_mut().for_each(|pane| pane.x = String::new());
-        last.x = label(axis);
     }
-    let scene = picture.scene;
-    let title = [scene.heading(), fixed(scene), scene.criterion()].join(", ");
-    let picture = Curves { title, columns: 1, panes, pane: PANE, one_legend: true, ..Curves::default() };
+    let picture =
+        Curves { title: about(picture.scene), columns: 1, panes, pane: PANE, one_legend: true, ..Curves::default() };
     curves_picture(&picture, page)
 }
 
 /// Cells with their places along the axis, from left to right.
 fn ordered<'a>(axis: &Axis, cells: &'a [Cell]) -> Vec<(f64, &'a Cell)> {
     let stride = axis.points().div_ceil(cells.len().max(1));
-    let place = |value: f64| if is_logarithmic(axis) { value.log10() } else { value };
     let mut placed: Vec<(f64, &Cell)> =
-        (0..axis.points()).step_by(stride.max(1)).map(|i| place(axis.value(i))).zip(cells).collect();
+        (0..axis.points()).step_by(stride.max(1)).map(|i| place(axis, axis.value(i))).zip(cells).collect();
     placed.sort_by(|one, other| one.0.total_cmp(&other.0));
     placed
-}
-
-fn is_logarithmic(axis: &Axis) -> bool {
-    matches!(axis.values, Values::Logarithmic { .. })
 }
 
 fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
@@ -128,17 +121,8 @@ fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
         _ => (Scale::Linear, Vec::new()),
     };
     let ends = cells.first().zip(cells.last()).filter(|(first, last)| first.0 < last.0);
-    Pane {
-        caption: String::new(),
-        x: String::new(),
-        y,
-        x_range: ends.map(|(first, last)| first.0..last.0),
-        x_log: is_logarithmic(axis),
-        scale,
-        levels,
-        round: false,
-        series,
-    }
+    let x_range = ends.map(|(first, last)| first.0..last.0);
+    Pane { y, x_range, scale, levels, series, ..Pane::over(axis) }
 }
 
 /// A cell in a panel.

@@ -5,7 +5,7 @@ use crate::canvas::render;
 use crate::curves::{Curves, Pane, Series};
 use crate::drawing::{BLACK, Drawing, Place};
 use crate::format::PlotError;
-use crate::frame::{Frame, below, left_of};
+use crate::frame::{Frame, below, name_of, ticks_of};
 use crate::legend::Legend;
 use crate::page::Page;
 use crate::pane::axes;
@@ -19,7 +19,7 @@ const NARROW: f64 = 22.0;
 const LOW: f64 = 16.0;
 
 /// What is left for the curves at least, in em: below that a panel is all legend.
-const LEAST_BODY: f64 = 7.0;
+const LEAST_BODY: f64 = 10.0;
 
 /// The bytes of the picture.
 ///
@@ -68,7 +68,9 @@ fn draw(picture: &Curves, page: &Page) -> Drawing {
     title.draw(&mut drawing);
     key.draw(&mut drawing, [EDGE * em, top], page);
     // Panels below each other stand on one line.
-    let left = rows.iter().map(|row| row.left(page)).fold(0.0, f64::max);
+    let [ticks, names] =
+        rows.iter().map(|row| row.left(page)).fold([0.0; 2], |most, one| [0, 1].map(|i| f64::max(most[i], one[i])));
+    let left = [ticks + names + 0.6 * em, ticks];
     let mut y = top + key.height();
     for row in rows {
         row.draw(&mut drawing, y, left, page);
@@ -131,9 +133,14 @@ impl Row<'_> {
         }
     }
 
-    fn left(&self, page: &Page) -> f64 {
-        let of = |pane: &Pane| left_of(&self.axes(pane).1, !pane.y.is_empty(), 0.7 * self.low, page);
-        self.panes.iter().map(of).fold(0.0, f64::max) + 0.3 * page.font
+    /// Widths of the ticks and names of vertical axes.
+    fn left(&self, page: &Page) -> [f64; 2] {
+        let high = self.height(page) - self.heading(page) - self.captions(page) - self.legends(page) - 0.8 * page.font;
+        let of = |pane: &Pane| {
+            let length = high - below(!pane.x.is_empty(), page);
+            [ticks_of(&self.axes(pane).1, length, page), name_of(&pane.y, length, page)]
+        };
+        self.panes.iter().map(of).fold([0.0; 2], |most, one| [most[0].max(one[0]), most[1].max(one[1])])
     }
 
     fn caption(&self, i: usize, page: &Page) -> Heading {
@@ -170,7 +177,7 @@ impl Row<'_> {
         self.heading(page) + self.low.max(LOW * em).max(about + LEAST_BODY * em) + 0.3 * em
     }
 
-    fn draw(&self, drawing: &mut Drawing, y: f64, left: f64, page: &Page) {
+    fn draw(&self, drawing: &mut Drawing, y: f64, [left, ticks]: [f64; 2], page: &Page) {
         let em = page.font;
         if let Some(heading) = &self.heading {
             heading.draw(drawing, [EDGE * em, y + 0.4 * em], BLACK);
@@ -189,7 +196,7 @@ impl Row<'_> {
                 [page.snap(from + self.width - RIGHT * em), page.snap(bottom - below(!pane.x.is_empty(), page))],
             ];
             let (x, y) = self.axes(pane);
-            pane.draw(drawing, Frame { corners, x, y }, page);
+            pane.draw(drawing, Frame { corners, x, y, ticks }, page);
         }
     }
 }
@@ -199,7 +206,7 @@ pub(crate) fn draw_pane(
     drawing: &mut Drawing,
     pane: &Pane,
     [[left, top], [right, bottom]]: [Place; 2],
-    inner: f64,
+    [inner, ticks]: [f64; 2],
     page: &Page,
 ) {
     let row = Row {
@@ -218,7 +225,7 @@ pub(crate) fn draw_pane(
         [page.snap(right), page.snap(bottom - below(!pane.x.is_empty(), page))],
     ];
     let (x, y) = axes(pane);
-    pane.draw(drawing, Frame { corners, x, y }, page);
+    pane.draw(drawing, Frame { corners, x, y, ticks }, page);
 }
 
 #[cfg(test)]

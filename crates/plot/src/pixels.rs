@@ -5,6 +5,7 @@ use tiny_skia::{
     StrokeDash, Transform,
 };
 
+use crate::coverage::parts;
 use crate::drawing::{Drawing, Element, Fill, Image, Line, Pattern, Place, Rgb, Shape, Words};
 use crate::font::{Pen, outline, set};
 use crate::format::PlotError;
@@ -223,8 +224,7 @@ impl Painter<'_> {
 
 /// A raster in other numbers of pixels: each the mean of what lies in it.
 fn fitted_to([columns, rows]: [u32; 2], rgb: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
-    let across = shares(columns, width);
-    let down = shares(rows, height);
+    let (across, down) = (parts(columns, width), parts(rows, height));
     let mut wide = vec![[0.0_f32; 3]; (width * rows) as usize];
     for row in 0..rows as usize {
         for (x, parts) in across.iter().enumerate() {
@@ -249,18 +249,6 @@ fn fitted_to([columns, rows]: [u32; 2], rgb: &[u8], [width, height]: [u32; 2]) -
         }
     }
     all
-}
-
-/// For each of `to` equal parts of a line, the `from` equal parts in it and their shares.
-fn shares(from: u32, to: u32) -> Vec<Vec<(usize, f32)>> {
-    let ratio = f64::from(from) / f64::from(to);
-    let part = |i: u32| {
-        let (low, high) = (f64::from(i) * ratio, f64::from(i + 1) * ratio);
-        let inside = low.floor() as usize..(high.ceil() as usize).min(from as usize);
-        let share = |k: usize| ((high.min((k + 1) as f64) - low.max(k as f64)) / ratio) as f32;
-        inside.map(|k| (k, share(k))).filter(|(_, share)| *share > 1e-6).collect()
-    };
-    (0..to).map(part).collect()
 }
 
 /// The outlines of a line of letters.

@@ -97,6 +97,18 @@ impl Quantity {
         }
     }
 
+    /// Of two cells that share a place of a map, what stands out: the larger growth, impulse or number of breathers, the smaller margin; what
+    /// has a number before what has none.
+    pub(crate) fn outstanding(self, one: Shade, other: Shade) -> Shade {
+        match (one, other) {
+            (Shade::Number(a), Shade::Number(b)) => {
+                Shade::Number(if self == Self::Margin { a.min(b) } else { a.max(b) })
+            }
+            (Shade::Number(_), _) | (_, Shade::Nothing) => one,
+            _ => other,
+        }
+    }
+
     /// How a map shows it.
     pub fn shade(self, cell: &Cell) -> Shade {
         // Of multipliers it is the distance from 1 that says something, and that needs all digits.

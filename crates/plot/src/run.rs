@@ -5,6 +5,7 @@ use crate::curves::{Mark, Pane, Scale, Series, Stroke};
 use crate::drawing::Drawing;
 use crate::field::Field;
 use crate::format::PlotError;
+use crate::frame::name_of;
 use crate::page::Page;
 use crate::panels::draw_pane;
 use crate::spacetime::{BAR, Panel, WIDTH};
@@ -31,6 +32,9 @@ pub struct RunPicture {
 const TRACE: f64 = 380.0;
 const FIELD: f64 = 480.0;
 
+/// What stands above and below the upper panel on a narrow page, in em: a legend of two rows, ticks and a name.
+const ABOUT: f64 = 8.0;
+
 /// The bytes of the picture.
 ///
 /// # Errors
@@ -45,11 +49,14 @@ pub fn run_picture(picture: &RunPicture, page: impl Into<Page>) -> Result<Vec<u8
     let mut drawing = Drawing::new([wide, bottom + 0.5 * em], &picture.title);
     title.draw(&mut drawing);
     let RunPicture { field, barriers, periods, .. } = picture;
-    let x = "time, in periods since the start (whole run)";
+    let x = "time in periods (whole run)";
     let panel = Panel { field, barriers: *barriers, periods: *periods, x, impacts: &[] };
-    let left = panel.left(bottom - middle, &page).max(4.6 * em);
+    // Both panels begin where ticks of the one and the name of the other have room; less its legend and ticks, the upper one is so high.
+    let (pane, high) = (picture.trace(), middle - top - ABOUT * em);
+    let named = panel.ticks(bottom - middle, &page) + name_of(&pane.y, high, &page) + 0.6 * em;
+    let left = panel.left(bottom - middle, &page).max(named);
     let trace = [[left, top], [wide - BAR * em, middle - 0.8 * em]];
-    draw_pane(&mut drawing, &picture.trace(), trace, left, &page);
+    draw_pane(&mut drawing, &pane, trace, [left, panel.ticks(bottom - middle, &page)], &page);
     panel.draw(&mut drawing, [[left, middle], [wide, bottom]], &page);
     render(&drawing, &page)
 }
@@ -68,7 +75,7 @@ impl RunPicture {
             points: points.clone(),
         };
         Pane {
-            x: "time, in periods since the start (end of the run)".to_owned(),
+            x: "time in periods (end of the run)".to_owned(),
             y: "impacting mass u₀".to_owned(),
             x_range: Some(first..last),
             scale: Scale::Between(lower - 0.15..upper + 0.15),

@@ -7,7 +7,7 @@ use vibrochain_maps::cell::Class;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 
-use crate::axis::Axis;
+use crate::axis::{Axis, label};
 use crate::canvas::render;
 use crate::classes::{class_words, loss};
 use crate::drawing::{BLACK, DIM, Drawing, Line, Pattern, Place, Shape};
@@ -67,10 +67,6 @@ impl Placed {
     }
 }
 
-pub(crate) fn label(axis: &SweptAxis) -> String {
-    format!("{} {}", axis.parameter.meaning(), axis.parameter.symbol())
-}
-
 /// "21 masses (N = 20), γ₁ = 0.2, …": what is fixed.
 pub(crate) fn fixed(scene: &Scene) -> String {
     let layout = scene.base.layout;
@@ -85,6 +81,12 @@ pub(crate) fn fixed(scene: &Scene) -> String {
         }
     }
     text
+}
+
+/// What the picture of a scene says above its panels: heading, all that is fixed, and what counts as stable.
+pub fn about(scene: &Scene) -> String {
+    let parts = [scene.heading(), fixed(scene), scene.criterion()];
+    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
 impl<'a> Sheet<'a> {
@@ -118,17 +120,12 @@ impl<'a> Sheet<'a> {
     pub(crate) fn placed(&self, cells: [usize; 2], page: Page) -> Placed {
         let em = page.font;
         let y_axis = Axis::swept(self.axes[1], self.spans[1].clone());
-        let left = page.snap(left_of(&y_axis, true, 0.6 * page.width.unwrap_or(TARGET), &page) + 0.3 * em);
+        let left =
+            page.snap(left_of(&y_axis, &label(self.axes[1]), 0.6 * page.width.unwrap_or(TARGET), &page) + 0.3 * em);
         let bar = self.bar.map_or([0.0; 2], |(bar, _)| bar.size(&page));
         let list = list_width(&self.entries, &page);
         let beside = page.width.is_none_or(|wide| wide >= WIDE * em);
-        let legend = if beside {
-            GAP * em + bar[0].max(list)
-        } else if bar[0] > 0.0 {
-            GAP * em + bar[0]
-        } else {
-            0.0
-        };
+        let legend = if beside { GAP * em + bar[0].max(list) } else { 0.0 };
         let room = page.width.map_or(page.px(TARGET), |wide| (wide - left - legend - RIGHT * em).max(8.0 * em));
         let pixels = |cells: usize| {
             let most = (room * page.scale()).floor();
@@ -150,10 +147,11 @@ impl<'a> Sheet<'a> {
         let height = if beside {
             foot.max(top + bar[1] + list_height(&self.entries, &page) + em)
         } else {
-            foot.max(top + bar[1]) + flow(&self.entries, wide - 2.0 * EDGE * em, &page).1 + 0.5 * em
+            let lying = self.bar.map_or(0.0, |(bar, _)| bar.lying(&page));
+            foot + lying + flow(&self.entries, wide - 2.0 * EDGE * em, &page).1 + 0.5 * em
         };
         let x = Axis::swept(self.axes[0], self.spans[0].clone());
-        Placed { frame: Frame { corners, x, y: y_axis }, headings, size: [wide, height], beside, page }
+        Placed { frame: Frame { corners, x, y: y_axis, ticks: 0.0 }, headings, size: [wide, height], beside, page }
     }
 
     /// The bytes of the picture: what `ground` draws, then all that stands about it.
@@ -178,7 +176,7 @@ impl<'a> Sheet<'a> {
         ground(&mut drawing);
         frame.axes(&mut drawing, [&label(self.axes[0]), &label(self.axes[1])], page);
         let (x, mut y) = (right + GAP * em, top);
-        if let Some((bar, palette)) = &self.bar {
+        if let Some((bar, palette)) = self.bar.as_ref().filter(|_| *beside) {
             bar.draw(&mut drawing, *palette, [x, y], page);
             y += bar.size(page)[1];
         }
@@ -188,6 +186,9 @@ impl<'a> Sheet<'a> {
             let room = size[0] - 2.0 * EDGE * em;
             let at = [EDGE * em, size[1] - 0.5 * em - flow(&self.entries, room, page).1];
             draw_flow(&mut drawing, &self.entries, at, room, page);
+            if let Some((bar, palette)) = &self.bar {
+                bar.draw_lying(&mut drawing, *palette, [at[0], at[1] - bar.lying(page)], room, page);
+            }
         }
         render(&drawing, page)
     }

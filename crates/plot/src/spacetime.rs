@@ -5,7 +5,7 @@ use crate::canvas::render;
 use crate::drawing::{BLACK, Drawing, Line, Place, Rgb, WHITE};
 use crate::field::{Field, Shown};
 use crate::format::PlotError;
-use crate::frame::{Frame, TICK, below, left_of};
+use crate::frame::{Frame, TICK, below, left_of, ticks_of};
 use crate::key::colour_bar;
 use crate::page::Page;
 use crate::words::{HEADING, Title};
@@ -52,7 +52,7 @@ pub fn spacetime_picture(picture: &Spacetime, page: impl Into<Page>) -> Result<V
     let mut drawing = Drawing::new([wide, bottom + 0.5 * em], &picture.title);
     title.draw(&mut drawing);
     let Spacetime { barriers, field, impacts, .. } = picture;
-    let panel = Panel { field, barriers: *barriers, periods: 1.0, x: "time, in periods of the orbit", impacts };
+    let panel = Panel { field, barriers: *barriers, periods: 1.0, x: "time in periods (rings: impacts)", impacts };
     let left = panel.left(bottom - top, &page);
     panel.draw(&mut drawing, [[left, top], [wide, bottom]], &page);
     render(&drawing, &page)
@@ -73,9 +73,22 @@ impl Panel<'_> {
         Axis::numbers(low..low + self.field.sites as f64)
     }
 
+    fn name(&self) -> &'static str {
+        match (self.field.lowest < 0, self.field.length < self.field.sites) {
+            (true, _) => "site, from site 0",
+            (false, false) => "site",
+            (false, true) => "site, layer upon layer",
+        }
+    }
+
+    /// The width of its vertical ticks.
+    pub(crate) fn ticks(&self, height: f64, page: &Page) -> f64 {
+        ticks_of(&self.y(), height, page)
+    }
+
     /// Where its box begins.
     pub(crate) fn left(&self, height: f64, page: &Page) -> f64 {
-        left_of(&self.y(), true, height, page) + 0.3 * page.font
+        left_of(&self.y(), self.name(), height, page) + 0.3 * page.font
     }
 
     /// Draws it from the left edge of its box to the right end of the picture, ticks and names below included.
@@ -84,7 +97,7 @@ impl Panel<'_> {
         let (em, periods) = (page.font, self.periods.max(1e-9));
         let corners =
             [[page.snap(left), page.snap(top)], [page.snap(right - BAR * em), page.snap(bottom - below(true, page))]];
-        let frame = Frame { corners, x: Axis::numbers(0.0..periods), y: self.y() };
+        let frame = Frame { corners, x: Axis::numbers(0.0..periods), y: self.y(), ticks: 0.0 };
         let pixels = page.pixels(frame.size());
         drawing.image(corners, pixels, self.raster(pixels));
         for border in (*length..*sites).step_by(*length) {
@@ -98,12 +111,7 @@ impl Panel<'_> {
             drawing.circle(at, page.px(6.0), Some(WHITE), Some(Line::new(BLACK, page.px(2.0))));
             drawing.circle(at, page.px(2.0), Some(BLACK), None);
         }
-        let y = match (*lowest < 0, *length < *sites) {
-            (true, _) => "site, from site 0",
-            (false, false) => "site",
-            (false, true) => "site, layer upon layer",
-        };
-        frame.axes(drawing, [self.x, y], page);
+        frame.axes(drawing, [self.x, self.name()], page);
         self.bar(drawing, [corners[1][0] + 1.2 * em, corners[0][1]], frame.size()[1], page);
     }
 

@@ -45,7 +45,7 @@ impl<'a> Stage<'a> {
         let y = Axis::numbers(lower - air..upper + air);
         let x = Axis::numbers(picture.lowest as f64 - 0.8..(picture.lowest + picture.length as i64) as f64 - 0.2);
         let band = wide * BAND / WIDTH;
-        let left = page.snap(left_of(&y, true, band, &page) + 0.3 * em);
+        let left = page.snap(left_of(&y, "displacement u", band, &page) + 0.3 * em);
         let top = title.foot();
         let mut ground =
             Drawing::new([wide, top + (layers as f64) * (band + below(true, &page)) + 0.6 * em], &picture.title);
@@ -54,7 +54,7 @@ impl<'a> Stage<'a> {
         for layer in 0..layers {
             let above = top + layer as f64 * (band + below(true, &page)) + 0.7 * em;
             let corners = [[left, page.snap(above)], [page.snap(wide - 1.4 * em), page.snap(above + band - 0.7 * em)]];
-            let frame = Frame { corners, x: x.clone(), y: y.clone() };
+            let frame = Frame { corners, x: x.clone(), y: y.clone(), ticks: 0.0 };
             for barrier in [lower, upper] {
                 let y = frame.place((0.0, barrier))[1];
                 ground.line(vec![[corners[0][0], y], [corners[1][0], y]], Line::new(DIM, page.px(2.0)).crisp());

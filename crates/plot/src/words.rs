@@ -4,7 +4,7 @@ use crate::drawing::{Across, BLACK, Drawing, Place, Rgb, Upright};
 use crate::font::width;
 
 /// Distance of two lines in em.
-const STEP: f64 = 1.36;
+pub(crate) const STEP: f64 = 1.36;
 
 /// Sizes of headings against the letters of legends: what stands above a whole picture is the largest, what stands above a row or a
 /// panel, or names an axis, is between; legends themselves are the body.

@@ -151,4 +151,7 @@ pub struct AccuracyArgs {
     /// Fewer settings and short timings: a look, not a measurement.
     #[arg(long)]
     pub quick: bool,
+    /// Measure nothing: draw the pictures of the tables that are there, and leave those and accuracy.md as they are.
+    #[arg(long, conflicts_with = "quick")]
+    pub redraw: bool,
 }

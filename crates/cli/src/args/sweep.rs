@@ -1,6 +1,6 @@
 //! Maps: `sweep` and `merge`, and their pictures.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
 use vibrochain_maps::numbers::real;
@@ -108,6 +108,13 @@ pub struct PictureArgs {
     /// How they are made.
     #[command(flatten)]
     pub page: PageArgs,
+}
+
+impl PictureArgs {
+    /// The flags that name a file each, and the file, if they were given.
+    pub(crate) fn files(&self) -> [(&'static str, Option<&Path>); 3] {
+        [("--png", self.png.as_deref()), ("--svg", self.svg.as_deref()), ("--pdf", self.pdf.as_deref())]
+    }
 }
 
 /// Arguments of `mapgen merge`.

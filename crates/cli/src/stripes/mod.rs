@@ -35,7 +35,7 @@ use crate::table_manifest::{Manifest, beside, of_scene};
 use crate::table_rows::TableRows;
 use crate::threads::threads;
 use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
-use vibrochain_plot::{Cells, MapLine, MapPicture, Palette, Tile, is_shown, map_with_lines};
+use vibrochain_plot::{MapLine, MapPicture, Palette, Shown, Tile, map_with_lines};
 
 pub(crate) use crate::stripes::table::COLUMNS;
 
@@ -108,10 +108,9 @@ pub(crate) fn redraw(
 
 /// The picture of the map and its lines, with `all` also those of differences.
 fn draw(files: PictureFiles, request: &Request, tiles: &[Tile], lines: &[Line], all: bool) -> Result<(), CliError> {
-    let shown = tiles.iter().zip(0..).filter(|(_, cell)| is_shown(&request.scene, *cell));
-    let shown: Vec<Tile> = shown.map(|(tile, _)| *tile).collect();
-    let map =
-        MapPicture { scene: &request.scene, cells: Cells::Classes(&shown), palette: Palette::default(), borders: &[] };
+    let mut shown = Shown::classes(&request.scene);
+    (0..).zip(tiles).for_each(|(number, tile)| shown.tile(number, *tile));
+    let map = MapPicture { scene: &request.scene, cells: &shown, palette: Palette::default(), borders: &[] };
     let lines: Vec<MapLine> =
         lines.iter().filter(|line| line.sum || all).map(|line| drawn(line, request.own)).collect();
     files.draw(|page| map_with_lines(&map, &lines, page))

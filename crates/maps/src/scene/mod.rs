@@ -230,11 +230,17 @@ impl Scene {
             if !text.is_empty() {
                 text += ", ";
             }
-            text += &match self.task.tolerance {
-                Tolerance::Rounding => "stable: no |μ| above 1 by more than rounding".to_owned(),
-                Tolerance::Growth(growth) => format!("stable: growth |μ| − 1 below {growth} a period"),
-            };
+            text += &criterion(self.task.tolerance);
         }
         text
+    }
+}
+
+/// What counts as stable, in words.
+#[must_use]
+pub fn criterion(tolerance: Tolerance) -> String {
+    match tolerance {
+        Tolerance::Rounding => "stable: no |μ| above 1 by more than rounding".to_owned(),
+        Tolerance::Growth(growth) => format!("stable: growth |μ| − 1 below {growth} a period"),
     }
 }

@@ -35,6 +35,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::accuracy::document::{Block, Document, Section};
 use crate::accuracy::extremes::report::{Report, Surroundings};
 use crate::accuracy::meter::Meter;
+use crate::accuracy::picture::work_precision_picture;
 use crate::accuracy::table::Table;
 use crate::args::{AccuracyArgs, SuiteName};
 use vibrochain_cli::console::Console;
@@ -42,6 +43,7 @@ use vibrochain_cli::error::CliError;
 use vibrochain_cli::threads::threads;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::promises_folder;
+use vibrochain_plot::Format;
 
 /// One suite: what it compares, in words, and how it is run.
 struct Suite {
@@ -81,6 +83,9 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
     promises_folder("--out", &args.out)?;
     let chosen = SUITES.iter().filter(|(name, _)| args.suite.is_empty() || args.suite.contains(name));
     let chosen: Vec<&Suite> = chosen.map(|(_, suite)| *suite).collect();
+    if args.redraw {
+        return redraw(&args.out.join(FILES), &chosen);
+    }
     // Destinations first: an impossible one should not cost a computation.
     let document_file = Output::create(&args.out.join(DOCUMENT))?;
     let folder = args.out.join(FILES);
@@ -131,6 +136,18 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
     broken.map_or(Ok(()), |message| Err(CliError::Computation(message)))
 }
 
+/// Draws the tables that are in `folder`.
+fn redraw(folder: &Path, chosen: &[&Suite]) -> Result<(), CliError> {
+    for suite in chosen {
+        let path = folder.join(format!("{}.csv", suite.name));
+        let wrong = |what: String| CliError::Request(format!("table {}: {what}", path.display()));
+        let text = std::fs::read_to_string(&path).map_err(|error| wrong(format!("it cannot be read: {error}")))?;
+        let table = Table::read(&text).map_err(wrong)?;
+        draw(pictures(folder, suite.name)?, &table, suite)?;
+    }
+    Ok(())
+}
+
 /// The table of the extremes.
 const EXTREMES: &str = "extremes.csv";
 
@@ -177,29 +194,33 @@ fn progress(suites: usize, shown: bool) -> ProgressBar {
 /// The files of one suite.
 struct Files {
     csv: Output,
-    pictures: [(vibrochain_plot::Format, Output); 2],
+    pictures: Pictures,
+}
+
+/// Those of its pictures.
+type Pictures = [(Format, Output); 2];
+
+fn pictures(folder: &Path, name: &str) -> Result<Pictures, CliError> {
+    let open = |format: Format| Output::create(&folder.join(format!("{name}.{}", format.ending())));
+    Ok([(Format::Png, open(Format::Png)?), (Format::Svg, open(Format::Svg)?)])
+}
+
+fn draw(pictures: Pictures, table: &Table, suite: &Suite) -> Result<(), CliError> {
+    let picture = table.picture(suite.title, suite.error);
+    for (format, file) in pictures {
+        file.finish_with(&work_precision_picture(&picture, format).map_err(computation)?)?;
+    }
+    Ok(())
 }
 
 impl Files {
     fn open(folder: &Path, name: &str) -> Result<Self, CliError> {
-        let open = |ending: &str| Output::create(&folder.join(format!("{name}.{ending}")));
-        Ok(Self {
-            csv: open("csv")?,
-            pictures: [(vibrochain_plot::Format::Png, open("png")?), (vibrochain_plot::Format::Svg, open("svg")?)],
-        })
+        Ok(Self { csv: Output::create(&folder.join(format!("{name}.csv")))?, pictures: pictures(folder, name)? })
     }
 
     fn write(self, table: &Table, suite: &Suite) -> Result<(), CliError> {
         self.csv.finish_with(&table.csv()?)?;
-        {
-            let picture = table.picture(suite.title, suite.error);
-            for (format, file) in self.pictures {
-                let bytes = crate::accuracy::picture::work_precision_picture(&picture, format)
-                    .map_err(|error| CliError::Computation(error.to_string()))?;
-                file.finish_with(&bytes)?;
-            }
-        }
-        Ok(())
+        draw(self.pictures, table, suite)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use vibrochain_cli::error::CliError;
+use vibrochain_maps::fields::Fields;
 
 /// Columns of the CSV file.
 const COLUMNS: [&str; 6] = ["case", "method", "setting", "seconds", "error", "note"];
@@ -54,6 +55,30 @@ impl Table {
             writer.write_record(record).map_err(|error| failed(&error))?;
         }
         writer.into_inner().map_err(|error| failed(&error))
+    }
+
+    /// The rows of such a file.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub(super) fn read(text: &str) -> Result<Self, String> {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
+        let mut records = reader.records();
+        let first = records.next().and_then(Result::ok).unwrap_or_default();
+        if first != COLUMNS[..] {
+            return Err(format!("its columns are not {}", COLUMNS.join(",")));
+        }
+        let row = |(number, record): (usize, Result<csv::StringRecord, csv::Error>)| {
+            let wrong = |what: String| format!("row {}: {what}", number + 1);
+            let record = record.map_err(|error| wrong(error.to_string()))?;
+            let mut fields = Fields::of(&COLUMNS, &record).map_err(wrong)?;
+            let mut text = || fields.text().to_owned();
+            let (case, method, setting) = (text(), text(), text());
+            let (seconds, error) = (fields.finite().map_err(wrong)?, fields.finite().map_err(wrong)?);
+            Ok(Row { case, method, setting, seconds, error, note: fields.text().to_owned() })
+        };
+        let rows = records.enumerate().map(row).collect::<Result<_, String>>()?;
+        Ok(Self { rows })
     }
 
     fn cases(&self) -> Vec<&str> {
@@ -130,6 +155,16 @@ mod tests {
         assert_eq!(lines[0], "case,method,setting,seconds,error,note");
         assert_eq!(lines[1], "a,x,\"J = 10, 20\",1.250e-5,2.000e-4,");
         assert_eq!(lines[2], "b,x,\"J = 10, 20\",1.250e-5,0,by definition");
+        assert_eq!(Table::read(&csv), Ok(table.clone()));
+        for (old, new, told) in [
+            ("method", "way", "its columns are not case,method,setting,seconds,error,note"),
+            ("2.000e-4", "few", "row 1: its error is `few`"),
+            ("1.250e-5,0", "inf,0", "row 2: its seconds is `inf`"),
+            (",by definition", "", "row 2: "),
+        ] {
+            let told_of = Table::read(&csv.replacen(old, new, 1)).unwrap_err();
+            assert!(csv.contains(old) && told_of.starts_with(told), "{told_of}");
+        }
         let markdown = table.markdown();
         assert_eq!(markdown.len(), 2);
         assert!(markdown[0].contains("| x | J = 10, 20 | 12 µs | 2.0e-4 |\n| y |") && !markdown[0].contains("note"));

@@ -4,9 +4,7 @@ use vibrochain_cli::error::CliError;
 use vibrochain_maps::cell::Cell;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
-use vibrochain_plot::{
-    Cells, Curves, Format, MapPicture, Palette, PlotError, Tile, curves_picture, is_shown, map_picture,
-};
+use vibrochain_plot::{Curves, Format, MapPicture, Palette, PlotError, Shown, curves_picture, map_picture};
 
 /// A figure that has been computed.
 pub(super) struct Drawn {
@@ -22,20 +20,20 @@ pub(super) struct Drawn {
 /// The two kinds of pictures.
 pub(super) enum Picture {
     Curves(Box<Curves>),
-    Map { scene: Box<Scene>, tiles: Vec<Tile> },
+    Map { scene: Box<Scene>, cells: Shown },
 }
 
 impl Picture {
     pub(super) fn map(scene: &Scene, cells: &[Cell]) -> Self {
-        let shown = (0..).zip(cells).filter(|(number, _)| is_shown(scene, *number));
-        Self::Map { scene: Box::new(scene.clone()), tiles: shown.map(|(_, cell)| Tile::from(cell)).collect() }
+        let mut shown = Shown::classes(scene);
+        (0..).zip(cells).for_each(|(number, cell)| shown.cell(number, cell));
+        Self::Map { scene: Box::new(scene.clone()), cells: shown }
     }
 
     pub(super) fn bytes(&self, format: Format) -> Result<Vec<u8>, PlotError> {
         match self {
             Self::Curves(curves) => curves_picture(curves, format),
-            Self::Map { scene, tiles } => {
-                let cells = Cells::Classes(tiles);
+            Self::Map { scene, cells } => {
                 map_picture(&MapPicture { scene, cells, palette: Palette::Colour, borders: &[] }, format)
             }
         }
