@@ -501,20 +501,6 @@ impl ImpulseResponse {
         sums.map(f64x4::to_array)
     }
 
-    /// As [`ImpulseResponse::jet_between`] of one site and itself, at four times at once.
-    pub fn jets_at(&self, site: usize, offsets: [f64; 4]) -> [KernelJet; 4] {
-        if !self.is_home(site, site) {
-            return offsets.map(|offset| self.jet_between(site, site, offset));
-        }
-        let [values, slopes, curvatures, thirds] = self.jets_from_half(offsets);
-        std::array::from_fn(|i| KernelJet {
-            value: values[i],
-            slope: slopes[i],
-            curvature: curvatures[i],
-            third: thirds[i],
-        })
-    }
-
     /// Four terms of the dynamic part and its derivatives, of modes with these frequencies, scales, offsets and half phases.
     #[inline(always)]
     fn terms(&self, [frequency, scale, defect, y]: [f64x4; 4], time: f64x4) -> [f64x4; 4] {
@@ -757,7 +743,9 @@ mod tests {
                 for part in -40..=40 {
                     let offset = f64::from(part) / 80.0 * r.period;
                     // Modes or times by fours.
-                    let [_, of_times, ..] = r.jets_at(0, [0.0, offset, -offset, 0.3 * offset]);
+                    let jets = r.jets_from_half([0.0, offset, -offset, 0.3 * offset]);
+                    let [value, slope, curvature, third] = jets.map(|jets| jets[1]);
+                    let of_times = KernelJet { value, slope, curvature, third };
                     let (fours, ones) = (r.jet_by_fours(offset), r.jet_one_by_one(offset));
                     let own = r.own_weights();
                     let size = |power: i32| -> f64 {

@@ -86,7 +86,7 @@ impl Aberth {
                 }
             }
             for i in 0..wanted {
-                if !self.settled[i] && !(self.paired[i / 2] && i % 2 == 1) {
+                if !(self.settled[i] || self.paired[i / 2] && i % 2 == 1) {
                     self.step(form, i);
                 }
             }
