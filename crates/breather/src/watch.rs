@@ -17,7 +17,6 @@ use vibrochain_lattice::{Barrier, DistinctMasses};
 use crate::admissibility::{Admissibility, Approach, Obstruction};
 use crate::error::BreatherError;
 use crate::grid::Grid;
-use crate::lanes::LANES;
 use crate::motion::Motion;
 use crate::orbit::{Orbit, Reflection};
 use crate::polynomial::{turning_points, with_overlap};
@@ -171,34 +170,16 @@ impl Watch {
                     self.window.advance(&self.watched, motion, interval, elapsed);
                 }
                 self.window.expand(&self.watched, model, &force, motion.force_time(interval, elapsed));
-                for (group, sites) in self.watched.sites().chunks(LANES).enumerate() {
-                    let distances = self.window.distances(group, a);
-                    for (lane, &site) in sites.iter().enumerate() {
-                        if distances[lane] >= closest.distance {
-                            continue;
-                        }
-                        let i = group * LANES + lane;
-                        let still = || self.window.polynomial(i).coefficients[1].abs() < STILL;
-                        if !is_hit(site) || w == 0 && !hit_at(site, start) && still() {
-                            closest.note(a, site, start + elapsed, self.window.displacement(i));
-                        }
+                for (i, &site) in self.watched.sites().iter().enumerate() {
+                    let still = || self.window.polynomial(i).coefficients[1].abs() < STILL;
+                    if !is_hit(site) || w == 0 && !hit_at(site, start) && still() {
+                        closest.note(a, site, start + elapsed, self.window.displacement(i));
                     }
                 }
                 self.window.enclose(step);
-                for (group, sites) in self.watched.sites().chunks(LANES).enumerate() {
-                    let reaches = self.window.reaches(group, a);
-                    let far = closest.distance - RESOLUTION;
-                    if !reaches.iter().take(sites.len()).any(|reach| *reach < far) {
-                        continue;
-                    }
-                    let paces = self.window.paces(group, step);
-                    for (lane, &site) in sites.iter().enumerate() {
-                        let i = group * LANES + lane;
-                        // A mass that does not turn comes closest at an end.
-                        let near = reaches[lane] < closest.distance - RESOLUTION;
-                        if !near || paces[lane] >= STILL {
-                            continue;
-                        }
+                for (i, &site) in self.watched.sites().iter().enumerate() {
+                    let (low, high) = self.window.range(i);
+                    if (1.0 - (high - a)).min(1.0 + (low - a)) < closest.distance - RESOLUTION {
                         let polynomial = self.window.polynomial(i);
                         turning_points(
                             &polynomial,

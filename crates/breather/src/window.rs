@@ -14,7 +14,7 @@
 use vibrochain_lattice::{Complex, DistinctMasses, Model, Wave};
 use wide::f64x4;
 
-use crate::lanes::{LANES, Lane, groups};
+use crate::lanes::{LANES, Lane};
 use crate::motion::Motion;
 use crate::polynomial::{ORDER, Polynomial};
 
@@ -56,7 +56,7 @@ impl Window {
     pub(crate) fn place(&mut self, watched: &DistinctMasses, motion: &mut Motion, interval: usize, elapsed: f64) {
         let masses = watched.sites().len();
         if self.masses != masses {
-            let lanes = groups(masses);
+            let lanes = masses.div_ceil(LANES);
             self.masses = masses;
             self.stride = lanes * LANES + 2;
             self.coefficients.clear();
@@ -101,25 +101,26 @@ impl Window {
             self.expand_layers(watched, model, &pushes);
             return;
         }
-        let masses = self.masses;
-        let ends = [watched.left()[0], watched.right()[masses - 1]].map(|n| if n < masses { FIRST + n } else { NONE });
-        let step = Step { g1, g2, ends, after: FIRST + masses };
-        let rows = &mut self.coefficients;
-        // With the length of a row known to the compiler, nothing but numbers is left to work on.
-        match self.lows.len() {
-            1 => expand_short::<1, 6>(rows, &step, &pushes),
-            2 => expand_short::<2, 10>(rows, &step, &pushes),
-            3 => expand_short::<3, 14>(rows, &step, &pushes),
-            4 => expand_short::<4, 18>(rows, &step, &pushes),
-            6 => expand_short::<6, 26>(rows, &step, &pushes),
-            groups => {
-                let stride = self.stride;
-                rows.chunks_exact_mut(stride).take(2).for_each(|row| step.close(row));
-                for (k, push) in pushes.into_iter().enumerate() {
-                    let (known, rest) = rows.split_at_mut((k + 2) * stride);
-                    step.next_row(k, push, &known[k * stride..(k + 1) * stride], &mut rest[..stride], groups);
-                }
+        let (stride, masses) = (self.stride, self.masses);
+        let close = |row: &mut [f64]| {
+            let ends = [watched.left()[0], watched.right()[masses - 1]]
+                .map(|neighbour| if neighbour < masses { row[FIRST + neighbour] } else { 0.0 });
+            (row[0], row[FIRST + masses]) = (ends[0], ends[1]);
+        };
+        self.coefficients.chunks_exact_mut(stride).take(2).for_each(close);
+        for (k, push) in pushes.into_iter().enumerate() {
+            let scale = 1.0 / ((k + 1) * (k + 2)) as f64;
+            let (known, rest) = self.coefficients.split_at_mut((k + 2) * stride);
+            let (c, next) = (&known[k * stride..(k + 1) * stride], &mut rest[..stride]);
+            let (left, own, right) = (&c[..stride - 2], &c[1..stride - 1], &c[2..]);
+            let sides = left.as_chunks::<LANES>().0.iter().zip(right.as_chunks::<LANES>().0);
+            let targets = next[FIRST..].as_chunks_mut::<LANES>().0.iter_mut().zip(own.as_chunks::<LANES>().0);
+            let (scale, push) = (f64x4::splat(scale), f64x4::splat(push));
+            for ((next, own), (left, right)) in targets.zip(sides) {
+                let (own, sides) = (f64x4::from(*own), f64x4::from(*left) + f64x4::from(*right));
+                *next = (scale * (push - g1 * own - g2 * (own + own - sides))).to_array();
             }
+            close(next);
         }
     }
 
@@ -170,17 +171,17 @@ impl Window {
         }
     }
 
-    /// Coefficients of every order, of some groups of masses.
-    fn rows<const N: usize>(&self, from: usize) -> impl DoubleEndedIterator<Item = [f64x4; N]> + ExactSizeIterator {
-        self.coefficients.chunks_exact(self.stride).map(move |row| lanes(row, FIRST + from * LANES))
-    }
-
     fn enclose_lanes<const N: usize>(&mut self, from: usize, length: f64) -> usize {
         let (zero, length) = (f64x4::ZERO, f64x4::splat(length));
         let (mut low, mut high, mut value, mut slope) = ([zero; N], [zero; N], [zero; N], [zero; N]);
-        let mut rows = self.rows::<N>(from);
-        let start = rows.next().unwrap_or([zero; N]);
-        for c in rows.rev() {
+        let place = FIRST + from * LANES;
+        let lanes = |row: &[f64]| -> [f64x4; N] {
+            let lanes = row.get(place..).unwrap_or_default().as_chunks::<LANES>().0;
+            std::array::from_fn(|lane| lanes.get(lane).map_or(zero, |four| f64x4::from(*four)))
+        };
+        let mut rows = self.coefficients.chunks_exact(self.stride);
+        let start = rows.next().map_or([zero; N], lanes);
+        for c in rows.rev().map(lanes) {
             for i in 0..N {
                 low[i] = (c[i] + length * low[i]).fast_min(zero);
                 high[i] = (c[i] + length * high[i]).fast_max(zero);
@@ -197,35 +198,13 @@ impl Window {
         N
     }
 
-    /// By how much four masses at least stay away from the nearer barrier within the length last enclosed, at asymmetry `a`: each
-    /// coefficient of the wrong sign is dropped, so that what is left can only grow.
-    pub(crate) fn reaches(&self, group: usize, a: f64) -> Lane {
-        let (a, low, high) = (f64x4::splat(a), f64x4::from(self.lows[group]), f64x4::from(self.highs[group]));
-        (f64x4::ONE - (high - a)).fast_min(f64x4::ONE + (low - a)).to_array()
+    /// Smallest and largest displacement that mass `i` could have within the length last enclosed: each coefficient of the
+    /// wrong sign is dropped, so that what is left can only grow.
+    pub(crate) fn range(&self, i: usize) -> (f64, f64) {
+        (self.lows[i / LANES][i % LANES], self.highs[i / LANES][i % LANES])
     }
 
-    /// By how much they stay away from it at the window's start.
-    pub(crate) fn distances(&self, group: usize, a: f64) -> Lane {
-        let [own] = lanes::<1>(&self.coefficients, FIRST + group * LANES);
-        (f64x4::ONE - (own - f64x4::splat(a)).abs()).to_array()
-    }
-
-    /// How far from 0 the velocities of four masses stay within `length`, in units; 0 or less where they may vanish.
-    pub(crate) fn paces(&self, group: usize, length: f64) -> Lane {
-        let (zero, length) = (f64x4::ZERO, f64x4::splat(length));
-        let (mut low, mut high) = (zero, zero);
-        let mut rows = self.rows::<1>(group).zip(ORDERS).skip(1);
-        let [start] = rows.next().map_or([zero], |(c, _)| c);
-        // Σ k c_k s^(k−1)
-        for ([c], order) in rows.rev() {
-            let c = c * f64x4::splat(order);
-            low = (c + length * low).fast_min(zero);
-            high = (c + length * high).fast_max(zero);
-        }
-        (start + length * low).fast_max(-(start + length * high)).to_array()
-    }
-
-    /// Displacement of mass `i` at the end of the length last enclosed.
+    /// Displacement of mass `i` at the end of that length.
     pub(crate) fn final_displacement(&self, i: usize) -> f64 {
         self.values[i / LANES][i % LANES]
     }
@@ -237,84 +216,6 @@ impl Window {
             *c = row[FIRST + i];
         }
         Polynomial { coefficients }
-    }
-}
-
-/// Some groups of a row.
-#[inline(always)]
-fn lanes<const N: usize>(row: &[f64], place: usize) -> [f64x4; N] {
-    let groups = row.get(place..).and_then(|row| row.as_chunks::<LANES>().0.first_chunk::<N>());
-    groups.map_or([f64x4::ZERO; N], |groups| groups.map(f64x4::from))
-}
-
-/// Of a row without a neighbour: no place in it.
-const NONE: usize = usize::MAX;
-
-/// What leads from one row of coefficients to that two orders on.
-struct Step {
-    g1: f64x4,
-    g2: f64x4,
-    /// Places of the neighbours of the first and the last mass, if they have any.
-    ends: [usize; 2],
-    /// The place after the last mass.
-    after: usize,
-}
-
-impl Step {
-    /// Puts the neighbours of the first and the last mass beside them.
-    #[inline(always)]
-    fn close(&self, row: &mut [f64]) {
-        let [before, after] = self.ends.map(|end| row.get(end).copied().unwrap_or_default());
-        row[0] = before;
-        if let Some(slot) = row.get_mut(self.after) {
-            *slot = after;
-        }
-    }
-
-    /// Works out a row from that two orders before.
-    #[inline(always)]
-    fn next_row(&self, k: usize, push: f64, row: &[f64], next: &mut [f64], groups: usize) {
-        let (scale, push) = (f64x4::splat(SCALES[k]), f64x4::splat(push));
-        for place in (FIRST..).step_by(LANES).take(groups) {
-            let [[left], [own], [right]] = [place - 1, place, place + 1].map(|place| lanes::<1>(row, place));
-            let sides = left + right;
-            let value = scale * (push - self.g1 * own - self.g2 * (own + own - sides));
-            next[place..place + LANES].copy_from_slice(&value.to_array());
-        }
-        self.close(next);
-    }
-}
-
-/// 0, 1, 2, …
-const ORDERS: [f64; ORDER] = {
-    let mut orders = [0.0; ORDER];
-    let mut k = 1;
-    while k < ORDER {
-        orders[k] = k as f64;
-        k += 1;
-    }
-    orders
-};
-
-/// 1/((k+1)(k+2))
-const SCALES: [f64; ORDER - 2] = {
-    let mut scales = [0.0; ORDER - 2];
-    let mut k = 0;
-    while k < ORDER - 2 {
-        scales[k] = 1.0 / ((k + 1) * (k + 2)) as f64;
-        k += 1;
-    }
-    scales
-};
-
-/// All rows of `G` groups, each `S` numbers long.
-fn expand_short<const G: usize, const S: usize>(coefficients: &mut [f64], step: &Step, pushes: &[f64; ORDER - 2]) {
-    let rows = coefficients.as_chunks_mut::<S>().0;
-    rows.iter_mut().take(2).for_each(|row| step.close(row));
-    for (k, push) in pushes.iter().enumerate() {
-        if let Some([row, _, next]) = rows.get_mut(k..).and_then(|rows| rows.first_chunk_mut::<3>()) {
-            step.next_row(k, *push, row, next, G);
-        }
     }
 }
 
@@ -344,12 +245,8 @@ mod tests {
             list.resize(1, [0.0; LANES]);
         }
         window.enclose(1.0);
-        // cos 1, and a little less.
-        let [pace, ..] = window.paces(0, 1.0);
-        assert!(pace <= 1f64.cos() && pace > 0.45);
-        let [low, high] = [window.lows[0][0], window.highs[0][0]];
+        let (low, high) = window.range(0);
         assert!(low <= 0.0 && high >= 1f64.sin() && high <= 1.01);
-        assert_eq!(window.reaches(0, 0.3)[0], (1.0 - (high - 0.3)).min(1.0 + (low - 0.3)));
         assert_eq!(window.final_displacement(0), sine.evaluate(1.0).0);
     }
 }
