@@ -41,8 +41,14 @@ fn positive(a: f64) -> f64 {
 
 /// Bound on |p_J| for every mass of a ring.
 pub(crate) fn tail(rows: &Rows, sites: usize, units: &Units, horizon: f64) -> f64 {
-    let largest =
-        |k: usize| rows.row(k, 0)[..sites].iter().fold(0.0, |m: f64, d| if d.abs() > m { d.abs() } else { m });
+    let largest = |k: usize| {
+        let (groups, rest) = rows.row(k, 0)[..sites].as_chunks::<LANES>();
+        let mut most = [0.0; LANES];
+        let larger = |most: &mut f64, d: &f64| *most = if d.abs() > *most { d.abs() } else { *most };
+        groups.iter().for_each(|group| most.iter_mut().zip(group).for_each(|(most, d)| larger(most, d)));
+        most.iter_mut().zip(rest).for_each(|(most, d)| larger(most, d));
+        most.into_iter().fold(0.0, f64::max)
+    };
     let edge = positive(largest(TAIL).max(largest(TAIL + 1) / units.rate));
     let q = units.rate * horizon / (TAIL + 1) as f64;
     let forced = 0.5 * units.amplitude * units.rate.powi(TAIL as i32 - 2) * q / ((1.0 - q) * (1.0 - q));
@@ -62,7 +68,7 @@ pub(crate) struct Group {
 /// From bounds of p_{k+1} to bounds of p_k. Inlined, so that they stay in registers.
 #[inline(always)]
 fn pass(rows: &Rows, k: usize, base: usize, h: f64, up: &mut [f64; LANES], down: &mut [f64; LANES]) {
-    if let Some(row) = rows.row(k, base).first_chunk::<LANES>() {
+    if let Some(row) = rows.eight(k, base) {
         for i in 0..LANES {
             up[i] = row[i] + h * positive(up[i]);
             down[i] = row[i] - h * positive(-down[i]);
@@ -72,6 +78,7 @@ fn pass(rows: &Rows, k: usize, base: usize, h: f64, up: &mut [f64; LANES], down:
 
 /// Upper and lower bounds of the displacements of masses `base` … `base`+7 relative to their start, over the window
 /// whose `fractions` are given.
+#[inline(always)]
 pub(crate) fn group(rows: &Rows, base: usize, from: usize, tail: f64, fractions: &[f64; MAX_ORDER + 1]) -> Group {
     let (mut up, mut down) = ([tail; LANES], [-tail; LANES]);
     for k in (2..from).rev() {
@@ -90,14 +97,33 @@ pub(crate) fn group(rows: &Rows, base: usize, from: usize, tail: f64, fractions:
     group
 }
 
+/// Upper and lower bound of one series over a window, under way: the highest terms come first.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Enclosure {
+    up: f64,
+    down: f64,
+}
+
+impl Enclosure {
+    /// Of p_{k+1}, from now on of p_k = d_k + s/(k+1) · p_{k+1}, the most of s/(k+1) being `part`.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, d: f64, part: f64) {
+        self.up = d + part * positive(self.up);
+        self.down = d - part * positive(-self.down);
+    }
+
+    /// The bounds, rounding of the way here included.
+    pub(crate) fn bounds(self) -> (f64, f64) {
+        let Self { up, down } = self;
+        (up + up.abs() * (INFLATE - 1.0), down - down.abs() * (INFLATE - 1.0))
+    }
+}
+
 /// Upper and lower bound over [0, H] of the polynomial Σ c_k s^k, plain Taylor coefficients.
 pub(crate) fn polynomial(c: &[f64], horizon: f64) -> (f64, f64) {
-    let (mut up, mut down) = (0.0, 0.0);
-    for &c in c.iter().rev() {
-        up = c + horizon * positive(up);
-        down = c - horizon * positive(-down);
-    }
-    (up + up.abs() * (INFLATE - 1.0), down - down.abs() * (INFLATE - 1.0))
+    let mut enclosure = Enclosure::default();
+    c.iter().rev().for_each(|c| enclosure.add(*c, horizon));
+    enclosure.bounds()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::ops::Range;
 
 use crate::bound;
 use crate::event::Work;
@@ -25,7 +26,7 @@ const CLEARANCE: f64 = 64.0 * f64::EPSILON;
 const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
 
 /// Cost of restarting a mass in the middle of a window relative to its share of a whole window; measured.
-const RESTART_COST: f64 = 3.0;
+const RESTART_COST: f64 = 2.0;
 
 /// On rings this small the rounding errors of every mass repeat with every impact, not only those of the mass that
 /// leaves a barrier.
@@ -35,6 +36,19 @@ const FEW: usize = 4;
 const LARGE: usize = 64;
 
 const NONE: u32 = u32::MAX;
+
+/// Change of the rate of events, relative, below which the order of the series stays what it was: costs of neighbouring orders differ
+/// by more where they differ at all.
+const SAME_RATE: f64 = 1.0 / 16.0;
+
+/// An order that has been chosen, with its horizon, and for what.
+#[derive(Debug, Clone, Copy)]
+struct Choice {
+    least: u8,
+    rate: f64,
+    order: usize,
+    horizon: f64,
+}
 
 /// A time before which a mass has no contact.
 #[derive(Debug, Clone, Copy)]
@@ -105,6 +119,7 @@ pub(crate) struct Engine {
     /// Horizons of all orders, for velocities up to `horizons_for`.
     horizons: [f64; ORDERS.len()],
     horizons_for: f64,
+    chosen: Option<Choice>,
     fractions: [f64; MAX_ORDER + 1],
     version: Vec<u32>,
     slot: Vec<u32>,
@@ -144,6 +159,7 @@ impl Engine {
             since_event: 0.0,
             horizons,
             horizons_for: fastest,
+            chosen: None,
             fractions: [0.0; MAX_ORDER + 1],
             version: vec![0; sites],
             slot: vec![NONE; sites],
@@ -175,11 +191,17 @@ impl Engine {
     ///
     /// A mass that leaves a barrier with a derivative of high order needs a series that has it: `least` orders.
     fn choose_order(&mut self, least: u8) -> (usize, f64) {
+        let rate = self.event_rate;
         if self.fastest > self.horizons_for {
             self.horizons_for = 2.0 * self.fastest;
             self.horizons = self.units.horizons(self.horizons_for);
+        } else if let Some(chosen) = self.chosen
+            && chosen.least == least
+            && (rate - chosen.rate).abs() <= SAME_RATE * chosen.rate
+        {
+            return (chosen.order, chosen.horizon);
         }
-        let (sites, rate) = (self.ring.sites() as f64, self.event_rate);
+        let sites = self.ring.sites() as f64;
         let mut best = (f64::INFINITY, ORDERS[0], self.horizons[0]);
         let enough = |order: usize| order >= usize::from(least);
         for (&order, &horizon) in ORDERS.iter().zip(&self.horizons).filter(|(order, _)| enough(**order)) {
@@ -196,7 +218,9 @@ impl Engine {
                 best = (cost, order, horizon);
             }
         }
-        (best.1, best.2)
+        let (_, order, horizon) = best;
+        self.chosen = Some(Choice { least, rate, order, horizon });
+        (order, horizon)
     }
 
     /// Expands and bounds the whole ring from the base.
@@ -256,13 +280,26 @@ impl Engine {
 
     /// Queues those of eight masses that their bounds do not clear.
     pub(crate) fn sift(&mut self, bounds: &bound::Group, lanes: std::ops::Range<usize>, site: impl Fn(usize) -> usize) {
+        let (mut x, mut reference) = ([0.0; LANES], [0.0; LANES]);
+        for lane in lanes.clone() {
+            (x[lane], reference[lane]) = (self.ring.x[site(lane)], self.ring.reference[site(lane)]);
+        }
+        let lowers = reference.map(|reference| self.units.lower - reference);
+        let uppers = reference.map(|reference| self.units.upper - reference);
+        let mut clear = [false; LANES];
+        for i in 0..LANES {
+            clear[i] =
+                (x[i] + bounds.rise[i] < uppers[i] - CLEARANCE) & (x[i] + bounds.fall[i] > lowers[i] + CLEARANCE);
+        }
+        if clear[lanes.clone()].iter().all(|clear| *clear) {
+            return;
+        }
         for lane in lanes {
-            let n = site(lane);
-            let (x, reference) = (self.ring.x[n], self.ring.reference[n]);
-            let (lower, upper) = (self.units.lower - reference, self.units.upper - reference);
-            if x + bounds.rise[lane] < upper - CLEARANCE && x + bounds.fall[lane] > lower + CLEARANCE {
+            if clear[lane] {
                 continue;
             }
+            let n = site(lane);
+            let (x, lower, upper) = (x[lane], lowers[lane], uppers[lane]);
             if self.ring.is_resting(n) {
                 continue;
             }
@@ -313,18 +350,25 @@ impl Engine {
     fn open(&mut self, n: usize) -> f64 {
         let order = self.rows.order;
         let mut c = [0.0; MAX_ORDER + 1];
-        for k in 1..=order {
-            c[k] = self.rows.get(k, n) * self.units.inverse_factorial[k];
+        let horizon = self.horizon - self.origin[n];
+        // The second derivative is d_2 + d_3 s + …: bounded on the way.
+        let mut bend = bound::Enclosure::default();
+        for k in (1..=order).rev() {
+            let derivative = self.rows.get(k, n);
+            c[k] = derivative * self.units.inverse_factorial[k];
+            if k > 1 {
+                bend.add(derivative, horizon * self.units.inverse[k - 1]);
+            }
         }
         c[0] = self.ring.x[n];
         let reference = self.ring.reference[n];
         let barriers = (self.units.lower - reference, self.units.upper - reference);
-        let horizon = self.horizon - self.origin[n];
-        let watch = Watch::flight(n, c, order, horizon, barriers, self.ring.contact[n]);
+        let watch = Watch::flight(n, c, order, horizon, barriers, bend, self.ring.contact[n]);
         self.work.watched += 1;
         self.slot[n] = self.watches.len() as u32;
+        let tau = watch.tau;
         self.watches.push(watch);
-        watch.tau
+        tau
     }
 
     /// The next contacts up to `limit` (since the base): those within [`SIMULTANEOUS`] of the first are left in
@@ -401,22 +445,17 @@ impl Engine {
 
     /// Moves the base to `s`: the states of all masses there, and nothing in flight.
     pub(crate) fn rebase(&mut self, s: f64) {
-        let order = self.rows.order;
         self.weights = self.weights_at(s);
-        self.rows.at_all(&self.ring.x, &self.weights, &mut self.x_next, &mut self.v_next);
+        let (mut x, mut v) = (std::mem::take(&mut self.x_next), std::mem::take(&mut self.v_next));
+        self.states_at(s, &self.weights, &mut x, &mut v);
+        (self.x_next, self.v_next) = (x, v);
         for (n, lost) in &self.lost {
             // For a mass restarted since, it has served its turn.
             if self.origin[*n] == 0.0 {
                 (self.x_next[*n], self.v_next[*n]) = self.rows.at(*n, self.ring.x[*n], &self.weights, Some(lost));
             }
         }
-        let mut moved = std::mem::take(&mut self.moved);
-        for n in moved.drain(..) {
-            self.weights.plain(s - self.origin[n], order, &self.units.inverse_factorial);
-            (self.x_next[n], self.v_next[n]) = self.rows.at(n, self.ring.x[n], &self.weights, None);
-            self.origin[n] = 0.0;
-        }
-        self.moved = moved;
+        self.moved.drain(..).for_each(|n| self.origin[n] = 0.0);
         std::mem::swap(&mut self.ring.x, &mut self.x_next);
         std::mem::swap(&mut self.ring.v, &mut self.v_next);
         self.ring.settle_all();
@@ -426,28 +465,52 @@ impl Engine {
 
     /// Displacements and velocities (internal) at `s` since the base, within the certified part of the window.
     pub(crate) fn read(&self, s: f64, x: &mut [f64], v: &mut [f64]) {
-        let order = self.rows.order;
-        let mut weights = self.weights_at(s);
-        self.rows.at_all(&self.ring.x, &weights, x, v);
-        for &n in &self.moved {
-            weights.plain(s - self.origin[n], order, &self.units.inverse_factorial);
-            (x[n], v[n]) = self.rows.at(n, self.ring.x[n], &weights, None);
+        self.states_at(s, &self.weights_at(s), x, v);
+    }
+
+    /// The same with the weights for masses whose series begin at the base.
+    fn states_at(&self, s: f64, weights: &Weights, x: &mut [f64], v: &mut [f64]) {
+        self.rows.at_all(&self.ring.x, weights, x, v);
+        if self.moved.is_empty() {
+            return;
+        }
+        for ((base, x), v) in (0..).step_by(LANES).zip(x.chunks_mut(LANES)).zip(v.chunks_mut(LANES)) {
+            let origins = &self.origin[base..base + x.len()];
+            if origins.iter().all(|origin| *origin == 0.0) {
+                continue;
+            }
+            let (x_then, v_then) = self.group_at(base, origins.len(), s);
+            for (i, origin) in origins.iter().enumerate() {
+                if *origin != 0.0 {
+                    (x[i], v[i]) = (x_then[i], v_then[i]);
+                }
+            }
         }
     }
 
-    /// Carries the mass `n` alone to `s`, as the new origin of its series.
-    pub(crate) fn carry(&mut self, n: usize, s: f64) {
-        let lapse = s - self.origin[n];
-        if lapse > 0.0 {
-            if self.weights.high[1] != lapse {
-                self.weights.plain(lapse, self.rows.order, &self.units.inverse_factorial);
+    /// Displacements and velocities at `s` of `count` ≤ 8 masses from `base` on, whatever the origins of their series.
+    fn group_at(&self, base: usize, count: usize, s: f64) -> ([f64; LANES], [f64; LANES]) {
+        let (mut x, mut lapses) = ([0.0; LANES], [0.0; LANES]);
+        x[..count].copy_from_slice(&self.ring.x[base..base + count]);
+        lapses.iter_mut().zip(&self.origin[base..base + count]).for_each(|(lapse, origin)| *lapse = s - origin);
+        self.rows.each_at(base, &x, &lapses, &self.units.inverse)
+    }
+
+    /// Carries the masses of a range alone to `s`, as the new origin of their series.
+    pub(crate) fn carry(&mut self, masses: Range<usize>, s: f64) {
+        for base in masses.clone().step_by(LANES) {
+            let count = LANES.min(masses.end - base);
+            let (x, v) = self.group_at(base, count, s);
+            for (i, n) in (base..base + count).enumerate() {
+                if s > self.origin[n] {
+                    (self.ring.x[n], self.ring.v[n]) = (x[i], v[i]);
+                    self.ring.settle(n);
+                    if self.origin[n] == 0.0 {
+                        self.moved.push(n);
+                    }
+                    self.origin[n] = s;
+                }
             }
-            (self.ring.x[n], self.ring.v[n]) = self.rows.at(n, self.ring.x[n], &self.weights, None);
-            self.ring.settle(n);
-            if self.origin[n] == 0.0 {
-                self.moved.push(n);
-            }
-            self.origin[n] = s;
         }
     }
 }

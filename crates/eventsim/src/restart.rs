@@ -12,7 +12,7 @@ use crate::bound;
 use crate::collision::Change;
 use crate::engine::Engine;
 use crate::series::{Extent, LANES};
-use crate::units::{MAX_ORDER, spread};
+use crate::units::spread;
 use vibrochain_lattice::Ends;
 
 /// Least number of neighbours restarted on either side: the derivatives that decide a contact look two masses far.
@@ -37,9 +37,10 @@ impl Engine {
         let apart = self.split(reach, &mut parts);
         if apart {
             for &(start, length) in &parts {
-                for i in 0..length {
-                    self.carry((start + i) % self.ring.sites(), s);
-                }
+                // Over the end of the ring there are two ranges.
+                let (end, sites) = (start + length, self.ring.sites());
+                self.carry(start..end.min(sites), s);
+                self.carry(0..end.saturating_sub(sites), s);
             }
             self.collide(s, changes);
             for &part in &parts {
@@ -104,17 +105,13 @@ impl Engine {
         let ends = self.units.chain.ends();
         let at_end = |last: bool| (ends != Ends::Closed && last).then_some(ends);
         let beyond = [at_end(start == 0), at_end(start + length == sites)];
-        for (column, n) in [(0, site(sites - 1)), (length + 1, site(length))] {
-            // (At the end of a row this ghost is filled by the expansion.)
-            let mut edge = [0.0; MAX_ORDER + 1];
+        for (side, n) in [site(sites - 1), site(length)].into_iter().enumerate() {
+            // (At the end of a row the expansion knows better.)
             let lapse = s - self.origin[n];
             if self.weights.high[1] != lapse {
                 self.weights.plain(lapse, order, &self.units.inverse_factorial);
             }
-            self.rows.shifted(n, self.ring.position(n), &self.weights, &mut edge);
-            for k in 0..=order {
-                rows.data[k * rows.stride + column] = edge[k];
-            }
+            self.rows.shifted(n, self.ring.position(n), &self.weights, &mut rows.edges[side]);
         }
         let (mut resting, mut soft) = (std::mem::take(&mut self.resting_columns), std::mem::take(&mut self.soft));
         resting.clear();

@@ -18,6 +18,8 @@
 //!   (a free end), 0 (a wall), or, for a part, its neighbours' known series. Rings of one and two masses are right without
 //!   a special case. Of several layers the neighbours are looked up in a list, in which ghost column 0 is the wall.
 
+use wide::f64x4;
+
 use crate::time::two_sum;
 use crate::units::{MAX_ORDER, Units};
 use vibrochain_lattice::{Chain, Ends};
@@ -39,6 +41,11 @@ const TWO_WORDS: usize = 9;
 
 /// Orders below this are corrected for what rounding took from a mass that leaves a barrier.
 pub(crate) const CORRECTED: usize = 9;
+
+/// The same number four times.
+fn all(x: f64) -> f64x4 {
+    f64x4::splat(x)
+}
 
 /// Splits a number into halves whose products are exact (Veltkamp).
 fn split(a: f64) -> (f64, f64) {
@@ -93,7 +100,7 @@ impl Weights {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent<'a> {
     pub(crate) columns: usize,
-    /// What stands beyond the first and the last column; `None`: the ghost column already holds the neighbour's series.
+    /// What stands beyond the first and the last column; `None`: a neighbour whose series is in [`Rows::edges`].
     pub(crate) beyond: [Option<Ends>; 2],
     /// The columns of all masses' neighbours, ghosts counted, where they are not simply the columns beside: see [`links`].
     pub(crate) links: &'a [[u32; 4]],
@@ -117,6 +124,8 @@ pub(crate) struct Rows {
     pub(crate) data: Vec<f64>,
     pub(crate) stride: usize,
     pub(crate) order: usize,
+    /// Series beyond the first and the last column, where these do not follow from the columns.
+    pub(crate) edges: [[f64; MAX_ORDER + 1]; 2],
 }
 
 impl Rows {
@@ -136,8 +145,17 @@ impl Rows {
         &self.data[k * self.stride + n + 1..(k + 1) * self.stride]
     }
 
+    /// d_k of eight columns from `n` on.
+    #[inline(always)]
+    pub(crate) fn eight(&self, k: usize, n: usize) -> Option<&[f64; LANES]> {
+        self.data.get(k * self.stride + n + 1..)?.first_chunk()
+    }
+
     /// Takes d_1 … d_K of `count` columns of `from`, from `first` there, to the columns from `n` on.
     pub(crate) fn take(&mut self, from: &Rows, first: usize, n: usize, count: usize) {
+        if count == 0 {
+            return;
+        }
         for k in 1..=self.order {
             let to = k * self.stride + n + 1;
             self.data[to..to + count].copy_from_slice(&from.row(k, first)[..count]);
@@ -148,49 +166,23 @@ impl Rows {
         self.data[k * self.stride + n + 1] = value;
     }
 
-    /// The column that a ghost beside the mass `own` repeats: itself, if it is known, as that of a wall is from now on.
-    fn echo(&mut self, ends: Option<Ends>, ghost: usize, own: usize, far: usize) -> usize {
+    /// The column that a ghost beside the mass `own` repeats; `None` if it has a series of its own, as a wall has.
+    fn echo(&mut self, side: usize, ends: Option<Ends>, own: usize, far: usize) -> Option<usize> {
         match ends {
-            None => ghost,
-            Some(Ends::Closed) => far,
-            Some(Ends::Free) => own,
+            None => None,
+            Some(Ends::Closed) => Some(far),
+            Some(Ends::Free) => Some(own),
             Some(Ends::Fixed) => {
-                self.data.iter_mut().skip(ghost).step_by(self.stride).for_each(|ghost| *ghost = 0.0);
-                ghost
+                self.edges[side] = [0.0; MAX_ORDER + 1];
+                None
             }
-        }
-    }
-
-    /// Fills the ghosts of row `k`, which has `columns` masses.
-    fn close(&mut self, k: usize, columns: usize, [first, last]: [usize; 2]) {
-        let row = &mut self.data[k * self.stride..(k + 1) * self.stride];
-        row[0] = row[first];
-        row[columns + 1] = row[last];
-    }
-
-    /// d_{k+2} of all masses of several layers from d_k.
-    fn advance_layers(&mut self, k: usize, links: &[[u32; 4]], units: &Units, force: f64) {
-        let (known, new) = self.data.split_at_mut((k + 2) * self.stride);
-        let from = &known[k * self.stride..];
-        for ((to, own), sides) in new[1..].iter_mut().zip(&from[1..]).zip(links) {
-            *to = units.pull(*own, sides.map(|column| from[column as usize])) + force;
-        }
-    }
-
-    /// d_{k+2} of the first `columns` columns from d_k and its ghosts.
-    fn advance(&mut self, k: usize, columns: usize, units: &Units, force: f64) {
-        let (known, new) = self.data.split_at_mut((k + 2) * self.stride);
-        let from = &known[k * self.stride..];
-        let (left, own, right) = (&from[..columns], &from[1..=columns], &from[2..columns + 2]);
-        let (g1, g2) = (units.gamma1, units.gamma2);
-        for (((to, l), m), r) in new[1..=columns].iter_mut().zip(left).zip(own).zip(right) {
-            *to = g2 * ((l + r) - 2.0 * m) - g1 * m + force;
         }
     }
 
     /// Room for `columns` masses, reusing the memory there is.
     pub(crate) fn reset(&mut self, columns: usize) {
-        self.stride = (columns + 2).next_multiple_of(LANES) + LANES;
+        // As far as the widest group may run over the end.
+        self.stride = (columns + 2).next_multiple_of(LANES) + 3 * LANES;
         let needed = self.stride * (MAX_ORDER + 1);
         if self.data.len() < needed {
             self.data.resize(needed, 0.0);
@@ -212,30 +204,33 @@ impl Rows {
     ) {
         let Extent { columns, beyond, links, resting, soft } = extent;
         self.order = order;
-        let echoes = [self.echo(beyond[0], 0, 1, columns), self.echo(beyond[1], columns + 1, columns, 1)];
-        let all_known = echoes == [0, columns + 1];
-        if !all_known {
-            self.close(0, columns, echoes);
-            self.close(1, columns, echoes);
-        }
-        for k in 0..=order - 2 {
+        let echoes = [self.echo(0, beyond[0], 1, columns), self.echo(1, beyond[1], columns, 1)];
+        let Self { data, stride, edges, .. } = self;
+        let close = |row: &mut [f64], k: usize| {
+            row[0] = echoes[0].map_or(edges[0][k], |column| row[column]);
+            row[columns + 1] = echoes[1].map_or(edges[1][k], |column| row[column]);
+        };
+        let mut rows = data.chunks_exact_mut(*stride);
+        let (Some(mut from), Some(mut next)) = (rows.next(), rows.next()) else { return };
+        close(from, 0);
+        close(next, 1);
+        for (k, to) in rows.take(order - 1).enumerate() {
             if links.is_empty() {
-                self.advance(k, columns, units, force[k]);
+                advance(from, to, columns, units, force[k]);
             } else {
-                self.advance_layers(k, links, units, force[k]);
+                advance_layers(from, to, links, units, force[k]);
             }
             for (i, &n) in resting.iter().enumerate() {
-                pressed(i, k, self.get(k + 2, n));
-                self.set(k + 2, n, 0.0);
+                pressed(i, k, to[n + 1]);
+                to[n + 1] = 0.0;
             }
             for &(n, first) in soft {
                 if k + 2 < usize::from(first) {
-                    self.set(k + 2, n, 0.0);
+                    to[n + 1] = 0.0;
                 }
             }
-            if !all_known {
-                self.close(k + 2, columns, echoes);
-            }
+            close(to, k + 2);
+            (from, next) = (next, to);
         }
     }
 
@@ -294,24 +289,32 @@ impl Rows {
         (x + (w[1] * first + u), first + v)
     }
 
-    /// The same for the columns `from` … of a ring, written to `x_out` and `v_out`.
+    /// The same for all columns, written to `x_out` and `v_out`.
     pub(crate) fn at_all(&self, x: &[f64], weights: &Weights, x_out: &mut [f64], v_out: &mut [f64]) {
-        for (group, ((x, x_out), v_out)) in
-            x.chunks(LANES).zip(x_out.chunks_mut(LANES)).zip(v_out.chunks_mut(LANES)).enumerate()
-        {
-            let (u, v) = self.group(group * LANES, weights);
-            let first = self.row(1, group * LANES);
-            let s = weights.high[1];
-            for (i, ((x, x_out), v_out)) in x.iter().zip(x_out).zip(v_out).enumerate() {
-                *x_out = x + (s * first[i] + u[i]);
-                *v_out = first[i] + v[i];
-            }
+        // Weights are fetched once for as many columns as processors have registers for.
+        let mut base = 0;
+        while base < x.len() {
+            let rest = base..x.len();
+            let (x, x_out, v_out) = (&x[rest.clone()], &mut x_out[rest.clone()], &mut v_out[rest.clone()]);
+            base += match rest.len() {
+                0..=8 => self.at_some::<2>(base, x, weights, x_out, v_out),
+                9..=16 => self.at_some::<4>(base, x, weights, x_out, v_out),
+                _ => self.at_some::<6>(base, x, weights, x_out, v_out),
+            };
         }
     }
 
-    /// Σ_{k≥2} of eight neighbouring masses, smallest terms first.
-    fn group(&self, base: usize, weights: &Weights) -> ([f64; LANES], [f64; LANES]) {
-        let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+    /// The same of the first `4 V` columns from `base` on, or fewer if there are no more; their number.
+    fn at_some<const V: usize>(
+        &self,
+        base: usize,
+        x: &[f64],
+        weights: &Weights,
+        x_out: &mut [f64],
+        v_out: &mut [f64],
+    ) -> usize {
+        let (mut u, mut v) = ([all(0.0); V], [all(0.0); V]);
+        // Σ_{k≥2}, smallest terms first.
         if weights.low[3] != 0.0 {
             for k in 2..TWO_WORDS {
                 self.accumulate(k, base, weights.low[k], weights.low[k - 1], &mut u, &mut v);
@@ -320,36 +323,114 @@ impl Rows {
         for k in (2..=self.order).rev() {
             self.accumulate(k, base, weights.high[k], weights.high[k - 1], &mut u, &mut v);
         }
-        (u, v)
+        let (u, v) = (u.map(f64x4::to_array), v.map(f64x4::to_array));
+        let (first, s) = (self.row(1, base), weights.high[1]);
+        for ((x_out, x), (first, u)) in x_out.iter_mut().zip(x).zip(first.iter().zip(u.as_flattened())) {
+            *x_out = x + (s * first + u);
+        }
+        for (v_out, (first, v)) in v_out.iter_mut().zip(first.iter().zip(v.as_flattened())) {
+            *v_out = first + v;
+        }
+        4 * V
     }
 
-    /// Adds the derivatives of order `k`, weighted, to the sums of eight masses. Inlined, so that the sums stay in
-    /// registers.
+    /// Adds the derivatives of order `k`, weighted, to sums of four columns each. Inlined, so that the sums stay in registers.
     #[inline(always)]
-    fn accumulate(&self, k: usize, base: usize, w_u: f64, w_v: f64, u: &mut [f64; LANES], v: &mut [f64; LANES]) {
-        if let Some(row) = self.row(k, base).first_chunk::<LANES>() {
-            for i in 0..LANES {
-                u[i] += w_u * row[i];
-                v[i] += w_v * row[i];
+    fn accumulate<const V: usize>(
+        &self,
+        k: usize,
+        base: usize,
+        w_u: f64,
+        w_v: f64,
+        u: &mut [f64x4; V],
+        v: &mut [f64x4; V],
+    ) {
+        let (w_u, w_v) = (all(w_u), all(w_v));
+        if let Some(row) = self.data[k * self.stride + base + 1..].as_chunks::<4>().0.first_chunk::<V>() {
+            for i in 0..V {
+                let d = f64x4::from(row[i]);
+                u[i] += w_u * d;
+                v[i] += w_v * d;
             }
         }
+    }
+
+    /// Displacements and velocities of eight neighbouring columns, each at a time since its own origin, where its displacement is
+    /// `x`: by Horner's rule, as there would be eight sets of weights.
+    pub(crate) fn each_at(
+        &self,
+        base: usize,
+        x: &[f64; LANES],
+        lapses: &[f64; LANES],
+        inverse: &[f64; MAX_ORDER + 1],
+    ) -> ([f64; LANES], [f64; LANES]) {
+        let (mut u, mut v, mut above) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in (1..=self.order).rev() {
+            let Some(row) = self.eight(k, base) else { continue };
+            for i in 0..LANES {
+                let part = lapses[i] * inverse[k];
+                u[i] = row[i] + above[i] * u[i];
+                v[i] = row[i] + part * v[i];
+                above[i] = part;
+            }
+        }
+        for i in 0..LANES {
+            u[i] = x[i] + lapses[i] * u[i];
+        }
+        (u, v)
     }
 
     /// Derivatives of column `n` at the time of the `weights`, as far as the series reaches. `u` is the displacement
     /// at the origin.
     pub(crate) fn shifted(&self, n: usize, u: f64, weights: &Weights, out: &mut [f64; MAX_ORDER + 1]) {
-        let mut own = [0.0; MAX_ORDER + 1];
-        for k in 0..=self.order {
-            own[k] = self.get(k, n);
+        if self.order < 16 {
+            self.shifted_groups::<4>(n, u, weights, out);
+        } else {
+            self.shifted_groups::<7>(n, u, weights, out);
         }
+    }
+
+    /// The same of `4 G` derivatives, those beyond the order being 0. (Inlined: their number is known then.)
+    #[inline(always)]
+    fn shifted_groups<const G: usize>(&self, n: usize, u: f64, weights: &Weights, out: &mut [f64; MAX_ORDER + 1]) {
+        let mut own = [0.0; 2 * MAX_ORDER + 8];
+        let column = self.data[n + 1..].iter().step_by(self.stride);
+        own.iter_mut().zip(column).take(self.order + 1).for_each(|(own, d)| *own = *d);
         own[0] = u;
-        out.fill(0.0);
+        let mut sums = [all(0.0); G];
         for j in (0..=self.order).rev() {
-            let w = weights.high[j];
-            for (out, d) in out.iter_mut().zip(&own[j..=self.order]) {
-                *out += w * d;
+            let w = all(weights.high[j]);
+            if let Some(own) = own[j..].as_chunks::<4>().0.first_chunk::<G>() {
+                for i in 0..G {
+                    sums[i] += w * f64x4::from(own[i]);
+                }
             }
         }
+        let sums = sums.map(f64x4::to_array);
+        out.iter_mut().zip(sums.as_flattened()).for_each(|(out, sum)| *out = *sum);
+    }
+}
+
+/// d_{k+2} of the first `columns` columns from d_k and its ghosts, four at a time: up to three columns beyond the last get what nobody
+/// reads.
+#[inline(always)]
+fn advance(from: &[f64], to: &mut [f64], columns: usize, units: &Units, force: f64) {
+    let groups = columns.div_ceil(4);
+    let [left, own, right] = [0, 1, 2].map(|shift| &from[shift..].as_chunks::<4>().0[..groups]);
+    let to = &mut to[1..].as_chunks_mut::<4>().0[..groups];
+    let (g1, g2, force) = (all(units.gamma1), all(units.gamma2), all(force));
+    // (Four slices zipped cost more than the arithmetic.)
+    for i in 0..groups {
+        let own = f64x4::from(own[i]);
+        let stretch = (f64x4::from(left[i]) + f64x4::from(right[i])) - (own + own);
+        to[i] = (g2 * stretch - g1 * own + force).to_array();
+    }
+}
+
+/// The same of all masses of several layers.
+fn advance_layers(from: &[f64], to: &mut [f64], links: &[[u32; 4]], units: &Units, force: f64) {
+    for ((to, own), sides) in to[1..].iter_mut().zip(&from[1..]).zip(links) {
+        *to = units.pull(*own, sides.map(|column| from[column as usize])) + force;
     }
 }
 

@@ -58,6 +58,8 @@ pub(crate) struct Units {
     /// r of the module's text.
     pub(crate) rate: f64,
     pub(crate) inverse_factorial: [f64; MAX_ORDER + 1],
+    /// 1/k from k = 1 on.
+    pub(crate) inverse: [f64; MAX_ORDER + 1],
 }
 
 impl Units {
@@ -88,6 +90,7 @@ impl Units {
             upper: model.barrier(Barrier::Upper),
             rate: rate / scale,
             inverse_factorial: inverse_factorials(),
+            inverse: std::array::from_fn(|k| 1.0 / k.max(1) as f64),
         }
     }
 

@@ -123,16 +123,18 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// A flight with coefficients `c` of `order` over `horizon`, barriers relative to the reference.
+    /// A flight with coefficients `c` of `order` over `horizon`, barriers relative to the reference, and its second derivative enclosed.
     pub(crate) fn flight(
         site: usize,
         c: [f64; MAX_ORDER + 1],
         order: usize,
         horizon: f64,
         barriers: (f64, f64),
+        bend: bound::Enclosure,
         contact: Contact,
     ) -> Self {
         let (lower, upper) = barriers;
+        let (bend_up, least) = bend.bounds();
         let mut watch = Self {
             site,
             kind: Kind::Flight,
@@ -143,12 +145,11 @@ impl Watch {
             c,
             lower,
             upper,
-            bend_up: 0.0,
-            bend_down: 0.0,
+            bend_up,
+            bend_down: -least,
             margin: 0.0,
             steps: 0,
         };
-        watch.bend();
         if let Contact::Leaving(barrier, m) = contact
             && m > 1
         {
@@ -240,14 +241,23 @@ impl Watch {
 
     /// Value and slope at `tau`.
     fn value(&self) -> (f64, f64) {
+        // With T = t⁴, Σ_{k≥1} c_k t^{k−1} = p_0(T) + t p_1(T) + t² p_2(T) + t³ p_3(T): four short chains side by side instead of a
+        // long one. Coefficients beyond the order are 0.
         let t = self.tau;
-        let (mut value, mut slope) = (0.0, 0.0);
-        for &c in self.c[1..=self.order].iter().rev() {
-            // value·t + c, one order short of the end: the constant is added last, to the smaller sum.
-            slope = slope * t + value;
-            value = value * t + c;
+        let (square, fourth) = (t * t, (t * t) * (t * t));
+        let (mut value, mut slope) = ([0.0; 4], [0.0; 4]);
+        for four in self.c[1..].as_chunks::<4>().0[..self.order.div_ceil(4)].iter().rev() {
+            for i in 0..4 {
+                slope[i] = slope[i] * fourth + value[i];
+                value[i] = value[i] * fourth + four[i];
+            }
         }
-        slope = slope * t + value;
+        let [a, b, c, d] = value;
+        // d/dt (t · t^i p_i) = (i+1) t^i p_i + 4 T t^i p_i′
+        let [e, f, g, h] = slope.map(|slope| 4.0 * fourth * slope);
+        let value = (a + b * t) + square * (c + d * t);
+        let slope = ((a + e) + (2.0 * b + f) * t) + square * ((3.0 * c + g) + (4.0 * d + h) * t);
+        // The constant is added last, to the smaller sum.
         (self.c[0] + value * t, slope)
     }
 
@@ -305,7 +315,9 @@ mod tests {
     fn flight(c: &[f64], horizon: f64, contact: Contact, barriers: (f64, f64)) -> (Option<(Barrier, f64)>, u32) {
         let mut coefficients = [0.0; MAX_ORDER + 1];
         coefficients[..c.len()].copy_from_slice(c);
-        let mut watch = Watch::flight(0, coefficients, 10, horizon, barriers, contact);
+        let mut bend = bound::Enclosure::default();
+        (2..=10).rev().for_each(|k| bend.add((k * (k - 1)) as f64 * coefficients[k], horizon));
+        let mut watch = Watch::flight(0, coefficients, 10, horizon, barriers, bend, contact);
         for steps in 0..200 {
             match watch.step() {
                 Step::Clear => return (None, steps),
