@@ -48,7 +48,7 @@ impl Secular {
             let growth = nu.growth();
             marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
         }
-        let worst = if form.leaves.is_empty() { WORST } else { f64::INFINITY };
+        let worst = if form.neighbourhoods.is_empty() { WORST } else { f64::INFINITY };
         let verdict = assemble(leading, marginal, clearance, worst)?;
         match unknown {
             Some(mode) if verdict.outcome == Standing::Stable => Err(SecularError::Signature { mode }),

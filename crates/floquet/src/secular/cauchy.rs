@@ -9,11 +9,15 @@
 use std::ops::Range;
 
 use nalgebra::Complex;
+use smallvec::SmallVec;
 
 /// Chebyshev nodes.
 pub(crate) const NODES: usize = 18;
 /// Most points in a leaf.
 const LEAF: usize = 48;
+
+/// Ranges of sources, fewer than 2³².
+pub(crate) type Ranges = SmallVec<[Range<u32>; 3]>;
 
 /// One value per Chebyshev node, or one Chebyshev coefficient per degree.
 pub(crate) type Nodal = [f64; NODES];
@@ -38,34 +42,68 @@ pub(crate) struct Tree {
 #[derive(Debug, Clone)]
 pub(crate) struct Field<const CHANNELS: usize> {
     pub(crate) targets: Range<usize>,
-    /// Ranges of sources; a wide leaf may be near where a narrow one in between is far.
-    pub(crate) near: Vec<Range<usize>>,
+    /// What is near; a wide leaf may be near where a narrow one in between is far.
+    pub(crate) near: Ranges,
     pub(crate) middle: f64,
     pub(crate) half: f64,
     /// Chebyshev coefficients.
     pub(crate) far: [Nodal; CHANNELS],
 }
 
-fn chebyshev() -> Nodal {
-    std::array::from_fn(|j| (std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64).cos())
+/// What all interpolation in Chebyshev nodes needs, worked out once.
+#[derive(Debug, Clone)]
+struct Interpolation {
+    nodes: Nodal,
+    /// Barycentric weights.
+    weights: Nodal,
+    /// For each degree, the share of each node's value in the Chebyshev coefficient.
+    shares: [Nodal; NODES],
 }
 
-/// Values of the Lagrange polynomials of the nodes at u, by the barycentric formula.
-fn lagrange(nodes: &Nodal, u: f64) -> Nodal {
-    let mut basis = [0.0; NODES];
-    let mut sum = 0.0;
-    for j in 0..NODES {
-        let distance = u - nodes[j];
-        if distance == 0.0 {
-            basis = [0.0; NODES];
-            basis[j] = 1.0;
-            return basis;
+impl Interpolation {
+    fn new() -> Self {
+        let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64;
+        let weight = |j: usize| if j.is_multiple_of(2) { angle(j).sin() } else { -angle(j).sin() };
+        let share = |degree: usize, j: usize| {
+            let size = if degree == 0 { 1.0 } else { 2.0 } / NODES as f64;
+            (degree as f64 * angle(j)).cos() * size
+        };
+        Self {
+            nodes: chebyshev(),
+            weights: std::array::from_fn(weight),
+            shares: std::array::from_fn(|degree| std::array::from_fn(|j| share(degree, j))),
         }
-        let weight = (std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64).sin() / distance;
-        basis[j] = if j % 2 == 0 { weight } else { -weight };
-        sum += basis[j];
     }
-    basis.map(|b| b / sum)
+
+    /// Values of the Lagrange polynomials of the nodes at u, by the barycentric formula.
+    fn lagrange(&self, u: f64) -> Nodal {
+        let distances = self.nodes.map(|node| u - node);
+        if let Some(here) = distances.iter().position(|distance| *distance == 0.0) {
+            return std::array::from_fn(|j| if j == here { 1.0 } else { 0.0 });
+        }
+        let basis: Nodal = std::array::from_fn(|j| self.weights[j] / distances[j]);
+        let scale = 1.0 / dot(&basis, &[1.0; NODES]);
+        basis.map(|b| b * scale)
+    }
+
+    /// Chebyshev coefficients of the polynomial with these values at the nodes.
+    fn coefficients(&self, values: &Nodal) -> Nodal {
+        self.shares.each_ref().map(|shares| dot(values, shares))
+    }
+}
+
+/// Σ ab, in six sums side by side.
+fn dot(a: &Nodal, b: &Nodal) -> f64 {
+    let mut sums = [0.0; 6];
+    for (a, b) in a.as_chunks::<6>().0.iter().zip(b.as_chunks::<6>().0) {
+        sums.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
+    }
+    let [a, b, c, d, e, f] = sums;
+    (a + b) + (c + d) + (e + f)
+}
+
+fn chebyshev() -> Nodal {
+    std::array::from_fn(|j| (std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64).cos())
 }
 
 impl Tree {
@@ -100,44 +138,82 @@ impl Tree {
         (0.5 * (node.low + node.high), 0.5 * (node.high - node.low))
     }
 
-    /// The field of charges at the sorted `sources` of this tree on the leaves of `targets`, in order.
-    pub(crate) fn fields<const CHANNELS: usize>(
+    /// The field of charges at the sorted `sources` of this tree on the leaves of `targets`, in order, one at a time.
+    pub(crate) fn fields<'a, const CHANNELS: usize>(
         &self,
         sources: &[f64],
         charges: &[[f64; CHANNELS]],
-        targets: &Tree,
-    ) -> Vec<Field<CHANNELS>> {
-        let nodes = chebyshev();
-        let scaled = |(middle, half): (f64, f64), x: f64| if half > 0.0 { (x - middle) / half } else { 0.0 };
-        // Upwards: children come after their parents.
-        let mut moments = vec![[[0.0; NODES]; CHANNELS]; self.nodes.len()];
-        for index in (0..self.nodes.len()).rev() {
-            let interval = self.middle_and_half(index);
-            let mut moment = [[0.0; NODES]; CHANNELS];
-            if let Some((left, right)) = self.nodes[index].children {
-                for child in [left, right] {
-                    let (middle, half) = self.middle_and_half(child);
-                    for (j, node) in nodes.iter().enumerate() {
-                        let basis = lagrange(&nodes, scaled(interval, middle + half * node));
-                        for channel in 0..CHANNELS {
-                            let charge = moments[child][channel][j];
-                            moment[channel].iter_mut().zip(&basis).for_each(|(m, b)| *m += charge * b);
-                        }
-                    }
-                }
-            } else {
-                for j in self.nodes[index].points.clone() {
-                    let basis = lagrange(&nodes, scaled(interval, sources[j]));
+        targets: &'a Tree,
+    ) -> impl Iterator<Item = Field<CHANNELS>> + use<'a, CHANNELS> {
+        let table = Interpolation::new();
+        let (mut locals, mut near) = self.across(&self.moments(&table, sources, charges), &table, targets);
+        // Downwards.
+        for index in 0..targets.nodes.len() {
+            let Some((left, right)) = targets.nodes[index].children else { continue };
+            let interval = targets.middle_and_half(index);
+            let parent = locals[index];
+            for child in [left, right] {
+                let (middle, half) = targets.middle_and_half(child);
+                for (i, node) in table.nodes.iter().enumerate() {
+                    let basis = table.lagrange(scaled(interval, middle + half * node));
                     for channel in 0..CHANNELS {
-                        moment[channel].iter_mut().zip(&basis).for_each(|(m, b)| *m += charges[j][channel] * b);
+                        locals[child][channel][i] += dot(&parent[channel], &basis);
                     }
                 }
             }
+        }
+        targets.leaves.iter().map(move |&leaf| {
+            let (middle, half) = targets.middle_and_half(leaf);
+            let mut near = std::mem::take(&mut near[leaf]);
+            near.sort_unstable_by_key(|range| range.start);
+            let far = locals[leaf].each_ref().map(|values| table.coefficients(values));
+            Field { targets: targets.nodes[leaf].points.clone(), near, middle, half, far }
+        })
+    }
+
+    /// Upwards: the charges of each node as charges at its Chebyshev nodes.
+    fn moments<const CHANNELS: usize>(
+        &self,
+        table: &Interpolation,
+        sources: &[f64],
+        charges: &[[f64; CHANNELS]],
+    ) -> Vec<[Nodal; CHANNELS]> {
+        let mut moments = vec![[[0.0; NODES]; CHANNELS]; self.nodes.len()];
+        // Children come after their parents.
+        for index in (0..self.nodes.len()).rev() {
+            let interval = self.middle_and_half(index);
+            let mut moment = [[0.0; NODES]; CHANNELS];
+            let mut add = |x: f64, charges: [f64; CHANNELS]| {
+                let basis = table.lagrange(scaled(interval, x));
+                for (moment, charge) in moment.iter_mut().zip(charges) {
+                    moment.iter_mut().zip(&basis).for_each(|(m, b)| *m += charge * b);
+                }
+            };
+            if let Some((left, right)) = self.nodes[index].children {
+                for child in [left, right] {
+                    let (middle, half) = self.middle_and_half(child);
+                    for (j, node) in table.nodes.iter().enumerate() {
+                        add(middle + half * node, moments[child].each_ref().map(|moment| moment[j]));
+                    }
+                }
+            } else {
+                self.nodes[index].points.clone().for_each(|j| add(sources[j], charges[j]));
+            }
             moments[index] = moment;
         }
-        // Across.
+        moments
+    }
+
+    /// Across: the fields of far nodes on each node of `targets`, and what is near its leaves.
+    fn across<const CHANNELS: usize>(
+        &self,
+        moments: &[[Nodal; CHANNELS]],
+        table: &Interpolation,
+        targets: &Tree,
+    ) -> (Vec<[Nodal; CHANNELS]>, Vec<Ranges>) {
+        let nodes = &table.nodes;
         let mut locals = vec![[[0.0; NODES]; CHANNELS]; targets.nodes.len()];
-        let mut near: Vec<Vec<Range<usize>>> = vec![Vec::new(); targets.nodes.len()];
+        let mut near: Vec<Ranges> = vec![Ranges::new(); targets.nodes.len()];
         let mut stack = vec![];
         if !self.nodes.is_empty() && !targets.nodes.is_empty() {
             stack.push((0, 0));
@@ -149,65 +225,30 @@ impl Tree {
             if gap > 0.0 && gap >= wide_t.max(wide_s) {
                 let ((middle, half), (centre, radius)) =
                     (targets.middle_and_half(target), self.middle_and_half(source));
-                for (i, node) in nodes.iter().enumerate() {
-                    let x = middle + half * node;
-                    for j in 0..NODES {
-                        let kernel = 1.0 / (x - (centre + radius * nodes[j]));
-                        for channel in 0..CHANNELS {
-                            locals[target][channel][i] += kernel * moments[source][channel][j];
-                        }
+                let places = nodes.map(|node| middle + half * node);
+                for (j, node) in nodes.iter().enumerate() {
+                    let x = centre + radius * node;
+                    let kernel = places.map(|place| 1.0 / (place - x));
+                    for (local, moment) in locals[target].iter_mut().zip(&moments[source]) {
+                        local.iter_mut().zip(&kernel).for_each(|(local, kernel)| *local += kernel * moment[j]);
                     }
                 }
                 continue;
             }
             match (t.children, s.children) {
-                (None, None) => {
-                    near[target].push(s.points.clone());
-                }
+                (None, None) => near[target].push(s.points.start as u32..s.points.end as u32),
                 (Some((a, b)), None) => stack.extend([(a, source), (b, source)]),
                 (Some((a, b)), Some(_)) if wide_t >= wide_s => stack.extend([(a, source), (b, source)]),
                 (_, Some((a, b))) => stack.extend([(target, a), (target, b)]),
             }
         }
-        // Downwards.
-        for index in 0..targets.nodes.len() {
-            let Some((left, right)) = targets.nodes[index].children else { continue };
-            let interval = targets.middle_and_half(index);
-            let parent = locals[index];
-            for child in [left, right] {
-                let (middle, half) = targets.middle_and_half(child);
-                for (i, node) in nodes.iter().enumerate() {
-                    let basis = lagrange(&nodes, scaled(interval, middle + half * node));
-                    for channel in 0..CHANNELS {
-                        let value: f64 = parent[channel].iter().zip(&basis).map(|(p, b)| p * b).sum();
-                        locals[child][channel][i] += value;
-                    }
-                }
-            }
-        }
-        let field = |&leaf: &usize| {
-            let (middle, half) = targets.middle_and_half(leaf);
-            let mut near = near[leaf].clone();
-            near.sort_unstable_by_key(|range| range.start);
-            Field {
-                targets: targets.nodes[leaf].points.clone(),
-                near,
-                middle,
-                half,
-                far: locals[leaf].map(coefficients),
-            }
-        };
-        targets.leaves.iter().map(field).collect()
+        (locals, near)
     }
 }
 
-/// Chebyshev coefficients of the polynomial with these values at the nodes.
-fn coefficients(values: Nodal) -> Nodal {
-    std::array::from_fn(|degree| {
-        let angle = |j: usize| std::f64::consts::PI * degree as f64 * (j as f64 + 0.5) / NODES as f64;
-        let sum: f64 = values.iter().enumerate().map(|(j, value)| value * angle(j).cos()).sum();
-        sum * if degree == 0 { 1.0 } else { 2.0 } / NODES as f64
-    })
+/// The coordinate −1 … 1 on an interval, of which `middle` and half the width are given.
+fn scaled((middle, half): (f64, f64), x: f64) -> f64 {
+    if half > 0.0 { (x - middle) / half } else { 0.0 }
 }
 
 /// Value of a Chebyshev series.
@@ -240,15 +281,15 @@ pub(crate) fn derivative(coefficients: &Nodal) -> Nodal {
 }
 
 impl<const CHANNELS: usize> Field<CHANNELS> {
-    /// The far field at x, one value a channel.
-    pub(crate) fn at(&self, x: f64) -> [f64; CHANNELS] {
-        let u = self.scaled(x);
-        std::array::from_fn(|channel| series(&self.far[channel], u))
+    /// The sources that are near, by number.
+    pub(crate) fn near(&self) -> impl Iterator<Item = usize> + '_ {
+        self.near.iter().flat_map(|range| range.start as usize..range.end as usize)
     }
 
-    /// The coordinate in −1 … 1.
-    pub(crate) fn scaled(&self, x: f64) -> f64 {
-        if self.half > 0.0 { (x - self.middle) / self.half } else { 0.0 }
+    /// The far field at x, one value a channel.
+    pub(crate) fn at(&self, x: f64) -> [f64; CHANNELS] {
+        let u = scaled((self.middle, self.half), x);
+        std::array::from_fn(|channel| series(&self.far[channel], u))
     }
 }
 
@@ -270,12 +311,13 @@ mod tests {
             };
             let (sources, targets) = (draw(count), draw(others));
             let charges: Vec<[f64; 2]> = (0..count).map(|_| [random.unit(), random.unit() - 0.5]).collect();
-            let fields = Tree::new(&sources, false).fields(&sources, &charges, &Tree::new(&targets, true));
+            let (from, to) = (Tree::new(&sources, false), Tree::new(&targets, true));
+            let fields: Vec<_> = from.fields(&sources, &charges, &to).collect();
             assert_eq!(fields.iter().map(|field| field.targets.len()).sum::<usize>(), others);
             let mut near = 0;
             for field in &fields {
-                let is_near = |j: &usize| field.near.iter().any(|range| range.contains(j));
-                near += field.near.iter().map(Range::len).sum::<usize>() * field.targets.len();
+                let is_near = |j: &usize| field.near.iter().any(|range| range.contains(&(*j as u32)));
+                near += field.near().count() * field.targets.len();
                 for i in field.targets.clone() {
                     let x = targets[i];
                     let far = field.at(x);
@@ -297,7 +339,8 @@ mod tests {
     #[test]
     fn series_and_derivative() {
         let values = chebyshev().map(|u| (2.0 * u).exp());
-        let (c, slope) = (coefficients(values), derivative(&coefficients(values)));
+        let c = Interpolation::new().coefficients(&values);
+        let slope = derivative(&c);
         for u in [-1.0_f64, -0.3, 0.0, 0.7, 1.0] {
             assert!((series(&c, u) - (2.0 * u).exp()).abs() < 1e-13);
             assert!((series(&slope, u) - 2.0 * (2.0 * u).exp()).abs() < 1e-11);

@@ -4,7 +4,7 @@
 use nalgebra::Complex;
 
 use super::cauchy::{Nodal, complex_series};
-use super::leaf::{ChargedPole, Leaf, divide};
+use super::leaf::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
 use super::pole::Angle;
 use super::search::inverse;
 use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
@@ -49,20 +49,31 @@ impl CirclePole {
 pub(crate) struct CircleForm {
     pub(crate) poles: Vec<CirclePole>,
     /// A and B next to each pole, and from all poles one by one.
-    leaves: Vec<Leaf<3>>,
+    neighbourhoods: Vec<Neighbourhood<3>>,
     pub(super) whole: Leaf<3>,
 }
 
 impl CircleForm {
-    /// Divides the poles into leaves.
+    /// Divides the poles into neighbourhoods.
     pub(crate) fn divide(&mut self) {
-        let sources: Vec<_> = self.poles.iter().map(CirclePole::source).collect();
-        self.leaves = divide(&sources);
-        self.whole.fill(sources.iter().copied());
+        self.whole.fill(self.poles.iter().map(CirclePole::source));
+        let points: Vec<f64> = self.poles.iter().map(|pole| pole.at.d).collect();
+        let charges: Vec<_> = self.poles.iter().map(|pole| pole.source().charges).collect();
+        self.neighbourhoods = divide(&points, &charges);
     }
 
-    pub(super) fn leaf(&self, place: usize) -> Option<&Leaf<3>> {
-        self.leaves.get(self.leaves.partition_point(|leaf| leaf.gaps.end <= place)).or(self.leaves.last())
+    /// f about the pole at `place`; from all poles one by one if `whole`.
+    pub(super) fn about<'a>(&'a self, place: usize, whole: bool, nearby: &'a mut Nearby<3>) -> Option<NearCircle<'a>> {
+        let pole = &self.poles[place];
+        let (leaf, distances) = if whole {
+            self.whole.distances(&pole.at, &mut nearby.distances);
+            (&self.whole, nearby.distances.as_slice())
+        } else {
+            let neighbourhood = self.neighbourhoods.partition_point(|neighbourhood| neighbourhood.gaps.end <= place);
+            let neighbourhood = self.neighbourhoods.get(neighbourhood).or(self.neighbourhoods.last())?;
+            nearby.look(&self.whole, neighbourhood, &pole.at)
+        };
+        Some(NearCircle { pole, leaf, distances })
     }
 }
 

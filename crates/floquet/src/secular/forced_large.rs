@@ -65,7 +65,7 @@ fn cauchy<const CHANNELS: usize>(
             let own = &sorted[k];
             // The kernel of the field is 1/(d_k−d_l).
             let mut sum = field.at(points[k]).map(|far| -far);
-            for l in field.near.iter().flat_map(Clone::clone).filter(|&l| l != k) {
+            for l in field.near().filter(|&l| l != k) {
                 let difference = -own.at.distance(&sorted[l].at);
                 if difference == 0.0 {
                     return Err(SecularError::Coincident { mode: own.mode });

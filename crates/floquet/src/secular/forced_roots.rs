@@ -9,8 +9,8 @@ use smallvec::SmallVec;
 
 use super::circle::{CircleForm, I, NearCircle, whole};
 use super::error::SecularError;
+use super::leaf::Nearby;
 use super::search::{Near, Poles, REACH, Zero, ZeroSearch, inverse};
-use vibrochain_breather::lanes::Lane;
 
 type C = Complex<f64>;
 const PI: f64 = std::f64::consts::PI;
@@ -18,7 +18,7 @@ const PI: f64 = std::f64::consts::PI;
 /// The zeros; also the work space.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CircleRoots {
-    search: ZeroSearch,
+    search: ZeroSearch<3>,
     /// All 2m of them and their errors.
     pub(crate) values: Vec<C>,
     pub(crate) errors: Vec<f64>,
@@ -67,7 +67,7 @@ impl CircleRoots {
     /// so that their difference is good.
     pub(crate) fn moved(&self, form: &CircleForm, other: &CircleForm) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.values.len());
-        let (mut scratch, mut scratch_of_other) = (Vec::new(), Vec::new());
+        let (mut scratch, mut scratch_of_other) = (Nearby::default(), Nearby::default());
         for zero in &self.search.zeros {
             let mut change = |whole: bool| {
                 let (here, slope) = Near::value(&form.near(zero.place, whole, &mut scratch)?, zero.offset)?;
@@ -81,7 +81,7 @@ impl CircleRoots {
     }
 }
 
-impl Poles for CircleForm {
+impl Poles<3> for CircleForm {
     type Near<'a> = NearCircle<'a>;
 
     fn count(&self) -> usize {
@@ -111,11 +111,8 @@ impl Poles for CircleForm {
         if theta == end { offset } else { C::new(2.0 * end - theta - origin, offset.im) }
     }
 
-    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Vec<Lane>) -> Option<NearCircle<'a>> {
-        let leaf = if whole { &self.whole } else { self.leaf(place)? };
-        let pole = &self.poles[place];
-        leaf.distances(&pole.at, scratch);
-        Some(NearCircle { pole, leaf, distances: scratch })
+    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Nearby<3>) -> Option<NearCircle<'a>> {
+        self.about(place, whole, scratch)
     }
 
     fn variable(&self, zero: &Zero) -> C {

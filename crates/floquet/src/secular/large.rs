@@ -22,7 +22,7 @@ fn sorted(count: usize, position: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<usize
 
 fn gather(near: &mut Modes, chosen: &mut Vec<usize>, modes: &Modes, order: &[usize], field: &Field<3>) {
     chosen.clear();
-    chosen.extend(field.near.iter().flat_map(|range| &order[range.clone()]).copied());
+    chosen.extend(field.near().map(|place| order[place]));
     near.gather(modes, chosen);
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::Complex;
 
-use super::cauchy::{NODES, Nodal, Tree, derivative};
+use super::cauchy::{Field, NODES, Nodal, Ranges, Tree, derivative};
 use super::pole::{Angle, FAR_ROOT};
 use vibrochain_breather::lanes::{Lane, room};
 
@@ -19,11 +19,9 @@ pub(super) struct ChargedPole<const N: usize> {
     pub(super) charges: [f64; N],
 }
 
-/// Poles one by one, in groups of four, and the field of those left out. Of a tree over many poles it serves the gaps of one leaf, each
-/// gap named by the place of its left pole.
+/// Poles one by one, in groups of four, and the field of those left out.
 #[derive(Debug, Clone)]
 pub(crate) struct Leaf<const N: usize> {
-    pub(super) gaps: Range<usize>,
     pub(super) charges: [Vec<Lane>; N],
     pub(super) shifts: Vec<Lane>,
     cos: Vec<Lane>,
@@ -41,7 +39,7 @@ impl<const N: usize> Default for Leaf<N> {
     fn default() -> Self {
         let (shifts, cos, sin) = Default::default();
         let (charges, far) = ([const { Vec::new() }; N], [[[0.0; NODES]; 3]; N]);
-        Self { gaps: 0..0, charges, shifts, cos, sin, middle: 0.0, scale: 0.0, far, noise: 0.0, rounding: 0.0 }
+        Self { charges, shifts, cos, sin, middle: 0.0, scale: 0.0, far, noise: 0.0, rounding: 0.0 }
     }
 }
 
@@ -58,6 +56,23 @@ impl<const N: usize> Leaf<N> {
         }
     }
 
+    /// Takes over some of another's poles, by their places there.
+    fn select(&mut self, whole: &Self, places: &Ranges) {
+        let count = places.iter().map(|places| places.len()).sum();
+        let copy = |to: &mut Vec<Lane>, from: &[Lane], pad: f64| {
+            let mut to = room(to, count, pad);
+            for places in places {
+                let (here, rest) = to.split_at_mut(places.len());
+                here.copy_from_slice(&from.as_flattened()[places.start as usize..places.end as usize]);
+                to = rest;
+            }
+        };
+        self.charges.iter_mut().zip(&whole.charges).for_each(|(to, from)| copy(to, from, 0.0));
+        copy(&mut self.shifts, &whole.shifts, 0.0);
+        copy(&mut self.cos, &whole.cos, FAR_ROOT);
+        copy(&mut self.sin, &whole.sin, FAR_ROOT);
+    }
+
     /// The field's polynomial is good at u: within an ellipse about its interval on which it still converges fast.
     pub(super) fn holds(&self, u: Complex<f64>) -> bool {
         u.re.abs() <= 1.2 && u.im.abs() <= 0.5
@@ -69,27 +84,75 @@ impl<const N: usize> Leaf<N> {
     }
 }
 
-/// Divides poles, by rising d, into leaves.
-pub(super) fn divide<const N: usize>(sources: &[ChargedPole<N>]) -> Vec<Leaf<N>> {
-    let points: Vec<f64> = sources.iter().map(|source| source.at.d).collect();
-    let charges: Vec<[f64; N]> = sources.iter().map(|source| source.charges).collect();
+/// The neighbourhood of some gaps, each named by the place of its left pole: which poles are near, and the field of the others. The near
+/// ones are copied only where they are looked at ([`Nearby`]): all of them at once would be five times the poles.
+#[derive(Debug, Clone)]
+pub(crate) struct Neighbourhood<const N: usize> {
+    pub(super) gaps: Range<usize>,
+    near: Ranges,
+    pub(super) middle: f64,
+    /// As in [`Leaf`].
+    pub(super) scale: f64,
+    far: [Nodal; N],
+    noise: f64,
+    rounding: f64,
+}
+
+/// Divides poles, by their rising `points` d, into neighbourhoods.
+pub(super) fn divide<const N: usize>(points: &[f64], charges: &[[f64; N]]) -> Vec<Neighbourhood<N>> {
     let total_error: f64 = charges.iter().map(|charges| charges[N - 1]).sum();
-    let fields = Tree::new(&points, false).fields(&points, &charges, &Tree::new(&points, true));
-    let leaf = fields.into_iter().map(|field| {
+    let (sources, targets) = (Tree::new(points, false), Tree::new(points, true));
+    let neighbourhood = |field: Field<N>| {
         // Interpolation errs by 2e-14 of the kernels, which the sum of moduli overestimates rather than under.
         let rounding = 1e-14 * field.far[..N - 1].iter().flatten().map(|c| c.abs()).sum::<f64>();
-        let mut leaf = Leaf {
-            gaps: field.targets.clone(),
+        Neighbourhood {
+            gaps: field.targets,
+            near: field.near,
             middle: field.middle,
             scale: if field.half > 0.0 { 1.0 / field.half } else { 0.0 },
             noise: rounding + field.far[N - 1][0].abs() + total_error,
             rounding,
-            far: field.far.map(|value| [value, derivative(&value), derivative(&derivative(&value))]),
-            ..Leaf::default()
-        };
-        let places: Vec<usize> = field.near.into_iter().flatten().collect();
-        leaf.fill(places.iter().map(|&place| sources[place]));
-        leaf
-    });
-    leaf.collect()
+            far: field.far,
+        }
+    };
+    sources.fields(points, charges, &targets).map(neighbourhood).collect()
+}
+
+/// A look at one neighbourhood after the other: the poles and the field of the last one, and distances from one of its poles.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Nearby<const N: usize> {
+    leaf: Leaf<N>,
+    /// The first gap of the neighbourhood that `leaf` is of.
+    first_gap: Option<usize>,
+    pub(super) distances: Vec<Lane>,
+}
+
+impl<const N: usize> Nearby<N> {
+    /// Forgets where it looked: poles are about to change.
+    pub(super) fn forget(&mut self) {
+        self.first_gap = None;
+    }
+
+    /// Looks at a neighbourhood of the poles `whole` from one of them.
+    pub(super) fn look<'a>(
+        &'a mut self,
+        whole: &Leaf<N>,
+        neighbourhood: &Neighbourhood<N>,
+        from: &Angle,
+    ) -> (&'a Leaf<N>, &'a [Lane]) {
+        let Self { leaf, first_gap, distances } = self;
+        let Neighbourhood { gaps, near, middle, scale, far, noise, rounding } = neighbourhood;
+        if *first_gap != Some(gaps.start) {
+            *first_gap = Some(gaps.start);
+            leaf.select(whole, near);
+            (leaf.middle, leaf.scale, leaf.noise, leaf.rounding) = (*middle, *scale, *noise, *rounding);
+            // Nobody asks for the last one, the field of errors.
+            for (leaf, far) in leaf.far.iter_mut().zip(&far[..N - 1]) {
+                let slope = derivative(far);
+                *leaf = [*far, slope, derivative(&slope)];
+            }
+        }
+        leaf.distances(from, distances);
+        (leaf, distances)
+    }
 }

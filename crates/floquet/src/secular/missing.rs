@@ -2,7 +2,7 @@
 //! then.
 //!
 //! 1. Searches from the lowest points of |F|.
-//! 2. The same from above every leaf of the tree over the poles, and from above every gap: a gap between equal signs may hold
+//! 2. The same from above every neighbourhood, and from above every gap: a gap between equal signs may hold
 //!    three roots, where residues differ much in size.
 //! 3. What is left anywhere.
 
@@ -10,17 +10,18 @@ use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 
 use super::evaluate::Local;
+use super::leaf::Nearby;
 use super::pair::Suspect;
 use super::residues::Residues;
 use super::root::{Root, Roots};
 use super::search::{Near, Poles, Zero, ZeroSearch};
-use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
+use vibrochain_breather::lanes::{ONE, TWO, ZERO, all, four, total};
 
 type C = Complex<f64>;
 
 /// Seeks what `roots` lack of `wanted`.
 pub(super) fn seek(
-    search: &mut ZeroSearch,
+    search: &mut ZeroSearch<2>,
     form: &Residues,
     roots: &mut Roots,
     suspects: &mut [Suspect],
@@ -33,15 +34,15 @@ pub(super) fn seek(
     let early = search.zeros.len();
     suspects.sort_unstable_by(|a, b| a.closeness.total_cmp(&b.closeness));
     let lowest = suspects.iter().map(|suspect| (suspect.gap, C::new(suspect.t, suspect.height)));
-    let above_leaves = (0..form.leaves.len()).flat_map(|leaf| {
-        let (gap, offset, half) = form.above(leaf);
+    let above_neighbourhoods = (0..form.neighbourhoods.len()).flat_map(|neighbourhood| {
+        let (gap, offset, half) = form.above(neighbourhood);
         [0.4, 0.15].map(|part| (gap, C::new(offset, part * half)))
     });
     let above_gaps = (0..wanted).filter_map(|gap| {
         let width = form.distance(gap + 1, gap);
         (width > 0.0).then_some((gap, C::new(0.5 * width, width)))
     });
-    for (gap, start) in lowest.chain(above_leaves).chain(above_gaps) {
+    for (gap, start) in lowest.chain(above_neighbourhoods).chain(above_gaps) {
         if search.found >= wanted {
             break;
         }
@@ -54,7 +55,7 @@ pub(super) fn seek(
     }
 }
 
-impl Poles for Residues {
+impl Poles<2> for Residues {
     type Near<'a> = Local<'a>;
 
     fn count(&self) -> usize {
@@ -85,12 +86,12 @@ impl Poles for Residues {
         C::new(offset.re, offset.im.abs().max(f64::MIN_POSITIVE))
     }
 
-    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Vec<Lane>) -> Option<Local<'a>> {
+    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Nearby<2>) -> Option<Local<'a>> {
         if !whole {
             return Some(self.window(place.min(self.table.len().saturating_sub(2)), place, scratch));
         }
-        self.distances(place, scratch);
-        Some(self.about(scratch))
+        self.distances(place, &mut scratch.distances);
+        Some(self.about(&scratch.distances))
     }
 
     fn variable(&self, zero: &Zero) -> C {

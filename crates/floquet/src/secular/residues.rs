@@ -7,7 +7,7 @@ use super::error::SecularError;
 use super::evaluate::Local;
 use super::foreign::Foreign;
 use super::growth::Nu;
-use super::leaf::{ChargedPole, Leaf, divide};
+use super::leaf::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
 use super::modes::Modes;
 use super::pole::{NO_MODE, Pole};
 use super::{double_sided, in_turns, large, quick, single_sided};
@@ -54,8 +54,8 @@ pub struct Residues {
     pub(super) whole: Leaf<2>,
     pub(crate) below_one: Vec<Lane>,
     pub(crate) above_minus_one: Vec<Lane>,
-    /// The same for large rings, by neighbourhoods.
-    pub(super) leaves: Vec<Leaf<2>>,
+    /// The neighbourhoods of large rings.
+    pub(super) neighbourhoods: Vec<Neighbourhood<2>>,
     sum: f64,
     trace: f64,
     pub(crate) expected_trace: f64,
@@ -198,15 +198,16 @@ impl Residues {
             shift: pole.shift,
             charges: [pole.residue, pole.error],
         });
-        self.whole.fill(sources.clone());
-        self.leaves.clear();
-        if large {
-            self.leaves = divide(&sources.collect::<Vec<_>>());
-        }
+        self.whole.fill(sources);
         let [poles, below_one, above_minus_one] =
             [&mut self.poles, &mut self.below_one, &mut self.above_minus_one].map(|list| room(list, table.len(), FAR));
         for (i, pole) in table.iter().enumerate() {
             (poles[i], below_one[i], above_minus_one[i]) = (pole.at.d, pole.below_one, pole.above_minus_one);
+        }
+        self.neighbourhoods.clear();
+        if large {
+            let charges: Vec<_> = table.iter().map(|pole| [pole.residue, pole.error]).collect();
+            self.neighbourhoods = divide(poles, &charges);
         }
         self.certify()
     }
@@ -216,20 +217,20 @@ impl Residues {
         Local { leaf: &self.whole, distances, origin: None }
     }
 
-    /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `distances` is scratch space.
-    pub(crate) fn window<'a>(&'a self, gap: usize, place: usize, distances: &'a mut Vec<Lane>) -> Local<'a> {
-        let leaf = self.leaves.partition_point(|leaf| leaf.gaps.end <= gap);
-        let Some(leaf) = self.leaves.get(leaf) else {
-            self.distances(place, distances);
-            return self.about(distances);
+    /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `nearby` is scratch space.
+    pub(crate) fn window<'a>(&'a self, gap: usize, place: usize, nearby: &'a mut Nearby<2>) -> Local<'a> {
+        let neighbourhood = self.neighbourhoods.partition_point(|neighbourhood| neighbourhood.gaps.end <= gap);
+        let Some(neighbourhood) = self.neighbourhoods.get(neighbourhood) else {
+            self.distances(place, &mut nearby.distances);
+            return self.about(&nearby.distances);
         };
-        leaf.distances(&self.table[place].at, distances);
+        let (leaf, distances) = nearby.look(&self.whole, neighbourhood, &self.table[place].at);
         Local { leaf, distances, origin: Some((self.poles()[place] - leaf.middle) * leaf.scale) }
     }
 
-    /// A gap in the middle of a leaf, the offset of the leaf's middle from its left pole, and half the leaf's width.
-    pub(crate) fn above(&self, leaf: usize) -> (usize, f64, f64) {
-        let Leaf { gaps, middle, scale, .. } = &self.leaves[leaf];
+    /// A gap in the middle of a neighbourhood, the offset of that middle from the gap's left pole, and half its width.
+    pub(crate) fn above(&self, neighbourhood: usize) -> (usize, f64, f64) {
+        let Neighbourhood { gaps, middle, scale, .. } = &self.neighbourhoods[neighbourhood];
         let gap = (gaps.start + gaps.len() / 2).min(self.count().saturating_sub(2));
         (gap, middle - self.poles()[gap], if *scale > 0.0 { 1.0 / scale } else { 0.0 })
     }

@@ -4,15 +4,15 @@ use nalgebra::Complex;
 
 use super::error::SecularError;
 use super::gap::{beyond, lowest, lowest_within, root};
+use super::leaf::Nearby;
 use super::missing::seek;
 use super::pair::Suspect;
 use super::residues::Residues;
 use super::root::{Root, Touching};
 use super::verdict::Secular;
-use vibrochain_breather::lanes::Lane;
 
 /// A real root in a gap, from the nearer pole, and its error.
-fn bracketed(form: &Residues, scratch: &mut Vec<Lane>, gap: usize, (low, high): (f64, f64), rising: bool) -> Root {
+fn bracketed(form: &Residues, scratch: &mut Nearby<2>, gap: usize, (low, high): (f64, f64), rising: bool) -> Root {
     let width = form.distance(gap + 1, gap);
     // On which side of the middle?
     let middle = 0.5 * (low + high);
@@ -54,7 +54,8 @@ impl Secular {
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), SecularError> {
-        let Self { residues: form, distances: scratch, suspects, roots, search, .. } = self;
+        let Self { residues: form, nearby: scratch, suspects, roots, search, .. } = self;
+        scratch.forget();
         roots.values.clear();
         roots.errors.clear();
         roots.list.clear();
@@ -62,7 +63,7 @@ impl Secular {
         roots.touching.clear();
         suspects.clear();
         let signs = form.residues();
-        let large = !form.leaves.is_empty();
+        let large = !form.neighbourhoods.is_empty();
         let wanted = form.count().saturating_sub(1);
         for gap in 0..wanted {
             roots.gaps.push(roots.list.len() as u32);

@@ -7,6 +7,7 @@
 //!
 //! A zero comes with its mirror image (that of a real function on the other side of the real axis): one of them stands for both.
 
+use super::leaf::Nearby;
 use nalgebra::Complex;
 use smallvec::SmallVec;
 use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
@@ -25,7 +26,7 @@ const ATTEMPTS: u32 = 4;
 const NONE: u32 = u32::MAX;
 
 /// A function by its poles, on a line of which offsets are counted from one pole or another.
-pub(super) trait Poles {
+pub(super) trait Poles<const N: usize> {
     /// The function about one pole.
     type Near<'a>: Near
     where
@@ -47,7 +48,7 @@ pub(super) trait Poles {
     fn kept(&self, from: usize, offset: C) -> C;
 
     /// The function about the pole at `place`; from all poles one by one if `whole`.
-    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Vec<Lane>) -> Option<Self::Near<'a>>;
+    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Nearby<N>) -> Option<Self::Near<'a>>;
 
     /// The variable in which the function, times all (z−p), is a polynomial.
     fn variable(&self, zero: &Zero) -> C;
@@ -96,7 +97,7 @@ impl Zero {
 
 /// Zeros that are known; also the work space.
 #[derive(Debug, Clone, Default)]
-pub(super) struct ZeroSearch {
+pub(super) struct ZeroSearch<const N: usize> {
     pub(super) zeros: Vec<Zero>,
     /// Mirror images counted.
     pub(super) found: usize,
@@ -106,7 +107,7 @@ pub(super) struct ZeroSearch {
     /// Offsets of poles and zeros divided out.
     near_poles: Vec<C>,
     near_known: Vec<C>,
-    scratch: Vec<Lane>,
+    scratch: Nearby<N>,
     known_re: Vec<Lane>,
     known_im: Vec<Lane>,
 }
@@ -120,18 +121,19 @@ pub(super) enum Attempt {
     Lost,
 }
 
-impl ZeroSearch {
+impl<const N: usize> ZeroSearch<N> {
     /// Forgets all zeros.
-    pub(super) fn begin(&mut self, poles: &impl Poles) {
+    pub(super) fn begin(&mut self, poles: &impl Poles<N>) {
         self.zeros.clear();
         self.before.clear();
         self.found = 0;
+        self.scratch.forget();
         self.heads.clear();
         self.heads.resize(poles.count(), NONE);
     }
 
     /// Adds a zero.
-    pub(super) fn note(&mut self, poles: &impl Poles, zero: Zero) {
+    pub(super) fn note(&mut self, poles: &impl Poles<N>, zero: Zero) {
         let place = poles.place_at(zero.place, zero.offset.re);
         self.before.push(std::mem::replace(&mut self.heads[place], self.zeros.len() as u32));
         self.found += zero.number();
@@ -139,7 +141,7 @@ impl ZeroSearch {
     }
 
     /// Collects offsets of poles and known zeros about the pole at `place`.
-    fn surround(&mut self, poles: &impl Poles, place: usize) {
+    fn surround(&mut self, poles: &impl Poles<N>, place: usize) {
         let (first, last) = (place.saturating_sub(REACH), (place + REACH).min(self.heads.len() - 1));
         self.near_poles.clear();
         self.near_known.clear();
@@ -162,7 +164,7 @@ impl ZeroSearch {
     }
 
     /// One search, from an offset from the pole at `place`.
-    pub(super) fn nearby(&mut self, poles: &impl Poles, place: usize, start: C) -> Attempt {
+    pub(super) fn nearby(&mut self, poles: &impl Poles<N>, place: usize, start: C) -> Attempt {
         let (mut place, mut offset) = (place, start);
         let mut scratch = std::mem::take(&mut self.scratch);
         let mut result = Attempt::Lost;
@@ -226,7 +228,7 @@ impl ZeroSearch {
     }
 
     /// Laguerre's method for the polynomial whose zeros are those missing of `wanted`.
-    pub(super) fn anywhere(&mut self, poles: &impl Poles, wanted: usize) {
+    pub(super) fn anywhere(&mut self, poles: &impl Poles<N>, wanted: usize) {
         let mut steps = BUDGET / (2 * wanted + 1);
         let mut attempt = 0;
         while self.found < wanted && attempt < ATTEMPTS {
@@ -251,7 +253,7 @@ impl ZeroSearch {
     }
 
     /// A zero too far off for a neighbourhood, all poles one by one.
-    fn far_off(&mut self, poles: &impl Poles, place: usize, start: C) -> Attempt {
+    fn far_off(&mut self, poles: &impl Poles<N>, place: usize, start: C) -> Attempt {
         let mut scratch = std::mem::take(&mut self.scratch);
         let settled = poles.near(place, true, &mut scratch).and_then(|near| settle(&near, start));
         self.scratch = scratch;
@@ -266,7 +268,7 @@ impl ZeroSearch {
         Attempt::Added
     }
 
-    fn laguerre(&self, poles: &impl Poles, start: C, missing: usize, steps: &mut usize) -> Option<C> {
+    fn laguerre(&self, poles: &impl Poles<N>, start: C, missing: usize, steps: &mut usize) -> Option<C> {
         let (mut z, n) = (start, missing as f64);
         while *steps > 0 {
             *steps -= 1;

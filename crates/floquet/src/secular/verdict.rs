@@ -17,11 +17,11 @@ use vibrochain_breather::Prepared;
 use super::error::SecularError;
 use super::gap::{Lowest, beyond, lowest};
 use super::growth::{Nu, outside};
+use super::leaf::Nearby;
 use super::pair::{Pair, Suspect, from_suspects};
 use super::residues::Residues;
 use super::root::Roots;
 use super::search::ZeroSearch;
-use vibrochain_breather::lanes::Lane;
 
 /// What the secular function says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -107,11 +107,11 @@ impl SecularVerdict {
 #[derive(Debug, Clone, Default)]
 pub struct Secular {
     pub(crate) residues: Residues,
-    pub(crate) distances: Vec<Lane>,
+    pub(super) nearby: Nearby<2>,
     pub(crate) suspects: Vec<Suspect>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) roots: Roots,
-    pub(super) search: ZeroSearch,
+    pub(super) search: ZeroSearch<2>,
 }
 
 /// The most unstable multiplier so far.
@@ -149,10 +149,11 @@ impl Secular {
     /// # Errors
     /// [`SecularError::Signature`], [`SecularError::Incomplete`], [`SecularError::Imprecise`].
     pub fn verdict(&mut self) -> Result<SecularVerdict, SecularError> {
-        let Self { residues: form, distances: scratch, suspects, pairs, .. } = self;
+        let Self { residues: form, nearby: scratch, suspects, pairs, .. } = self;
+        scratch.forget();
         let count = form.count();
         let (signs, errors) = (form.residues(), form.errors());
-        let large = !form.leaves.is_empty();
+        let large = !form.neighbourhoods.is_empty();
         let (mut positive, mut unknown) = (true, None);
         for (place, (residue, error)) in signs.iter().zip(errors).enumerate() {
             // Not a number is a doubt, too.
@@ -236,7 +237,7 @@ impl Secular {
             }
         }
         if counted < wanted {
-            from_suspects(form, suspects, (wanted - counted) / 2, scratch, pairs);
+            from_suspects(form, suspects, (wanted - counted) / 2, &mut scratch.distances, pairs);
             counted += 2 * pairs.len();
             for pair in pairs.iter() {
                 let nu = form.nu(pair.place, pair.t);
