@@ -1,6 +1,8 @@
-//! What it costs to keep chunks: the same sweep in memory, into one file, and as `mapgen sweep` does it, in turn.
+//! What it costs to keep chunks: the same sweep in memory, into one file, and as `mapgen sweep` does it, plain and compressed, in turn.
 //!
-//! Printed are, of each, the median and its excess over the sweep in memory, also as a share of the processor time of that.
+//! Printed are, of each, the median and its excess over the sweep in memory, also as a share of the processor time of that. The time of
+//! the thread that sees to files (`files`) is what no number of threads makes shorter: that many times fewer than all processor time is
+//! the most cores that a sweep can keep busy.
 //! `cargo bench --bench chunks [-- SCENE.toml [REPETITIONS [THREADS]]]`
 #![allow(missing_docs, reason = "a program of its own")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark stops at the first surprise")]
@@ -61,6 +63,9 @@ fn mapgen(scene: &Path, threads: usize, out: &Path) {
     vibrochain_cli::program::run(words.map(Into::into), &mut console).unwrap();
 }
 
+/// Ways of the same sweep.
+const WAYS: usize = 5;
+
 /// In milliseconds.
 type Clock = fn() -> f64;
 
@@ -117,13 +122,15 @@ fn main() {
 
     let scene = Scene::read(&file).unwrap();
     let desk = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
-    let out = desk.path().join("map.csv");
-    let ways: [(&str, &dyn Fn()); 3] = [
+    let [out, zst, gz] = ["map.csv", "map.csv.zst", "map.csv.gz"].map(|name| desk.path().join(name));
+    let ways: [(&str, &dyn Fn()); WAYS] = [
         ("in memory", &|| in_memory(&scene, threads)),
         ("one file", &|| one_file(&scene, threads, &out)),
         ("mapgen sweep", &|| mapgen(&file, threads, &out)),
+        (".csv.zst", &|| mapgen(&file, threads, &zst)),
+        (".csv.gz", &|| mapgen(&file, threads, &gz)),
     ];
-    let mut times = [const { [const { Vec::new() }; 3] }; 3];
+    let mut times = [const { [const { Vec::new() }; WAYS] }; CLOCKS.len()];
     // In turn, so that whatever else the machine does meets all alike; the first round warms up.
     for round in 0..=repetitions {
         for (way, (_, run)) in ways.iter().enumerate() {

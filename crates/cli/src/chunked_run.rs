@@ -100,7 +100,7 @@ impl<C: Content> ChunkedRun<'_, C> {
         let store = Store::open(parts, self.plan, claim)?;
         let along = if store.present()?.is_empty() {
             // Where nothing is finished nothing is lost by an early end.
-            match Assembly::begin(self.content, self.plan, out, &mut *watcher) {
+            match Assembly::begin(self.content, self.plan, out, self.threads(), &mut *watcher) {
                 Ok(assembly) => Some(assembly),
                 Err(error) => {
                     store.remove(self.plan);
@@ -159,7 +159,7 @@ impl<C: Content> ChunkedRun<'_, C> {
         watcher: &mut dyn Watcher<C::Item>,
         progress: bool,
     ) -> Result<(TableFile, Summary, Effort), CliError> {
-        let mut table = Assembly::begin(self.content, self.plan, out, watcher)?;
+        let mut table = Assembly::begin(self.content, self.plan, out, self.threads(), watcher)?;
         let (steps, things) = self.steps;
         let bar = counter(self.plan.cells() * steps, 0, things, progress);
         let started = Instant::now();
@@ -210,13 +210,17 @@ impl<C: Content> ChunkedRun<'_, C> {
         Ok(())
     }
 
+    fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
     fn job(&self) -> Job<'_> {
         Job { scene: &self.plan.scene, pool: self.pool, stop: self.stop }
     }
 
     fn effort(&self, summary: &Summary, started: Instant) -> Effort {
         Effort {
-            threads: self.pool.current_num_threads(),
+            threads: self.threads(),
             computed_cells: summary.computed,
             wall_seconds: started.elapsed().as_secs_f64(),
         }
@@ -230,7 +234,7 @@ impl<C: Content> ChunkedRun<'_, C> {
         watcher: &mut dyn Watcher<C::Item>,
     ) -> Result<(TableFile, Summary), CliError> {
         let failed = |error: &dyn std::fmt::Display| self.failed(error, store, Shard::WHOLE);
-        let begun = Assembly::begin(self.content, self.plan, out, watcher);
+        let begun = Assembly::begin(self.content, self.plan, out, self.threads(), watcher);
         let mut assembly = begun.map_err(|error| failed(&error))?;
         match assembly.chunks(self.plan, store.folder(), self.stop) {
             Ok(summary) => Ok((assembly.into_table(), summary)),

@@ -176,7 +176,7 @@ impl Ends<'_> {
         let mut seen = Seen::new(&plan.scene, &fates.ensemble, files)?;
         // Destinations first: an impossible one should not cost a computation.
         if let (Some(_), Some(out)) = (place, &args.csv) {
-            drop(fates.create(out, &plan.scene)?);
+            drop(fates.create(out, &plan.scene, 1)?);
         }
         let manifest = Manifest::create(beside(args.csv.as_deref())?.as_deref())?;
         let stop = (console.interrupt)()?;

@@ -111,7 +111,7 @@ fn assembled<C: Content>(
     watcher: &mut dyn Watcher<C::Item>,
     console: &Console<'_>,
 ) -> Result<(TableFile, Summary, Arc<AtomicBool>), CliError> {
-    let mut assembly = Assembly::begin(content, plan, &args.out, watcher)?;
+    let mut assembly = Assembly::begin(content, plan, &args.out, pool.current_num_threads(), watcher)?;
     let stop = (console.interrupt)()?;
     let check = |chunk| Store::check(content, &args.folder, plan, chunk, &stop).err().map(|fault| (chunk, fault));
     let faults: Vec<(u64, Fault)> = pool.install(|| (0..plan.chunks()).into_par_iter().filter_map(check).collect());

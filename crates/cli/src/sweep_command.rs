@@ -81,7 +81,7 @@ impl Sweep<'_> {
         nothing_else(self.args.json, taken)?;
         Form::of(out)?;
         // Destinations first: an impossible one should not cost a computation.
-        drop(TableFile::create(out, scene)?);
+        drop(TableFile::create(out, scene, 1)?);
         Output::create(&manifest_file)?;
         let mut pictures = Pictures::plan(wanted, scene)?;
         let stop = (console.interrupt)()?;

@@ -87,7 +87,7 @@ impl Content for Fates {
         header(scene).join(",") + "\n"
     }
 
-    fn create(&self, out: &Path, scene: &Scene) -> Result<TableFile, MapError> {
+    fn create(&self, out: &Path, scene: &Scene, threads: usize) -> Result<TableFile, MapError> {
         if Form::of(out)? == Form::Columns {
             let name = out.display();
             let message = format!(
@@ -95,7 +95,7 @@ impl Content for Fates {
             );
             return Err(MapError::Request(message));
         }
-        TableFile::create(out, scene)
+        TableFile::create(out, scene, threads)
     }
 
     /// No form of this table wants items.

@@ -2,10 +2,14 @@
 
 mod csv_file;
 mod destination;
+#[cfg(feature = "compress")]
+mod gzip;
 mod output;
 mod stream;
 
 pub use csv_file::CsvFile;
 pub use destination::{Destination, distinct, ending, name_within, promises, promises_folder};
+#[cfg(feature = "compress")]
+pub use gzip::Gzip;
 pub use output::{Output, remove_if_abandoned, settle_names};
 pub use stream::halt_on;

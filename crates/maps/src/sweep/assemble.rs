@@ -61,7 +61,8 @@ impl<C: Content> std::fmt::Debug for Assembly<'_, C> {
 }
 
 impl<'a, C: Content> Assembly<'a, C> {
-    /// Starts with the names of the columns; who looks on forgets earlier rows.
+    /// Starts with the names of the columns; who looks on forgets earlier rows. At most `threads` threads compress the table, if it is
+    /// to be compressed.
     ///
     /// # Errors
     /// [`MapError`] if the table cannot be written.
@@ -69,9 +70,10 @@ impl<'a, C: Content> Assembly<'a, C> {
         content: &'a C,
         plan: &Plan,
         out: &Path,
+        threads: usize,
         watcher: &'a mut dyn Watcher<C::Item>,
     ) -> Result<Self, MapError> {
-        let mut table = content.create(out, &plan.scene)?;
+        let mut table = content.create(out, &plan.scene, threads)?;
         table.text(content.header(&plan.scene).as_bytes())?;
         watcher.begin();
         Ok(Self { content, scene: plan.scene.clone(), table, watcher })

@@ -30,7 +30,7 @@ pub trait Content: Sync {
     ///
     /// # Errors
     /// As [`TableFile::create`].
-    fn create(&self, out: &Path, scene: &Scene) -> Result<TableFile, MapError>;
+    fn create(&self, out: &Path, scene: &Scene, threads: usize) -> Result<TableFile, MapError>;
 
     /// Hands an item, of the cell of this number, to a table that wants items and not their text.
     ///
@@ -85,8 +85,8 @@ impl Content for Cells {
         header(scene)
     }
 
-    fn create(&self, out: &Path, scene: &Scene) -> Result<TableFile, MapError> {
-        TableFile::create(out, scene)
+    fn create(&self, out: &Path, scene: &Scene, threads: usize) -> Result<TableFile, MapError> {
+        TableFile::create(out, scene, threads)
     }
 
     fn put(&self, table: &mut TableFile, scene: &Scene, number: u64, cell: &Cell) -> Result<(), MapError> {

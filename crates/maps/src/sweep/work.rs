@@ -217,7 +217,7 @@ mod tests {
         for (some, grows) in [(&chunks[1..], false), (&chunks[..], true)] {
             let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
             let mut nobody = Nobody;
-            let along = Assembly::begin(&Cells, &plan, &out, &mut nobody).unwrap();
+            let along = Assembly::begin(&Cells, &plan, &out, 1, &mut nobody).unwrap();
             let worked = work(&Cells, &job, &plan, &store, some, |_| {}, Some(along));
             assert!(matches!(worked.ended, Ended::Complete(_)) && worked.grown.is_some() == grows);
             // The last chunk waits for the table it might not be needed after.

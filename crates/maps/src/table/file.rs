@@ -7,6 +7,8 @@ use std::path::Path;
 use super::parquet::Columns;
 use crate::cell::Cell;
 use crate::error::MapError;
+#[cfg(feature = "compress")]
+use crate::files::Gzip;
 use crate::files::Output;
 use crate::files::ending;
 use crate::point::Point;
@@ -55,13 +57,22 @@ const GZIP_LEVEL: u32 = 6;
 #[cfg(feature = "compress")]
 const ZSTD_LEVEL: i32 = 3;
 
+/// Bytes that a thread of zstd takes at a time: by default they are eight times as many, and most tables no more than one such piece. Where
+/// they end depends on the bytes alone, so that the file is the same for any number of threads.
+#[cfg(feature = "compress")]
+const ZSTD_PIECE: u32 = 1 << 20;
+
+/// The most threads of zstd: one compresses what more than ten compute (`cargo bench --bench chunks` tells), and each has megabytes of its own.
+#[cfg(feature = "compress")]
+const ZSTD_THREADS: u32 = 16;
+
 /// A table under way.
 pub enum TableFile {
     /// As it is.
     Plain(Output),
     /// `.gz`
     #[cfg(feature = "compress")]
-    Gzip(flate2::write::GzEncoder<Output>),
+    Gzip(Gzip<Output>),
     /// `.zst`
     #[cfg(feature = "compress")]
     Zstd(Box<zstd::Encoder<'static, Output>>),
@@ -81,12 +92,12 @@ pub fn stem(name: &str) -> &str {
 }
 
 impl TableFile {
-    /// As [`Output::create`].
-    pub fn create(path: &Path, scene: &Scene) -> Result<Self, MapError> {
+    /// As [`Output::create`]. At most `threads` threads compress what is written.
+    pub fn create(path: &Path, scene: &Scene, threads: usize) -> Result<Self, MapError> {
         match Form::of(path)? {
             Form::Plain => Output::create(path).map(Self::Plain),
             Form::Columns => Self::by_columns(path, scene),
-            form => Self::compressed(path, form),
+            form => Self::compressed(path, form, threads),
         }
     }
 
@@ -105,20 +116,22 @@ impl TableFile {
     }
 
     #[cfg(feature = "compress")]
-    fn compressed(path: &Path, form: Form) -> Result<Self, MapError> {
+    fn compressed(path: &Path, form: Form, threads: usize) -> Result<Self, MapError> {
         let output = Output::create(path)?;
         if form == Form::Gzip {
-            return Ok(Self::Gzip(flate2::write::GzEncoder::new(output, flate2::Compression::new(GZIP_LEVEL))));
+            return Ok(Self::Gzip(Gzip::new(output, GZIP_LEVEL, threads)));
         }
         let cannot =
             |error: std::io::Error| MapError::Computation(format!("cannot compress {}: {error}", path.display()));
         let mut encoder = zstd::Encoder::new(output, ZSTD_LEVEL).map_err(cannot)?;
         encoder.include_checksum(true).map_err(cannot)?;
+        encoder.multithread(u32::try_from(threads).unwrap_or(u32::MAX).clamp(1, ZSTD_THREADS)).map_err(cannot)?;
+        encoder.set_parameter(zstd::zstd_safe::CParameter::JobSize(ZSTD_PIECE)).map_err(cannot)?;
         Ok(Self::Zstd(Box::new(encoder)))
     }
 
     #[cfg(not(feature = "compress"))]
-    fn compressed(path: &Path, _: Form) -> Result<Self, MapError> {
+    fn compressed(path: &Path, _: Form, _: usize) -> Result<Self, MapError> {
         let message = format!("{}: compression needs a build with the feature `compress`", path.display());
         Err(MapError::Request(message))
     }
