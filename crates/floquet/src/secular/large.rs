@@ -29,6 +29,8 @@ fn gather(near: &mut Modes, chosen: &mut Vec<usize>, modes: &Modes, order: &[usi
 /// As [`single_sided::residues`].
 pub(crate) fn single_sided(modes: &Modes, poles: &mut Vec<Pole>) {
     poles.clear();
+    // And one at 1, perhaps.
+    poles.reserve_exact(modes.count() + 1);
     let (points, order) = sorted(modes.count(), |k| {
         let mode = modes.mode(k);
         (mode.cos - mode.sin) * (mode.cos + mode.sin)
@@ -57,6 +59,8 @@ pub(crate) fn single_sided(modes: &Modes, poles: &mut Vec<Pole>) {
 /// As [`double_sided::residues`].
 pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations, poles: &mut Vec<Pole>) {
     poles.clear();
+    // And one at 1, perhaps.
+    poles.reserve_exact(modes.count() + 1);
     let (points, order) = sorted(modes.count(), |k| modes.mode(k).cos);
     let charges: Vec<[f64; 3]> = order
         .iter()

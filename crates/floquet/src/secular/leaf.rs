@@ -73,6 +73,11 @@ impl<const N: usize> Leaf<N> {
         copy(&mut self.sin, &whole.sin, FAR_ROOT);
     }
 
+    /// Where the pole of this place is, cos φ of which is `d`.
+    pub(super) fn at(&self, place: usize, d: f64) -> Angle {
+        Angle { d, cos: self.cos.as_flattened()[place], sin: self.sin.as_flattened()[place] }
+    }
+
     /// The field's polynomial is good at u: within an ellipse about its interval on which it still converges fast.
     pub(super) fn holds(&self, u: Complex<f64>) -> bool {
         u.re.abs() <= 1.2 && u.im.abs() <= 0.5

@@ -59,7 +59,7 @@ impl Poles<2> for Residues {
     type Near<'a> = Local<'a>;
 
     fn count(&self) -> usize {
-        self.table.len()
+        Residues::count(self)
     }
 
     fn distance(&self, place: usize, from: usize) -> f64 {
@@ -67,7 +67,7 @@ impl Poles<2> for Residues {
     }
 
     fn place_at(&self, from: usize, offset: f64) -> usize {
-        let last = self.table.len() - 1;
+        let last = Residues::count(self) - 1;
         let mut place = from.min(last);
         while place > 0 && offset < self.distance(place, from) {
             place -= 1;
@@ -88,7 +88,7 @@ impl Poles<2> for Residues {
 
     fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Nearby<2>) -> Option<Local<'a>> {
         if !whole {
-            return Some(self.window(place.min(self.table.len().saturating_sub(2)), place, scratch));
+            return Some(self.window(place.min(Residues::count(self).saturating_sub(2)), place, scratch));
         }
         self.distances(place, &mut scratch.distances);
         Some(self.about(&scratch.distances))

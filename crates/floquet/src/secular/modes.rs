@@ -44,6 +44,9 @@ const SPARED: f64 = 16.0 * f64::EPSILON;
 /// Frequencies this close are equal: each is worked out to 2ε.
 const EQUAL: f64 = 4.0 * f64::EPSILON;
 
+/// Number of modes from which Cauchy sums are faster than pairs.
+pub(super) const LARGE: usize = 256;
+
 /// The even subspace, mode by mode and in groups of four, the last one padded.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
@@ -54,6 +57,7 @@ pub(crate) struct Modes {
     blurs: Vec<f64>,
     squares: Vec<f64>,
     order: Vec<u32>,
+    /// Four at a time; none where [`Modes::group_few`] leaves them out.
     groups: Vec<Mode<Lane>>,
 }
 
@@ -65,7 +69,7 @@ impl Modes {
         let phases = response.cos_half().iter().zip(response.sin_half());
         self.clear();
         self.list.extend(modes.zip(phases).map(|((f, weight), (cos, sin))| Mode::new(*f, *weight, (*cos, *sin), half)));
-        self.group();
+        self.group_few();
     }
 
     /// Takes over what the impacts at an orbit's one site feel: on a ring all modes that are even about it, on other lattices those
@@ -91,7 +95,7 @@ impl Modes {
             self.numbers.push(first);
             self.blurs.push(4.0 * f64::EPSILON * full / weight);
         }
-        self.group();
+        self.group_few();
     }
 
     fn clear(&mut self) {
@@ -139,6 +143,15 @@ impl Modes {
         part < SPARED
     }
 
+    /// Of more than [`LARGE`] modes only parts are taken four at a time, see [`Modes::gather`]: groups of all of them would be as many
+    /// bytes again.
+    fn group_few(&mut self) {
+        self.groups.clear();
+        if self.list.len() <= LARGE {
+            self.group();
+        }
+    }
+
     fn group(&mut self) {
         self.groups.clear();
         let (fours, rest) = self.list.as_chunks();
@@ -166,7 +179,7 @@ impl Modes {
         self.list[k]
     }
 
-    /// All of them, four at a time.
+    /// All of them, four at a time; of a whole lattice none if there are more than [`LARGE`].
     #[inline(always)]
     pub(crate) fn groups(&self) -> &[Mode<Lane>] {
         &self.groups

@@ -8,13 +8,10 @@ use super::evaluate::Local;
 use super::foreign::Foreign;
 use super::growth::Nu;
 use super::leaf::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
-use super::modes::Modes;
-use super::pole::{NO_MODE, Pole};
+use super::modes::{LARGE, Modes};
+use super::pole::{Angle, NO_MODE, Pole};
 use super::{double_sided, in_turns, large, quick, single_sided};
 use vibrochain_breather::lanes::{Lane, room};
-
-/// Number of modes from which Cauchy sums are faster than pairs.
-const LARGE: usize = 256;
 
 /// Pole that pads the last group of four: so far away that its residue, 0, is never heard of.
 const FAR: f64 = 1e100;
@@ -48,7 +45,10 @@ const MOST_DOUBT: f64 = 1e-3;
 pub struct Residues {
     modes: Modes,
     masked: Vec<Lane>,
-    pub(crate) table: Vec<Pole>,
+    /// Poles before they stand in the lists below: work space, which large rings give back.
+    table: Vec<Pole>,
+    /// The mode of each pole.
+    owners: Vec<u32>,
     pub(crate) poles: Vec<Lane>,
     /// All poles one by one.
     pub(super) whole: Leaf<2>,
@@ -192,7 +192,10 @@ impl Residues {
             self.table.reverse();
         }
         self.table.sort_unstable_by(|a, b| a.at.order(&b.at));
+        self.neighbourhoods.clear();
         let table = &self.table;
+        self.owners.clear();
+        self.owners.extend(table.iter().map(|pole| pole.mode));
         let sources = table.iter().map(|pole| ChargedPole {
             at: pole.at,
             shift: pole.shift,
@@ -204,12 +207,13 @@ impl Residues {
         for (i, pole) in table.iter().enumerate() {
             (poles[i], below_one[i], above_minus_one[i]) = (pole.at.d, pole.below_one, pole.above_minus_one);
         }
-        self.neighbourhoods.clear();
+        self.certify()?;
         if large {
-            let charges: Vec<_> = table.iter().map(|pole| [pole.residue, pole.error]).collect();
-            self.neighbourhoods = divide(poles, &charges);
+            let charges: Vec<_> = self.table.iter().map(|pole| [pole.residue, pole.error]).collect();
+            self.table = Vec::new();
+            self.neighbourhoods = divide(self.poles(), &charges);
         }
-        self.certify()
+        Ok(())
     }
 
     /// F about an origin.
@@ -224,7 +228,7 @@ impl Residues {
             self.distances(place, &mut nearby.distances);
             return self.about(&nearby.distances);
         };
-        let (leaf, distances) = nearby.look(&self.whole, neighbourhood, &self.table[place].at);
+        let (leaf, distances) = nearby.look(&self.whole, neighbourhood, &self.at(place));
         Local { leaf, distances, origin: Some((self.poles()[place] - leaf.middle) * leaf.scale) }
     }
 
@@ -237,30 +241,36 @@ impl Residues {
 
     /// Distances of all poles from that at `place`.
     pub(crate) fn distances(&self, place: usize, out: &mut Vec<Lane>) {
-        if let Some(origin) = self.table.get(place) {
-            self.whole.distances(&origin.at, out);
+        if place < self.count() {
+            self.whole.distances(&self.at(place), out);
         }
+    }
+
+    /// Where the pole at `place` is.
+    fn at(&self, place: usize) -> Angle {
+        self.whole.at(place, self.poles()[place])
     }
 
     /// The pole at one place less that at another.
     pub(crate) fn distance(&self, place: usize, other: usize) -> f64 {
-        match (self.table.get(place), self.table.get(other)) {
-            (Some(a), Some(b)) => a.at.distance(&b.at),
-            _ => 0.0,
-        }
+        if place.max(other) < self.count() { self.at(place).distance(&self.at(other)) } else { 0.0 }
     }
 
     /// ν at an offset from a pole.
     pub(crate) fn nu(&self, place: usize, t: Complex<f64>) -> Nu {
-        let Some(pole) = self.table.get(place) else { return Nu::default() };
-        Nu { below: t.re - pole.below_one, above: t.re + pole.above_minus_one, im: t.im }
+        if place >= self.count() {
+            return Nu::default();
+        }
+        let [below, above] = [&self.below_one, &self.above_minus_one].map(|list| self.flat(list)[place]);
+        Nu { below: t.re - below, above: t.re + above, im: t.im }
     }
 
     /// F at an end ±1, its slope and its error; at a pole those of (ν−1)F.
     pub(super) fn at_end(&self, end: f64, local: Local<'_>) -> (f64, f64, f64) {
-        match self.table.split_last() {
-            Some((pole, others)) if end > 0.0 && self.has_pole_at_one => {
-                (pole.residue, others.iter().map(|other| other.residue / other.below_one).sum(), pole.error)
+        match (self.residues().split_last(), self.errors().last()) {
+            (Some((residue, others)), Some(error)) if end > 0.0 && self.has_pole_at_one => {
+                let slopes = others.iter().zip(self.flat(&self.below_one)).map(|(residue, below)| residue / below);
+                (*residue, slopes.sum(), *error)
             }
             _ => {
                 let at = local.jet(0.0);
@@ -327,8 +337,8 @@ impl Residues {
 
     /// The mode k to which a pole belongs, by the pole's place.
     pub fn mode(&self, place: usize) -> Option<usize> {
-        let pole = self.table.get(place).filter(|pole| pole.mode != NO_MODE)?;
-        Some(self.modes.number(pole.mode as usize))
+        let mode = *self.owners.get(place).filter(|mode| **mode != NO_MODE)?;
+        Some(self.modes.number(mode as usize))
     }
 
     /// ΣR_k − 1, a certificate.
@@ -343,14 +353,14 @@ impl Residues {
 
     /// Σν over the non-trivial pairs.
     pub(crate) fn sum_of_roots(&self) -> f64 {
-        self.table.iter().map(|pole| pole.at.d * (1.0 - pole.residue)).sum()
+        self.poles().iter().zip(self.residues()).map(|(d, residue)| d * (1.0 - residue)).sum()
     }
 
     pub(crate) fn count(&self) -> usize {
-        self.table.len()
+        self.owners.len()
     }
 
     fn flat<'a>(&self, lanes: &'a [Lane]) -> &'a [f64] {
-        &lanes.as_flattened()[..self.table.len()]
+        &lanes.as_flattened()[..self.count()]
     }
 }
