@@ -80,9 +80,11 @@ impl Scale {
         if most > FAR {
             return Self::Logarithmic;
         }
-        let top = drawn.last().copied().unwrap_or(most).min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
-        let low = least.min(1.0);
-        Self::Between(low - 0.07 * (top - low)..top)
+        let (low, highest) = (least.min(1.0), drawn.last().copied().unwrap_or(most));
+        let top = highest.min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
+        // A peak that is nearly all seen is seen whole; what leaves the picture does so at its edge.
+        let (top, air) = if highest <= 1.0 + WHOLE * (top - 1.0) { (highest.max(top), AIR) } else { (top, 0.0) };
+        Self::Between(low - AIR * (top - low)..top + air * (top - low))
     }
 }
 
@@ -133,3 +135,7 @@ const MOST_OF_IT: usize = 80;
 const FAR: f64 = 5.0;
 const ROOM: f64 = 2.0;
 const LEAST: f64 = 0.01;
+
+/// What rises at most so much further than that does not leave the picture; about it is air, a part of its height.
+const WHOLE: f64 = 1.5;
+const AIR: f64 = 0.07;
