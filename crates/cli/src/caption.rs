@@ -16,7 +16,12 @@ pub fn describe(model: &Model) -> String {
 
 /// The name of an event in the words of a legend.
 pub(crate) fn in_words(name: &str) -> String {
-    if name == "neimark-sacker" { "Neimark–Sacker".to_owned() } else { name.replace('-', " ") }
+    match name {
+        "neimark-sacker" => "Neimark–Sacker".to_owned(),
+        // A ratio alone says nothing to who has not read of it.
+        ratio if ratio.starts_with("1:") => format!("resonance {ratio}"),
+        name => name.replace('-', " "),
+    }
 }
 
 /// What a run is of: the breather it starts on, and how it is perturbed.

@@ -40,7 +40,7 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
         // Of two curves of one colour the later is thicker.
         let (colour, stroke) = (i % COLOURS, Stroke::Solid(2 + 2 * (i / COLOURS).min(3) as u32));
         all.push(Series { name, colour, stroke, mark: Mark::None, points: line(true) });
-        let (colour, stroke) = (GREY, Stroke::Dashed(1));
+        let (colour, stroke) = (GREY, Stroke::Dashed(2));
         // All of them have one entry.
         let is_told = all.iter().any(|series| series.name == NOT_PHYSICAL);
         let name = if is_seen(&line(false)) && !is_told { NOT_PHYSICAL } else { "" }.to_owned();

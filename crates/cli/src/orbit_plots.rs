@@ -156,7 +156,7 @@ fn profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
             if instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
         Series { name, colour, stroke, mark, points }
     });
-    let pane = pane("", along(orbit), "displacement vₙ", series.collect());
+    let pane = pane("", along(orbit), "displacement uₙ", series.collect());
     Ok(Pane { levels: barriers(orbit), ..pane })
 }
 
@@ -218,9 +218,9 @@ fn flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
         let name = name.to_owned();
         Series { name, colour, stroke: Stroke::None, mark, points }
     };
-    let mut traces = vec![line("impacting mass v₀", 0, Stroke::Solid(3), own)];
+    let mut traces = vec![line("impacting mass u₀", 0, Stroke::Solid(3), own)];
     if next != home {
-        traces.push(line("its neighbour v₁", 1, Stroke::Dashed(2), neighbour));
+        traces.push(line("its neighbour u₁", 1, Stroke::Dashed(2), neighbour));
     }
     let trace = pane("", "time t/T", "displacement", traces);
     let portrait = vec![
@@ -229,7 +229,7 @@ fn flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
         dots("before", 1, Mark::Filled(3), before),
         dots("after", 1, Mark::Hollow(0), after),
     ];
-    let phase = pane("", "displacement v₀", "velocity of the impacting mass", portrait);
+    let phase = pane("", "displacement u₀", "velocity of the impacting mass", portrait);
     Ok((Pane { x_range: Some(0.0..1.0), levels: barriers(orbit), ..trace }, phase))
 }
 
@@ -302,8 +302,8 @@ fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliErr
     };
     let caption = format!("leading perturbation just before the first impact, |μ| = {:.6}", mode.multiplier.norm());
     Ok(vec![
-        panel(&caption, "displacement δvₙ", &mode.displacement),
-        panel("its velocities", "velocity δv\u{307}ₙ", &mode.velocity),
+        panel(&caption, "displacement δuₙ", &mode.displacement),
+        panel("its velocities", "velocity δu\u{307}ₙ", &mode.velocity),
     ])
 }
 
@@ -341,7 +341,7 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
         Some((0, factor)) => format!("slowest decay: the mean over a period, factor {factor:.6} from site to site"),
         Some((j, factor)) => format!("slowest decay: harmonic {j}, factor {factor:.6} from site to site"),
     };
-    let pane = pane(&caption, "distance from the impacting mass, in sites", "|vₙ − uniform motion|", all);
+    let pane = pane(&caption, "distance from the impacting mass, in sites", "|uₙ − uniform motion|", all);
     Ok(Pane { scale: Scale::Logarithmic, ..pane })
 }
 

@@ -1,6 +1,7 @@
 //! What pictures are made for, on the command line: width, resolution, letters.
 
 use clap::{Args, ValueEnum};
+use vibrochain_lattice::Short;
 use vibrochain_maps::numbers::real;
 
 use crate::error::CliError;
@@ -53,7 +54,8 @@ fn length(text: &str) -> Result<Length, String> {
     let advice = "give a number with its unit, mm, cm, in, pt or px, such as 86mm";
     let units = [("mm", 96.0 / 25.4), ("cm", 96.0 / 2.54), ("in", 96.0), ("pt", 96.0 / 72.0), ("px", 1.0)];
     let Some((number, unit)) = units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit))) else {
-        return Err(format!("no unit: {advice}"));
+        let is_number = real(text.trim()).is_ok();
+        return Err(format!("{}: {advice}", if is_number { "no unit" } else { "not a length" }));
     };
     let number = real(number.trim()).map_err(|error| format!("{error}: {advice}"))?;
     if number.is_finite() { Ok(Length(unit * number)) } else { Err(format!("not finite: {advice}")) }
@@ -97,7 +99,12 @@ impl PageArgs {
             }
             _ => Ok(()),
         };
-        within("--width", self.width.map(|length| length.0), WIDTHS, " pixels of 1/96 inch, 20 mm to 2 m")?;
+        if let Some(Length(width)) = self.width
+            && !(WIDTHS.0..=WIDTHS.1).contains(&width)
+        {
+            let millimetres = Short((width * 25.4 / 96.0 * 1e6).round() / 1e6);
+            return Err(CliError::Request(format!("--width of {millimetres} mm: give 20 mm to 2 m, 75px to 7600px")));
+        }
         within("--dpi", self.dpi, DPI, "")?;
         within("--font-size", self.font_size, FONT, " points")
     }

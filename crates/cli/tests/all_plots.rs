@@ -39,7 +39,7 @@ fn all_plots_are_seven_of_each_solution() {
     // γ₂(λ + 1/λ) = γ₁ + 2γ₂ for the static part: λ = 2 − √3.
     assert!(svg("decay").contains("factor 0.267949"), "{}", svg("decay"));
     assert!(svg("eigenvector").contains("imaginary part") && svg("phase").contains("impact"));
-    assert!(svg("eigenvector").contains("velocity δv\u{307}ₙ"));
+    assert!(svg("eigenvector").contains("velocity δu\u{307}ₙ"));
     // All that is fixed is on all of them.
     for name in seven {
         for fixed in ["N = 20", "γ₁ = 0.2", "γ₂ = 0.1", "ω = 1.5", "a = 0.4", "A = 0.1", "e = 0.9"] {

@@ -371,7 +371,8 @@ fn a_picture_is_as_wide_and_as_fine_as_its_page() {
     assert!((size(&large) / size(&small) - 16.0 / 11.25).abs() < 1e-3 && same > wide && higher > high);
     for (flags, told) in [
         ("--width 86", "no unit: give a number with its unit"),
-        ("--width 1mm", "20 mm to 2 m"),
+        ("--width 86km", "not a length: give a number with its unit"),
+        ("--width 1mm", "--width of 1 mm: give 20 mm to 2 m"),
         ("--dpi 0", "give 36 to 2400"),
         ("--dpi nan", "--dpi"),
         ("--font-size 1000", "give 4 to 72 points"),

@@ -1,7 +1,7 @@
 // The model by sliders and fields. What is typed is asked of the program first: a scene that it refuses is never shown.
 
 import { post, gone } from "./ask.js";
-import { $, element } from "./dom.js";
+import { $, element, unbroken } from "./dom.js";
 import { NAMES, axes, remember, state } from "./state.js";
 
 // Ends of the sliders; fields take whatever the program takes.
@@ -64,7 +64,7 @@ export class Controls {
       element("div", { class: "row" }, element("label", { for: "words" }, "words"), words),
       element("p", { class: "quiet", id: "wordhelp" }, "Impact words, with ; between them: 0+3+,0-3- hits masses 0 and 3 together, up and down."),
       element("div", { class: "row" }, element("label", { for: "threshold" }, "growth allowed"), threshold));
-    $("heading").textContent = state.heading ?? "";
+    $("heading").textContent = unbroken(state.heading ?? "");
   }
 
   row(name) {
@@ -142,7 +142,7 @@ export class Controls {
     state.scene = view.scene;
     state.heading = view.heading;
     state.conservative = view.conservative;
-    $("heading").textContent = view.heading;
+    $("heading").textContent = unbroken(view.heading);
     remember();
     this.changed(view);
   }

@@ -10,3 +10,6 @@ const filled = (made, attributes, ...children) => {
 
 export const element = (name, attributes = {}, ...children) => filled(document.createElement(name), attributes, ...children);
 export const svg = (name, attributes, ...children) => filled(document.createElementNS("http://www.w3.org/2000/svg", name), attributes, ...children);
+
+// |μ| is one word: no line ends within it.
+export const unbroken = (text) => text.replaceAll("|μ|", [..."|μ|"].join("\u2060"));

@@ -20,6 +20,7 @@ export class MapView {
     this.box = $("map");
     this.canvas = $("cells");
     this.over = $("over");
+    this.hint = $("under").textContent; // what a mouse or fingers can do here
     this.paint = this.canvas.getContext("2d", { alpha: false });
     this.tiles = new Tiles(() => this.redraw(), failed);
     this.deepest = 0;
@@ -373,7 +374,7 @@ export class MapView {
       const held = down.get(event.pointerId);
       if (!held) {
         const cell = event.pointerType === "mouse" ? this.cell(...this.under(event)) : null;
-        $("under").textContent = cell ? `Under the pointer: ${this.told(cell)}` : "";
+        $("under").textContent = cell ? `Under the pointer: ${this.told(cell)}` : this.hint;
         return;
       }
       const before = down.size === 2 ? spread() : 0;

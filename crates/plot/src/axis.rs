@@ -7,6 +7,9 @@ use vibrochain_maps::scene::{Axis as SweptAxis, Values};
 /// Fewer ticks than this tell little of a logarithmic axis.
 const FEW: usize = 4;
 
+/// Decades that `tick` writes as plain numbers.
+const WRITTEN_OUT: Range<f64> = -3.0..6.0;
+
 /// What lies along an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Scale {
@@ -66,7 +69,14 @@ impl Axis {
                 let digits = places.windows(2).next().map_or(6, |pair| digits(pair[1] - pair[0]));
                 places.into_iter().map(|place| (place, tick_in(place, digits))).collect()
             }
-            Scale::Powers => logarithms(start, end, most).into_iter().map(|place| (place, power_tick(place))).collect(),
+            Scale::Powers => {
+                let places = logarithms(start, end, most);
+                // 10⁻⁴ beside 0.001 would be two ways to say one thing.
+                let is_whole = |place: &f64| *place == place.round();
+                let far = places.iter().any(|place| !WRITTEN_OUT.contains(place)) && places.iter().all(is_whole);
+                let words = if far { power_of_ten } else { power_tick };
+                places.into_iter().map(|place| (place, words(place))).collect()
+            }
             Scale::Decades => {
                 let stride = (((end - start) / most.max(1) as f64).ceil() as i32).max(1);
                 let inside = (start.ceil() as i32)..=(end.floor() as i32);
@@ -246,6 +256,17 @@ mod tests {
             let same = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-9;
             assert!(ticks.len() == expected.len() && ticks.iter().zip(&expected).all(same), "{ticks:?} {expected:?}");
         }
+    }
+
+    #[test]
+    fn decades_of_an_axis_are_written_in_one_way() {
+        let words = |from: f64, to: f64| {
+            let axis = Axis { range: from..to, scale: Scale::Powers };
+            axis.ticks(8).into_iter().map(|tick| tick.1).collect::<Vec<_>>()
+        };
+        assert_eq!(words(-3.0, 0.0), ["0.001", "0.01", "0.1", "1"]);
+        assert_eq!(words(-4.0, 0.0), ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1"]);
+        assert_eq!(words(3.0, 6.0), ["10³", "10⁴", "10⁵", "10⁶"]);
     }
 
     #[test]

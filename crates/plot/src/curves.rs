@@ -80,9 +80,11 @@ impl Scale {
         if most > FAR {
             return Self::Logarithmic;
         }
-        let top = drawn.last().copied().unwrap_or(most).min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
-        let low = least.min(1.0);
-        Self::Between(low - 0.07 * (top - low)..top)
+        let (low, highest) = (least.min(1.0), drawn.last().copied().unwrap_or(most));
+        let top = highest.min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
+        // A peak that is nearly all seen is seen whole; what leaves the picture does so at its edge.
+        let (top, air) = if highest <= 1.0 + WHOLE * (top - 1.0) { (highest.max(top), AIR) } else { (top, 0.0) };
+        Self::Between(low - AIR * (top - low)..top + air * (top - low))
     }
 }
 
@@ -133,3 +135,42 @@ const MOST_OF_IT: usize = 80;
 const FAR: f64 = 5.0;
 const ROOM: f64 = 2.0;
 const LEAST: f64 = 0.01;
+
+/// What rises at most so much further than that does not leave the picture; about it is air, a part of its height.
+const WHOLE: f64 = 1.5;
+const AIR: f64 = 0.07;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ends of the scale of multipliers: ten that are 1.01 and one of another height.
+    fn ends(height: f64) -> Range<f64> {
+        let points = std::iter::repeat_n(1.01, 10).chain([1.0, height]).enumerate().map(|(i, y)| (i as f64, y));
+        let series = Series {
+            name: String::new(),
+            colour: 0,
+            stroke: Stroke::Solid(1),
+            mark: Mark::None,
+            points: points.collect(),
+        };
+        match Scale::about_one(&[series]) {
+            Scale::Between(ends) => ends,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_peak_is_seen_whole_and_what_grows_without_bound_leaves_the_picture() {
+        for height in [1.011, 1.019, 1.025, 1.029] {
+            let seen = ends(height);
+            assert!(
+                seen.end > height && seen.end < height + 0.1 * (height - 1.0) && seen.start < 1.0,
+                "{height} {seen:?}"
+            );
+        }
+        for height in [1.04, 7.0, 1e9] {
+            assert!((ends(height).end - 1.02).abs() < 1e-12, "{height} {:?}", ends(height));
+        }
+    }
+}

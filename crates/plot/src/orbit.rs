@@ -56,7 +56,7 @@ fn profile(orbit: &OrbitPanels) -> Pane {
             if instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
         Series { name, colour, stroke, mark, points }
     });
-    pane(orbit, orbit.x, "displacement vₙ", series.collect())
+    pane(orbit, orbit.x, "displacement uₙ", series.collect())
 }
 
 fn trace(orbit: &OrbitPanels) -> Pane {
@@ -67,7 +67,7 @@ fn trace(orbit: &OrbitPanels) -> Pane {
         let name = if alone { String::new() } else { format!("site {site}") };
         Series { name, colour: i, stroke, mark: Mark::None, points: trace.clone() }
     });
-    let y = if alone { "impacting mass v₀" } else { "impacting masses vₙ" };
+    let y = if alone { "impacting mass u₀" } else { "impacting masses uₙ" };
     let pane = pane(orbit, "time, in periods of the orbit", y, series.collect());
     Pane { x_range: Some(0.0..1.0), ..pane }
 }

@@ -21,6 +21,9 @@ const LOW: f64 = 16.0;
 /// What is left for the curves at least, in em: below that a panel is all legend.
 const LEAST_BODY: f64 = 10.0;
 
+/// Air above a row's own words, in em, or they seem to belong to the legend or the row above.
+const APART: f64 = 0.7;
+
 /// The bytes of the picture.
 ///
 /// # Errors
@@ -63,7 +66,13 @@ fn draw(picture: &Curves, page: &Page) -> Drawing {
             one_legend,
         })
         .collect();
-    let height = top + key.height() + rows.iter().map(|row| row.height(page)).sum::<f64>();
+    let mut gaps = Vec::new();
+    for row in &rows {
+        let is_below = !gaps.is_empty() || key.height() > 0.0;
+        let has_words = row.heading(page) + row.captions(page) > 0.0;
+        gaps.push(if is_below && has_words { APART * em } else { 0.0 });
+    }
+    let height = top + key.height() + rows.iter().zip(&gaps).map(|(row, gap)| gap + row.height(page)).sum::<f64>();
     let mut drawing = Drawing::new([all, height], &picture.title);
     title.draw(&mut drawing);
     key.draw(&mut drawing, [EDGE * em, top], page);
@@ -72,7 +81,8 @@ fn draw(picture: &Curves, page: &Page) -> Drawing {
         rows.iter().map(|row| row.left(page)).fold([0.0; 2], |most, one| [0, 1].map(|i| f64::max(most[i], one[i])));
     let left = [ticks + names + 0.6 * em, ticks];
     let mut y = top + key.height();
-    for row in rows {
+    for (row, gap) in rows.iter().zip(gaps) {
+        y += gap;
         row.draw(&mut drawing, y, left, page);
         y += row.height(page);
     }
