@@ -2,8 +2,8 @@
 //!
 //! Half a period of one site's breather is one stretch of linear flight, in which every derivative obeys the equation of
 //! motion, too. If |v̈_n| ≤ B₂ and |v⃛_n| ≤ B₃ on an interval of length h, the mass comes no closer to a barrier than at its
-//! ends by more than B₂h²/8, its velocity leaves the straight line between its values at the ends by no more than B₃h²/8,
-//! and its tangent by B₃s²/2. The bounds are each mass's own, from accelerations at the nodes and
+//! ends by more than B₂h²/8, and has no turning point if these are more than B₂h²/2 apart; its velocity leaves the straight line between
+//! its values at the ends by no more than B₃h²/8, and its tangent by B₃s²/2. The bounds are each mass's own, from accelerations at the nodes and
 //!
 //! ```text
 //! |v⃜_n| ≤ (γ₁+2γ₂)|v̈_n| + γ₂(|v̈_(n−1)| + |v̈_(n+1)|) ,
@@ -50,11 +50,9 @@ pub(crate) struct Grid {
     extremes: Vec<[Lane; 3]>,
     /// Their accelerations, [node][mass].
     accelerations: Vec<Lane>,
-    /// For each mass a bound on |v̈| and one on |v⃜| in the whole flight.
+    /// For each mass a bound on |v̈| in the whole flight; and, from the far end, what lies beyond it in that sum.
     seconds: Vec<f64>,
-    fourths: Vec<f64>,
-    /// Velocities of the mass last chosen.
-    slopes: Vec<f64>,
+    beyond: Vec<f64>,
     tops: Vec<Lane>,
     reaches: Vec<Lane>,
     scratch: Vec<[f64x4; 2]>,
@@ -168,25 +166,21 @@ impl Grid {
         // What lies beyond each mass, away from the breather. Beyond the far end the images begin with the last mass (odd
         // rings) or that before it; twice, for what the images beyond the near end, not counted yet, add to them.
         let mut beyond = 2.0 * (theta * sum).max(sum - last);
-        self.fourths.clear();
-        self.fourths.extend(tops.rev().map(|top| {
+        self.beyond.clear();
+        self.beyond.extend(tops.rev().map(|top| {
             let next = theta * (top + beyond);
             std::mem::replace(&mut beyond, next)
         }));
         // What adds to mass 0 is what its images, beyond the near end, add to all.
-        let (Some(near), Some(first)) = (self.fourths.last(), self.seconds.first()) else { return false };
+        let (Some(near), Some(first)) = (self.beyond.last(), self.seconds.first()) else { return false };
         // Not a number where nothing is accelerated.
         let images = 1.0 + near / first;
         if images.is_nan() || images > 2.0 {
             return false;
         }
         let scale = 1.0 / (1.0 - c1 - 5.0 * c2);
-        for (second, beyond) in self.seconds.iter_mut().zip(self.fourths.iter().rev()) {
+        for (second, beyond) in self.seconds.iter_mut().zip(self.beyond.iter().rev()) {
             *second = scale * (images * *second + beyond);
-        }
-        for (mass, fourth) in self.fourths.iter_mut().enumerate() {
-            let sides = self.seconds[watched.left()[mass]] + self.seconds[watched.right()[mass]];
-            *fourth = (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides;
         }
         true
     }
@@ -206,14 +200,14 @@ impl Grid {
         self.values.chunks_exact(self.groups).nth(node).unwrap_or_default().as_flattened()
     }
 
-    /// Displacement of a mass at a node.
-    pub(crate) fn value(&self, node: usize, mass: usize) -> f64 {
-        self.values.as_flattened()[node * self.groups * LANES + mass]
+    /// From a node to the next in the lists below, where a mass has its own number at the first one.
+    pub(crate) fn stride(&self) -> usize {
+        self.groups * LANES
     }
 
-    /// Acceleration of a mass at a node.
-    fn acceleration(&self, node: usize, mass: usize) -> f64 {
-        self.accelerations.as_flattened()[node * self.groups * LANES + mass]
+    /// Displacement of the mass and node at a place.
+    pub(crate) fn value(&self, place: usize) -> f64 {
+        self.values.as_flattened()[place]
     }
 
     /// How close to a barrier each mass could come in the whole flight, at asymmetry `a`; in whole groups.
@@ -243,26 +237,33 @@ impl Grid {
         self.seconds[mass]
     }
 
-    /// The bound on |v⃜| of a mass.
-    #[cfg(test)]
-    pub(crate) fn fourth(&self, mass: usize) -> f64 {
-        self.fourths[mass]
+    /// A bound on |v⃜| of a mass in the whole flight.
+    pub(crate) fn fourth(&self, motion: &Motion, watched: &DistinctMasses, mass: usize) -> f64 {
+        let (gamma1, gamma2) = stiffnesses(motion);
+        let sides = self.seconds[watched.left()[mass]] + self.seconds[watched.right()[mass]];
+        (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides
     }
 
-    /// Chooses a mass for the questions below.
-    pub(crate) fn choose(&mut self, motion: &Motion, mass: usize) {
-        // cos(2πkn/M) is symmetric in k and n.
-        let shapes = motion.shapes().chunks_exact(self.groups).nth(mass).unwrap_or_default();
-        self.slopes.clear();
-        self.slopes.extend(self.velocities.chunks_exact(self.groups).map(|node| dot(shapes, node)));
+    /// The shapes of a mass, as cos(2πkn/M) is symmetric in k and n.
+    fn shapes<'a>(&self, motion: &'a Motion, mass: usize) -> &'a [Lane] {
+        motion.shapes().get(mass * self.groups..(mass + 1) * self.groups).unwrap_or_default()
     }
 
-    /// The chosen mass has no turning point in an interval, other than the ends of the flight that are `known` to be one.
-    pub(crate) fn is_monotone(&self, mass: usize, interval: usize, known: [bool; 2]) -> bool {
-        let (first, last) = (self.slopes[interval], self.slopes[interval + 1]);
-        let [before, after] = [interval, interval + 1].map(|node| self.acceleration(node, mass));
+    /// A mass has no turning point in an interval, other than the ends of the flight that are `known` to be one; `fourth` is the
+    /// bound on its |v⃜|.
+    pub(crate) fn is_monotone(
+        &self,
+        (motion, mass): (&Motion, usize),
+        interval: usize,
+        fourth: f64,
+        known: [bool; 2],
+    ) -> bool {
+        let shapes = self.shapes(motion, mass);
+        let [first, last] = [interval, interval + 1].map(|node| dot(shapes, &self.velocities[node * self.groups..]));
+        let (place, accelerations) = (interval * self.stride() + mass, self.accelerations.as_flattened());
+        let (before, after) = (accelerations[place], accelerations[place + self.stride()]);
         // The third derivative is within B₄h of its mean.
-        let bend = (after - before).abs() + self.fourths[mass] * self.step * self.step;
+        let bend = (after - before).abs() + fourth * self.step * self.step;
         let straight = (first > 0.0) == (last > 0.0) && first.abs().min(last.abs()) > 0.125 * bend * self.step;
         straight
             || (interval == 0 && known[0] && before.abs() > 0.5 * bend)
@@ -271,7 +272,7 @@ impl Grid {
 
     /// The motion of a mass from a node on, in units of an interval.
     pub(crate) fn polynomial(&mut self, motion: &Motion, mass: usize, node: usize) -> Polynomial {
-        let shapes = motion.shapes().chunks_exact(self.groups).nth(mass).unwrap_or_default();
+        let shapes = self.shapes(motion, mass);
         let from = node * self.groups;
         let states = self.displacements.iter().zip(&self.velocities).skip(from);
         let step = f64x4::splat(self.step);

@@ -238,21 +238,25 @@ impl Watch {
             (0..masses).zip(grid.reaches(a)).filter(|(mass, reach)| *mass == 0 || **reach < far).map(|(mass, _)| mass),
         );
         for &mass in &*near {
-            let slack = grid.slack(mass);
-            grid.choose(motion, mass);
+            let (slack, turns) = (grid.slack(mass), turns(mass));
+            // B₂h²/2, and what rounding makes of values.
+            let apart = 4.0 * slack + RESOLUTION;
+            let mut value = grid.value(mass);
             for interval in 0..last {
-                let ends = [interval, interval + 1].map(|node| distance(a, grid.value(node, mass)));
+                let here = std::mem::replace(&mut value, grid.value((interval + 1) * grid.stride() + mass));
+                let ends = [here, value].map(|value| distance(a, value));
                 // Where it is not hit, any place counts; the ends are noted.
                 if mass > 0 && ends[0] < closest.distance {
-                    closest.note(a, site(mass), time(interval), grid.value(interval, mass));
+                    closest.note(a, site(mass), time(interval), here);
                 }
                 if depth == Depth::First && interval > 0 && ends[0] < -RESOLUTION {
-                    closest.note(a, site(mass), time(interval), grid.value(interval, mass));
+                    closest.note(a, site(mass), time(interval), here);
                     return;
                 }
-                if ends[0].min(ends[1]) - slack >= closest.distance - RESOLUTION
-                    || grid.is_monotone(mass, interval, turns(mass))
-                {
+                if ends[0].min(ends[1]) - slack >= closest.distance - RESOLUTION || (value - here).abs() > apart {
+                    continue;
+                }
+                if grid.is_monotone((motion, mass), interval, grid.fourth(motion, watched, mass), turns) {
                     continue;
                 }
                 let polynomial = grid.polynomial(motion, mass, interval);
@@ -429,7 +433,10 @@ mod tests {
                     let modes = motion.modes().iter().zip(motion.frequencies()).enumerate();
                     let fourth: f64 = modes.map(|(k, (mode, rate))| -shape(k) * rate * rate * mode[2]).sum();
                     let rate = motion.top_frequency().powi(2).max(1.0);
-                    assert!(fourth.abs() <= watch.grid.fourth(i) + 1e-12 * size * rate, "{site} {fourth} {now:?}");
+                    assert!(
+                        fourth.abs() <= watch.grid.fourth(motion, &watch.watched, i) + 1e-12 * size * rate,
+                        "{site} {fourth} {now:?}"
+                    );
                     let (reach, left) = (watch.grid.reaches(a)[i], distance(a, now.displacement));
                     assert!(reach <= left + 1e-13 * size, "{site} {reach} {now:?}");
                     checked += 1;

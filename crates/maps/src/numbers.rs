@@ -76,17 +76,32 @@ pub fn plain(message: &str) -> String {
 pub struct Number(pub f64);
 
 impl Number {
-    /// The digits, in `buffer`.
-    pub fn text(self, buffer: &mut ryu::Buffer) -> &str {
+    /// The digits, in two parts that follow each other, in `buffer`.
+    fn parts(self, buffer: &mut zmij::Buffer) -> [&str; 2] {
         let text = buffer.format(self.0);
+        // Large numbers have a sign in their exponent that they read back without.
+        if self.0.abs() >= 1e16
+            && let Some((digits, exponent)) = text.split_once('+')
+        {
+            return [digits, exponent];
+        }
         // A whole number comes with a fraction of zero.
-        text.strip_suffix(".0").unwrap_or(text)
+        [text.strip_suffix(".0").unwrap_or(text), ""]
+    }
+
+    /// Writes the digits behind those there are.
+    pub fn push(self, text: &mut Vec<u8>) {
+        // What stable orbits have.
+        if self.0 == 1.0 {
+            return text.push(b'1');
+        }
+        self.parts(&mut zmij::Buffer::new()).iter().for_each(|part| text.extend_from_slice(part.as_bytes()));
     }
 }
 
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.text(&mut ryu::Buffer::new()))
+        self.parts(&mut zmij::Buffer::new()).iter().try_for_each(|part| f.write_str(part))
     }
 }
 
@@ -115,6 +130,9 @@ mod tests {
             let (own, standard) = (Number(value).to_string(), standard(value));
             let same = own.len() == standard.len() && own.parse::<f64>().unwrap() == value;
             assert!(own == standard || same, "{own} {standard}");
+            let mut pushed = b"x = ".to_vec();
+            Number(value).push(&mut pushed);
+            assert_eq!(pushed, format!("x = {own}").as_bytes());
         }
     }
 }

@@ -79,7 +79,6 @@ impl Motion {
                 }
             }
         }
-        self.now.clear();
         self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
     }
 

@@ -169,6 +169,11 @@ impl Motion {
                 *now = [displacement, p * cos - q * frequency * sin, -frequency * frequency * displacement];
             }
         }
+        self.seek_force(i, elapsed);
+    }
+
+    /// Moves the force alone.
+    fn seek_force(&mut self, i: usize, elapsed: f64) {
         self.now_time = self.force_time(i, elapsed);
         self.now_force = self.steady.uniform().map(|motion| Kinematics::of(motion, self.now_time)).unwrap_or_default();
     }
@@ -297,8 +302,13 @@ impl Motion {
     /// −γ₁v − γ₂(2v − v_l − v_r) + F, or from the modes, −Σ Ω²q + G̈, whichever cancels less: the modal sum does where the
     /// coupling is stiff, the neighbours' difference where the ring hangs on soft springs.
     pub(crate) fn just_after(&mut self, i: usize, site: usize) -> (Kinematics, f64) {
-        self.seek(i, 0.0);
-        let around = self.around(site);
+        let around = match self.started(i, site) {
+            Some(around) => around,
+            None => {
+                self.seek(i, 0.0);
+                self.around(site)
+            }
+        };
         let (neighbours, modes) = self.sizes(&around);
         let own = around.own;
         let by_modes = modes < neighbours;
@@ -328,13 +338,7 @@ impl Motion {
             } else {
                 self.row_sums(own, [left, right, below, above])
             };
-            let own = self.forced(site, sum);
-            let side = |i: usize| match neighbours[i] {
-                None => 0.0,
-                Some(n) if n == site => own.displacement,
-                Some(n) => moved[i] + self.driven(n).displacement,
-            };
-            return Around { own, sides: std::array::from_fn(side), modal };
+            return self.beside(site, neighbours, (sum, moved, modal));
         }
         let mut modal = 0.0;
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
@@ -344,6 +348,44 @@ impl Motion {
         let own = self.site(site);
         let displacement = |n: usize| if n == site { own.displacement } else { self.site(n).displacement };
         Around { own, sides: neighbours.map(|n| n.map_or(0.0, displacement)), modal }
+    }
+
+    /// [`Motion::seek`] to the start of an interval and [`Motion::around`] in one pass, for the one site of a small ring that is hit.
+    fn started(&mut self, i: usize, site: usize) -> Option<Around> {
+        if self.table.is_empty() || self.sites != [site] || !self.chain.is_ring() {
+            return None;
+        }
+        let (places, modes) = (self.table_of.1, self.frequencies.len());
+        let beside = 1.min(places - 1);
+        let states = self.states.get(i * modes..)?.iter().zip(&self.frequencies);
+        let rows = self.table.chunks_exact(groups(places));
+        let (mut sum, mut moved, mut modal) = ([0.0; 3], 0.0, 0.0);
+        for ((now, row), (&(q, p), frequency)) in self.now.iter_mut().zip(rows).zip(states) {
+            *now = [q, p, -frequency * frequency * q];
+            // All modes are 1 where they are hit.
+            (0..3).for_each(|i| sum[i] += now[i]);
+            moved += row[0][beside] * q;
+            modal += now[2].abs();
+        }
+        self.seek_force(i, 0.0);
+        // Both neighbours move alike.
+        Some(self.beside(site, self.chain.neighbours(site), (sum, [moved; 4], modal)))
+    }
+
+    /// A mass and its neighbours from sums over the modes.
+    fn beside(
+        &self,
+        site: usize,
+        neighbours: [Option<usize>; 4],
+        (sum, moved, modal): ([f64; 3], [f64; 4], f64),
+    ) -> Around {
+        let own = self.forced(site, sum);
+        let side = |i: usize| match neighbours[i] {
+            None => 0.0,
+            Some(n) if n == site => own.displacement,
+            Some(n) => moved[i] + self.driven(n).displacement,
+        };
+        Around { own, sides: std::array::from_fn(side), modal }
     }
 
     /// Displacement, velocity and acceleration at one place of the table's rows, displacements at some others, and Σ|Ω²q| at the first.

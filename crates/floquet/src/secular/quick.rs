@@ -77,13 +77,14 @@ pub(super) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
 }
 
 impl Four<'_> {
-    /// All modes, one after the other, each with 1 in its own place if it is one of the four.
+    /// Shows all modes, one after the other; those that are one of the four with 1 in their own place.
     #[inline(always)]
-    fn others(&self) -> impl Iterator<Item = (&Mode, f64x4)> {
-        let first = LANES * self.place;
-        self.modes.list().iter().enumerate().map(move |(l, mode)| {
-            (mode, l.checked_sub(first).and_then(|l| ITSELF.get(l)).map_or(ZERO, |itself| four(*itself)))
-        })
+    fn others(&self, mut add: impl FnMut(&Mode, Option<f64x4>)) {
+        let (before, rest) = self.modes.list().split_at(LANES * self.place);
+        let (own, after) = rest.split_at(LANES.min(rest.len()));
+        before.iter().for_each(|mode| add(mode, None));
+        own.iter().zip(&ITSELF).for_each(|(mode, itself)| add(mode, Some(four(*itself))));
+        after.iter().for_each(|mode| add(mode, None));
     }
 
     /// The bound of a sum's relative error, by the largest inverse distance.
@@ -98,22 +99,26 @@ impl Four<'_> {
         let [mut direct, mut bent, mut sigma, mut g, mut h] = [ZERO; 5];
         let [mut direct_size, mut bent_size, mut sigma_size, mut g_size, mut nearest] = [ZERO; 5];
         let Mode { weight, frequency, cos, sin, sin_over, inverse: over, .. } = self.group;
-        for (other, itself) in self.others() {
-            let (w, x) = (all(other.weight), all(other.sin_over));
-            let (sum, minus) = (cos + all(other.cos), cos - all(other.cos));
-            let spread = frequency - all(other.frequency);
-            let inverse = ONE / (minus * sum + itself);
-            let of_difference = w * sum * inverse;
-            let turned = (all(other.sin) - sin) * of_difference;
-            let swung = x * spread * spread * of_difference;
-            let pole = (w - w * itself) * minus * inverse;
-            let in_g = x * pole;
-            (direct, bent) = (direct + turned, bent + swung);
-            (direct_size, bent_size) = (direct_size + turned.abs(), bent_size + swung.abs());
-            (sigma, g, h) = (sigma + pole, g + in_g, h + all(other.sin_times) * pole);
-            (sigma_size, g_size) = (sigma_size + pole.abs(), g_size + in_g.abs());
-            nearest = nearest.fast_max(inverse.abs());
-        }
+        self.others(
+            #[inline(always)]
+            |other, itself| {
+                let (w, x) = (all(other.weight), all(other.sin_over));
+                let (sum, minus) = (cos + all(other.cos), cos - all(other.cos));
+                let spread = frequency - all(other.frequency);
+                let product = minus * sum;
+                let inverse = ONE / itself.map_or(product, |itself| product + itself);
+                let of_difference = w * sum * inverse;
+                let turned = (all(other.sin) - sin) * of_difference;
+                let swung = x * spread * spread * of_difference;
+                let pole = itself.map_or(w, |itself| w - w * itself) * minus * inverse;
+                let in_g = x * pole;
+                (direct, bent) = (direct + turned, bent + swung);
+                (direct_size, bent_size) = (direct_size + turned.abs(), bent_size + swung.abs());
+                (sigma, g, h) = (sigma + pole, g + in_g, h + all(other.sin_times) * pole);
+                (sigma_size, g_size) = (sigma_size + pole.abs(), g_size + in_g.abs());
+                nearest = nearest.fast_max(inverse.abs());
+            },
+        );
         let doubt = self.doubt(nearest);
         // The mode itself turns by its cosine.
         let value = TWO * (sin * direct + weight * cos) + sin_over * bent;
@@ -129,17 +134,21 @@ impl Four<'_> {
     fn single_sided(&self) -> (f64x4, f64x4) {
         let [mut straight, mut bent, mut straight_size, mut bent_size, mut nearest] = [ZERO; 5];
         let Mode { weight, cos, sin, sin_over, inverse: over, shift, .. } = self.group;
-        for (other, itself) in self.others() {
-            let c = all(other.cos);
-            let (minus, spread) = (cos - c, sin_over - all(other.sin_over));
-            let inverse = ONE / (TWO * minus * (cos + c) + itself);
-            let weighed = all(other.weight) * inverse;
-            let turned = weighed * minus;
-            let swung = weighed * all(other.cos * other.inverse) * spread * spread;
-            (straight, bent) = (straight + turned, bent + swung);
-            (straight_size, bent_size) = (straight_size + turned.abs(), bent_size + swung.abs());
-            nearest = nearest.fast_max(inverse.abs());
-        }
+        self.others(
+            #[inline(always)]
+            |other, itself| {
+                let c = all(other.cos);
+                let (minus, spread) = (cos - c, sin_over - all(other.sin_over));
+                let product = TWO * minus * (cos + c);
+                let inverse = ONE / itself.map_or(product, |itself| product + itself);
+                let weighed = all(other.weight) * inverse;
+                let turned = weighed * minus;
+                let swung = weighed * all(other.cos * other.inverse) * spread * spread;
+                (straight, bent) = (straight + turned, bent + swung);
+                (straight_size, bent_size) = (straight_size + turned.abs(), bent_size + swung.abs());
+                nearest = nearest.fast_max(inverse.abs());
+            },
+        );
         let doubt = self.doubt(TWO * nearest);
         // The mode itself counts half its weight.
         let half = all(0.5) * weight;

@@ -64,25 +64,25 @@ impl Rows<Cell> {
 struct Places {
     parameters: Vec<Parameter>,
     /// The digits that each parameter had last: all but the fastest axis stand still for a row of the map.
-    last: Vec<(Option<u64>, String)>,
+    last: Vec<(Option<u64>, Vec<u8>)>,
 }
 
 impl Places {
     fn new(scene: &Scene) -> Self {
         let parameters = parameters(scene);
-        Self { last: vec![(None, String::new()); parameters.len()], parameters }
+        Self { last: vec![(None, Vec::new()); parameters.len()], parameters }
     }
 
     /// Those of a point, in the order of the columns.
-    fn of(&mut self, point: &Point) -> impl Iterator<Item = &str> {
+    fn of(&mut self, point: &Point) -> impl Iterator<Item = &[u8]> {
         self.parameters.iter().zip(&mut self.last).map(|(parameter, (last, digits))| {
             let value = point.get(*parameter);
             if *last != Some(value.to_bits()) {
                 *last = Some(value.to_bits());
                 digits.clear();
-                digits.push_str(Number(value).text(&mut ryu::Buffer::new()));
+                Number(value).push(digits);
             }
-            digits.as_str()
+            digits.as_slice()
         })
     }
 }
@@ -106,14 +106,14 @@ impl Table {
     /// Writes one cell. Neither names nor numbers need quotes.
     pub fn write(&mut self, point: &Point, cell: &Cell) {
         for digits in self.places.of(point) {
-            self.text.extend_from_slice(digits.as_bytes());
+            self.text.extend_from_slice(digits);
             self.text.push(b',');
         }
         for column in &self.columns {
             match (column.get)(cell) {
                 Some(Value::Word(word)) => self.text.extend_from_slice(word.as_bytes()),
                 Some(Value::Number(number)) => {
-                    self.text.extend_from_slice(Number(number).text(&mut ryu::Buffer::new()).as_bytes());
+                    Number(number).push(&mut self.text);
                 }
                 Some(Value::Count(count)) => push_count(&mut self.text, count),
                 None => {}
@@ -221,11 +221,14 @@ impl<'a> Reader<'a> {
 /// Whether the first fields of a row are `places`, or what is wrong with them.
 fn check_places<'a, 'b>(
     fields: &mut impl Iterator<Item = &'a str>,
-    mut places: impl Iterator<Item = &'b str>,
+    mut places: impl Iterator<Item = &'b [u8]>,
 ) -> Result<(), String> {
     places.try_for_each(|digits| match fields.next().ok_or("it ends before its class")? {
-        text if text == digits => Ok(()),
-        text => Err(format!("it is of the cell at {} and not at {digits}", clipped(text, MOST_SHOWN))),
+        text if text.as_bytes() == digits => Ok(()),
+        text => {
+            let digits = String::from_utf8_lossy(digits);
+            Err(format!("it is of the cell at {} and not at {digits}", clipped(text, MOST_SHOWN)))
+        }
     })
 }
 
