@@ -50,7 +50,7 @@ const FALL: f64 = 0.1;
 /// By how much two that are parted leave the mirror image of each other, in parts of what lay between them: the iteration would keep it.
 const TILT: f64 = 1e-3;
 
-/// Steps this small, to the modulus, are the last: the iteration is of third order, and Newton's method has the rest and says whether it is.
+/// Steps this small, to the modulus, are the last beside poles: the iteration is of third order, and Newton's method has the rest and says whether it is.
 const LAST: f64 = 1e-5;
 
 /// Steps of Newton's method this small leave nothing to gain but rounding.
@@ -93,7 +93,7 @@ impl Aberth {
             }
             for i in 0..wanted {
                 if !(self.settled[i] || self.paired[i / 2] && i % 2 == 1) {
-                    self.step(form, i);
+                    self.step(form, i, if start == Start::Beside { LAST } else { SETTLED });
                 }
             }
             if self.settled.iter().all(|settled| *settled) {
@@ -107,9 +107,10 @@ impl Aberth {
                 self.errors.push(self.errors[i - 1]);
                 continue;
             }
-            match self.finish(form, i) {
-                Some(error) => self.errors.push(error),
-                None => return Err(SecularError::Incomplete { found: i, wanted }),
+            let (error, ended) = self.finish(form, i);
+            self.errors.push(error);
+            if !ended && start == Start::Beside {
+                return Err(SecularError::Incomplete { found: i, wanted });
             }
         }
         let found = self.settled.iter().filter(|settled| **settled).count();
@@ -166,8 +167,8 @@ impl Aberth {
         }
     }
 
-    /// One step of one of them, and of its conjugate.
-    fn step(&mut self, form: &Rational, i: usize) {
+    /// One step of one of them, and of its conjugate; one of `last` settles it.
+    fn step(&mut self, form: &Rational, i: usize, last: f64) {
         let z = self.roots[i];
         let value = form.evaluate(z);
         let mut log = value.slope / value.f + value.poles;
@@ -195,7 +196,7 @@ impl Aberth {
                 self.put(i + 1, next.conj());
             }
         }
-        let small = LAST * LAST * z.norm_sqr().max(1e-6);
+        let small = last * last * z.norm_sqr().max(1e-6);
         let zero = 2.0 * f64::EPSILON * value.noise;
         if step.norm_sqr() <= small || value.f.norm_sqr() <= zero * zero {
             self.settled[i] = true;
@@ -218,8 +219,8 @@ impl Aberth {
         })
     }
 
-    /// Last steps by Newton's method, and the error; `None` where they do not end.
-    fn finish(&mut self, form: &Rational, i: usize) -> Option<f64> {
+    /// Last steps by Newton's method: the error, and whether they end.
+    fn finish(&mut self, form: &Rational, i: usize) -> (f64, bool) {
         let mut z = self.roots[i];
         let mut value = form.evaluate(z);
         let least = SETTLED * SETTLED * z.norm_sqr().max(1e-6);
@@ -242,6 +243,6 @@ impl Aberth {
             self.put(i + 1, z.conj());
         }
         // And it is rounded itself.
-        ended.then(|| form.doubt(z) / modulus(value.slope) + 2.0 * f64::EPSILON * modulus(z))
+        (form.doubt(z) / modulus(value.slope) + 2.0 * f64::EPSILON * modulus(z), ended)
     }
 }

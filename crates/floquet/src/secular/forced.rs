@@ -58,6 +58,8 @@ pub struct SecularMultipliers {
     shared: Vec<f64>,
     pub(super) aberth: Aberth,
     pub(super) large: ForcedLarge,
+    /// Some poles are so close together that steps of the iteration say little of what is left between them.
+    crowded: bool,
     /// Number of multipliers that are 1: two without force.
     pub(super) trivial: usize,
 }
@@ -113,6 +115,7 @@ impl SecularMultipliers {
         let mut size_of_residues = 0.0;
         let mut total_error = 0.0;
         let mut four = None;
+        self.crowded = false;
         for k in 0..self.count {
             if k % LANES == 0 && !large {
                 let group = self.felt.groups()[k / LANES].four();
@@ -136,6 +139,7 @@ impl SecularMultipliers {
             // Far from ±1 and from other poles nothing much cancels in the determinant; else its own condition tells. (Of large rings
             // that is true of nearly all residues, and their errors are those of nearly all others as well.)
             let others = f64::EPSILON * (16.0 + 2.0 * phase / sums.nearest);
+            self.crowded |= sums.nearest <= CLOSE;
             let apart = (sk * ck).abs() > SOFT && sums.nearest > CLOSE;
             let (bordered, relative) = match quick {
                 Some(four) if apart => (four.one(k % LANES), others),
@@ -214,7 +218,7 @@ impl SecularMultipliers {
             self.certify(&self.large.roots.values, &self.large.roots.errors)?;
             return Ok((&self.large.roots.values, &self.large.roots.errors));
         }
-        if self.trivial > 0 || self.iterate(Start::Beside).is_err() || self.aberth.any_met() {
+        if self.trivial > 0 || self.crowded || self.iterate(Start::Beside).is_err() || self.aberth.any_met() {
             self.iterate(Start::Between)?;
         }
         Ok((&self.aberth.roots, &self.aberth.errors))
