@@ -17,6 +17,10 @@ pub(crate) struct Enclosure<T = f64> {
     radius: T,
 }
 
+/// Ends are as far from the centre as the radius says but for this part of it: no interval is shorter than 64 units in the last place of
+/// its centre.
+const ROUNDED: f64 = 1.0 / 32.0;
+
 impl<T: Number> Enclosure<T> {
     /// A function with this value and slope at the centre and |second derivative| ≤ `curvature` on the interval.
     pub(crate) fn new(value: T, slope: T, curvature: T, radius: T) -> Self {
@@ -32,6 +36,12 @@ impl<T: Number> Enclosure<T> {
     /// By how much the function stays away from 0 on the interval: it has no zero there where this is positive.
     pub(crate) fn clearance(&self) -> T {
         self.value.modulus() - (self.slope.modulus() * self.radius + self.rest)
+    }
+
+    /// What the function is at both ends, and by how much that can be wrong.
+    pub(crate) fn ends(&self) -> ([T; 2], T) {
+        let rise = self.slope * self.radius;
+        ([self.value - rise, self.value + rise], self.rest + rise.modulus() * ROUNDED)
     }
 }
 
@@ -194,6 +204,10 @@ mod tests {
                 }
                 // Useful, not only safe: the excess is of second order.
                 assert!(product.function.rest < 12.0 * radius * radius + 1e-14);
+                let (ends, doubt) = product.function.ends();
+                for (end, x) in ends.into_iter().zip([centre - radius, centre + radius]) {
+                    assert!((end - x.sin() * ((2.0 * x).cos() - 0.3)).abs() <= doubt + 1e-15, "{centre} {radius}");
+                }
             }
         }
     }

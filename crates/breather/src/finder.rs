@@ -80,6 +80,8 @@ pub struct Finder {
     pub(crate) response: ImpulseResponse,
     current: Option<(f64, usize)>,
     pub(crate) motion: Motion,
+    /// That of the orbit found before the last one: of two that a search finds neither is worked out again to be checked.
+    earlier: Motion,
     zeros: Zeros,
     rises: Rises,
     /// Of the impulse response, once it has been asked for.
@@ -98,6 +100,7 @@ impl Finder {
             response: ImpulseResponse::vacant(&chain),
             current: None,
             motion: Motion::vacant(&chain),
+            earlier: Motion::vacant(&chain),
             zeros: Zeros::default(),
             rises: Rises::default(),
             radiation: None,
@@ -214,7 +217,7 @@ impl Finder {
         // A plain cosine lets the phase be eliminated.
         let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
         self.prepare_at(model, model.omega() * if family == Family::PeriodDoubled { 0.5 } else { 1.0 }, home)?;
-        let (response, motion) = (&self.response, &mut self.motion);
+        let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
         let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
         let judged = wanted.candidates() && conservative;
         let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
@@ -230,6 +233,7 @@ impl Finder {
                 refused += 1;
                 return;
             }
+            std::mem::swap(motion, earlier);
             match Orbit::assemble(model, response, motion, draft) {
                 Ok(orbit) => {
                     found.orbits.push(orbit);
@@ -334,6 +338,9 @@ impl Finder {
 
     fn check(&mut self, orbit: &Orbit, depth: Depth) -> Result<Admissibility, BreatherError> {
         self.prepare(orbit.model(), orbit.frequency())?;
+        if self.earlier.is_of(orbit, &self.response) {
+            std::mem::swap(&mut self.motion, &mut self.earlier);
+        }
         self.motion.load(orbit, &self.response);
         self.watch.check(orbit, &mut self.motion, depth)
     }

@@ -18,6 +18,8 @@ pub(crate) struct Clearance {
     pub(crate) function: f64,
     /// Of use only where the function may vanish.
     pub(crate) derivative: f64,
+    /// A number of the sign that the function surely has at either end; 0 where that is not known.
+    pub(crate) ends: [f64; 2],
 }
 
 impl Clearance {
@@ -25,15 +27,33 @@ impl Clearance {
     pub(crate) fn of(enclosed: &Dual<Enclosure<f64x4>>) -> [Self; LANES] {
         let [functions, derivatives] =
             [enclosed.function, enclosed.derivative].map(|enclosure| enclosure.clearance().to_array());
-        std::array::from_fn(|i| Self { function: functions[i], derivative: derivatives[i] })
+        let (ends, doubt) = enclosed.function.ends();
+        let (ends, doubt) = (ends.map(f64x4::to_array), doubt.to_array());
+        std::array::from_fn(|i| Self {
+            function: functions[i],
+            derivative: derivatives[i],
+            ends: ends.map(|end| sure(end[i], doubt[i])),
+        })
     }
+
+    /// Of a function that has no zero there.
+    pub(crate) fn away(function: f64) -> Self {
+        Self { function, derivative: 0.0, ends: [0.0; 2] }
+    }
+}
+
+/// A value that may be wrong by `doubt`, or 0 if that leaves its sign open.
+fn sure(value: f64, doubt: f64) -> f64 {
+    if value.abs() > doubt { value } else { 0.0 }
 }
 
 /// Of functions that know nothing of four intervals at a time.
 pub(crate) fn one_by_one(centres: Lane, radii: Lane, enclose: impl Fn(f64, f64) -> Dual) -> [Clearance; LANES] {
     std::array::from_fn(|i| {
         let Dual { function, derivative } = enclose(centres[i], radii[i]);
-        Clearance { function: function.clearance(), derivative: derivative.clearance() }
+        let (ends, doubt) = function.ends();
+        let ends = ends.map(|end| sure(end, doubt));
+        Clearance { function: function.clearance(), derivative: derivative.clearance(), ends }
     })
 }
 
@@ -135,7 +155,7 @@ impl Zeros {
                     continue;
                 }
                 if clearances[i].derivative > 0.0 {
-                    if let Some(zero) = self.bracketed(f, low, high) {
+                    if let Some(zero) = self.bracketed(f, low, high, clearances[i].ends) {
                         self.places.push(Place { zero, width: resolution(zero), simple: true });
                     }
                 } else if radius <= resolution(centre) {
@@ -152,11 +172,18 @@ impl Zeros {
         }
     }
 
-    /// The zero of a monotone function on an interval, if its sign changes: Newton kept inside the bracket.
-    fn bracketed(&mut self, f: &impl Enclosed, mut low: f64, mut high: f64) -> Option<f64> {
+    /// The zero of a monotone function on an interval, if its sign changes: Newton kept inside the bracket. `ends` are of the signs that it
+    /// has there, where they are known.
+    fn bracketed(&mut self, f: &impl Enclosed, mut low: f64, mut high: f64, ends: [f64; 2]) -> Option<f64> {
         let at = |x: f64| f.at(x);
-        let (f_low, f_high) = (at(low).0, at(high).0);
-        self.evaluations += 2;
+        let mut end = |x: f64, known: f64| {
+            if known != 0.0 {
+                return known;
+            }
+            self.evaluations += 1;
+            at(x).0
+        };
+        let (f_low, f_high) = (end(low, ends[0]), end(high, ends[1]));
         if f_low == 0.0 {
             return Some(low);
         }

@@ -218,10 +218,9 @@ impl Enclosed for TwoImpacts<'_> {
         // Where the function itself has no zero nobody asks for its slope.
         let function = self.condition(pieces.map(|piece| piece.function)).clearance().to_array();
         if function.iter().all(|clearance| *clearance > 0.0) {
-            return function.map(|function| Clearance { function, derivative: 0.0 });
+            return function.map(Clearance::away);
         }
-        let derivative = self.condition(pieces).derivative.clearance().to_array();
-        std::array::from_fn(|i| Clearance { function: function[i], derivative: derivative[i] })
+        Clearance::of(&self.condition(pieces))
     }
 
     fn at(&self, delta: f64) -> (f64, f64) {

@@ -171,7 +171,7 @@ impl Watch {
                 }
                 self.window.expand(&self.watched, model, &force, motion.force_time(interval, elapsed));
                 for (i, &site) in self.watched.sites().iter().enumerate() {
-                    let still = || self.window.polynomial(i).coefficients[1].abs() < STILL;
+                    let still = || self.window.velocity(i).abs() < STILL;
                     if !is_hit(site) || w == 0 && !hit_at(site, start) && still() {
                         closest.note(a, site, start + elapsed, self.window.displacement(i));
                     }

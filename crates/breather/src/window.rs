@@ -102,9 +102,11 @@ impl Window {
             return;
         }
         let (stride, masses) = (self.stride, self.masses);
+        // A wall stands still.
+        let [left, right] = [watched.left()[0], watched.right()[masses - 1]]
+            .map(|neighbour| if neighbour < masses { (FIRST + neighbour, 1.0) } else { (FIRST, 0.0) });
         let close = |row: &mut [f64]| {
-            let ends = [watched.left()[0], watched.right()[masses - 1]]
-                .map(|neighbour| if neighbour < masses { row[FIRST + neighbour] } else { 0.0 });
+            let ends = [left, right].map(|(place, moves)| row[place] * moves);
             (row[0], row[FIRST + masses]) = (ends[0], ends[1]);
         };
         self.coefficients.chunks_exact_mut(stride).take(2).for_each(close);
@@ -156,6 +158,11 @@ impl Window {
     /// Displacement of mass `i` at the window's start.
     pub(crate) fn displacement(&self, i: usize) -> f64 {
         self.coefficients[FIRST + i]
+    }
+
+    /// Velocity of mass `i` there, in units.
+    pub(crate) fn velocity(&self, i: usize) -> f64 {
+        self.coefficients[self.stride + FIRST + i]
     }
 
     /// Works out ranges and final values of all masses within `length`, in units: Horner's rule for all of them at once.

@@ -18,7 +18,7 @@ use crate::dense::{Dense, WORTH_A_MATRIX, is_reduced, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
-use crate::secular::{ForcedSecular, Inertia, Pair, Partners, Secular, SecularError};
+use crate::secular::{ForcedSecular, Inertia, MOST_IMPACTS, Pair, Partners, Secular, SecularError};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -97,6 +97,35 @@ impl Analyser {
         tolerance: Tolerance,
     ) -> Result<Verdict, FloquetError> {
         self.decide(Question { orbit, tolerance, thorough: false }, finder).map(|(verdict, _)| verdict)
+    }
+
+    /// Whether the spectral radius is surely beyond `reach`, which is 1 at least, by a twentieth of it or more: a real multiplier is. An
+    /// orbit without force or losses, or whose own errors could matter, is not asked, and no says nothing. Takes a small part of what
+    /// [`Analyser::verdict`] does.
+    ///
+    /// # Errors
+    /// [`FloquetError`].
+    ///
+    /// ```
+    /// use vibrochain_breather::{Family, Finder, breathers};
+    /// use vibrochain_floquet::Analyser;
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+    /// let found = breathers(&model, Family::DoubleSided)?;
+    /// let (mut analyser, mut finder) = (Analyser::default(), Finder::new(21));
+    /// // Spectral radii 1.0016 and 2.7.
+    /// let mut beyond = |i: usize, reach: f64| analyser.surely_exceeds(&found.orbits[i], &mut finder, reach);
+    /// assert!(!beyond(0, 1.0)? && beyond(1, 1.0)? && beyond(1, 2.5)? && !beyond(1, 2.8)?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn surely_exceeds(&mut self, orbit: &Orbit, finder: &mut Finder, reach: f64) -> Result<bool, FloquetError> {
+        let asked = !self.dense_only
+            && !orbit.model().is_conservative()
+            && orbit.impact_site().is_some()
+            && !uncoupled(orbit)
+            && orbit.impacts().len() <= MOST_IMPACTS;
+        let beyond = asked && self.forced.is_beyond(finder.prepared(orbit)?, BEYOND * reach);
+        Ok(beyond && !finder.is_delicate(orbit)?)
     }
 
     /// The verdict, with its error, and all multipliers.
@@ -222,6 +251,10 @@ impl Analyser {
         Ok((verdict, if thorough { self.forced.symmetric_multipliers() } else { Vec::new() }))
     }
 }
+
+/// How far beyond a spectral radius another is looked for that is surely larger: no poles are near there, and no verdict's error is as
+/// large.
+const BEYOND: f64 = 1.05;
 
 /// Terms that a count may sum up in one pass over the gaps: some seconds, of which there may be some.
 const MOST_TERMS: f64 = 2e10;

@@ -1,5 +1,7 @@
 //! One cell of a map: a parameter point and what lives there.
 
+use std::cmp::Ordering;
+
 use vibrochain_breather::{BreatherError, Completeness, Family, Finder, Found, NoBreather, Orbit, Wanted, Word};
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::Model;
@@ -252,6 +254,19 @@ struct Candidate {
 }
 
 impl Candidate {
+    /// From which spectral radius on an orbit of `family` is surely no better, if there is one: it is unstable then, by more than
+    /// `tolerance`.
+    fn reach(&self, family: Family, tolerance: Tolerance) -> Option<f64> {
+        let least = 1.0 + Option::from(tolerance).unwrap_or(0.0);
+        let other = Self { family, verdict: None, margin: None, impulse: None, collision: None };
+        let ((doubt, own, radius), (unstable, others, _)) = (self.rank(), other.rank());
+        match (doubt, own).cmp(&(unstable, others)) {
+            Ordering::Less => Some(least),
+            Ordering::Equal => Some(least.max(radius)),
+            Ordering::Greater => None,
+        }
+    }
+
     /// A stable orbit wins, then one that may be, then a double-sided one, a single-sided one, then the smaller spectral radius.
     fn rank(&self) -> (u8, u8, f64) {
         let doubt = self.verdict.map_or(2, |verdict| if verdict.stable { 0 } else { 2 - u8::from(verdict.marginal) });
@@ -325,6 +340,15 @@ impl Worker {
                 }
                 cell.solutions += 1;
                 cell.residual = cell.residual.max(orbit.residual());
+                // One that is no better than another needs no verdict.
+                let reach =
+                    best.as_ref().filter(|_| task.stability).and_then(|best| best.reach(family, task.tolerance));
+                if let Some(reach) = reach
+                    && self.analyser.surely_exceeds(orbit, &mut self.finder, reach).is_ok_and(|beyond| beyond)
+                {
+                    show(orbit, false);
+                    continue;
+                }
                 let verdict = if task.stability {
                     match self.analyser.verdict(orbit, &mut self.finder, task.tolerance) {
                         Ok(verdict) => Some(verdict),

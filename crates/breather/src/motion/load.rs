@@ -82,7 +82,8 @@ impl Motion {
         self.now.resize(self.sites.len() * self.frequencies.len(), [0.0; 3]);
     }
 
-    fn is_of(&self, orbit: &Orbit, response: &ImpulseResponse) -> bool {
+    /// Holds this orbit already.
+    pub(crate) fn is_of(&self, orbit: &Orbit, response: &ImpulseResponse) -> bool {
         self.period == response.period()
             && self.psi == orbit.psi_or_zero()
             && self.origin.uniform_offset == orbit.uniform_offset()

@@ -1,115 +1,248 @@
 //! Ehrlich and Aberth's simultaneous iteration for the zeros of f(z) = 1 + Σ ρ/(z−p) + conj.
 //!
-//! The zeros interlace the poles as long as impacts disturb little: one start inside each gap between poles sorted by
-//! angle, slightly inside the circle. (Started at the poles the iteration fails.) Newton's correction uses the numerator's
-//! logarithmic derivative, f′/f + Σ 1/(z−p), and repels the other approximations.
+//! Newton's correction uses the numerator's logarithmic derivative, f′/f + Σ 1/(z−p), and repels the other approximations. f is real on
+//! the real axis: its zeros are real or come in conjugate pairs, of which one is worked out for both. Each pair of poles has a pair to
+//! begin with, the zeros beside them as their own residue has it, no farther off than the next pole. A pair that comes to the real axis
+//! may be two real zeros: it is parted, and both go on alone. Where two end at one zero, which the sum of all shows, the iteration
+//! begins anew with one start inside each gap between poles sorted by angle, and none paired. (Started at the poles it fails.)
 
 use nalgebra::Complex;
 
 use super::error::SecularError;
+use super::growth::modulus;
 use super::rational::Rational;
 use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
+const PI: f64 = std::f64::consts::PI;
+
+/// Where the iteration begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Start {
+    /// In pairs, each beside its poles: half the work.
+    Beside,
+    /// Between the poles, none paired.
+    Between,
+}
 
 /// Work space.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Aberth {
+    /// The zeros, two by two.
     pub(crate) roots: Vec<C>,
     pub(crate) errors: Vec<f64>,
+    /// Which two are each other's conjugates.
+    paired: Vec<bool>,
     settled: Vec<bool>,
-    angles: Vec<f64>,
+    order: Vec<u32>,
     root_re: Vec<Lane>,
     root_im: Vec<Lane>,
 }
 
 const SWEEPS: usize = 100;
 
+/// Sweeps after which two that have not settled are parted: twice as many as pairs take that are none of real zeros.
+const PATIENCE: usize = 12;
+
+/// The part of its distance from the real axis that a pair may keep in one step, or it is parted.
+const FALL: f64 = 0.1;
+
+/// By how much two that are parted leave the mirror image of each other, in parts of what lay between them: the iteration would keep it.
+const TILT: f64 = 1e-3;
+
+/// Steps this small, to the modulus, are the last beside poles: the iteration is of third order, and Newton's method has the rest and says whether it is.
+const LAST: f64 = 1e-5;
+
+/// Steps of Newton's method this small leave nothing to gain but rounding.
+const SETTLED: f64 = 1e-9;
+
+/// What a step of Newton's method may be that is taken thereafter.
+const POLISH: f64 = 1e-7;
+
+/// Steps of Newton's method at most.
+const LAST_STEPS: usize = 3;
+
 impl Aberth {
     /// All zeros into `roots`. `angles` are those of the poles on the upper half circle. The first `trivial` ones are known to be 1:
-    /// they repel the others and stay.
-    pub(crate) fn solve(&mut self, form: &Rational, angles: &[f64], trivial: usize) -> Result<(), SecularError> {
-        let Self { roots, errors, settled, angles: sorted, root_re, root_im } = self;
-        sorted.clear();
-        sorted.extend_from_slice(angles);
-        sorted.sort_unstable_by(f64::total_cmp);
-        roots.clear();
-        errors.clear();
-        let m = sorted.len();
-        // Between neighbours, on both halves; and next to +1 and −1. Off the mirror image, so that pairs may turn real.
-        let radius = 1.0 - 0.3 / (m as f64 + 1.0);
-        for pair in sorted.windows(2) {
-            let (middle, tilt) = (0.5 * (pair[0] + pair[1]), 0.05 * (pair[1] - pair[0]));
-            roots.push(C::from_polar(radius, middle + tilt));
-            roots.push(C::from_polar(radius, -middle + tilt));
-        }
-        if let (Some(first), Some(last)) = (sorted.first(), sorted.last()) {
-            roots.push(C::from_polar(radius, 0.1 * first));
-            roots.push(C::from_polar(radius, std::f64::consts::PI - 0.1 * (std::f64::consts::PI - last)));
-        }
-        let (one, wanted) = (C::new(1.0, 0.0), 2 * m);
-        if trivial > 0 && wanted > 0 {
+    /// they repel the others and stay, which goes with a start between the poles.
+    pub(crate) fn solve(
+        &mut self,
+        form: &Rational,
+        angles: &[f64],
+        trivial: usize,
+        start: Start,
+    ) -> Result<(), SecularError> {
+        let wanted = 2 * angles.len();
+        let trivial = trivial.min(wanted);
+        self.begin(form, angles, start);
+        if trivial > 0 {
             // In the place of the start next to +1.
-            roots.swap(0, wanted - 2);
-            roots.iter_mut().take(trivial).for_each(|root| *root = one);
+            self.put(wanted - 2, self.roots[0]);
+            (0..trivial).for_each(|i| self.put(i, C::new(1.0, 0.0)));
         }
-        // Those that fill up the last group are too far away to repel.
-        fill(root_re, roots.iter().map(|z| z.re), 1e150);
-        fill(root_im, roots.iter().map(|z| z.im), 0.0);
-        settled.clear();
-        settled.resize(wanted, false);
-        settled.iter_mut().take(trivial).for_each(|settled| *settled = true);
-        let mut open = wanted - trivial.min(wanted);
-        for _ in 0..SWEEPS {
-            for i in 0..wanted {
-                if settled[i] {
-                    continue;
-                }
-                let z = roots[i];
-                let value = form.evaluate(z);
-                let mut log = value.slope / value.f + value.poles;
-                // All others repel; from itself it has no distance.
-                let (mut re, mut im) = (ZERO, ZERO);
-                let (x, y) = (all(z.re), all(z.im));
-                for (root_re, root_im) in root_re.iter().zip(&*root_im) {
-                    let (u, v) = (x - four(*root_re), y - four(*root_im));
-                    let square = u * u + v * v;
-                    let itself = square.simd_eq(ZERO);
-                    let scale = itself.select(ZERO, ONE / itself.select(ONE, square));
-                    re += u * scale;
-                    im -= v * scale;
-                }
-                log -= C::new(total(re), total(im));
-                let step = one / log;
-                if step.re.is_finite() && step.im.is_finite() {
-                    let next = z - step;
-                    roots[i] = next;
-                    root_re.as_flattened_mut()[i] = next.re;
-                    root_im.as_flattened_mut()[i] = next.im;
-                }
-                // The iteration is of third order: after a step this small nothing is left to gain but rounding.
-                let small = 1e-18 * z.norm_sqr().max(1e-6);
-                let zero = 2.0 * f64::EPSILON * value.noise;
-                if step.norm_sqr() <= small || value.f.norm_sqr() <= zero * zero {
-                    settled[i] = true;
-                    open -= 1;
+        self.settled.clear();
+        self.settled.resize(wanted, false);
+        self.settled[..trivial].fill(true);
+        for sweep in 0..SWEEPS {
+            if sweep == PATIENCE {
+                for i in (0..wanted).step_by(2) {
+                    if !self.settled[i] {
+                        self.part(i, self.roots[i]);
+                    }
                 }
             }
-            if open == 0 {
+            for i in 0..wanted {
+                if !(self.settled[i] || self.paired[i / 2] && i % 2 == 1) {
+                    self.step(form, i, if start == Start::Beside { LAST } else { SETTLED });
+                }
+            }
+            if self.settled.iter().all(|settled| *settled) {
                 break;
             }
         }
-        errors.resize(trivial.min(wanted), 0.0);
-        for z in roots.iter_mut().skip(trivial) {
-            let mut value = form.evaluate(*z);
-            let step = value.f / value.slope;
-            if step.norm_sqr() <= 1e-14 * z.norm_sqr().max(1e-6) {
-                *z -= step;
-                value = form.evaluate(*z);
+        self.errors.clear();
+        self.errors.resize(trivial, 0.0);
+        for i in trivial..wanted {
+            if self.paired[i / 2] && i % 2 == 1 {
+                self.errors.push(self.errors[i - 1]);
+                continue;
             }
-            // And it is rounded itself.
-            errors.push(form.doubt(*z) / value.slope.norm_sqr().sqrt() + 2.0 * f64::EPSILON * z.norm_sqr().sqrt());
+            let (error, ended) = self.finish(form, i);
+            self.errors.push(error);
+            if !ended && start == Start::Beside {
+                return Err(SecularError::Incomplete { found: i, wanted });
+            }
         }
-        if open == 0 { Ok(()) } else { Err(SecularError::Incomplete { found: wanted - open, wanted }) }
+        let found = self.settled.iter().filter(|settled| **settled).count();
+        if found == wanted { Ok(()) } else { Err(SecularError::Incomplete { found, wanted }) }
+    }
+
+    /// Two for each pole of the upper half plane.
+    fn begin(&mut self, form: &Rational, angles: &[f64], start: Start) {
+        let Self { roots, paired, order, root_re, root_im, .. } = self;
+        let m = angles.len();
+        order.clear();
+        order.extend(0..m as u32);
+        order.sort_unstable_by(|&a, &b| angles[a as usize].total_cmp(&angles[b as usize]));
+        let angle = |place: usize| order.get(place).map_or(PI, |&k| angles[k as usize]);
+        let radius = 1.0 - 0.3 / (m as f64 + 1.0);
+        roots.clear();
+        for place in 0..m {
+            let (from, to) = (angle(place), angle(place + 1));
+            let beside = if start == Start::Beside { form.beside(order[place] as usize) } else { None };
+            if let Some(offset) = beside {
+                let gap = if place > 0 { (to - from).min(from - angle(place - 1)) } else { to - from };
+                let z = C::from_polar(1.0, from) + offset * (gap / modulus(offset)).min(1.0);
+                roots.extend([C::new(z.re, z.im.abs()), C::new(z.re, -z.im.abs())]);
+            } else if place + 1 < m || start == Start::Beside {
+                // On both halves, off the mirror image, so that pairs may turn real.
+                let (middle, tilt) =
+                    (0.5 * (from + to), if start == Start::Between { 0.05 * (to - from) } else { 0.0 });
+                roots.extend([middle, -middle].map(|angle| C::from_polar(radius, angle + tilt)));
+            } else {
+                // And next to +1 and −1.
+                roots.extend([0.1 * angle(0), PI - 0.1 * (PI - from)].map(|angle| C::from_polar(radius, angle)));
+            }
+        }
+        paired.clear();
+        paired.resize(m, start == Start::Beside);
+        // Those that fill up the last group are too far away to repel.
+        fill(root_re, roots.iter().map(|z| z.re), 1e150);
+        fill(root_im, roots.iter().map(|z| z.im), 0.0);
+    }
+
+    fn put(&mut self, i: usize, z: C) {
+        self.roots[i] = z;
+        self.root_re.as_flattened_mut()[i] = z.re;
+        self.root_im.as_flattened_mut()[i] = z.im;
+    }
+
+    /// Lets the two of a pair go each its own way, from beside each other where they come to the real axis at `z`.
+    fn part(&mut self, i: usize, z: C) {
+        if self.paired[i / 2] {
+            self.paired[i / 2] = false;
+            let apart = z.im.abs().max(0.5 * self.roots[i].im.abs());
+            self.put(i, C::new(z.re + apart, TILT * apart));
+            self.put(i + 1, C::new(z.re - apart, 2.0 * TILT * apart));
+        }
+    }
+
+    /// One step of one of them, and of its conjugate; one of `last` settles it.
+    fn step(&mut self, form: &Rational, i: usize, last: f64) {
+        let z = self.roots[i];
+        let value = form.evaluate(z);
+        let mut log = value.slope / value.f + value.poles;
+        // All others repel; from itself it has no distance.
+        let (mut re, mut im) = (ZERO, ZERO);
+        let (x, y) = (all(z.re), all(z.im));
+        for (root_re, root_im) in self.root_re.iter().zip(&self.root_im) {
+            let (u, v) = (x - four(*root_re), y - four(*root_im));
+            let square = u * u + v * v;
+            let itself = square.simd_eq(ZERO);
+            let scale = itself.select(ZERO, ONE / itself.select(ONE, square));
+            re += u * scale;
+            im -= v * scale;
+        }
+        log -= C::new(total(re), total(im));
+        let step = C::new(1.0, 0.0) / log;
+        let pair = self.paired[i / 2];
+        if step.re.is_finite() && step.im.is_finite() {
+            let next = z - step;
+            if pair && next.im <= FALL * z.im {
+                return self.part(i, next);
+            }
+            self.put(i, next);
+            if pair {
+                self.put(i + 1, next.conj());
+            }
+        }
+        let small = last * last * z.norm_sqr().max(1e-6);
+        let zero = 2.0 * f64::EPSILON * value.noise;
+        if step.norm_sqr() <= small || value.f.norm_sqr() <= zero * zero {
+            self.settled[i] = true;
+            self.settled[i + usize::from(pair)] = true;
+        }
+    }
+
+    /// Whether two have ended at one zero, as far as their errors tell.
+    pub(crate) fn any_met(&self) -> bool {
+        let largest = self.errors.iter().copied().fold(0.0, f64::max);
+        let near = all(4.0 * largest * largest);
+        self.roots.iter().any(|z| {
+            let (x, y) = (all(z.re), all(z.im));
+            let met = self.root_re.iter().zip(&self.root_im).map(|(re, im)| {
+                let (u, v) = (x - four(*re), y - four(*im));
+                (u * u + v * v).simd_le(near).select(ONE, ZERO)
+            });
+            // Each meets itself.
+            total(met.fold(ZERO, |sum, met| sum + met)) > 1.0
+        })
+    }
+
+    /// Last steps by Newton's method: the error, and whether they end.
+    fn finish(&mut self, form: &Rational, i: usize) -> (f64, bool) {
+        let mut z = self.roots[i];
+        let mut value = form.evaluate(z);
+        let least = SETTLED * SETTLED * z.norm_sqr().max(1e-6);
+        let mut ended = false;
+        for _ in 0..LAST_STEPS {
+            let step = value.f / value.slope;
+            let zero = 2.0 * f64::EPSILON * value.noise;
+            ended = step.norm_sqr() <= least || value.f.norm_sqr() <= zero * zero;
+            if step.norm_sqr() <= POLISH * POLISH * z.norm_sqr().max(1e-6) {
+                z -= step;
+                // Next to a pole even a small step changes the slope, and with it the error.
+                value = form.evaluate(z);
+            }
+            if ended {
+                break;
+            }
+        }
+        self.put(i, z);
+        if self.paired[i / 2] {
+            self.put(i + 1, z.conj());
+        }
+        // And it is rounded itself.
+        (form.doubt(z) / modulus(value.slope) + 2.0 * f64::EPSILON * modulus(z), ended)
     }
 }

@@ -12,16 +12,17 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Orbit, Prepared};
 
-use super::aberth::Aberth;
+use super::aberth::{Aberth, Start};
 use super::error::SecularError;
 use super::forced_large::{self, ForcedLarge, LARGE};
+use super::four_poles;
 use super::growth::modulus;
 use super::linear::{determinant, determinant_and_condition};
 use super::modes::{Mode, Modes};
 use super::other_modes::{OtherModes, PoleSums};
 use super::rational::Rational;
 use crate::saltation::Saltation;
-use vibrochain_breather::lanes::fill;
+use vibrochain_breather::lanes::{LANES, all, fill};
 
 type C = Complex<f64>;
 
@@ -55,9 +56,10 @@ pub struct SecularMultipliers {
     matrix: Vec<C>,
     sizes: Vec<f64>,
     shared: Vec<f64>,
-    sums: PoleSums,
     pub(super) aberth: Aberth,
     pub(super) large: ForcedLarge,
+    /// Some poles are so close together that steps of the iteration say little of what is left between them.
+    crowded: bool,
     /// Number of multipliers that are 1: two without force.
     pub(super) trivial: usize,
 }
@@ -102,8 +104,8 @@ impl SecularMultipliers {
         self.modes.set(&self.felt, omega, &self.times);
         let border = 2 * n + 1;
         self.modes.shared(q, &self.kappas, (&self.felt, omega), &mut self.shared);
-        let by_cauchy =
-            if self.is_large() { Some(forced_large::sums(&self.felt, omega, &self.modes, n)?) } else { None };
+        let large = self.is_large();
+        let by_cauchy = if large { forced_large::sums(&self.felt, omega, &self.modes, n)? } else { Vec::new() };
         let scale = (1.0 + e).powi(2 * n as i32);
         self.residues.clear();
         self.angles.clear();
@@ -112,41 +114,45 @@ impl SecularMultipliers {
         }
         let mut size_of_residues = 0.0;
         let mut total_error = 0.0;
+        let mut four = None;
+        self.crowded = false;
         for k in 0..self.count {
+            if k % LANES == 0 && !large {
+                let group = self.felt.groups()[k / LANES].four();
+                let sums = self.modes.sums(&group, n);
+                let turn = self.modes.turn(k / LANES);
+                let bordered = four_poles::bordered(&sums, &self.shared, group.frequency / all(omega), turn);
+                four = Some((sums, bordered));
+            }
             let mode = self.felt.mode(k);
             let Mode { cos: ck, sin: sk, frequency: fk, .. } = mode;
             // The phase carries a relative error of 2ε; differences of poles make it count.
             let phase = fk * response.period();
-            self.matrix.clear();
-            self.matrix.resize(border * border, C::default());
-            for (row, values) in self.shared.chunks_exact(2 * n).enumerate() {
-                for (entry, value) in self.matrix[row * border..].iter_mut().zip(values) {
-                    *entry = C::new(*value, 0.0);
+            let of_one;
+            let (sums, quick) = match &four {
+                Some((sums, bordered)) => {
+                    of_one = sums.one(k)?;
+                    (&of_one, bordered.as_ref())
                 }
-            }
-            let sums = match &by_cauchy {
-                Some(all) => &all[k],
-                None => {
-                    self.modes.sums(k, (ck, sk), n * (n - 1) / 2, &mut self.sums)?;
-                    &self.sums
-                }
+                None => (&by_cauchy[k], None),
             };
-            sums.add_to(&mut self.matrix, n, border);
-            for i in 0..n {
-                let turn = C::from_polar(1.0, fk * (self.times[i] - self.times[0]));
-                self.matrix[2 * i * border + 2 * n] = turn;
-                self.matrix[(2 * i + 1) * border + 2 * n] = turn * C::new(0.0, fk / omega);
-                self.matrix[2 * n * border + 2 * i] = turn.conj() * 0.5;
-                self.matrix[2 * n * border + 2 * i + 1] = turn.conj() * C::new(0.0, -0.5 * omega / fk);
-            }
             // Far from ±1 and from other poles nothing much cancels in the determinant; else its own condition tells. (Of large rings
             // that is true of nearly all residues, and their errors are those of nearly all others as well.)
             let others = f64::EPSILON * (16.0 + 2.0 * phase / sums.nearest);
-            let (bordered, relative) = if by_cauchy.is_some() || (sk * ck).abs() > SOFT && sums.nearest > CLOSE {
-                (determinant(&mut self.matrix, border), others)
-            } else {
-                let (bordered, condition) = determinant_and_condition(&mut self.matrix, &mut self.sizes, border);
-                (bordered, others * condition.max(1.0))
+            self.crowded |= sums.nearest <= CLOSE;
+            let apart = (sk * ck).abs() > SOFT && sums.nearest > CLOSE;
+            let (bordered, relative) = match quick {
+                Some(four) if apart => (four.one(k % LANES), others),
+                _ => {
+                    let Self { matrix, sizes, times, shared, .. } = &mut *self;
+                    border_up(matrix, (shared, sums), times, (fk, omega));
+                    if large || apart {
+                        (determinant(matrix, border), others)
+                    } else {
+                        let (bordered, condition) = determinant_and_condition(matrix, sizes, border);
+                        (bordered, others * condition.max(1.0))
+                    }
+                }
             };
             // Ṽᵀ adj K̂ W = −det [[K̂, W], [Ṽᵀ, 0]]
             let pole = mode.pole();
@@ -166,7 +172,7 @@ impl SecularMultipliers {
         fill(&mut self.form.pole_im, (0..self.count).map(|k| poles(k).im), 0.0);
         fill(&mut self.form.residue_re, residues.iter().map(|r| r.re), 0.0);
         fill(&mut self.form.residue_im, residues.iter().map(|r| r.im), 0.0);
-        if by_cauchy.is_some() {
+        if large {
             self.large.set(&self.felt, response.period(), residues, self.form.residue_error.as_flattened());
         }
         // f(0) = e^{2n}
@@ -207,28 +213,52 @@ impl SecularMultipliers {
     /// # Errors
     /// [`SecularError::Incomplete`] if the iteration does not settle; [`SecularError::Certificate`] if their sum is not the trace.
     pub fn multipliers(&mut self) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
-        let trace = self.trace();
-        let (roots, errors) = if self.is_large() {
+        if self.is_large() {
             self.large.solve(self.trivial)?;
-            (&self.large.roots.values, &self.large.roots.errors)
-        } else {
-            let mut aberth = std::mem::take(&mut self.aberth);
-            let outcome = aberth.solve(&self.form, &self.angles, self.trivial);
-            self.aberth = aberth;
-            outcome?;
-            (&self.aberth.roots, &self.aberth.errors)
-        };
+            self.certify(&self.large.roots.values, &self.large.roots.errors)?;
+            return Ok((&self.large.roots.values, &self.large.roots.errors));
+        }
+        if self.trivial > 0 || self.crowded || self.iterate(Start::Beside).is_err() || self.aberth.any_met() {
+            self.iterate(Start::Between)?;
+        }
+        Ok((&self.aberth.roots, &self.aberth.errors))
+    }
+
+    fn iterate(&mut self, start: Start) -> Result<(), SecularError> {
+        self.aberth.solve(&self.form, &self.angles, self.trivial, start)?;
+        self.certify(&self.aberth.roots, &self.aberth.errors)
+    }
+
+    /// Holds the sum of all multipliers against the trace.
+    fn certify(&self, roots: &[C], errors: &[f64]) -> Result<(), SecularError> {
         let sum: f64 = roots.iter().map(|z| z.re).sum();
         let size: f64 = roots.iter().map(|z| modulus(*z)).sum();
         let slack: f64 = errors.iter().sum();
-        let defect = (sum - trace).abs();
+        let defect = (sum - self.trace()).abs();
         let own: f64 = self.form.residue_error.iter().flatten().sum();
         let allowed = 16.0 * (slack + own + f64::EPSILON * size);
-        if defect <= allowed.max(1e-9 * size) {
-            Ok((roots, errors))
-        } else {
-            Err(SecularError::Certificate { defect, allowed })
+        if defect <= allowed.max(1e-9 * size) { Ok(()) } else { Err(SecularError::Certificate { defect, allowed }) }
+    }
+}
+
+/// K̂ at the pole of a mode of frequency `fk`, its own dyad left out, with W beside and Ṽ below it.
+fn border_up(matrix: &mut Vec<C>, (shared, sums): (&[f64], &PoleSums), times: &[f64], (fk, omega): (f64, f64)) {
+    let n = times.len();
+    let border = 2 * n + 1;
+    matrix.clear();
+    matrix.resize(border * border, C::default());
+    for (row, values) in shared.chunks_exact(2 * n).enumerate() {
+        for (entry, value) in matrix[row * border..].iter_mut().zip(values) {
+            *entry = C::new(*value, 0.0);
         }
+    }
+    sums.add_to(matrix, n, border);
+    for (i, time) in times.iter().enumerate() {
+        let turn = C::from_polar(1.0, fk * (time - times[0]));
+        matrix[2 * i * border + 2 * n] = turn;
+        matrix[(2 * i + 1) * border + 2 * n] = turn * C::new(0.0, fk / omega);
+        matrix[2 * n * border + 2 * i] = turn.conj() * 0.5;
+        matrix[2 * n * border + 2 * i + 1] = turn.conj() * C::new(0.0, -0.5 * omega / fk);
     }
 }
 

@@ -167,6 +167,13 @@ impl ForcedSecular {
         }
     }
 
+    /// K̂ of another orbit, of which nothing else is worked out.
+    pub(super) fn matrix_for(&mut self, prepared: Prepared<'_>) -> &mut ImpactMatrix {
+        self.has_matrix = false;
+        self.matrix.set(prepared);
+        &mut self.matrix
+    }
+
     fn set_matrix(&mut self, prepared: Prepared<'_>) {
         if !self.has_matrix {
             self.matrix.set(prepared);

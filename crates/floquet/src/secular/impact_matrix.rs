@@ -56,6 +56,7 @@ pub(crate) struct ImpactMatrix {
     /// K̂ as last worked out, by rows.
     pub(super) entries: Vec<C>,
     pub(super) scales: Vec<f64>,
+    pub(super) moduli: Vec<f64>,
     pub(super) left: Vec<C>,
     pub(super) right: Vec<C>,
 }

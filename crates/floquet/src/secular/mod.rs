@@ -12,8 +12,9 @@
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `modes` | the modes that the impacts feel, on any lattice |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
+//! | `beyond` | whether a real multiplier is surely beyond some modulus |
 //! | `impact_matrix` | K̂: what all of them are the determinant of |
-//! | `other_modes` | K̂ at the poles |
+//! | `other_modes`, `four_poles` | K̂ at the poles, and its residues there |
 //! | `settle` | a multiplier settled by the impacts' own equations, and its error |
 //! | `meetings` | which multipliers of elastic impacts may have met on the circle |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these |
@@ -27,6 +28,7 @@
 //! | `error` | [`SecularError`]: when to ask a dense solver instead |
 
 mod aberth;
+mod beyond;
 mod by_roots;
 mod cauchy;
 mod circle;
@@ -39,6 +41,7 @@ mod forced_large;
 mod forced_roots;
 mod forced_verdict;
 mod foreign;
+mod four_poles;
 mod gap;
 mod growth;
 mod impact_matrix;

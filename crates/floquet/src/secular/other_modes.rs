@@ -7,17 +7,16 @@
 //! Σ b² { −(i/2)(U cos Ωτ + iV sin Ωτ) 1  −  ½(V cos Ωτ + iU sin Ωτ) [[0, 1/Ω], [−Ω, 0]] }.
 //! ```
 //!
-//! A fast path: on 21 sites it takes at most 1700 instructions where the complex sums of [`super::impact_matrix`] take 4400 (callgrind, a
-//! sweep of forced orbits), and K̂ is worked out so for every mode of every orbit, which would be 65 % more for the residues. The tests of
-//! `impact_matrix` hold it against those sums.
+//! Four poles at a time, each with all other modes. A fast path: the complex sums of [`super::impact_matrix`] take many times as long, and
+//! K̂ is worked out so for every mode of every orbit. The tests of `impact_matrix` hold it against those sums.
 
 use nalgebra::Complex;
-use smallvec::SmallVec;
-use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
+use smallvec::{SmallVec, smallvec};
+use vibrochain_breather::lanes::{HALF, LANES, Lane, ONE, ZERO, all, fill, four};
 use wide::f64x4;
 
 use super::error::SecularError;
-use super::modes::Modes;
+use super::modes::{Mode, Modes};
 
 type C = Complex<f64>;
 
@@ -33,7 +32,7 @@ pub(super) struct OtherModes {
     /// cos, sin of Ω(t_i−t_j) for i > j: [pair][group of modes]
     turn_cos: Vec<Lane>,
     turn_sin: Vec<Lane>,
-    scratch: Vec<[f64x4; 6]>,
+    count: usize,
 }
 
 /// The sums at one pole, velocities in units of ω.
@@ -45,6 +44,30 @@ pub(super) struct PoleSums {
     pub(super) pairs: SmallVec<[[f64; 6]; 1]>,
     /// The smallest |sin(a_k±a_l)|.
     pub(super) nearest: f64,
+}
+
+/// The same at four poles.
+#[derive(Debug, Clone)]
+pub(super) struct FourSums {
+    pub(super) own: [f64x4; 3],
+    pub(super) pairs: SmallVec<[[f64x4; 6]; 1]>,
+    pub(super) nearest: f64x4,
+    /// How many poles are where each of these is, itself among them.
+    met: f64x4,
+}
+
+impl FourSums {
+    /// Those at one of the poles, that of mode `k`.
+    pub(super) fn one(&self, k: usize) -> Result<PoleSums, SecularError> {
+        let lane = k % LANES;
+        let of = |four: f64x4| four.to_array()[lane];
+        let nearest = of(self.nearest);
+        if of(self.met) != 1.0 || nearest == 0.0 {
+            return Err(SecularError::Coincident { mode: k });
+        }
+        let pairs = self.pairs.iter().map(|pair| pair.map(of)).collect();
+        Ok(PoleSums { own: self.own.map(of), pairs, nearest })
+    }
 }
 
 /// Pairs i > j of impacts and their numbers.
@@ -80,9 +103,9 @@ impl OtherModes {
     /// Takes over modes and the times of impacts.
     pub(super) fn set(&mut self, modes: &Modes, omega: f64, times: &[f64]) {
         let modes = modes.list();
+        self.count = modes.len();
         fill(&mut self.half_weight, modes.iter().map(|mode| 0.5 * mode.weight), 0.0);
-        // A mode that is none: no pole meets it.
-        fill(&mut self.cos, modes.iter().map(|mode| mode.cos), 2.0);
+        fill(&mut self.cos, modes.iter().map(|mode| mode.cos), 0.0);
         fill(&mut self.sin, modes.iter().map(|mode| mode.sin), 0.0);
         fill(&mut self.ratio, modes.iter().map(|mode| mode.frequency / omega), 0.0);
         fill(&mut self.inverse, modes.iter().map(|mode| omega / mode.frequency), 0.0);
@@ -106,6 +129,11 @@ impl OtherModes {
         let groups = self.cos.len();
         let range = pair * groups..(pair + 1) * groups;
         (self.turn_cos[range.clone()].as_flattened(), self.turn_sin[range].as_flattened())
+    }
+
+    /// The same of four modes, of the one pair of two impacts.
+    pub(super) fn turn(&self, group: usize) -> Option<[f64x4; 2]> {
+        (self.turn_cos.len() == self.cos.len()).then(|| [four(self.turn_cos[group]), four(self.turn_sin[group])])
     }
 
     /// What K̂ has at all poles alike: propagators ±½R₀(t_i−t_j) over the times between impacts, losses, saltations κ'.
@@ -137,54 +165,40 @@ impl OtherModes {
         }
     }
 
-    /// The sums at the pole of mode k, which has these cos, sin(Ω_kT/2), of `count` pairs of impacts.
+    /// The sums at the poles of four modes, over pairs of `impacts`.
     #[inline]
-    pub(super) fn sums(
-        &mut self,
-        k: usize,
-        (ck, sk): (f64, f64),
-        count: usize,
-        sums: &mut PoleSums,
-    ) -> Result<(), SecularError> {
-        let Self { half_weight, cos, sin, ratio, inverse, turn_cos, turn_sin, scratch } = self;
-        let groups = cos.len();
-        let (ck, sk) = (all(ck), all(sk));
+    pub(super) fn sums(&self, poles: &Mode<f64x4>, impacts: usize) -> FourSums {
+        let (ck, sk) = (poles.cos, poles.sin);
+        let groups = self.cos.len();
         let mut own = [ZERO; 3];
-        scratch.clear();
-        scratch.resize(count, [ZERO; 6]);
-        let (mut coincident, mut nearest) = (ZERO, ONE);
-        for g in 0..groups {
-            let (c, s) = (four(cos[g]), four(sin[g]));
+        let mut scratch: SmallVec<[[f64x4; 6]; 1]> = smallvec![[ZERO; 6]; impacts * (impacts - 1) / 2];
+        let (mut met, mut nearest) = (ZERO, ONE);
+        let of = |list: &[Lane], l: usize| all(list.as_flattened()[l]);
+        for l in 0..self.count {
+            let (c, s) = (of(&self.cos, l), of(&self.sin, l));
             let (a, b) = (sk * c, ck * s);
             let (minus, plus) = (a - b, a + b);
             let same = minus.simd_eq(ZERO);
-            coincident += same.select(ONE, ZERO);
-            nearest = nearest.min(same.select(ONE, minus.abs())).min(plus.abs());
+            met += same.select(ONE, ZERO);
+            nearest = nearest.fast_min(same.select(ONE, minus.abs())).fast_min(plus.abs());
             let (cc, ss) = (ck * c, sk * s);
             let cot_minus = same.select(ZERO, (cc + ss) / same.select(ONE, minus));
             let cot_plus = (cc - ss) / plus;
-            let w = four(half_weight[g]);
+            let w = of(&self.half_weight, l);
             let (u, v) = (w * (cot_minus + cot_plus), w * (cot_minus - cot_plus));
-            let (up, down) = (four(inverse[g]), four(ratio[g]));
+            let (up, down) = (of(&self.inverse, l), of(&self.ratio, l));
             own[0] += u;
             own[1] += v * up;
             own[2] += v * down;
             for (pair, sums) in scratch.iter_mut().enumerate() {
-                let (c, s) = (four(turn_cos[pair * groups + g]), four(turn_sin[pair * groups + g]));
+                let (c, s) = (of(&self.turn_cos[pair * groups..], l), of(&self.turn_sin[pair * groups..], l));
                 let (uc, us, vc, vs) = (u * c, u * s, v * c, v * s);
                 for (sum, term) in sums.iter_mut().zip([uc, vs, vc * up, us * up, vc * down, us * down]) {
                     *sum += term;
                 }
             }
         }
-        sums.nearest = nearest.to_array().into_iter().fold(f64::INFINITY, f64::min);
-        // It meets itself once.
-        if total(coincident) != 1.0 || sums.nearest == 0.0 {
-            return Err(SecularError::Coincident { mode: k });
-        }
-        sums.own = own.map(|sum| 0.5 * total(sum));
-        sums.pairs.clear();
-        sums.pairs.extend(scratch.iter().map(|pair| pair.map(|sum| 0.5 * total(sum))));
-        Ok(())
+        scratch.iter_mut().flatten().chain(&mut own).for_each(|sum| *sum *= HALF);
+        FourSums { own, pairs: scratch, nearest, met }
     }
 }

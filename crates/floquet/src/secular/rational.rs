@@ -19,6 +19,9 @@ pub(crate) struct Rational {
     pub(super) pole_error: Vec<Lane>,
 }
 
+/// A zero this close to its pole is no start: f is not known there.
+const HIDDEN: f64 = 1e-10;
+
 /// f, f′, Σ 1/(z−p), and a bound of the rounding error of f.
 pub(super) struct Value {
     pub(super) f: C,
@@ -56,6 +59,29 @@ impl Rational {
             poles: C::new(total(p_re), total(p_im)),
             noise: 1.0 + total(noise),
         }
+    }
+
+    /// How far from one of the poles of the upper half plane the zero is that belongs to it, to first order in its own residue. `None`
+    /// where that is so little that the pole hides it.
+    pub(super) fn beside(&self, place: usize) -> Option<C> {
+        let at = |lanes: &[Lane]| lanes.as_flattened()[place];
+        let (x, y) = (at(&self.pole_re), at(&self.pole_im));
+        let (mut f_re, mut f_im) = (ZERO, ZERO);
+        let lanes = self.pole_re.iter().zip(&self.pole_im).zip(self.residue_re.iter().zip(&self.residue_im));
+        for ((pole_re, pole_im), (residue_re, residue_im)) in lanes {
+            let (pole_im, residue_re, residue_im) = (four(*pole_im), four(*residue_re), four(*residue_im));
+            let u = all(x) - four(*pole_re);
+            for (v, r) in [(all(y) - pole_im, residue_im), (all(y) + pole_im, -residue_im)] {
+                let square = u * u + v * v;
+                let itself = square.simd_eq(ZERO);
+                let scale = itself.select(ZERO, ONE / itself.select(ONE, square));
+                f_re += (residue_re * u + r * v) * scale;
+                f_im += (r * u - residue_re * v) * scale;
+            }
+        }
+        let residue = C::new(at(&self.residue_re), at(&self.residue_im));
+        let offset = -residue / C::new(1.0 + total(f_re), total(f_im));
+        (offset.norm_sqr() > HIDDEN * HIDDEN).then_some(offset)
     }
 
     /// Error of f from those of residues and poles.

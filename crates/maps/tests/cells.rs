@@ -1,0 +1,76 @@
+//! A cell held against all verdicts of its physical orbits, none passed over.
+
+use std::cmp::Ordering;
+
+use vibrochain_breather::{Family, Finder, Found, Wanted};
+use vibrochain_floquet::{Analyser, Tolerance, Verdict};
+use vibrochain_lattice::{Chain, Model};
+use vibrochain_maps::cell::{Class, Status, Task, Worker};
+
+/// Stable before in doubt before unstable, double-sided before single-sided, the smaller spectral radius, the first one.
+fn better(a: &(Family, Verdict, Option<f64>), b: &(Family, Verdict, Option<f64>)) -> Ordering {
+    let rank = |(family, verdict, _): &(Family, Verdict, Option<f64>)| {
+        (!verdict.stable, !verdict.stable && !verdict.marginal, *family == Family::SingleSided)
+    };
+    rank(a).cmp(&rank(b)).then(a.1.spectral_radius.total_cmp(&b.1.spectral_radius))
+}
+
+#[test]
+fn a_cell_is_what_all_verdicts_make_it() {
+    let mut random = fastrand::Rng::with_seed(47);
+    let (mut finder, mut found, mut analyser) = (Finder::new(1), Found::default(), Analyser::default());
+    let (mut several, mut single, mut stable) = (0, 0, 0);
+    for _ in 0..1500 {
+        let sites = [2, 5, 11, 21][random.usize(..4)];
+        let gamma2 = [1e-3, 0.05, 0.3][random.usize(..3)] * (0.1 + 0.9 * random.f64());
+        let Ok(chain) = Chain::new(sites, 0.2, gamma2) else { continue };
+        let (asymmetry, e) = ([0.0, 0.2, 0.4][random.usize(..3)], [0.99, 0.9, 0.6][random.usize(..3)]);
+        let (omega, force) = (0.4 + 2.6 * random.f64(), 0.02 + 0.28 * random.f64());
+        let Ok(model) = Model::forced(chain, omega, asymmetry, force, e) else { continue };
+        let tolerance = if random.bool() { Tolerance::Rounding } else { Tolerance::Growth(0.01) };
+        let families = vec![Family::DoubleSided, Family::SingleSided];
+        let mut all = Vec::new();
+        for &family in &families {
+            if finder.search(&model, family, Wanted::Candidates, &mut found).is_err() {
+                continue;
+            }
+            for orbit in &found.orbits {
+                let admissibility = finder.quick_admissibility(orbit).unwrap();
+                if admissibility.is_physical() {
+                    let Ok(verdict) = analyser.verdict(orbit, &mut finder, tolerance) else { continue };
+                    all.push((family, verdict, admissibility.margin));
+                }
+            }
+        }
+        let task = Task {
+            families,
+            words: Vec::new(),
+            symmetric: false,
+            stability: true,
+            tolerance,
+            collisions: false,
+            impulse: false,
+        };
+        let cell = Worker::new(sites).cell(&model, &task);
+        assert_eq!(cell.solutions as usize, all.len(), "{model:?}");
+        let Some((family, verdict, margin)) = all.iter().min_by(|a, b| better(a, b)) else {
+            assert_eq!(cell.class, Some(Class::None));
+            continue;
+        };
+        if cell.status != Status::Ok {
+            continue;
+        }
+        let expected = match (*family == Family::SingleSided, verdict.stable) {
+            (true, true) => Class::StableSingle,
+            (true, false) => Class::UnstableSingle,
+            (false, true) => Class::StableDouble,
+            (false, false) => Class::UnstableDouble,
+        };
+        assert_eq!((cell.class, cell.mechanism), (Some(expected), verdict.mechanism), "{model:?}");
+        assert_eq!((cell.spectral_radius, cell.margin), (Some(verdict.spectral_radius), *margin), "{model:?}");
+        several += usize::from(all.len() > 1);
+        single += usize::from(*family == Family::SingleSided);
+        stable += usize::from(verdict.stable);
+    }
+    assert!(several > 100 && single > 20 && stable > 20, "{several} {single} {stable}");
+}
