@@ -58,6 +58,7 @@ fn compare(orbit: &Orbit, finder: &mut Finder, tolerance: Tolerance, tally: &mut
     let (verdict, dense): (Verdict, Verdict) = (answer.verdict, reference.verdict);
     if verdict.method != Method::Secular {
         assert!(verdict.method.doubt().is_some());
+        println!("doubt {:?} e={} {} {}", verdict.method.doubt(), orbit.model().restitution(), dense, Word::of(orbit));
         tally.doubts += 1;
         return;
     }
@@ -112,7 +113,34 @@ fn random_words(seed: u64, rounds: usize, sites: [usize; 2], tally: &mut Tally) 
 #[test]
 fn counts_are_those_of_the_matrix() {
     let mut tally = Tally::default();
-    random_words(5, 400, [3, 12], &mut tally);
+    random_words(5, 1000, [3, 12], &mut tally);
     println!("{tally:?}");
     assert!(tally.compared > 100, "{tally:?}");
+}
+
+#[test]
+#[ignore = "timing"]
+fn temporary() {
+    let sites: usize = std::env::var("SITES").unwrap().parse().unwrap();
+    let word: Word = std::env::var("WORD").unwrap().parse().unwrap();
+    let tolerance = std::env::var("TOL").ok().map_or(Tolerance::Rounding, |t| Tolerance::Growth(t.parse().unwrap()));
+    let e: f64 = std::env::var("REST").map_or(0.9, |t| t.parse().unwrap());
+    let amplitude: f64 = std::env::var("AMP").map_or(0.1, |t| t.parse().unwrap());
+    let asymmetry: f64 = std::env::var("ASY").map_or(0.4, |t| t.parse().unwrap());
+    let gamma2: f64 = std::env::var("G2").map_or(0.02, |t| t.parse().unwrap());
+    let omega: f64 = std::env::var("OM").map_or(1.5, |t| t.parse().unwrap());
+    let model = Model::forced(Chain::new(sites, 0.2, gamma2).unwrap(), omega, asymmetry, amplitude, e).unwrap();
+    let (mut finder, mut found) = (Finder::new(sites), Found::default());
+    let clock = std::time::Instant::now();
+    finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+    println!("found {} in {:?}", found.orbits.len(), clock.elapsed());
+    for orbit in &found.orbits {
+        let clock = std::time::Instant::now();
+        let verdict = Analyser::counting().verdict(orbit, &mut finder, tolerance);
+        println!("{:?}", clock.elapsed());
+        match verdict {
+            Ok(v) => println!("{v} {v:?}"),
+            Err(e) => println!("{e:?}"),
+        }
+    }
 }

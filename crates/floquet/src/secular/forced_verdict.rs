@@ -195,15 +195,9 @@ impl ForcedSecular {
         }
     }
 
-    /// Takes over what the impacts' equations find from these starts, each multiplier once: real ones and those of the upper half-plane,
-    /// with their errors.
-    pub(crate) fn settle_distinct(
-        &mut self,
-        prepared: Prepared<'_>,
-        condition: &Condition,
-        starts: impl Iterator<Item = Complex<f64>>,
-    ) {
-        self.adopt(prepared.orbit(), condition, std::iter::empty(), None);
+    /// Adds what the impacts' equations find from these starts, each multiplier once: real ones and those of the upper half-plane, with
+    /// their errors. To begin with none, [`ForcedSecular::adopt`] none.
+    pub(crate) fn settle_distinct(&mut self, prepared: Prepared<'_>, starts: impl Iterator<Item = Complex<f64>>) {
         self.set_matrix(prepared);
         for start in starts {
             let Some(Settled { z, error, data }) = self.matrix.settle(start, &self.data) else { continue };

@@ -2,17 +2,17 @@
 //! along it.
 //!
 //! f = (1+e)^{2n} det K̂ (see [`super::impact_matrix`]) has no pole outside the unit circle, and a value there at infinity. So along |z| = R
-//! it turns once against the clock's sense for each zero outside; by f(z̄) = conj f(z) half the circle is enough. With ζ = ½(z+p)/(z−p),
-//! K̂ = Σ ζ b²φφᵀ ⊗ wṽ + conj. + constant. Where R is nearer to the poles than they are to each other, the nearest ones are not added up but
-//! border the matrix,
+//! it turns once against the clock's sense less than at infinity for each zero outside; by f(z̄) = conj f(z) half the circle is enough.
+//! With ζ = ½(z+p)/(z−p), K̂ = Σ ζ b²φφᵀ ⊗ wṽ + conj. + constant. Where the circle is nearer to the poles than they are to each other, the
+//! nearest ones, ζ − ½ = 1/(z/p−1), are not added up but border the matrix,
 //!
 //! ```text
-//! 𝓑 = (K̂ without them   u   ),     det 𝓑 = det K̂ · Π(−1/ζ),     ζ u ṽᵀ what was left out,
-//!     (     ṽᵀ        −1/ζ )
+//! 𝓑 = (K̂ without them   u  ),     det 𝓑 = det K̂ · Π(1−z/p),     u ṽᵀ/(z/p−1) what was left out,
+//!     (     ṽᵀ        1−z/p)
 //! ```
 //!
-//! which has no poles near. Re ζ ≥ 0 on and outside the unit circle: the argument of ζ is known, with the pole left inside. So R = 1 is as
-//! good as any other where impacts dissipate: no multiplier need be on the circle.
+//! which has no poles near. How z/p − 1 turns is known, with the pole left inside. So R = 1 is as good as any other where impacts dissipate:
+//! no multiplier need be on the circle.
 //!
 //! **Why no turn is missed.** From one place to the next, E(s) = 𝓑(0)⁻¹(𝓑(s) − 𝓑(0)) is known at s = 1, and is off a straight line by
 //! ‖𝓑⁻¹‖ δθ²/8 max‖d²𝓑/dθ²‖ at most, which a sum over the distances to all poles bounds. Where ‖E‖_F and all that errors of the entries
@@ -37,7 +37,10 @@ const FARTHEST: f64 = 0.75;
 /// |tr E|, at most: with what higher powers add it is well below π.
 const LONGEST_TURN: f64 = 2.2;
 
-/// How far from a straight line a step may be; more is not worth the trial.
+/// Of three places s = 0, ½, 1: how far what goes through them is from a parabola, as a part of its third derivative, 1/(12√3)/3!.
+const OF_PARABOLA: f64 = 0.00802;
+
+/// How far from a parabola a step may be; more is not worth the trial.
 const CURVED: f64 = 0.12;
 
 /// Part of ‖E‖_F that the next step aims at.
@@ -46,11 +49,14 @@ const AIM: f64 = 0.5;
 /// Steps of one half circle.
 const MOST_STEPS: usize = 3_000_000;
 
-/// Steps that take a pole and its gap, about: for the estimate of what a count costs.
-const STEPS_OF_A_POLE: f64 = 12.0;
+/// Matrices that a pole and its gap take, where multipliers are some 10⁻⁶ from the circle: for the estimate of what a count costs.
+const MATRICES_OF_A_POLE: f64 = 300.0;
 
 /// The least step, in angle.
 const LEAST_STEP: f64 = 1e-15;
+
+/// Neighbours on either side that border the matrix with the pole that is passed.
+const SIDE: usize = 2;
 
 /// Poles whose angles are closer are passed together.
 const TOGETHER: f64 = 1e-9;
@@ -231,8 +237,8 @@ impl OutsideCircle {
         self.sums.clear();
         self.sums.resize(12 * pairs, 0.0);
         for ((group, parts), out) in self.groups.iter().zip(self.parts.chunks_exact(2 * pairs)).zip(&self.left_out) {
-            let forth = if out & 1 == 0 { zeta(z, group.pole) } else { C::default() };
-            let back = if out & 2 == 0 { zeta(z, group.pole.conj()) } else { C::default() };
+            let forth = if out & 1 == 0 { zeta(z, group.pole) } else { C::new(0.5, 0.0) };
+            let back = if out & 2 == 0 { zeta(z, group.pole.conj()) } else { C::new(0.5, 0.0) };
             let (both, off) = (forth + back, (forth - back) * C::i());
             let (up, down) = (group.ratio, 1.0 / group.ratio);
             let [real, imaginary] = [&parts[..pairs], &parts[pairs..]];
@@ -288,7 +294,7 @@ impl OutsideCircle {
                     out[(row, 2 * i)] = wave.conj() / v;
                     out[(row, 2 * i + 1)] = wave.conj() * slow / v;
                 }
-                out[(row, row)] = (z - pole) / (z + pole) * (-2.0 / own);
+                out[(row, row)] = (z - pole) * pole.conj() * -own.recip();
                 row += 1;
             }
         }
@@ -299,53 +305,57 @@ impl OutsideCircle {
         let matrix = self.evaluate(C::from_polar(radius, angle));
         let factors = matrix.clone().lu();
         let (mut phase, mut size) = (C::new(factors.p().determinant::<f64>(), 0.0), 0.0);
-        for i in 0..matrix.nrows() {
-            let pivot = factors.u()[(i, i)];
-            let length = modulus(pivot);
+        for pivot in factors.u().diagonal().iter() {
+            let length = modulus(*pivot);
             size += length.ln();
-            phase *= pivot / length;
+            phase *= *pivot / length;
         }
         let inverse = factors.try_inverse()?;
         let norm = inverse.norm();
         (norm.is_finite() && phase.re.is_finite()).then_some(Node { angle, matrix, inverse, norm, phase, size })
     }
 
-    /// Bounds of ‖d²𝓑/dθ²‖ over a step, and of the errors of 𝓑.
+    /// Bounds of ‖d³𝓑/dθ³‖ over a step, and of the errors of 𝓑.
     fn bounds(&self, radius: f64, angle: f64, step: f64) -> (f64, f64) {
         let z = C::from_polar(radius, angle);
         let (reach, least) = (radius * step, radius - 1.0);
-        let (mut second, mut error) = (0.0, self.data);
+        let (mut third, mut error) = (0.0, self.data);
         for (group, out) in self.groups.iter().zip(&self.left_out) {
             let mut factor = 0.0;
             let mut shift = 0.0;
             for (bit, pole) in [(1, group.pole), (2, group.pole.conj())] {
                 let distance = (modulus(z - pole) - reach).max(least);
                 if out & bit != 0 {
-                    // 1/ζ = 2 − 4p/(z+p), far from −p.
-                    second += 2.0 * radius * radius / group.size * group.modes.len() as f64;
-                    error += group.modes.len() as f64 * (2.0 * group.relative + 1.1 * group.error / group.size);
+                    let dyads = group.modes.len() as f64;
+                    third += radius / group.size * dyads;
+                    error += dyads * (2.0 * group.relative + radius * group.error / group.size);
                     continue;
                 }
                 let near = if distance > 0.0 { 1.0 / distance } else { f64::INFINITY };
-                second += group.size * radius * near * near * (2.0 * radius * near + 1.0);
+                let by = radius * near;
+                third += group.size * by * near * (6.0 * by * by + 6.0 * by + 1.0);
                 factor += radius * near;
                 shift += radius * near * near;
             }
-            error += group.size * (group.relative * (factor + 1.0) + group.error * shift);
+            error += group.size * (group.relative * (factor + 2.0) + group.error * shift);
         }
-        (second, error)
+        (third, error)
     }
 
-    /// Poles that are passed and their neighbours border the matrix, where the circle is nearer to them than they are to each other;
-    /// whether these are others than before.
-    fn border(&mut self, radius: f64, passed: usize) -> bool {
+    /// Whether the circle is nearer to these poles and their neighbours than they are to each other.
+    fn is_near(&self, radius: f64, passed: usize) -> bool {
         let count = self.clusters.len();
-        let around = [passed + count - 1, passed, passed + 1].map(|c| self.clusters[c % count].clone());
-        let [before, _, behind] = &around;
-        let width = (self.poles[behind.start].0 - self.poles[before.start].0).rem_euclid(TAU);
+        let angle = |cluster: usize| self.poles[self.clusters[cluster % count].start].0;
+        radius - 1.0 < (angle(passed + 1) - angle(passed + count - 1)).rem_euclid(TAU)
+    }
+
+    /// Poles that are passed and their neighbours border the matrix, where the circle is near; whether these are others than before.
+    fn border(&mut self, passed: Option<usize>) -> bool {
+        let count = self.clusters.len();
         let mut wanted: Vec<(usize, bool)> = Vec::new();
-        if radius - 1.0 < width {
-            for (_, g, conjugate) in around.into_iter().flat_map(|cluster| self.poles[cluster].to_vec()) {
+        for cluster in passed.into_iter().flat_map(|passed| (0..=2 * SIDE).map(move |i| passed + i)) {
+            let cluster = self.clusters[(cluster + SIDE * (count - 1)) % count].clone();
+            for &(_, g, conjugate) in &self.poles[cluster] {
                 if !wanted.contains(&(g, conjugate)) {
                     wanted.push((g, conjugate));
                 }
@@ -368,34 +378,38 @@ impl OutsideCircle {
         let mut step = guess.min(end - node.angle);
         let root = (node.matrix.nrows() as f64).sqrt();
         while step > LEAST_STEP {
-            let (second, error) = self.bounds(radius, node.angle, step);
-            let (curved, off) = (node.norm * second * step * step / 8.0, node.norm * error);
-            let fair = curved <= CURVED && off <= CURVED;
+            let (third, error) = self.bounds(radius, node.angle, step);
+            let (rest, off) = (node.norm * third * step.powi(3) * OF_PARABOLA, node.norm * error);
+            let fair = rest <= CURVED && off <= CURVED;
             if !fair {
-                step *= if curved.is_finite() { (0.9 * (CURVED / curved).sqrt()).clamp(0.1, 0.7) } else { 0.5 };
+                step *= if rest.is_finite() { (0.9 * (CURVED / rest).cbrt()).clamp(0.1, 0.8) } else { 0.5 };
                 continue;
             }
             let angle = if step >= end - node.angle { end } else { node.angle + step };
             let other = self.node(radius, angle)?;
             let moved = &node.inverse * (&other.matrix - &node.matrix);
-            let (far, turn) = (moved.norm(), moved.trace());
+            let half = self.evaluate(C::from_polar(radius, 0.5 * (node.angle + angle)));
+            let bent = &node.inverse * (half - (&other.matrix + &node.matrix) * C::new(0.5, 0.0));
+            let (far, turn, curved) = (moved.norm(), moved.trace(), bent.norm() + rest);
             let sure = far + curved + off <= FARTHEST && turn.im.abs() + root * (curved + off) <= LONGEST_TURN;
             if sure {
-                *guess = step * (AIM / far).clamp(0.5, 2.0);
+                *guess = step * (AIM / (far + curved)).clamp(0.5, 2.0);
                 return Some(other);
             }
-            step *= (AIM / far).clamp(0.1, 0.7);
+            step *= (AIM / (far + curved)).clamp(0.1, 0.7);
         }
         None
     }
 
-    /// The sum of the arguments of all ζ that border the matrix.
-    fn of_bordering(&self, z: C) -> f64 {
+    /// The sum of the arguments of all 1/(z/p − 1) of the border at an angle from 0 to π, each pole passed on its outer side.
+    fn of_bordering(&self, radius: f64, angle: f64) -> f64 {
         let argument = |&(g, conjugate): &(usize, bool)| {
-            let group = &self.groups[g];
-            let pole = if conjugate { group.pole.conj() } else { group.pole };
-            let zeta = (z + pole) * (z - pole).conj();
-            zeta.im.atan2(zeta.re) * group.modes.len() as f64
+            let Group { pole, modes, .. } = &self.groups[g];
+            let pole = if conjugate { pole.conj() } else { *pole };
+            let off = C::from_polar(radius, angle) * pole.conj() - 1.0;
+            let argument = off.im.atan2(off.re);
+            let past = angle - pole.im.atan2(pole.re) > 1.0 && argument < 0.0;
+            -(argument + if past { TAU } else { 0.0 }) * modes.len() as f64
         };
         self.bordering.iter().map(argument).sum()
     }
@@ -409,26 +423,33 @@ impl OutsideCircle {
             |a: usize, b: usize| 0.5 * (self.poles[self.clusters[a].end - 1].0 + self.poles[self.clusters[b].start].0);
         let count = self.clusters.len();
         let upper: Vec<usize> = (0..count).filter(|&c| self.poles[self.clusters[c].start].0 > 0.0).collect();
-        let ends: Vec<f64> = upper.iter().map(|&c| if c + 1 < count { middle(c, c + 1) } else { PI }).collect();
+        // What is passed near, and where the next one begins; all that is passed far off, at once.
+        let mut stretches: Vec<(Option<usize>, f64)> = Vec::new();
+        for &passed in &upper {
+            let end = if passed + 1 < count { middle(passed, passed + 1) } else { PI };
+            let near = self.is_near(radius, passed).then_some(passed);
+            match stretches.last_mut() {
+                Some((None, last)) if near.is_none() => *last = end,
+                _ => stretches.push((near, end)),
+            }
+        }
         let mut turned = 0.0;
         let mut guess = radius - 1.0 + 0.1 * PI / count as f64;
         let mut last: Option<Node> = None;
         let mut targets: Vec<(f64, C)> = Vec::new();
-        for (&passed, &end) in upper.iter().zip(&ends) {
+        for (passed, end) in stretches {
             let from = last.as_ref().map_or(0.0, |node| node.angle);
-            let mut node = match last.take().filter(|_| !self.border(radius, passed)) {
-                Some(node) => node,
-                None => {
-                    self.border(radius, passed);
-                    self.node(radius, from).ok_or(SecularError::Tangency)?
-                }
+            let changed = self.border(passed);
+            let mut node = match last.take() {
+                Some(node) if !changed => node,
+                _ => self.node(radius, from).ok_or(SecularError::Tangency)?,
             };
             while node.angle < end {
                 let other = self.step(radius, &node, end, &mut guess).ok_or(SecularError::Tangency)?;
                 let [here, there] = [&node, &other].map(|node| C::from_polar(radius, node.angle));
                 let turn = other.phase * node.phase.conj();
                 let turn = turn.im.atan2(turn.re);
-                turned += turn + self.of_bordering(there) - self.of_bordering(here);
+                turned += turn + self.of_bordering(radius, other.angle) - self.of_bordering(radius, node.angle);
                 let newton = (there - here) / C::new(other.size - node.size, turn);
                 targets.push((modulus(newton), (here + there) * 0.5 - newton));
                 if targets.len() > MOST_STEPS {
@@ -452,15 +473,10 @@ impl OutsideCircle {
         Ok(Turns { outside: outside.round() as usize, starts: outer.collect() })
     }
 
-    /// The largest angle between neighbouring poles of the upper half circle, on average.
-    pub(crate) fn spacing(&self) -> f64 {
-        PI / self.groups.len().max(1) as f64
-    }
-
     /// Multiplications that a count along the unit circle takes.
     pub(crate) fn terms(&self) -> f64 {
         let (n, groups) = (self.matrix.impacts as f64, self.groups.len() as f64);
-        STEPS_OF_A_POLE * groups * (groups * 6.0 * n * (n + 1.0) + 80.0 * (2.0 * n + 6.0).powi(3))
+        MATRICES_OF_A_POLE * groups * (groups * 6.0 * n * (n + 1.0) + 50.0 * (2.0 * n + 10.0).powi(3))
     }
 
     /// All multipliers that the impacts feel.
