@@ -7,7 +7,7 @@
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
 //! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
 //! | the same, other sites, on a lattice of more than 1000 masses | inertia of the secular matrix: a count |
-//! | impacts at several sites under a force or with losses, on such a lattice | turns of the secular function: a count |
+//! | impacts at several sites under a force or with losses or at other times, on such a lattice | turns of the secular function: a count |
 //! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
@@ -31,8 +31,8 @@ pub struct Stability {
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub verdict: Verdict,
     /// The multipliers of the whole lattice, by falling modulus, then by argument; the trivial pair of a conservative
-    /// orbit and the modes that feel no impact included. None of a word of several sites on a lattice of more than 1000 masses, which are
-    /// counted only, unless two sites mirror each other.
+    /// orbit and the modes that feel no impact included. None of a word of several sites on a lattice of more than 1000 masses, with or
+    /// without force and losses, which are counted only, unless two sites mirror each other.
     #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complexes"))]
     pub multipliers: Vec<Complex<f64>>,
 }
@@ -184,7 +184,14 @@ impl Analyser {
         if secular || pair.is_some() || counted || turning {
             let answer = match pair {
                 Some(pair) => self.by_partners(pair, question, finder),
-                None if counted => self.by_inertia(question, finder),
+                // What is left over by one count another one may have.
+                None if counted => match self.by_inertia(question, finder) {
+                    Err(Failure::SecularError(why)) => match self.by_turns(question, finder) {
+                        Err(Failure::SecularError(_)) => Err(why.into()),
+                        answer => answer,
+                    },
+                    answer => answer,
+                },
                 None if turning => self.by_turns(question, finder),
                 None => self.by_secular_function(question, finder),
             };
@@ -217,7 +224,7 @@ impl Analyser {
     /// A word whose multipliers are counted along circles.
     fn turns(&self, orbit: &Orbit) -> bool {
         let worth = self.turns_only || orbit.model().chain().sites() > WORTH_A_MATRIX;
-        worth && orbit.impact_site().is_none() && !orbit.model().is_conservative()
+        worth && orbit.impact_site().is_none() && !orbit.is_reversible()
     }
 
     fn by_secular_function(

@@ -8,7 +8,7 @@
 //! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
 //! | `foreign`, `in_turns`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference, or of half a period |
 //! | `inertia` | reversible words of any sites on large rings: a certified count |
-//! | `outside` | words of any sites, with force or losses: how many multipliers are outside a circle |
+//! | `outside`, `bordered` | words of any sites, with force or losses: how many multipliers are outside a circle |
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `modes` | the modes that the impacts feel, on any lattice |
@@ -28,6 +28,7 @@
 //! | `error` | [`SecularError`]: when to ask a dense solver instead |
 
 mod aberth;
+mod bordered;
 mod by_roots;
 mod cauchy;
 mod circle;
