@@ -1,5 +1,6 @@
 //! Verdicts on words of several sites under a force or with losses, and on what symmetry leaves open without them, on lattices too large
-//! for a matrix: multipliers outside a circle are counted by the turns of the secular function, and settled by the impacts' equations. The count says whether they are all.
+//! for a matrix: multipliers outside a circle are counted by the turns of the secular function, and settled by the impacts' equations. The
+//! count says whether they are all.
 
 use nalgebra::Complex;
 use vibrochain_breather::Finder;

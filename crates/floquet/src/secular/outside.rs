@@ -6,9 +6,10 @@
 //! The matrix that is followed is [`super::bordered`]'s 𝓑, which has no poles near: how they turn is known, with the pole left inside. So R = 1
 //! is as good as any other where impacts dissipate: no multiplier need be on the circle.
 //!
-//! **Why no turn is missed.** From one place to the next, E(s) = 𝓑(0)⁻¹(𝓑(s) − 𝓑(0)) is known at s = 1, and is off a straight line by
-//! ‖𝓑⁻¹‖ δθ²/8 max‖d²𝓑/dθ²‖ at most, which a sum over the distances to all poles bounds. Where ‖E‖_F and all that errors of the entries
-//! can do to it are below ¾, det(1+E(s)) ≠ 0 on the way, and |arg| ≤ |tr E| + Σ_{m≥2}‖E‖_F^m/m < π: its principal value is the turn.
+//! **Why no turn is missed.** From one place to the next, E(s) = 𝓑(0)⁻¹(𝓑(s) − 𝓑(0)) is known at s = ½ and 1, and is off the parabola through
+//! these by ‖𝓑⁻¹‖ δθ³/(72√3) max‖d³𝓑/dθ³‖ at most, which a sum over the distances to all poles bounds. Where ‖E‖_F and all that errors of
+//! the entries can do to it are below ¾, det(1+E(s)) ≠ 0 on the way, and |arg| ≤ |tr E| + Σ_{m≥2}‖E‖_F^m/m < π: its principal value is the
+//! turn.
 //! The step is shortened until that holds; where it becomes nothing, a multiplier is on the circle as far as can be told.
 
 use std::f64::consts::PI;
