@@ -7,6 +7,7 @@
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
 //! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
 //! | the same, other sites, on a lattice of more than 1000 masses | inertia of the secular matrix: a count |
+//! | impacts at several sites under a force or with losses or at other times, on such a lattice | turns of the secular function: a count |
 //! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
@@ -18,7 +19,7 @@ use crate::dense::{Dense, WORTH_A_MATRIX, is_reduced, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::multipliers::{odd_multipliers, sort_multipliers};
-use crate::secular::{ForcedSecular, Inertia, MOST_IMPACTS, Pair, Partners, Secular, SecularError};
+use crate::secular::{ForcedSecular, Inertia, MOST_IMPACTS, OutsideCircle, Pair, Partners, Secular, SecularError};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -30,8 +31,8 @@ pub struct Stability {
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub verdict: Verdict,
     /// The multipliers of the whole lattice, by falling modulus, then by argument; the trivial pair of a conservative
-    /// orbit and the modes that feel no impact included. None of a word of several sites on a lattice of more than 1000 masses, which are
-    /// counted only, unless two sites mirror each other.
+    /// orbit and the modes that feel no impact included. None of a word of several sites on a lattice of more than 1000 masses, with or
+    /// without force and losses, which are counted only, unless two sites mirror each other.
     #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complexes"))]
     pub multipliers: Vec<Complex<f64>>,
 }
@@ -52,10 +53,12 @@ pub struct Stability {
 #[derive(Debug, Clone, Default)]
 pub struct Analyser {
     dense_only: bool,
+    turns_only: bool,
     pub(crate) dense: Dense,
     pub(crate) secular: Secular,
     pub(crate) partners: Partners,
     pub(crate) inertia: Inertia,
+    pub(crate) circle: OutsideCircle,
     pub(crate) forced: ForcedSecular,
 }
 
@@ -84,6 +87,12 @@ impl Analyser {
     /// An analyser that takes the dense path whatever the orbit: the reference that the secular form is held against.
     pub fn dense() -> Self {
         Self { dense_only: true, ..Self::default() }
+    }
+
+    /// An analyser that counts the multipliers of words of several sites that have a force or losses however small the lattice is, to hold
+    /// the count against a matrix.
+    pub fn counting() -> Self {
+        Self { turns_only: true, ..Self::default() }
     }
 
     /// The verdict alone: no multiplier that does not decide it is worked out, nothing is sorted.
@@ -139,7 +148,8 @@ impl Analyser {
         tolerance: Tolerance,
     ) -> Result<Stability, FloquetError> {
         let (verdict, mut multipliers) = self.decide(Question { orbit, tolerance, thorough: true }, finder)?;
-        if verdict.method == Method::Secular && Pair::of(orbit).is_none() && is_counted(orbit) {
+        let counted = is_counted(orbit) || self.turns(orbit);
+        if verdict.method == Method::Secular && Pair::of(orbit).is_none() && counted {
             return Ok(Stability { verdict, multipliers });
         }
         if orbit.model().is_conservative() {
@@ -198,11 +208,20 @@ impl Analyser {
         let other = !self.dense_only && !secular && !orbit.model().chain().is_uncoupled();
         let pair = if other { Pair::of(orbit) } else { None };
         let counted = other && pair.is_none() && is_counted(orbit);
+        let turning = other && pair.is_none() && !counted && self.turns(orbit);
         let mut doubt = None;
-        if secular || pair.is_some() || counted {
+        if secular || pair.is_some() || counted || turning {
             let answer = match pair {
                 Some(pair) => self.by_partners(pair, question, finder),
-                None if counted => self.by_inertia(question, finder),
+                // What is left over by one count another one may have.
+                None if counted => match self.by_inertia(question, finder) {
+                    Err(Failure::SecularError(why)) => match self.by_turns(question, finder) {
+                        Err(Failure::SecularError(_)) => Err(why.into()),
+                        answer => answer,
+                    },
+                    answer => answer,
+                },
+                None if turning => self.by_turns(question, finder),
                 None => self.by_secular_function(question, finder),
             };
             match answer {
@@ -229,6 +248,12 @@ impl Analyser {
         }
         let multipliers = if thorough { self.dense.multipliers(orbit) } else { Vec::new() };
         Ok((Verdict { method, ..verdict }, multipliers))
+    }
+
+    /// A word whose multipliers are counted along circles.
+    fn turns(&self, orbit: &Orbit) -> bool {
+        let worth = self.turns_only || orbit.model().chain().sites() > WORTH_A_MATRIX;
+        worth && orbit.impact_site().is_none() && !orbit.is_reversible()
     }
 
     fn by_secular_function(

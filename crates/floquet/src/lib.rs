@@ -43,6 +43,7 @@ mod bracket;
 mod by_inertia;
 mod by_partners;
 mod by_secular;
+mod by_turns;
 mod certainty;
 mod curve;
 mod dense;

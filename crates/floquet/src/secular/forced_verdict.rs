@@ -202,6 +202,24 @@ impl ForcedSecular {
         }
     }
 
+    /// Adds what the impacts' equations find from these starts, each multiplier once: real ones and those of the upper half-plane, with
+    /// their errors. To begin with none, [`ForcedSecular::adopt`] none.
+    pub(crate) fn settle_distinct(&mut self, prepared: Prepared<'_>, starts: impl Iterator<Item = Complex<f64>>) {
+        self.set_matrix(prepared);
+        for start in starts {
+            let Some(Settled { z, error, data }) = self.matrix.settle(start, &self.data) else { continue };
+            let (z, error) =
+                (Complex::new(z.re, if z.im.abs() <= error + data { 0.0 } else { z.im.abs() }), error + data);
+            let mut known = self.values.iter().zip(&self.errors);
+            let near = |w: Complex<f64>, other: f64| (w - z).norm() <= ALONE * (error + other);
+            if !known.any(|(&w, &other)| near(w, other)) && !self.trivial.is_some_and(|trivial| near(trivial, 0.0)) {
+                self.values.push(z);
+                self.errors.push(error);
+                self.asked.push(Settling::Settled);
+            }
+        }
+    }
+
     /// All multipliers of the even subspace, each settled by the impacts' equations, and bounds of their errors as far as those of the
     /// orbit's own data (times, velocities, accelerations) are left out. A pass over the modes for each of them.
     ///

@@ -8,6 +8,7 @@
 //! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
 //! | `foreign`, `in_turns`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference, or of half a period |
 //! | `inertia` | reversible words of any sites on large rings: a certified count |
+//! | `outside`, `bordered` | words of any sites, with force or losses: how many multipliers are outside a circle |
 //! | `roots` | all ν |
 //! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `modes` | the modes that the impacts feel, on any lattice |
@@ -29,6 +30,7 @@
 
 mod aberth;
 mod beyond;
+mod bordered;
 mod by_roots;
 mod cauchy;
 mod circle;
@@ -55,6 +57,7 @@ mod meetings;
 mod missing;
 mod modes;
 mod other_modes;
+mod outside;
 mod pair;
 mod partners;
 mod pole;
@@ -81,6 +84,7 @@ pub(crate) use inertia::{Count, Inertia};
 pub use labels::multiplier_modes;
 pub(crate) use meetings::meetings;
 pub(crate) use modes::{Mode, Modes, by_frequency, sort_felt};
+pub(crate) use outside::OutsideCircle;
 pub(crate) use partners::{Pair, Partners};
 pub use residues::Residues;
 pub use shapes::ModalShape;
