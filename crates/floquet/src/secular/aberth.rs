@@ -242,7 +242,8 @@ impl Aberth {
         if self.paired[i / 2] {
             self.put(i + 1, z.conj());
         }
-        // And it is rounded itself.
-        (form.doubt(z) / modulus(value.slope) + 2.0 * f64::EPSILON * modulus(z), ended)
+        // What is left of the way counts where it is more than rounding; and the zero is rounded itself.
+        let left = form.doubt(z).max(modulus(value.f));
+        (left / modulus(value.slope) + 2.0 * f64::EPSILON * modulus(z), ended)
     }
 }

@@ -182,6 +182,7 @@ impl Modes {
     /// All of them, four at a time; of a whole lattice none if there are more than [`LARGE`].
     #[inline(always)]
     pub(crate) fn groups(&self) -> &[Mode<Lane>] {
+        debug_assert_eq!(self.groups.len(), self.list.len().div_ceil(4), "modes that were left out of the groups");
         &self.groups
     }
 }

@@ -17,8 +17,10 @@ fn residues_of_large_rings_are_those_of_the_pair_formulas() {
         for family in BOTH {
             finder.find_symmetric(&model, family, &mut found).unwrap();
             let orbit = &found.orbits[0];
-            let mut modes = modes::Modes::default();
-            modes.set(finder.prepared(orbit).unwrap().response());
+            let (mut whole, mut modes) = (modes::Modes::default(), modes::Modes::default());
+            whole.set(finder.prepared(orbit).unwrap().response());
+            // Four at a time, too, for the pairs.
+            modes.gather(&whole, &(0..whole.count()).collect::<Vec<_>>());
             let (mut pairs, mut sums) = (Vec::new(), Vec::new());
             if family == Family::SingleSided {
                 single_sided::residues(&modes, &mut pairs);
