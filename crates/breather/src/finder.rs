@@ -79,9 +79,10 @@ pub struct Finder {
     spectrum: Option<Spectrum>,
     pub(crate) response: ImpulseResponse,
     current: Option<(f64, usize)>,
-    pub(crate) motion: Motion,
+    /// Boxed: the last two change places.
+    pub(crate) motion: Box<Motion>,
     /// That of the orbit found before the last one: of two that a search finds neither is worked out again to be checked.
-    earlier: Motion,
+    earlier: Box<Motion>,
     zeros: Zeros,
     rises: Rises,
     /// Of the impulse response, once it has been asked for.
@@ -99,8 +100,8 @@ impl Finder {
             spectrum: None,
             response: ImpulseResponse::vacant(&chain),
             current: None,
-            motion: Motion::vacant(&chain),
-            earlier: Motion::vacant(&chain),
+            motion: Box::new(Motion::vacant(&chain)),
+            earlier: Box::new(Motion::vacant(&chain)),
             zeros: Zeros::default(),
             rises: Rises::default(),
             radiation: None,
