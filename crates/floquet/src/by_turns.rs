@@ -24,7 +24,8 @@ const COARSE: f64 = 1e-3;
 /// elastic impacts have most of theirs.
 const FINE: [f64; 4] = [0.0, 1e-8, 1e-6, 1e-4];
 
-/// Terms that a count along the unit circle may sum up: some minutes, in which a matrix of that size has not been reduced.
+/// Terms that a count along the unit circle may sum up, by its estimate: of ten impacts those of some
+/// 3000 masses, as many as a matrix is reduced of.
 const MOST_TERMS: f64 = 1.2e12;
 
 /// Circles that are laid beyond or between others to come nearer to multipliers that are missing.
