@@ -97,7 +97,7 @@ def test_other_threads_run_meanwhile():
     other = threading.Thread(target=count)
     other.start()
     started = time.monotonic()
-    scene = {**LONG, "sweep": {"x": LONG["sweep"]["x"]}, "model": {**LONG["model"], "gamma2": 0.1}}
+    scene = {**LONG, "sweep": {**LONG["sweep"], "y": {**LONG["sweep"]["y"], "points": 20}}}
     vc.sweep(scene, threads=1)
     ended = time.monotonic()
     done.set()
@@ -122,10 +122,10 @@ def test_progress_is_told_and_may_stop_a_sweep():
 
 
 def test_progress_is_a_line_on_standard_error(capsys):
-    scene = {**LONG, "sweep": {"x": LONG["sweep"]["x"]}, "model": {**LONG["model"], "gamma2": 0.1}}
+    scene = {**LONG, "sweep": {**LONG["sweep"], "y": {**LONG["sweep"]["y"], "points": 20}}}
     vc.sweep(scene, threads=1, progress=True)
     captured = capsys.readouterr()
-    assert captured.out == "" and "/400 cells" in captured.err and captured.err.endswith("\r")
+    assert captured.out == "" and "/8000 cells" in captured.err and captured.err.endswith("\r")
 
 
 def test_threads_work_at_once():
