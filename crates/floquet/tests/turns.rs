@@ -129,7 +129,7 @@ fn counts_are_those_of_the_matrix() {
 #[ignore = "minutes: cargo test --workspace --test turns -- --ignored slow"]
 fn slow_counts_on_middle_lattices_are_those_of_the_matrix() {
     counts_hold(6, 2000, [3, 12]);
-    counts_hold(7, 200, [12, 60]);
+    counts_hold(7, 600, [12, 60]);
 }
 
 /// A row of masses next to each other: what is outside the circle is the breather's own, and the length of the ring does not matter to it.
