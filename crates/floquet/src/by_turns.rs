@@ -24,7 +24,7 @@ const COARSE: f64 = 1e-3;
 /// elastic impacts have most of theirs.
 const FINE: [f64; 4] = [0.0, 1e-8, 1e-6, 1e-4];
 
-/// Terms that a count along the unit circle may sum up, by its estimate: of ten impacts those of some
+/// Terms that a count along the unit circle may sum up, as estimated beforehand: of ten impacts those of some
 /// 3000 masses, as many as a matrix is reduced of.
 const MOST_TERMS: f64 = 1.2e12;
 

@@ -62,7 +62,7 @@ const ZSTD_LEVEL: i32 = 3;
 #[cfg(feature = "compress")]
 const ZSTD_PIECE: u32 = 1 << 20;
 
-/// The most threads of zstd: one compresses what more than ten compute (`cargo bench --bench chunks` tells), and each has megabytes of its own.
+/// The most threads of zstd: one compresses what some seven compute (`cargo bench --bench chunks` tells), and each has megabytes of its own.
 #[cfg(feature = "compress")]
 const ZSTD_THREADS: u32 = 16;
 
