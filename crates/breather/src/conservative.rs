@@ -52,6 +52,12 @@ pub(crate) fn double_sided(model: &Model, response: &ImpulseResponse) -> Result<
 
 /// The single-sided breather.
 pub(crate) fn single_sided(model: &Model, response: &ImpulseResponse) -> Result<Draft, NoBreather> {
+    let (p, static_displacement) = impulse(model, response)?;
+    Ok(single_sided_draft(response, 0.0, p, static_displacement))
+}
+
+/// Its half impulse and static displacement.
+pub(crate) fn impulse(model: &Model, response: &ImpulseResponse) -> Result<(f64, f64), NoBreather> {
     let g = response.static_stiffness();
     if g == 0.0 {
         return Err(NoBreather::NetImpulse);
@@ -59,18 +65,13 @@ pub(crate) fn single_sided(model: &Model, response: &ImpulseResponse) -> Result<
     // 2p(S₀ + K̂(0)) = a − 1
     let static_displacement = (model.asymmetry() - 1.0) / (1.0 + g * response.dynamic_at_impulse());
     let p = 0.5 * static_displacement * g;
-    if p.is_finite() {
-        Ok(single_sided_draft(response, 0.0, p, static_displacement))
-    } else {
-        Err(NoBreather::Singular)
-    }
+    if p.is_finite() { Ok((p, static_displacement)) } else { Err(NoBreather::Singular) }
 }
 
-/// Whether the mass of a single-sided breather goes beyond the other barrier half a period after its impact: where it must
-/// turn, and often does too late. By more than rounding.
-pub(crate) fn crosses(model: &Model, response: &ImpulseResponse, draft: &Draft) -> bool {
-    let ([_], [source]) = (draft.impacts.as_slice(), draft.sources.as_slice()) else { return false };
-    let static_displacement = source.net_impulse / response.static_stiffness();
-    let swing = source.net_impulse * response.dynamic_at_half();
+/// Whether the mass of a single-sided breather of this net impulse goes beyond the other barrier half a period after its impact: where
+/// it must turn, and often does too late. By more than rounding.
+pub(crate) fn crosses(model: &Model, response: &ImpulseResponse, net_impulse: f64) -> bool {
+    let static_displacement = net_impulse / response.static_stiffness();
+    let swing = net_impulse * response.dynamic_at_half();
     static_displacement + swing > model.asymmetry() + 1.0 + 1e-9 * (1.0 + static_displacement.abs() + swing.abs())
 }

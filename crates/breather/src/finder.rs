@@ -13,6 +13,7 @@ use crate::ended::Ended;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
+use crate::outline::Sketch;
 use crate::planar_roots::PlanarZeros;
 use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::radiation::Radiation;
@@ -84,11 +85,12 @@ pub struct Finder {
     /// That of the orbit found before the last one: of two that a search finds neither is worked out again to be checked.
     earlier: Box<Motion>,
     zeros: Zeros,
-    rises: Rises,
+    pub(crate) rises: Rises,
     /// Of the impulse response, once it has been asked for.
-    radiation: Option<Option<Radiation>>,
+    pub(crate) radiation: Option<Option<Radiation>>,
     plane: PlanarZeros,
-    watch: Watch,
+    pub(crate) watch: Watch,
+    pub(crate) sketch: Sketch,
     pub(crate) stop: Stop,
 }
 
@@ -107,6 +109,7 @@ impl Finder {
             radiation: None,
             plane: PlanarZeros::default(),
             watch: Watch::default(),
+            sketch: Sketch::default(),
             stop: Stop::default(),
         }
     }
@@ -228,8 +231,12 @@ impl Finder {
                 draft.impacts.iter_mut().for_each(|hit| hit.site = home);
                 draft.sources.iter_mut().for_each(|source| source.site = home);
             }
-            let radiates = || radiation.is_some_and(|radiation| !radiation.allows(&draft));
-            let crosses = || judged && conservative::crosses(model, response, &draft);
+            let impulses = || draft.impacts.iter().map(|hit| (hit.time, hit.impulse));
+            let radiates = || radiation.is_some_and(|radiation| !radiation.allows(impulses()));
+            let crosses = || match (draft.impacts.as_slice(), draft.sources.as_slice()) {
+                ([_], [source]) => judged && conservative::crosses(model, response, source.net_impulse),
+                _ => false,
+            };
             if wanted.candidates() && (!draft.is_right_signed() || radiates() || crosses()) {
                 refused += 1;
                 return;

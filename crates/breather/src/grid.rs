@@ -12,11 +12,10 @@
 //! as small as what moves: far masses are displaced, but hardly swing. That settles all but a few intervals of the masses
 //! next to the breather; those get their own Taylor polynomial from the modes.
 
-use vibrochain_lattice::DistinctMasses;
+use vibrochain_lattice::{Chain, DistinctMasses};
 use wide::f64x4;
 
 use crate::lanes::{LANES, Lane, dot, groups, total};
-use crate::motion::Motion;
 use crate::polynomial::{ORDER, Polynomial};
 
 /// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
@@ -29,10 +28,29 @@ const FEWEST: usize = 4;
 const MOST: usize = 24;
 
 /// Modes at most: a node takes the square of their number in steps, a window only twenty times their number.
-const MOST_MODES: usize = 48;
+pub(crate) const MOST_MODES: usize = 48;
 
 /// Place of mass 0 in a row that begins with its left neighbour.
 const FIRST: usize = 1;
+
+/// The modes of a ring in the flight that begins with the first impact of an orbit of one site.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Flight<'a> {
+    /// Ω_k, rising.
+    pub(crate) frequencies: &'a [f64],
+    /// cos(2πkn/M) of half the ring, [mode][mass from the one that is hit on] in whole groups; empty of a large ring.
+    pub(crate) shapes: &'a [Lane],
+    /// Displacements and velocities at its start, weights included, in groups of four.
+    pub(crate) start: [&'a [Lane]; 2],
+    /// γ₁ and γ₂, the latter 0 of a ring of one.
+    pub(crate) stiffnesses: (f64, f64),
+}
+
+impl Flight<'_> {
+    fn top_frequency(&self) -> f64 {
+        self.frequencies.last().copied().unwrap_or_default()
+    }
+}
 
 /// Values of all masses at the nodes, and the modes they come from.
 #[derive(Debug, Clone, Default)]
@@ -61,11 +79,11 @@ pub(crate) struct Grid {
 impl Grid {
     /// Takes over the flight that begins with the first impact of an orbit of one site and lasts for `horizon`. `false` if
     /// another way is better.
-    pub(crate) fn set(&mut self, motion: &Motion, watched: &DistinctMasses, horizon: f64) -> bool {
-        let (frequencies, shapes) = (motion.frequencies(), motion.shapes());
-        let (modes, radians) = (frequencies.len(), horizon * motion.top_frequency());
+    pub(crate) fn set(&mut self, flight: Flight<'_>, watched: &DistinctMasses, horizon: f64) -> bool {
+        let Flight { frequencies, .. } = flight;
+        let (modes, radians) = (frequencies.len(), horizon * flight.top_frequency());
         let is_short = radians <= INTERVAL * MOST as f64;
-        if modes > MOST_MODES || shapes.is_empty() || !is_short {
+        if modes > MOST_MODES || flight.shapes.is_empty() || !is_short {
             return false;
         }
         self.intervals = FEWEST.max((radians / INTERVAL).ceil() as usize);
@@ -81,31 +99,31 @@ impl Grid {
         self.frequencies.as_flattened_mut().iter_mut().zip(frequencies).for_each(|(slot, value)| *slot = *value);
         // With the number of groups known to the compiler, rows stay in registers.
         match self.groups {
-            1 => self.sample::<1>(motion, watched),
-            2 => self.sample::<2>(motion, watched),
-            3 => self.sample::<3>(motion, watched),
-            4 => self.sample::<4>(motion, watched),
-            6 => self.sample::<6>(motion, watched),
-            8 => self.sample::<8>(motion, watched),
-            12 => self.sample::<12>(motion, watched),
+            1 => self.sample::<1>(flight, watched),
+            2 => self.sample::<2>(flight, watched),
+            3 => self.sample::<3>(flight, watched),
+            4 => self.sample::<4>(flight, watched),
+            6 => self.sample::<6>(flight, watched),
+            8 => self.sample::<8>(flight, watched),
+            12 => self.sample::<12>(flight, watched),
             _ => return false,
         }
-        self.bound(motion, watched)
+        self.bound(flight, watched)
     }
 
     /// Modes and masses at all nodes, and the extremes of the latter.
-    fn sample<const G: usize>(&mut self, motion: &Motion, watched: &DistinctMasses) {
+    fn sample<const G: usize>(&mut self, flight: Flight<'_>, watched: &DistinctMasses) {
         let turns = self.turns::<G>();
-        let (mut u, mut w) = start::<G>(motion);
+        let [mut u, mut w] = flight.start.map(row::<G>);
         let last = watched.sites().len() - 1;
         let (left, right) = (FIRST + watched.left()[0], FIRST + watched.right()[last]);
-        let (gamma1, gamma2) = stiffnesses(motion);
+        let (gamma1, gamma2) = flight.stiffnesses;
         let (own, side) = (f64x4::splat(-(gamma1 + 2.0 * gamma2)), f64x4::splat(gamma2));
         let infinite = f64x4::splat(f64::INFINITY);
         let (mut low, mut high, mut top) = ([infinite; G], [-infinite; G], [f64x4::ZERO; G]);
         // The masses of a node with a neighbour before and after them.
         let mut row = [0.0; MOST_MODES + LANES];
-        let shapes = motion.shapes().as_chunks::<G>().0;
+        let shapes = flight.shapes.as_chunks::<G>().0;
         let states = rows_mut::<G>(&mut self.displacements).zip(rows_mut::<G>(&mut self.velocities));
         let masses = rows_mut::<G>(&mut self.values).zip(rows_mut::<G>(&mut self.accelerations));
         for ((displacement, velocity), (value, acceleration)) in states.zip(masses) {
@@ -149,8 +167,8 @@ impl Grid {
     /// negative entry, so that R ≤ r for every r with (I − C)r ≥ A: r = Σ_m θ^|n−m| A_m/(1 − c₁ − 5c₂),
     /// θ = c₂/(1 − c₁ − 4c₂), is one, if the sum takes the mirror images beyond both ends of the half ring. `false` where
     /// these could matter.
-    fn bound(&mut self, motion: &Motion, watched: &DistinctMasses) -> bool {
-        let (gamma1, gamma2) = stiffnesses(motion);
+    fn bound(&mut self, flight: Flight<'_>, watched: &DistinctMasses) -> bool {
+        let (gamma1, gamma2) = flight.stiffnesses;
         let eighth = 0.125 * self.step * self.step;
         let (c1, c2) = (eighth * gamma1, eighth * gamma2);
         let theta = c2 / (1.0 - c1 - 4.0 * c2);
@@ -238,27 +256,27 @@ impl Grid {
     }
 
     /// A bound on |v⃜| of a mass in the whole flight.
-    pub(crate) fn fourth(&self, motion: &Motion, watched: &DistinctMasses, mass: usize) -> f64 {
-        let (gamma1, gamma2) = stiffnesses(motion);
+    pub(crate) fn fourth(&self, flight: Flight<'_>, watched: &DistinctMasses, mass: usize) -> f64 {
+        let (gamma1, gamma2) = flight.stiffnesses;
         let sides = self.seconds[watched.left()[mass]] + self.seconds[watched.right()[mass]];
         (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides
     }
 
     /// The shapes of a mass, as cos(2πkn/M) is symmetric in k and n.
-    fn shapes<'a>(&self, motion: &'a Motion, mass: usize) -> &'a [Lane] {
-        motion.shapes().get(mass * self.groups..(mass + 1) * self.groups).unwrap_or_default()
+    fn shapes<'a>(&self, flight: Flight<'a>, mass: usize) -> &'a [Lane] {
+        flight.shapes.get(mass * self.groups..(mass + 1) * self.groups).unwrap_or_default()
     }
 
     /// A mass has no turning point in an interval, other than the ends of the flight that are `known` to be one; `fourth` is the
     /// bound on its |v⃜|.
     pub(crate) fn is_monotone(
         &self,
-        (motion, mass): (&Motion, usize),
+        (flight, mass): (Flight<'_>, usize),
         interval: usize,
         fourth: f64,
         known: [bool; 2],
     ) -> bool {
-        let shapes = self.shapes(motion, mass);
+        let shapes = self.shapes(flight, mass);
         let [first, last] = [interval, interval + 1].map(|node| dot(shapes, &self.velocities[node * self.groups..]));
         let (place, accelerations) = (interval * self.stride() + mass, self.accelerations.as_flattened());
         let (before, after) = (accelerations[place], accelerations[place + self.stride()]);
@@ -271,8 +289,8 @@ impl Grid {
     }
 
     /// The motion of a mass from a node on, in units of an interval.
-    pub(crate) fn polynomial(&mut self, motion: &Motion, mass: usize, node: usize) -> Polynomial {
-        let shapes = self.shapes(motion, mass);
+    pub(crate) fn polynomial(&mut self, flight: Flight<'_>, mass: usize, node: usize) -> Polynomial {
+        let shapes = self.shapes(flight, mass);
         let from = node * self.groups;
         let states = self.displacements.iter().zip(&self.velocities).skip(from);
         let step = f64x4::splat(self.step);
@@ -309,23 +327,19 @@ pub(crate) fn turn(frequency: f64x4, step: f64x4) -> [f64x4; 3] {
     [series(COSINE), sin_over, frequency * frequency * sin_over]
 }
 
-/// Displacement and velocity of the modes at the first node.
-fn start<const G: usize>(motion: &Motion) -> ([f64x4; G], [f64x4; G]) {
-    let (mut u, mut w) = ([[0.0; LANES]; G], [[0.0; LANES]; G]);
-    let slots = u.as_flattened_mut().iter_mut().zip(w.as_flattened_mut());
-    slots.zip(motion.start_of_flight()).for_each(|((u, w), (q, p))| (*u, *w) = (*q, *p));
-    (u.map(f64x4::from), w.map(f64x4::from))
+/// γ₁ and γ₂ of a ring, the latter without effect on a single mass.
+pub(crate) fn stiffnesses(chain: &Chain) -> (f64, f64) {
+    (chain.gamma1(), if chain.sites() > 1 { chain.gamma2() } else { 0.0 })
+}
+
+/// So many groups, those that are not there 0.
+fn row<const G: usize>(list: &[Lane]) -> [f64x4; G] {
+    std::array::from_fn(|i| list.get(i).map_or(f64x4::ZERO, |group| f64x4::from(*group)))
 }
 
 /// Rows of groups.
 fn rows_mut<const G: usize>(list: &mut [Lane]) -> std::slice::IterMut<'_, [Lane; G]> {
     list.as_chunks_mut::<G>().0.iter_mut()
-}
-
-/// γ₁ and γ₂, the latter without effect on a single mass.
-fn stiffnesses(motion: &Motion) -> (f64, f64) {
-    let (gamma1, gamma2) = motion.stiffnesses();
-    (gamma1, if motion.sites() > 1 { gamma2 } else { 0.0 })
 }
 
 /// cos x and sin x/x in powers of −x²; for x ≤ 1/2 the first term left out is below 1e-18.

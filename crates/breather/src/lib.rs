@@ -82,6 +82,7 @@ mod linear;
 mod motion;
 mod one_mass;
 mod orbit;
+mod outline;
 mod patch;
 #[cfg(feature = "serde")]
 mod plain;
@@ -117,6 +118,7 @@ pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};
+pub use outline::{Outline, Outlined};
 pub use surface::{Surface, SurfacePoint};
 pub use watch::admissibility;
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};

@@ -19,8 +19,6 @@ use std::f64::consts::{FRAC_2_PI, PI};
 
 use vibrochain_lattice::ImpulseResponse;
 
-use crate::orbit::{Draft, Hit};
-
 /// Harmonics looked at. The first ones that meet the band carry most; others would only cost time.
 const HARMONICS: usize = 8;
 
@@ -52,12 +50,12 @@ impl Radiation {
         Some(Self { limits, count, omega })
     }
 
-    /// Whether an orbit with these impacts can be physical, as far as this bound goes.
-    pub(crate) fn allows(&self, draft: &Draft) -> bool {
-        let total: f64 = draft.impacts.iter().map(|impact| impact.impulse.abs()).sum();
+    /// Whether an orbit with impacts at these times, of these impulses, can be physical, as far as this bound goes.
+    pub(crate) fn allows(&self, impacts: impl Iterator<Item = (f64, f64)> + Clone) -> bool {
+        let total: f64 = impacts.clone().map(|(_, impulse)| impulse.abs()).sum();
         // e^{ijωt} of each impact, from j to j + 1 by one product.
         let mut sums = [[0.0; 2]; HARMONICS];
-        for &Hit { time, impulse, .. } in &draft.impacts {
+        for (time, impulse) in impacts {
             let (sin, cos) = (self.omega * time).sin_cos();
             let mut wave = [impulse, 0.0];
             for sum in &mut sums[..self.count] {

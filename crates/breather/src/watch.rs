@@ -12,11 +12,12 @@
 //! Either passes over a mass, or an interval, that cannot come closer than the smallest distance known so far, or cannot
 //! have a turning point, and isolates the turning points of what is left (`polynomial`).
 
-use vibrochain_lattice::{Barrier, DistinctMasses};
+use vibrochain_lattice::{Barrier, Chain, DistinctMasses};
 
 use crate::admissibility::{Admissibility, Approach, Obstruction};
 use crate::error::BreatherError;
-use crate::grid::Grid;
+use crate::grid::{Flight, Grid};
+use crate::lanes::Lane;
 use crate::motion::Motion;
 use crate::orbit::{Orbit, Reflection};
 use crate::polynomial::{turning_points, with_overlap};
@@ -37,6 +38,8 @@ pub(crate) struct Watch {
     watched: DistinctMasses,
     window: Window,
     grid: Grid,
+    /// Displacements and velocities of the modes at the start of the flight that the grid takes over.
+    start: [Vec<Lane>; 2],
     pending: Vec<(f64, f64)>,
     near: Vec<usize>,
 }
@@ -61,6 +64,20 @@ impl Closest {
                 self.distance = self.distance.min(distance);
             }
         }
+    }
+}
+
+/// What a flight of half a period must know of the impacts at its ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Impacts {
+    pub(crate) asymmetry: f64,
+    /// There is one alone, at its start.
+    pub(crate) one: bool,
+}
+
+impl Impacts {
+    fn of(orbit: &Orbit) -> Self {
+        Self { asymmetry: orbit.model().asymmetry(), one: orbit.impacts().len() == 1 }
     }
 }
 
@@ -108,11 +125,14 @@ impl Watch {
         let mirror = reflection.filter(|_| !delayed).map(|reflection| reflection.mirror);
         self.watched.reset(orbit.model().chain(), mirror);
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
-        if orbit.is_reversible() && orbit.centre().is_some() && self.grid.set(motion, &self.watched, horizon) {
-            self.on_grid(orbit, motion, depth, &mut closest);
+        let mut start = std::mem::take(&mut self.start);
+        let flight = motion.flight(&mut start);
+        if orbit.is_reversible() && orbit.centre().is_some() && self.grid.set(flight, &self.watched, horizon) {
+            self.on_grid(flight, Impacts::of(orbit), depth, &mut closest);
         } else {
             self.by_windows(orbit, motion, depth, horizon, &mut closest)?;
         }
+        self.start = start;
         let (barrier, time) = (closest.barrier, closest.time);
         // Of two masses that move alike the first one.
         let image = mirror
@@ -127,6 +147,18 @@ impl Watch {
             obstruction: (closest.distance <= 0.0).then_some(crossing),
             closest: found.then_some(Approach { site, barrier, time }),
         })
+    }
+
+    /// The smallest distance that masses keep from their barriers, or 0 or less where one of them does not, on the flight from the first
+    /// impact of a conservative breather at site 0 to half a period later; `None` if that needs windows.
+    pub(crate) fn margin(&mut self, chain: &Chain, flight: Flight<'_>, horizon: f64, impacts: Impacts) -> Option<f64> {
+        self.watched.reset(chain, Some(0));
+        let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+        if !self.grid.set(flight, &self.watched, horizon) {
+            return None;
+        }
+        self.on_grid(flight, impacts, Depth::First, &mut closest);
+        Some(closest.distance).filter(|distance| distance.is_finite())
     }
 
     fn by_windows(
@@ -214,14 +246,14 @@ impl Watch {
     }
 
     /// The flight that `self.grid` holds.
-    fn on_grid(&mut self, orbit: &Orbit, motion: &Motion, depth: Depth, closest: &mut Closest) {
+    fn on_grid(&mut self, flight: Flight<'_>, impacts: Impacts, depth: Depth, closest: &mut Closest) {
         let Self { watched, grid, pending, near, .. } = self;
-        let (a, masses) = (orbit.model().asymmetry(), watched.sites().len());
+        let (a, masses) = (impacts.asymmetry, watched.sites().len());
         let (last, step) = (grid.intervals(), grid.step());
         let time = |node: usize| node as f64 * step;
         let site = |mass: usize| watched.sites()[mass];
         // Every mass turns at both ends, by symmetry, the one that is hit only where it is not.
-        let turns = |mass: usize| [mass > 0, mass > 0 || orbit.impacts().len() == 1];
+        let turns = |mass: usize| [mass > 0, mass > 0 || impacts.one];
         for (end, node) in [0, last].into_iter().enumerate() {
             for (mass, &value) in grid.node(node).iter().enumerate().take(masses).skip(usize::from(!turns(0)[end])) {
                 if distance(a, value) < closest.distance {
@@ -256,10 +288,10 @@ impl Watch {
                 if ends[0].min(ends[1]) - slack >= closest.distance - RESOLUTION || (value - here).abs() > apart {
                     continue;
                 }
-                if grid.is_monotone((motion, mass), interval, grid.fourth(motion, watched, mass), turns) {
+                if grid.is_monotone((flight, mass), interval, grid.fourth(flight, watched, mass), turns) {
                     continue;
                 }
-                let polynomial = grid.polynomial(motion, mass, interval);
+                let polynomial = grid.polynomial(flight, mass, interval);
                 let so_far = closest.distance;
                 let mut note = |s: f64, displacement: f64| {
                     closest.note(a, site(mass), time(interval) + s * step, displacement);
@@ -291,7 +323,7 @@ pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::{Chain, Model};
+    use vibrochain_lattice::Model;
 
     use super::*;
     use crate::finder::{Finder, Found};
@@ -326,13 +358,15 @@ mod tests {
         orbits(|orbit, motion| {
             let horizon = 0.5 * orbit.period();
             watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
-            if !watch.grid.set(motion, &watch.watched, horizon) {
+            let mut start = Default::default();
+            let flight = motion.flight(&mut start);
+            if !watch.grid.set(flight, &watch.watched, horizon) {
                 return;
             }
             let fresh = || Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
             let (mut grid, mut first, mut windows) = (fresh(), fresh(), fresh());
-            watch.on_grid(orbit, motion, Depth::Worst, &mut grid);
-            watch.on_grid(orbit, motion, Depth::First, &mut first);
+            watch.on_grid(flight, Impacts::of(orbit), Depth::Worst, &mut grid);
+            watch.on_grid(flight, Impacts::of(orbit), Depth::First, &mut first);
             watch.by_windows(orbit, motion, Depth::Worst, horizon, &mut windows).unwrap();
             let size = motion.states_bound().max(1.0);
             let same = (grid.distance - windows.distance).abs() < 1e-13 * size || grid.distance == windows.distance;
@@ -415,7 +449,9 @@ mod tests {
         orbits(|orbit, motion| {
             let horizon = 0.5 * orbit.period();
             watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
-            if checked > 60_000 || !watch.grid.set(motion, &watch.watched, horizon) {
+            let (mut start, copy) = (Default::default(), motion.clone());
+            let flight = copy.flight(&mut start);
+            if checked > 60_000 || !watch.grid.set(flight, &watch.watched, horizon) {
                 return;
             }
             let size = motion.states_bound().max(1.0) * motion.top_frequency().powi(2).max(1.0);
@@ -430,11 +466,11 @@ mod tests {
                     let ring = motion.sites();
                     let tau = std::f64::consts::TAU / ring as f64;
                     let shape = |k: usize| (tau * ((k * i) % ring) as f64).cos();
-                    let modes = motion.modes().iter().zip(motion.frequencies()).enumerate();
+                    let modes = motion.modes().iter().zip(flight.frequencies).enumerate();
                     let fourth: f64 = modes.map(|(k, (mode, rate))| -shape(k) * rate * rate * mode[2]).sum();
                     let rate = motion.top_frequency().powi(2).max(1.0);
                     assert!(
-                        fourth.abs() <= watch.grid.fourth(motion, &watch.watched, i) + 1e-12 * size * rate,
+                        fourth.abs() <= watch.grid.fourth(flight, &watch.watched, i) + 1e-12 * size * rate,
                         "{site} {fourth} {now:?}"
                     );
                     let (reach, left) = (watch.grid.reaches(a)[i], distance(a, now.displacement));

@@ -371,6 +371,16 @@ impl ImpulseResponse {
         self.uniform_static().map_or(1.0, |uniform| uniform * self.static_stiffness())
     }
 
+    /// What states at an impact and half a period after it are made of, four modes at a time: weights, static responses, dynamic ones at
+    /// the impulse and half a period after it. What fills up the last group weighs nothing.
+    #[doc(hidden)]
+    pub fn in_fours(&self) -> impl Iterator<Item = [[f64; LANES]; 4]> + '_ {
+        let lists =
+            [&self.weights, &self.statics, &self.at_impulse, &self.at_half].map(|list| list.as_chunks().0.iter());
+        let [weights, statics, at_impulse, at_half] = lists;
+        weights.zip(statics).zip(at_impulse.zip(at_half)).map(|((w, s), (i, h))| [*w, *s, *i, *h])
+    }
+
     /// Dynamic responses of all modes, without their weights, at the impulse.
     pub fn at_impulse(&self) -> &[f64] {
         &self.at_impulse[..self.modes]

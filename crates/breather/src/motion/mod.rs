@@ -10,7 +10,8 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Steady, Wave};
 
 use crate::error::BreatherError;
-use crate::lanes::{LANES, Lane, combine, groups};
+use crate::grid::{Flight, stiffnesses};
+use crate::lanes::{LANES, Lane, combine, fill, groups};
 use crate::orbit::Orbit;
 
 /// Modes added up before they go into the sum over a large ring.
@@ -425,31 +426,25 @@ impl Motion {
         self.frequencies.last().copied().unwrap_or_default().max(self.steady.top_rate())
     }
 
-    /// γ₁, γ₂.
-    pub(crate) fn stiffnesses(&self) -> (f64, f64) {
-        (self.chain.gamma1(), self.chain.gamma2())
-    }
-
     /// Σ|q_k|: no mass is ever displaced by much more, unless the modes start fast.
     #[cfg(test)]
     pub(crate) fn states_bound(&self) -> f64 {
         self.states.iter().map(|(q, p)| q.abs() + p.abs()).sum()
     }
 
-    /// Ω_k.
-    pub(crate) fn frequencies(&self) -> &[f64] {
-        &self.frequencies
-    }
-
-    /// cos(2πkn/M) of half a ring, [mode][mass from the one that is hit on] in whole groups; empty unless impacts are at one
-    /// site of a small ring.
-    pub(crate) fn shapes(&self) -> &[Lane] {
-        if self.is_centred() { &self.table } else { &[] }
-    }
-
-    /// Displacement and velocity of the modes, weights included, just after the first impact, for the first impacted site.
-    pub(crate) fn start_of_flight(&self) -> &[(f64, f64)] {
-        self.states.get(..self.frequencies.len()).unwrap_or_default()
+    /// The flight that begins with the first impact, whose state goes into `start`; without shapes unless impacts are at one site of a
+    /// small ring.
+    pub(crate) fn flight<'a>(&'a self, start: &'a mut [Vec<Lane>; 2]) -> Flight<'a> {
+        let states = self.states.get(..self.frequencies.len()).unwrap_or_default();
+        let [displacements, velocities] = start;
+        fill(displacements, states.iter().map(|(q, _)| *q), 0.0);
+        fill(velocities, states.iter().map(|(_, p)| *p), 0.0);
+        Flight {
+            frequencies: &self.frequencies,
+            shapes: if self.is_centred() { &self.table } else { &[] },
+            start: [displacements, velocities],
+            stiffnesses: stiffnesses(&self.chain),
+        }
     }
 
     /// Modal displacement, velocity and acceleration at the time last sought, for the first impacted site; weights
