@@ -52,7 +52,7 @@ pub struct Stability {
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Analyser {
-    dense_only: bool,
+    pub(crate) dense_only: bool,
     turns_only: bool,
     pub(crate) dense: Dense,
     pub(crate) secular: Secular,

@@ -2,7 +2,8 @@
 //! held against the tolerance.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Prepared};
+use vibrochain_breather::{Finder, Outline, Prepared};
+use vibrochain_lattice::Model;
 
 use crate::analyser::{Analyser, Failure};
 use crate::dense::{Dense, WORTH_A_MATRIX};
@@ -11,7 +12,7 @@ use crate::saltation::saltations;
 use crate::secular::{
     ForcedSecular, Leading, MOST_IMPACTS, Nu, SecularError, SecularVerdict, Standing, excess, meetings,
 };
-use crate::verdict::{Question, Tolerance, Verdict};
+use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
 /// ones. (Estimates are cautious there, by two to three digits.)
@@ -50,6 +51,43 @@ impl Analyser {
             check(found.growth, found.growth_error, question)?;
         }
         Ok(told(&found, question.tolerance))
+    }
+
+    /// The verdict on a breather of which there is only an outline, as [`Analyser::verdict`] has it of the orbit; `None` where only the
+    /// orbit can tell: next to where its errors matter or to the border of stability, and how its symmetry breaks.
+    ///
+    /// ```
+    /// use vibrochain_breather::{Family, Finder, Outlined};
+    /// use vibrochain_floquet::{Analyser, Tolerance};
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
+    /// let mut finder = Finder::new(21);
+    /// let Outlined::One(outline) = finder.outline(&model, Family::SingleSided) else { panic!() };
+    /// let verdict = Analyser::default().outline_verdict(&model, &outline, Tolerance::Rounding).unwrap();
+    /// assert!(!verdict.stable && (verdict.spectral_radius - 2.797574412183362).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn outline_verdict(&mut self, model: &Model, outline: &Outline<'_>, tolerance: Tolerance) -> Option<Verdict> {
+        let ratio = match *outline.impulses() {
+            _ if self.dense_only => return None,
+            [_] => None,
+            [first, second] if !outline.is_delicate() => {
+                Some((second / first, rounding_of_ratio([first, second].into_iter())))
+            }
+            _ => return None,
+        };
+        self.secular.residues.take_over_ring(outline.response());
+        if self.secular.residues.all_positive(ratio) {
+            return Some(Verdict::on_circle(None));
+        }
+        self.secular.residues.complete(ratio).ok()?;
+        let found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Marginal)?;
+        let precise = found.outcome == Standing::Stable
+            || is_precise(found.growth, found.growth_error, model.chain().even_modes(), WORST_OF_SWEEP);
+        let verdict = told(&found, tolerance);
+        // Of an orbit without asymmetry this may be a pitchfork.
+        let open = verdict.mechanism == Some(Mechanism::PlusOne) && model.asymmetry() == 0.0;
+        Some(verdict).filter(|_| precise && !open)
     }
 
     /// A verdict that hangs on the errors of residues next to coincident poles: the multipliers are settled by the impacts' equations,
@@ -123,11 +161,15 @@ pub(crate) fn ratio_error(question: Question<'_>, finder: &mut Finder) -> Result
         let relative = impacts.iter().zip(&condition.impacts).map(|(i, error)| error.impulse / i.impulse);
         relative.map(f64::abs).sum()
     } else {
-        let sizes = impacts.iter().map(|impact| impact.impulse.abs());
-        let (least, most) =
-            sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)));
-        4.0 * f64::EPSILON * most / least
+        rounding_of_ratio(impacts.iter().map(|impact| impact.impulse))
     })
+}
+
+/// What rounding of impulses makes of the ratio of any two of them, relative.
+fn rounding_of_ratio(impulses: impl Iterator<Item = f64>) -> f64 {
+    let extremes = |(least, most): (f64, f64), impulse: f64| (least.min(impulse.abs()), most.max(impulse.abs()));
+    let (least, most) = impulses.fold((f64::INFINITY, 0.0), extremes);
+    4.0 * f64::EPSILON * most / least
 }
 
 /// What the secular function says, held against the tolerance.
@@ -141,12 +183,17 @@ pub(crate) fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
 
 /// An error that a dense solver would beat is a doubt.
 pub(crate) fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
-    if question.orbit.model().chain().even_modes() > WORTH_A_MATRIX {
-        return Ok(());
+    let worst = if question.thorough { WORST } else { WORST_OF_SWEEP };
+    if is_precise(growth, error, question.orbit.model().chain().even_modes(), worst) {
+        Ok(())
+    } else {
+        Err(SecularError::Imprecise { growth, growth_error: error }.into())
     }
-    // Not a number is a doubt, too.
-    let precise = error <= if question.thorough { WORST } else { WORST_OF_SWEEP } * (2.0 + growth);
-    if precise { Ok(()) } else { Err(SecularError::Imprecise { growth, growth_error: error }.into()) }
+}
+
+/// Not a number is not.
+fn is_precise(growth: f64, error: f64, modes: usize, worst: f64) -> bool {
+    modes > WORTH_A_MATRIX || error <= worst * (2.0 + growth)
 }
 
 /// The verdict on a leading multiplier.

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use vibrochain_breather::{Family, Finder, Found, Wanted};
 use vibrochain_floquet::{Analyser, Tolerance, Verdict};
 use vibrochain_lattice::{Chain, Model};
-use vibrochain_maps::cell::{Class, Status, Task, Worker};
+use vibrochain_maps::cell::{Cell, Class, Status, Task, Worker};
 
 /// Stable before in doubt before unstable, double-sided before single-sided, the smaller spectral radius, the first one.
 fn better(a: &(Family, Verdict, Option<f64>), b: &(Family, Verdict, Option<f64>)) -> Ordering {
@@ -73,4 +73,44 @@ fn a_cell_is_what_all_verdicts_make_it() {
         stable += usize::from(verdict.stable);
     }
     assert!(several > 100 && single > 20 && stable > 20, "{several} {single} {stable}");
+}
+
+/// The fast path of conservative cells, from outlines, against the general one, from orbits. Residuals are sums in another order.
+#[test]
+fn a_cell_from_outlines_is_that_from_orbits() {
+    let mut random = fastrand::Rng::with_seed(53);
+    let (mut fast, mut general) = (Worker::new(1), Worker::new(1));
+    let mut seen: [usize; Class::ALL.len()] = Default::default();
+    let mut mechanisms = std::collections::HashSet::new();
+    for _ in 0..20_000 {
+        let sites = [1, 2, 3, 6, 7, 11, 20, 21, 41, 120][random.usize(..10)];
+        let gamma1 = [0.2, 0.2, 0.0, 3.0][random.usize(..4)];
+        let gamma2 = [1e-9, 1e-3, 0.1, 0.3, 2.0][random.usize(..5)] * random.f64();
+        let Ok(chain) = Chain::new(sites, gamma1, gamma2) else { continue };
+        let asymmetry = [0.0, 0.1, 0.4, 0.7][random.usize(..4)];
+        let model = Model::conservative(chain, 0.2 + 2.8 * random.f64(), asymmetry).unwrap();
+        let task = Task {
+            families: match random.u8(..4) {
+                0 => vec![Family::SingleSided],
+                1 => vec![Family::SingleSided, Family::DoubleSided],
+                _ => vec![Family::DoubleSided, Family::SingleSided],
+            },
+            words: Vec::new(),
+            symmetric: random.bool(),
+            stability: random.u8(..8) > 0,
+            tolerance: [Tolerance::Rounding, Tolerance::Rounding, Tolerance::Growth(0.01)][random.usize(..3)],
+            collisions: false,
+            impulse: random.bool(),
+        };
+        let (cell, expected) = (fast.cell(&model, &task), general.examine(&model, &task, |_, _| {}));
+        // Next to a resonance both are as large as the orbit's own error.
+        assert!((cell.residual - expected.residual).abs() < 1e-13 + expected.residual, "{model:?}");
+        assert_eq!(Cell { residual: expected.residual, ..cell }, expected, "{model:?} {task:?}");
+        if let Some(class) = cell.class {
+            seen[Class::ALL.iter().position(|one| *one == class).unwrap()] += 1;
+        }
+        mechanisms.extend(cell.mechanism);
+    }
+    // All classes but those of other words, and all mechanisms.
+    assert!(seen[..7].iter().all(|&count| count > 30) && mechanisms.len() == 4, "{seen:?} {mechanisms:?}");
 }

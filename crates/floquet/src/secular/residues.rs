@@ -2,6 +2,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
+use vibrochain_lattice::ImpulseResponse;
 
 use super::error::SecularError;
 use super::evaluate::Local;
@@ -107,6 +108,11 @@ impl Residues {
         };
         self.modes.set_felt(prepared);
         Ok(ratio)
+    }
+
+    /// Takes over the modes of a ring.
+    pub(crate) fn take_over_ring(&mut self, response: &ImpulseResponse) {
+        self.modes.set(response);
     }
 
     /// Whether all residues of the modes taken over are surely positive, so that nothing can collide. No is no answer.
