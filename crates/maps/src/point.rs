@@ -32,8 +32,13 @@ impl Point {
 
     /// The same point with one value changed.
     pub fn with(mut self, parameter: Parameter, value: f64) -> Self {
-        self.values[parameter as usize] = value;
+        self.set(parameter, value);
         self
+    }
+
+    /// Changes one value.
+    pub fn set(&mut self, parameter: Parameter, value: f64) {
+        self.values[parameter as usize] = value;
     }
 
     /// The same point under `force`.

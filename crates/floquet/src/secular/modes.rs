@@ -5,7 +5,7 @@ use vibrochain_breather::Prepared;
 use vibrochain_lattice::{ImpulseResponse, sine_over};
 use wide::f64x4;
 
-use vibrochain_breather::lanes::{Lane, four};
+use vibrochain_breather::lanes::{FOUR, LANES, Lane, ONE, TWO, all, four};
 
 /// One mode of the even subspace; four of them as `Mode<Lane>` or `Mode<f64x4>`.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +38,9 @@ const PAD: Mode = Mode {
     shift: 1.0,
 };
 
+/// Phases below which sin y/y comes from its series.
+const SOFT: f64 = 1e-3;
+
 /// A part of its own weight below this is rounding: on a ring of 10⁷ masses the least that is none is 5e-14.
 const SPARED: f64 = 16.0 * f64::EPSILON;
 
@@ -65,11 +68,20 @@ impl Modes {
     /// Takes over the modes of an impulse response.
     pub(crate) fn set(&mut self, response: &ImpulseResponse) {
         let half = 0.5 * response.period();
-        let modes = response.frequencies().iter().zip(response.weights());
-        let phases = response.cos_half().iter().zip(response.sin_half());
+        let lists = [response.frequencies(), response.weights(), response.cos_half(), response.sin_half()];
+        let modes = response.modes();
         self.clear();
-        self.list.extend(modes.zip(phases).map(|((f, weight), (cos, sin))| Mode::new(*f, *weight, (*cos, *sin), half)));
-        self.group_few();
+        self.groups.clear();
+        for k in (0..modes).step_by(LANES) {
+            let [frequency, weight, cos, sin] = lists.map(|list| lane(&list[k..]));
+            let mut group = Mode::four_of(frequency, weight, (cos, sin), half).lanes();
+            let there = LANES.min(modes - k);
+            self.list.extend((0..there).map(|i| group.at(i)));
+            (there..LANES).for_each(|i| group.put(i, &PAD));
+            if modes <= LARGE {
+                self.groups.push(group);
+            }
+        }
     }
 
     /// Takes over what the impacts at an orbit's one site feel: on a ring all modes that are even about it, on other lattices those
@@ -189,17 +201,8 @@ impl Modes {
 
 impl Mode {
     /// A mode from its cos, sin(ΩT/2), `half` being T/2.
-    #[inline(always)]
     fn new(frequency: f64, weight: f64, (cos, sin): (f64, f64), half: f64) -> Self {
-        // ΩT
-        let y = 2.0 * frequency * half;
-        // sin(ΩT/2)/Ω, which a soft mode needs from its series.
-        let sin_over = if frequency * half > 1e-3 { sin / frequency } else { sine_over(frequency, half) };
-        // A phase y carries a relative error of about 2ε, so that δx/x = y cot y and δd = 2y sin 2y.
-        let relative = 4.0 + if y > 1e-3 { (y * cos / sin).abs() } else { 1.0 };
-        let shift = 2.0 * (y * cos * sin).abs() + 4.0 * (cos * cos).min(sin * sin);
-        let (inverse, sin_times) = (1.0 / sin_over, frequency * sin);
-        Self { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift }
+        Mode::four_of(all(frequency), all(weight), (all(cos), all(sin)), half).lanes().at(0)
     }
 
     /// e^{iΩT}
@@ -224,20 +227,101 @@ pub(crate) fn by_frequency<'a>(frequencies: &'a [f64], order: &'a [u32]) -> impl
     })
 }
 
-impl Mode<Lane> {
+/// The first four of a list, or as many as there are.
+fn lane(list: &[f64]) -> f64x4 {
+    let mut lane = [0.0; LANES];
+    match list.first_chunk() {
+        Some(four) => lane = *four,
+        None => lane[..list.len()].copy_from_slice(list),
+    }
+    four(lane)
+}
+
+impl Mode<f64x4> {
+    /// Four modes from their cos, sin(ΩT/2), `half` being T/2.
     #[inline(always)]
-    fn group([a, b, c, d]: &[Mode; 4]) -> Self {
-        Self {
-            weight: [a.weight, b.weight, c.weight, d.weight],
-            frequency: [a.frequency, b.frequency, c.frequency, d.frequency],
-            cos: [a.cos, b.cos, c.cos, d.cos],
-            sin: [a.sin, b.sin, c.sin, d.sin],
-            sin_over: [a.sin_over, b.sin_over, c.sin_over, d.sin_over],
-            inverse: [a.inverse, b.inverse, c.inverse, d.inverse],
-            sin_times: [a.sin_times, b.sin_times, c.sin_times, d.sin_times],
-            relative: [a.relative, b.relative, c.relative, d.relative],
-            shift: [a.shift, b.shift, c.shift, d.shift],
+    fn four_of(frequency: f64x4, weight: f64x4, (cos, sin): (f64x4, f64x4), half: f64) -> Self {
+        // ΩT
+        let y = TWO * frequency * all(half);
+        // sin(ΩT/2)/Ω, which a soft mode needs from its series.
+        let mut sin_over = sin / frequency;
+        if !(frequency * all(half)).simd_gt(all(SOFT)).all() {
+            let mut lanes = sin_over.to_array();
+            for (sin_over, frequency) in lanes.iter_mut().zip(frequency.to_array()) {
+                if frequency * half <= SOFT {
+                    *sin_over = sine_over(frequency, half);
+                }
+            }
+            sin_over = four(lanes);
         }
+        // A phase y carries a relative error of about 2ε, so that δx/x = y cot y and δd = 2y sin 2y.
+        let relative = FOUR + y.simd_gt(all(SOFT)).select((y * cos / sin).abs(), ONE);
+        let shift = TWO * (y * cos * sin).abs() + FOUR * (cos * cos).fast_min(sin * sin);
+        let (inverse, sin_times) = (ONE / sin_over, frequency * sin);
+        Self { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift }
+    }
+
+    fn lanes(&self) -> Mode<Lane> {
+        Mode {
+            weight: self.weight.to_array(),
+            frequency: self.frequency.to_array(),
+            cos: self.cos.to_array(),
+            sin: self.sin.to_array(),
+            sin_over: self.sin_over.to_array(),
+            inverse: self.inverse.to_array(),
+            sin_times: self.sin_times.to_array(),
+            relative: self.relative.to_array(),
+            shift: self.shift.to_array(),
+        }
+    }
+}
+
+impl Mode<Lane> {
+    fn group(modes: &[Mode; 4]) -> Self {
+        let zero = [0.0; LANES];
+        let mut group = Self {
+            weight: zero,
+            frequency: zero,
+            cos: zero,
+            sin: zero,
+            sin_over: zero,
+            inverse: zero,
+            sin_times: zero,
+            relative: zero,
+            shift: zero,
+        };
+        modes.iter().enumerate().for_each(|(i, mode)| group.put(i, mode));
+        group
+    }
+
+    /// One of the four.
+    #[inline(always)]
+    fn at(&self, i: usize) -> Mode {
+        Mode {
+            weight: self.weight[i],
+            frequency: self.frequency[i],
+            cos: self.cos[i],
+            sin: self.sin[i],
+            sin_over: self.sin_over[i],
+            inverse: self.inverse[i],
+            sin_times: self.sin_times[i],
+            relative: self.relative[i],
+            shift: self.shift[i],
+        }
+    }
+
+    /// Replaces one of the four.
+    #[inline(always)]
+    fn put(&mut self, i: usize, mode: &Mode) {
+        self.weight[i] = mode.weight;
+        self.frequency[i] = mode.frequency;
+        self.cos[i] = mode.cos;
+        self.sin[i] = mode.sin;
+        self.sin_over[i] = mode.sin_over;
+        self.inverse[i] = mode.inverse;
+        self.sin_times[i] = mode.sin_times;
+        self.relative[i] = mode.relative;
+        self.shift[i] = mode.shift;
     }
 
     /// As operands.

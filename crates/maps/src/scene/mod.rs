@@ -7,6 +7,7 @@ mod given;
 mod refine;
 mod slice;
 
+use std::ops::Range;
 use std::path::Path;
 
 use toml::Spanned;
@@ -175,6 +176,25 @@ impl Scene {
             rest /= points;
         }
         point
+    }
+
+    /// Shows the points of some neighbouring cells, in order, as long as it is told to go on.
+    pub fn walk(&self, cells: Range<u64>, mut go_on: impl FnMut(&Point) -> bool) {
+        let (mut point, row, mut column) = (self.base, self.axes.first(), None);
+        for cell in cells {
+            match (row, column) {
+                // Along a row one value changes alone.
+                (Some(axis), Some(column)) if column < axis.points() => point.set(axis.parameter, axis.value(column)),
+                _ => {
+                    point = self.point(cell);
+                    column = row.map(|axis| (cell % axis.points() as u64) as usize);
+                }
+            }
+            column = column.map(|column| column + 1);
+            if !go_on(&point) {
+                return;
+            }
+        }
     }
 
     /// The point at these values along its axes, the first axes' values; what lies between the ends of an axis is a valid model.

@@ -236,15 +236,15 @@ pub(super) fn in_order<W, T: Send, E>(
 /// The cells of one block; `None` if stopped midway.
 fn compute(job: &Job<'_>, worker: &mut Worker, range: Range<u64>, cells: &mut Vec<Cell>) -> Option<()> {
     cells.clear();
-    for number in range {
-        if job.stop.load(Ordering::Relaxed) {
-            return None;
-        }
+    let all = (range.end - range.start) as usize;
+    job.scene.walk(range, |point| {
         // The scene's corners were checked, so that every point between is a valid model.
-        let model = job.scene.point(number).model();
-        cells.push(worker.cell(model.as_ref().ok()?, &job.scene.task));
-    }
-    Some(())
+        let model = point.model();
+        let cell = model.as_ref().ok().filter(|_| !job.stop.load(Ordering::Relaxed));
+        cells.extend(cell.map(|model| worker.cell(model, &job.scene.task)));
+        cell.is_some()
+    });
+    (cells.len() == all).then_some(())
 }
 
 /// Computes all cells of a scene and hands them to `sink` in order, some at a time, with the number of the first. `tick`
