@@ -45,7 +45,8 @@ impl Rows<Cell> {
         let mut table = Table::new(scene);
         table.text.reserve(ROW * cells.len());
         let cells: Vec<(u64, Cell)> = range.clone().zip(cells.iter().copied()).collect();
-        cells.iter().for_each(|(number, cell)| table.write(&scene.point(*number), cell));
+        let mut rows = cells.iter();
+        scene.walk(range.clone(), |point| rows.next().map(|(_, cell)| table.write(point, cell)).is_some());
         Self { range, cells, text: table.text }
     }
 
