@@ -10,6 +10,7 @@
 //! |---|---|
 //! | `orbit`, `assembly` | [`Orbit`], [`Impact`], [`Family`]; orbits from their impulses |
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
+//! | `outline` | [`Outline`]: what a map asks of a conservative breather, without its orbit |
 //! | `completeness` | [`Completeness`], [`Proof`]: whether a list of orbits is all, and how that is known |
 //! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `one_mass`, `flights` | a mass without coupling: equations that know of no resonance |

@@ -1,11 +1,13 @@
 //! A cell held against all verdicts of its physical orbits, none passed over.
 
 use std::cmp::Ordering;
+use std::path::Path;
 
 use vibrochain_breather::{Family, Finder, Found, Wanted};
 use vibrochain_floquet::{Analyser, Tolerance, Verdict};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_maps::cell::{Cell, Class, Status, Task, Worker};
+use vibrochain_maps::scene::Scene;
 
 /// Stable before in doubt before unstable, double-sided before single-sided, the smaller spectral radius, the first one.
 fn better(a: &(Family, Verdict, Option<f64>), b: &(Family, Verdict, Option<f64>)) -> Ordering {
@@ -113,4 +115,31 @@ fn a_cell_from_outlines_is_that_from_orbits() {
     }
     // All classes but those of other words, and all mechanisms.
     assert!(seen[..7].iter().all(|&count| count > 30) && mechanisms.len() == 4, "{seen:?} {mechanisms:?}");
+}
+
+#[test]
+fn a_walk_shows_the_points_of_its_cells() {
+    let text = "[model]\nsites = 5\ngamma1 = 0.2\n[sweep]\naxes = [\n\
+                { parameter = \"omega\", from = 0.4, to = 3.0, points = 7 },\n\
+                { parameter = \"gamma2\", from = 0.0, to = 0.3, points = 5 },\n\
+                { parameter = \"asymmetry\", values = [0.1, 0.4] },\n]\n\
+                [compute]\nfamilies = [\"double-sided\"]\n";
+    let scene = Scene::parse(Path::new("scene.toml"), text).unwrap();
+    let mut walked = 0;
+    for (from, to) in [(0, 70), (3, 4), (5, 23), (7, 14), (69, 70), (12, 12)] {
+        let mut shown = Vec::new();
+        scene.walk(from..to, |point| {
+            shown.push(*point);
+            true
+        });
+        assert_eq!(shown, (from..to).map(|cell| scene.point(cell)).collect::<Vec<_>>());
+        walked += shown.len();
+    }
+    assert_eq!(walked, 70 + 1 + 18 + 7 + 1);
+    let mut left = 3;
+    scene.walk(0..70, |_| {
+        left -= 1;
+        left > 0
+    });
+    assert_eq!(left, 0);
 }

@@ -17,8 +17,9 @@ use crate::summary::Summary;
 /// costs nothing.
 const BLOCK: u64 = 1024;
 
-/// Blocks a thread at least takes where there are few cells, so that all threads end together.
-const BLOCKS_PER_THREAD: u64 = 16;
+/// A thread takes no more than this part of its share of the cells that are left: so blocks become small towards the end, and all threads
+/// end together.
+const PART: u64 = 4;
 
 /// Blocks that may be taken before the sink has seen them, per thread: a fraction of a second of cells, some megabytes.
 const AHEAD: u64 = 16;
@@ -63,6 +64,8 @@ pub enum Ended<E, T = Summary> {
 /// What the threads share: the next cells to take.
 struct Queue<'a> {
     parts: &'a [Range<u64>],
+    threads: u64,
+    /// The most cells of a block.
     block: u64,
     ahead: u64,
     state: Mutex<State>,
@@ -74,6 +77,8 @@ struct State {
     part: usize,
     /// Cells taken of this part.
     offset: u64,
+    /// Cells of all parts that nobody has taken.
+    left: u64,
     taken: u64,
     collected: u64,
     /// Threads that wait for the sink.
@@ -107,10 +112,11 @@ impl Queue<'_> {
         }
         let part = self.parts.get(state.part).filter(|_| !state.closed)?;
         let start = part.start + state.offset;
-        let end = (start + self.block).min(part.end);
+        let block = (state.left / (PART * self.threads)).clamp(1, self.block);
+        let end = (start + block).min(part.end);
         let order = Order { number: state.taken, part: state.part, cells: start..end, last: end == part.end };
         state.taken += 1;
-        state.offset += end - start;
+        (state.offset, state.left) = (state.offset + end - start, state.left - (end - start));
         if order.last {
             (state.part, state.offset) = (state.part + 1, 0);
         }
@@ -178,10 +184,10 @@ pub(super) fn in_order<W, T: Send, E>(
     mut sink: impl FnMut(Block<T>) -> Result<(), E>,
 ) -> Ended<E> {
     let threads = job.pool.current_num_threads().max(1) as u64;
-    let cells: u64 = parts.iter().map(|part| part.end - part.start).sum();
-    let block = (cells / (threads * BLOCKS_PER_THREAD)).clamp(1, pace.block);
-    let ahead = pace.ahead * threads;
-    let queue = Queue { parts, block, ahead, state: Mutex::new(State::default()), moved: Condvar::new() };
+    let left = parts.iter().map(|part| part.end - part.start).sum();
+    let state = Mutex::new(State { left, ..State::default() });
+    let (block, ahead) = (pace.block, pace.ahead * threads);
+    let queue = Queue { parts, threads, block, ahead, state, moved: Condvar::new() };
     let stopped = AtomicBool::new(job.stop.load(Ordering::Relaxed));
     // Before a worker takes its memory.
     if stopped.load(Ordering::Relaxed) {
