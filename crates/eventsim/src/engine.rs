@@ -5,12 +5,12 @@
 //! certainly no contact. What happens in between is a restart of the masses that can feel it before the window ends:
 //! all of them on a small lattice or in several layers, a few neighbours in a long row ([`crate::restart`]).
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use crate::bound;
 use crate::event::Work;
+use crate::queue::Entry;
 use crate::ring::{Contact, Ring};
 use crate::series::{CORRECTED, Extent, LANES, Rows, Weights, links};
 use crate::time::Clock;
@@ -49,32 +49,6 @@ struct Choice {
     order: usize,
     horizon: f64,
 }
-
-/// A time before which a mass has no contact.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Entry {
-    key: f64,
-    site: u32,
-    version: u32,
-}
-
-impl Ord for Entry {
-    /// Earliest first, then by site: the queue is a max-heap.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.key.total_cmp(&self.key).then_with(|| other.site.cmp(&self.site))
-    }
-}
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl PartialEq for Entry {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-impl Eq for Entry {}
 
 /// A contact that is due.
 #[derive(Debug, Clone, Copy)]
@@ -385,9 +359,9 @@ impl Engine {
             if entry.key > last {
                 break;
             }
-            self.queue.pop();
             let n = entry.site as usize;
             if entry.version != self.version[n] {
+                self.queue.pop();
                 continue;
             }
             if self.slot[n] == NONE {
@@ -401,7 +375,7 @@ impl Engine {
                 }
             }
             let origin = self.origin[n];
-            let Some(watch) = self.watches.get_mut(self.slot[n] as usize) else { continue };
+            let Some(watch) = self.watches.get_mut(self.slot[n] as usize) else { break };
             if let Some(barrier) = watch.hit {
                 if first.is_none() {
                     first = Some(entry.key);
@@ -409,22 +383,17 @@ impl Engine {
                 }
                 let release = matches!(watch.kind, Kind::Rest(_));
                 self.due.push(Due { site: n, barrier, release, pull: watch.first_pull() });
+                self.queue.pop();
                 continue;
             }
-            let next = self.queue.peek().map_or(last, |e| e.key.min(last));
-            loop {
-                self.work.refinements += 1;
-                let step = watch.step();
-                let key = origin + watch.tau;
-                if step == Step::Clear {
-                    break;
-                }
-                if step == Step::Hit || key > next {
-                    if key <= self.horizon {
-                        self.queue.push(Entry { key, ..entry });
-                    }
-                    break;
-                }
+            self.work.refinements += 1;
+            let step = watch.step();
+            let key = origin + watch.tau;
+            if step == Step::Clear || key > self.horizon {
+                self.queue.pop();
+            } else if let Some(mut top) = self.queue.peek_mut() {
+                // It finds its new place from here: mostly it stays the earliest.
+                top.key = key;
             }
         }
         self.due.sort_unstable_by_key(|due| due.site);

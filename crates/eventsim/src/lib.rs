@@ -52,7 +52,8 @@
 //! | `series` | exact flight: Taylor series from the stencil |
 //! | `bound` | bounds of a series over a window |
 //! | `watch` | the first contact of one mass |
-//! | `engine` | windows, and the queue of contacts |
+//! | `queue` | entries of the queue of contacts |
+//! | `engine` | windows, and the next contacts |
 //! | `restart` | new series after an event, for the masses that feel it |
 //! | `collision` | impact law, chatter, rest and release |
 //! | `tangent` | [`Tangents`]: small perturbations of a run, to first order |
@@ -87,6 +88,7 @@ mod engine;
 mod error;
 mod event;
 mod growth;
+mod queue;
 mod restart;
 mod ring;
 mod series;
