@@ -123,8 +123,8 @@ pub(crate) fn polynomial(c: &[f64], horizon: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::series::Weights;
     use crate::series::tests::filled;
+    use crate::weights::Weights;
 
     /// Each of eight masses stays within its bounds, and above and below its parabolas; where no term turns back it reaches them.
     #[test]

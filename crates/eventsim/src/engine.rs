@@ -14,10 +14,11 @@ use crate::bound;
 use crate::event::Work;
 use crate::queue::Entry;
 use crate::ring::{Contact, Ring};
-use crate::series::{CORRECTED, Extent, LANES, Rows, Weights, links};
+use crate::series::{CORRECTED, Extent, LANES, Rows, links};
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, ORDERS, Units, spread};
 use crate::watch::{Kind, Step, Watch, safe_step};
+use crate::weights::Weights;
 use vibrochain_lattice::{Barrier, Ends};
 
 /// A mass is cleared if its bound stays this far from the barriers: the rounding of displacements below 2, many times.

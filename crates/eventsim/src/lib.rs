@@ -50,6 +50,7 @@
 //! | `units` | internal units, orders and lengths of windows |
 //! | `ring` | the masses at one instant, near and on their barriers |
 //! | `series` | exact flight: Taylor series from the stencil |
+//! | `weights` | what turns derivatives into the motion |
 //! | `bound` | bounds of a series over a window |
 //! | `watch` | the first contact of one mass |
 //! | `queue` | entries of the queue of contacts |
@@ -97,6 +98,7 @@ mod tangent;
 mod time;
 mod units;
 mod watch;
+mod weights;
 
 pub use collision::CHATTER_TIME;
 pub use error::StateError;
