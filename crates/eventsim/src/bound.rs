@@ -17,6 +17,10 @@
 //! |p_J| ≤ E/(1−q) + A r^{J−2} q/(2(1−q)²) ,      q = rH/(J+1) .
 //! ```
 
+use std::ops::Range;
+
+use wide::f64x8;
+
 use crate::series::{LANES, Rows};
 use crate::units::{MAX_ORDER, Units};
 
@@ -59,42 +63,32 @@ pub(crate) fn tail(rows: &Rows, sites: usize, units: &Units, horizon: f64) -> f6
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Group {
     /// s·(upper bound of p₁) and s²/2·p₂: x ≤ d₀ + `rise`, and `bend_up` ≥ p₂.
-    pub(crate) rise: [f64; LANES],
-    pub(crate) fall: [f64; LANES],
-    pub(crate) bend_up: [f64; LANES],
-    pub(crate) bend_down: [f64; LANES],
-}
-
-/// From bounds of p_{k+1} to bounds of p_k. Inlined, so that they stay in registers.
-#[inline(always)]
-fn pass(rows: &Rows, k: usize, base: usize, h: f64, up: &mut [f64; LANES], down: &mut [f64; LANES]) {
-    if let Some(row) = rows.eight(k, base) {
-        for i in 0..LANES {
-            up[i] = row[i] + h * positive(up[i]);
-            down[i] = row[i] - h * positive(-down[i]);
-        }
-    }
+    pub(crate) rise: f64x8,
+    pub(crate) fall: f64x8,
+    pub(crate) bend_up: f64x8,
+    pub(crate) bend_down: f64x8,
 }
 
 /// Upper and lower bounds of the displacements of masses `base` … `base`+7 relative to their start, over the window
 /// whose `fractions` are given.
 #[inline(always)]
 pub(crate) fn group(rows: &Rows, base: usize, from: usize, tail: f64, fractions: &[f64; MAX_ORDER + 1]) -> Group {
-    let (mut up, mut down) = ([tail; LANES], [-tail; LANES]);
-    for k in (2..from).rev() {
-        pass(rows, k, base, fractions[k], &mut up, &mut down);
+    let zero = f64x8::ZERO;
+    // From bounds of p_{k+1} to bounds of p_k.
+    let pass = |(up, down): (f64x8, f64x8), (row, h): (f64x8, &f64)| {
+        let h = f64x8::splat(*h);
+        (row + h * up.fast_max(zero), row + h * down.fast_min(zero))
+    };
+    let from_down_to = |orders: Range<usize>| rows.eights(orders.clone(), base).zip(fractions[orders].iter().rev());
+    let bend = from_down_to(2..from).fold((f64x8::splat(tail), f64x8::splat(-tail)), pass);
+    let (up, down) = from_down_to(1..2).fold(bend, pass);
+    let [h, inflate, more] = [fractions[0], INFLATE, INFLATE - 1.0].map(f64x8::splat);
+    Group {
+        rise: h * up.fast_max(zero) * inflate,
+        fall: h * down.fast_min(zero) * inflate,
+        bend_up: bend.0 + bend.0.abs() * more,
+        bend_down: bend.1 - bend.1.abs() * more,
     }
-    let bend = (up, down);
-    pass(rows, 1, base, fractions[1], &mut up, &mut down);
-    let h = fractions[0];
-    let mut group = Group { rise: [0.0; LANES], fall: [0.0; LANES], bend_up: [0.0; LANES], bend_down: [0.0; LANES] };
-    for i in 0..LANES {
-        group.rise[i] = h * positive(up[i]) * INFLATE;
-        group.fall[i] = -h * positive(-down[i]) * INFLATE;
-        group.bend_up[i] = bend.0[i] + bend.0[i].abs() * (INFLATE - 1.0);
-        group.bend_down[i] = bend.1[i] - bend.1[i].abs() * (INFLATE - 1.0);
-    }
-    group
 }
 
 /// Upper and lower bound of one series over a window, under way: the highest terms come first.
@@ -129,6 +123,39 @@ pub(crate) fn polynomial(c: &[f64], horizon: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::series::tests::filled;
+    use crate::weights::Weights;
+
+    /// Each of eight masses stays within its bounds, and above and below its parabolas; where no term turns back it reaches them.
+    #[test]
+    fn bounds_of_eight_masses_enclose_their_motions() {
+        let (order, end) = (14, 1.3);
+        let (signed, mut positive) = (filled(21, order), filled(21, order));
+        positive.data.iter_mut().for_each(|d| *d = d.abs());
+        for (rows, no_turn) in [(signed, false), (positive, true)] {
+            let Group { rise, fall, bend_up, bend_down } = group(&rows, 9, order + 1, 0.0, &fractions(end));
+            let [rise, fall, bend_up, bend_down] = [rise, fall, bend_up, bend_down].map(f64x8::to_array);
+            for i in 0..LANES {
+                let mut weights = Weights::zero();
+                let mut at = |s: f64| {
+                    weights.plain(s, order, &crate::units::inverse_factorials());
+                    let x = rows.at(9 + i, 0.0, &weights, None).0;
+                    (x, 2.0 * (x - s * rows.get(1, 9 + i)) / (s * s))
+                };
+                for s in (1..=200).map(|j| end * f64::from(j) / 200.0) {
+                    let (x, bend) = at(s);
+                    assert!(fall[i] <= x && x <= rise[i], "column {i} at {s}");
+                    // (Rounding of x over the square of a short time.)
+                    let rounding = 1e-14 / (s * s);
+                    assert!(bend_down[i] - rounding <= bend && bend <= bend_up[i] + rounding, "column {i} at {s}");
+                }
+                let (x, bend) = at(end);
+                if no_turn {
+                    assert!((rise[i] - x).abs() < 1e-12 && (bend_up[i] - bend).abs() < 1e-12 && fall[i] == 0.0);
+                }
+            }
+        }
+    }
 
     #[test]
     fn bounds_enclose_and_touch_where_no_term_turns_back() {

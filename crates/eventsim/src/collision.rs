@@ -119,9 +119,11 @@ impl Engine {
             }
             return;
         }
-        let pressing = barrier.sign() * self.ring.derivative(&self.units, &self.force, site, 2);
         let loss = 1.0 - self.units.restitution;
-        if pressing > 0.0 && loss > 0.0 {
+        // (Without a loss there is no chatter, and nobody asks.)
+        let pressing =
+            if loss > 0.0 { barrier.sign() * self.ring.derivative(&self.units, &self.force, site, 2) } else { 0.0 };
+        if pressing > 0.0 {
             let left = 2.0 * speed / (pressing * loss);
             let jerk = self.ring.derivative(&self.units, &self.force, site, 3).abs();
             if left * (1.0 + jerk / pressing) * self.units.rate < CHATTER_TIME {

@@ -5,17 +5,20 @@
 //! certainly no contact. What happens in between is a restart of the masses that can feel it before the window ends:
 //! all of them on a small lattice or in several layers, a few neighbours in a long row ([`crate::restart`]).
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
+use wide::f64x8;
+
 use crate::bound;
 use crate::event::Work;
+use crate::queue::Entry;
 use crate::ring::{Contact, Ring};
-use crate::series::{CORRECTED, Extent, LANES, Rows, Weights, links};
+use crate::series::{CORRECTED, Extent, LANES, Rows, links};
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, ORDERS, Units, spread};
 use crate::watch::{Kind, Step, Watch, safe_step};
+use crate::weights::Weights;
 use vibrochain_lattice::{Barrier, Ends};
 
 /// A mass is cleared if its bound stays this far from the barriers: the rounding of displacements below 2, many times.
@@ -49,32 +52,6 @@ struct Choice {
     order: usize,
     horizon: f64,
 }
-
-/// A time before which a mass has no contact.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Entry {
-    key: f64,
-    site: u32,
-    version: u32,
-}
-
-impl Ord for Entry {
-    /// Earliest first, then by site: the queue is a max-heap.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.key.total_cmp(&self.key).then_with(|| other.site.cmp(&self.site))
-    }
-}
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl PartialEq for Entry {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-impl Eq for Entry {}
 
 /// A contact that is due.
 #[derive(Debug, Clone, Copy)]
@@ -240,11 +217,7 @@ impl Engine {
         self.queue.clear();
         self.set_force(0.0);
         let sites = self.ring.sites();
-        for (to, (x, reference)) in self.rows.data[1..].iter_mut().zip(self.ring.x.iter().zip(&self.ring.reference)) {
-            *to = x + reference;
-        }
-        let stride = self.rows.stride;
-        self.rows.data[stride + 1..][..sites].copy_from_slice(&self.ring.v);
+        self.rows.begin(0, &self.ring, 0..sites);
         let resting = std::mem::take(&mut self.ring.resting);
         for &n in &resting {
             self.watch_rest(n, order);
@@ -273,42 +246,32 @@ impl Engine {
         let tail = bound::tail(&self.rows, sites, &self.units, horizon);
         for base in (0..sites).step_by(LANES) {
             let bounds = bound::group(&self.rows, base, bound::TAIL, tail, &self.fractions);
-            self.sift(&bounds, 0..LANES.min(sites - base), |lane| base + lane);
+            self.sift(&bounds, base, LANES.min(sites - base));
         }
         self.work.bounds += sites as u64;
     }
 
-    /// Queues those of eight masses that their bounds do not clear.
-    pub(crate) fn sift(&mut self, bounds: &bound::Group, lanes: std::ops::Range<usize>, site: impl Fn(usize) -> usize) {
-        let (mut x, mut reference) = ([0.0; LANES], [0.0; LANES]);
-        for lane in lanes.clone() {
-            (x[lane], reference[lane]) = (self.ring.x[site(lane)], self.ring.reference[site(lane)]);
-        }
-        let lowers = reference.map(|reference| self.units.lower - reference);
-        let uppers = reference.map(|reference| self.units.upper - reference);
-        let mut clear = [false; LANES];
-        for i in 0..LANES {
-            clear[i] =
-                (x[i] + bounds.rise[i] < uppers[i] - CLEARANCE) & (x[i] + bounds.fall[i] > lowers[i] + CLEARANCE);
-        }
-        if clear[lanes.clone()].iter().all(|clear| *clear) {
-            return;
-        }
-        for lane in lanes {
-            if clear[lane] {
-                continue;
-            }
-            let n = site(lane);
-            let (x, lower, upper) = (x[lane], lowers[lane], uppers[lane]);
-            if self.ring.is_resting(n) {
-                continue;
-            }
-            let key = if self.ring.soft_departure(n).is_some() {
-                self.open(n)
-            } else {
-                let v = self.ring.v[n];
-                let up = safe_step(upper - x, -v, bounds.bend_up[lane]);
-                up.min(safe_step(x - lower, v, -bounds.bend_down[lane]))
+    /// Queues those of `count` ≤ 8 masses from `base` on that their bounds do not clear.
+    pub(crate) fn sift(&mut self, bounds: &bound::Group, base: usize, count: usize) {
+        let [lower, upper, clearance] = [self.units.lower, self.units.upper, CLEARANCE].map(f64x8::splat);
+        let [x, reference] = [&self.ring.x, &self.ring.reference].map(|all| f64x8::from(eight(all, base)));
+        let (lowers, uppers) = (lower - reference, upper - reference);
+        let below = (x + bounds.rise).simd_lt(uppers - clearance);
+        let above = (x + bounds.fall).simd_gt(lowers + clearance);
+        let mut unclear = !(below & above).to_bitmask() & ((1 << count) - 1);
+        while unclear != 0 {
+            let lane = unclear.trailing_zeros() as usize;
+            unclear &= unclear - 1;
+            let n = base + lane;
+            let key = match self.ring.contact[n] {
+                Contact::Resting(_) => continue,
+                Contact::Leaving(_, order) if order > 1 => self.open(n),
+                _ => {
+                    let of = |eight: f64x8| eight.as_array()[lane];
+                    let (x, v) = (self.ring.x[n], self.ring.v[n]);
+                    let up = safe_step(of(uppers) - x, -v, of(bounds.bend_up));
+                    up.min(safe_step(x - of(lowers), v, -of(bounds.bend_down)))
+                }
             };
             self.enqueue(n, key);
         }
@@ -321,10 +284,10 @@ impl Engine {
         }
     }
 
-    /// Forgets what is known of the contacts of mass `n`.
-    pub(crate) fn invalidate(&mut self, n: usize) {
-        self.version[n] = self.version[n].wrapping_add(1);
-        self.slot[n] = NONE;
+    /// Forgets what is known of the contacts of a range of masses.
+    pub(crate) fn invalidate(&mut self, masses: Range<usize>) {
+        self.version[masses.clone()].iter_mut().for_each(|version| *version = version.wrapping_add(1));
+        self.slot[masses].fill(NONE);
     }
 
     /// Prepares the watch of a mass at rest; the expansion fills it in.
@@ -385,9 +348,9 @@ impl Engine {
             if entry.key > last {
                 break;
             }
-            self.queue.pop();
             let n = entry.site as usize;
             if entry.version != self.version[n] {
+                self.queue.pop();
                 continue;
             }
             if self.slot[n] == NONE {
@@ -401,7 +364,7 @@ impl Engine {
                 }
             }
             let origin = self.origin[n];
-            let Some(watch) = self.watches.get_mut(self.slot[n] as usize) else { continue };
+            let Some(watch) = self.watches.get_mut(self.slot[n] as usize) else { break };
             if let Some(barrier) = watch.hit {
                 if first.is_none() {
                     first = Some(entry.key);
@@ -409,22 +372,17 @@ impl Engine {
                 }
                 let release = matches!(watch.kind, Kind::Rest(_));
                 self.due.push(Due { site: n, barrier, release, pull: watch.first_pull() });
+                self.queue.pop();
                 continue;
             }
-            let next = self.queue.peek().map_or(last, |e| e.key.min(last));
-            loop {
-                self.work.refinements += 1;
-                let step = watch.step();
-                let key = origin + watch.tau;
-                if step == Step::Clear {
-                    break;
-                }
-                if step == Step::Hit || key > next {
-                    if key <= self.horizon {
-                        self.queue.push(Entry { key, ..entry });
-                    }
-                    break;
-                }
+            self.work.refinements += 1;
+            let step = watch.step();
+            let key = origin + watch.tau;
+            if step == Step::Clear || key > self.horizon {
+                self.queue.pop();
+            } else if let Some(mut top) = self.queue.peek_mut() {
+                // It finds its new place from here: mostly it stays the earliest.
+                top.key = key;
             }
         }
         self.due.sort_unstable_by_key(|due| due.site);
@@ -479,7 +437,7 @@ impl Engine {
             if origins.iter().all(|origin| *origin == 0.0) {
                 continue;
             }
-            let (x_then, v_then) = self.group_at(base, origins.len(), s);
+            let (x_then, v_then) = self.group_at(base, s);
             for (i, origin) in origins.iter().enumerate() {
                 if *origin != 0.0 {
                     (x[i], v[i]) = (x_then[i], v_then[i]);
@@ -488,29 +446,36 @@ impl Engine {
         }
     }
 
-    /// Displacements and velocities at `s` of `count` ≤ 8 masses from `base` on, whatever the origins of their series.
-    fn group_at(&self, base: usize, count: usize, s: f64) -> ([f64; LANES], [f64; LANES]) {
-        let (mut x, mut lapses) = ([0.0; LANES], [0.0; LANES]);
-        x[..count].copy_from_slice(&self.ring.x[base..base + count]);
-        lapses.iter_mut().zip(&self.origin[base..base + count]).for_each(|(lapse, origin)| *lapse = s - origin);
-        self.rows.each_at(base, &x, &lapses, &self.units.inverse)
+    /// Displacements and velocities at `s` of eight masses from `base` on, whatever the origins of their series.
+    fn group_at(&self, base: usize, s: f64) -> ([f64; LANES], [f64; LANES]) {
+        let lapses = eight(&self.origin, base).map(|origin| s - origin);
+        self.rows.each_at(base, &eight(&self.ring.x, base), &lapses, &self.units.inverse)
     }
 
     /// Carries the masses of a range alone to `s`, as the new origin of their series.
     pub(crate) fn carry(&mut self, masses: Range<usize>, s: f64) {
         for base in masses.clone().step_by(LANES) {
-            let count = LANES.min(masses.end - base);
-            let (x, v) = self.group_at(base, count, s);
-            for (i, n) in (base..base + count).enumerate() {
-                if s > self.origin[n] {
-                    (self.ring.x[n], self.ring.v[n]) = (x[i], v[i]);
-                    self.ring.settle(n);
-                    if self.origin[n] == 0.0 {
+            let (x, v) = self.group_at(base, s);
+            for ((n, x), v) in (base..masses.end).zip(x).zip(v) {
+                let origin = &mut self.origin[n];
+                if s > *origin {
+                    if *origin == 0.0 {
                         self.moved.push(n);
                     }
-                    self.origin[n] = s;
+                    *origin = s;
+                    (self.ring.x[n], self.ring.v[n]) = (x, v);
+                    self.ring.settle(n);
                 }
             }
         }
     }
+}
+
+/// Eight of `all` numbers from `base` on; beyond the last there are zeros.
+fn eight(all: &[f64], base: usize) -> [f64; LANES] {
+    all[base..].first_chunk().copied().unwrap_or_else(|| {
+        let mut some = [0.0; LANES];
+        some.iter_mut().zip(&all[base..]).for_each(|(some, one)| *some = *one);
+        some
+    })
 }

@@ -50,9 +50,11 @@
 //! | `units` | internal units, orders and lengths of windows |
 //! | `ring` | the masses at one instant, near and on their barriers |
 //! | `series` | exact flight: Taylor series from the stencil |
+//! | `weights` | what turns derivatives into the motion |
 //! | `bound` | bounds of a series over a window |
 //! | `watch` | the first contact of one mass |
-//! | `engine` | windows, and the queue of contacts |
+//! | `queue` | entries of the queue of contacts |
+//! | `engine` | windows, and the next contacts |
 //! | `restart` | new series after an event, for the masses that feel it |
 //! | `collision` | impact law, chatter, rest and release |
 //! | `tangent` | [`Tangents`]: small perturbations of a run, to first order |
@@ -87,6 +89,7 @@ mod engine;
 mod error;
 mod event;
 mod growth;
+mod queue;
 mod restart;
 mod ring;
 mod series;
@@ -95,6 +98,7 @@ mod tangent;
 mod time;
 mod units;
 mod watch;
+mod weights;
 
 pub use collision::CHATTER_TIME;
 pub use error::StateError;

@@ -8,9 +8,12 @@
 //!
 //! Parts that touch are restarted as one, so that simultaneous events keep the mirror symmetry of a ring to the bit.
 
+use std::ops::Range;
+
 use crate::bound;
 use crate::collision::Change;
 use crate::engine::Engine;
+use crate::ring::Contact;
 use crate::series::{Extent, LANES};
 use crate::units::spread;
 use vibrochain_lattice::Ends;
@@ -26,6 +29,12 @@ const DITHER: f64 = 8.0 * f64::EPSILON;
 /// A part of the row: first site and number of masses.
 type Part = (usize, usize);
 
+/// The masses of a part, each range with its first column: over the end of the ring there are two.
+fn ranges((start, length): Part, sites: usize) -> [(Range<usize>, usize); 2] {
+    let end = start + length;
+    [(start..end.min(sites), 0), (0..end.saturating_sub(sites), length.min(sites - start))]
+}
+
 impl Engine {
     /// Restarts the flight at `s` since the base, not before `floor`, with the contacts in `due`. The instant of the
     /// restart, and whether the base has moved there.
@@ -36,11 +45,10 @@ impl Engine {
         let mut parts = std::mem::take(&mut self.parts);
         let apart = self.split(reach, &mut parts);
         if apart {
-            for &(start, length) in &parts {
-                // Over the end of the ring there are two ranges.
-                let (end, sites) = (start + length, self.ring.sites());
-                self.carry(start..end.min(sites), s);
-                self.carry(0..end.saturating_sub(sites), s);
+            for &part in &parts {
+                for (masses, _) in ranges(part, self.ring.sites()) {
+                    self.carry(masses, s);
+                }
             }
             self.collide(s, changes);
             for &part in &parts {
@@ -117,17 +125,18 @@ impl Engine {
         resting.clear();
         soft.clear();
         let first_watch = self.watches.len();
-        for i in 0..length {
-            let n = site(i);
-            rows.set(0, i, self.ring.position(n));
-            rows.set(1, i, self.ring.v[n]);
-            self.invalidate(n);
-            if self.ring.is_resting(n) {
-                resting.push(i);
-                self.watch_rest(n, order);
-            }
-            if let Some(first) = self.ring.soft_departure(n) {
-                soft.push((i, first));
+        for (masses, first) in ranges(part, sites) {
+            rows.begin(first, &self.ring, masses.clone());
+            self.invalidate(masses.clone());
+            for (i, n) in (first..).zip(masses) {
+                match self.ring.contact[n] {
+                    Contact::Resting(_) => {
+                        resting.push(i);
+                        self.watch_rest(n, order);
+                    }
+                    Contact::Leaving(_, order) if order > 1 => soft.push((i, order)),
+                    _ => {}
+                }
             }
         }
         let watches = &mut self.watches[first_watch..];
@@ -138,14 +147,14 @@ impl Engine {
         for &i in &resting {
             self.queue_rest(site(i));
         }
-        let before_end = length.min(sites - start);
-        self.rows.take(&rows, 0, start, before_end);
-        self.rows.take(&rows, before_end, 0, length - before_end);
         let fractions = bound::fractions(self.horizon - s);
-        for base in (0..length).step_by(LANES) {
-            // A part has no tail bound of its own: the pass starts at the top.
-            let bounds = bound::group(&rows, base, order + 1, 0.0, &fractions);
-            self.sift(&bounds, 0..LANES.min(length - base), |lane| site(base + lane));
+        for (masses, first) in ranges(part, sites) {
+            self.rows.take(&rows, first, masses.start, masses.len());
+            for base in masses.clone().step_by(LANES) {
+                // A part has no tail bound of its own: the pass starts at the top.
+                let bounds = bound::group(&rows, first + base - masses.start, order + 1, 0.0, &fractions);
+                self.sift(&bounds, base, LANES.min(masses.end - base));
+            }
         }
         self.work.bounds += length as u64;
         (self.part_rows, self.resting_columns, self.soft) = (rows, resting, soft);

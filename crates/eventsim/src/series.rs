@@ -18,26 +18,18 @@
 //!   (a free end), 0 (a wall), or, for a part, its neighbours' known series. Rings of one and two masses are right without
 //!   a special case. Of several layers the neighbours are looked up in a list, in which ghost column 0 is the wall.
 
-use wide::f64x4;
+use std::ops::Range;
 
+use wide::{f64x4, f64x8};
+
+use crate::ring::Ring;
 use crate::time::two_sum;
 use crate::units::{MAX_ORDER, Units};
+use crate::weights::{TWO_WORDS, Weights};
 use vibrochain_lattice::{Chain, Ends};
 
 /// Masses handled at once; rows are padded so that the last group may run over the end.
 pub(crate) const LANES: usize = 8;
-
-/// s^k/k!, the weights that turn derivatives at the origin into the motion at s.
-#[derive(Debug, Clone)]
-pub(crate) struct Weights {
-    pub(crate) high: [f64; MAX_ORDER + 1],
-    /// What rounding took from the weights 2 … `TWO_WORDS`−1. A periodic orbit uses the same s again and again, and
-    /// then these errors do not average out.
-    low: [f64; TWO_WORDS],
-}
-
-/// Weights below this order are held in two words.
-const TWO_WORDS: usize = 9;
 
 /// Orders below this are corrected for what rounding took from a mass that leaves a barrier.
 pub(crate) const CORRECTED: usize = 9;
@@ -45,55 +37,6 @@ pub(crate) const CORRECTED: usize = 9;
 /// The same number four times.
 fn all(x: f64) -> f64x4 {
     f64x4::splat(x)
-}
-
-/// Splits a number into halves whose products are exact (Veltkamp).
-fn split(a: f64) -> (f64, f64) {
-    const FACTOR: f64 = 134_217_729.0; // 2²⁷ + 1
-    let t = FACTOR * a;
-    let high = t - (t - a);
-    (high, a - high)
-}
-
-impl Weights {
-    /// Those of no time at all: a displacement stays what it is.
-    pub(crate) fn zero() -> Self {
-        let mut high = [0.0; MAX_ORDER + 1];
-        high[0] = 1.0;
-        Self { high, low: [0.0; TWO_WORDS] }
-    }
-
-    /// The weights up to `order`, to working precision.
-    pub(crate) fn plain(&mut self, s: f64, order: usize, inverse_factorial: &[f64; MAX_ORDER + 1]) {
-        let mut power = 1.0;
-        for (weight, inverse) in self.high[..=order].iter_mut().zip(inverse_factorial) {
-            *weight = power * inverse;
-            power *= s;
-        }
-        self.low = [0.0; TWO_WORDS];
-    }
-
-    /// The same with the leading ones in two words.
-    pub(crate) fn precise(&mut self, s: f64, order: usize, inverse_factorial: &[f64; MAX_ORDER + 1]) {
-        self.plain(s, order, inverse_factorial);
-        let (s_high, s_low) = split(s);
-        let (mut high, mut low) = (s, 0.0);
-        for k in 2..TWO_WORDS {
-            // p + e = high · s exactly (Dekker), then divided by k with its remainder.
-            let p = high * s;
-            let (h, l) = split(high);
-            let e = ((h * s_high - p) + h * s_low + l * s_high) + l * s_low;
-            let divisor = k as f64;
-            let quotient = p / divisor;
-            let (q_high, q_low) = split(quotient);
-            let remainder = (p - q_high * divisor) - q_low * divisor;
-            let rest = (remainder + e + low * s) / divisor;
-            high = quotient + rest;
-            low = (quotient - high) + rest;
-            self.high[k] = high;
-            self.low[k] = low;
-        }
-    }
 }
 
 /// What an expansion covers.
@@ -145,25 +88,42 @@ impl Rows {
         &self.data[k * self.stride + n + 1..(k + 1) * self.stride]
     }
 
-    /// d_k of eight columns from `n` on.
+    /// d_k of eight columns from `n` on, the highest of the `orders` first.
     #[inline(always)]
-    pub(crate) fn eight(&self, k: usize, n: usize) -> Option<&[f64; LANES]> {
-        self.data.get(k * self.stride + n + 1..)?.first_chunk()
+    pub(crate) fn eights(&self, orders: Range<usize>, n: usize) -> impl Iterator<Item = f64x8> {
+        let rows = self.data[orders.start * self.stride..orders.end * self.stride].chunks_exact(self.stride);
+        rows.rev().filter_map(move |row| row.get(n + 1..)?.first_chunk().copied().map(f64x8::from))
     }
 
     /// Takes d_1 … d_K of `count` columns of `from`, from `first` there, to the columns from `n` on.
     pub(crate) fn take(&mut self, from: &Rows, first: usize, n: usize, count: usize) {
-        if count == 0 {
-            return;
-        }
-        for k in 1..=self.order {
-            let to = k * self.stride + n + 1;
-            self.data[to..to + count].copy_from_slice(&from.row(k, first)[..count]);
+        match count {
+            0..=3 => self.take_groups::<1>(from, first, n, count),
+            4..=7 => self.take_groups::<4>(from, first, n, count),
+            _ => self.take_groups::<8>(from, first, n, count),
         }
     }
 
-    pub(crate) fn set(&mut self, k: usize, n: usize, value: f64) {
-        self.data[k * self.stride + n + 1] = value;
+    /// The same by groups of `W` columns, of which the last may overlap the one before it: rows of a few columns each are shorter than
+    /// a call for copying them.
+    fn take_groups<const W: usize>(&mut self, from: &Rows, first: usize, n: usize, count: usize) {
+        for at in (0..count).step_by(W).map(|at| at.min(count - W)) {
+            let to = self.data.chunks_exact_mut(self.stride);
+            for (to, from) in to.zip(from.data.chunks_exact(from.stride)).skip(1).take(self.order) {
+                let to = to[n + 1 + at..].first_chunk_mut::<W>();
+                if let (Some(to), Some(from)) = (to, from[first + 1 + at..].first_chunk()) {
+                    *to = *from;
+                }
+            }
+        }
+    }
+
+    /// Sets d_0 and d_1 of the columns from `n` on to what the `masses` of a ring have.
+    pub(crate) fn begin(&mut self, n: usize, ring: &Ring, masses: Range<usize>) {
+        let (places, speeds) = self.data[n + 1..].split_at_mut(self.stride);
+        let whole = ring.x[masses.clone()].iter().zip(&ring.reference[masses.clone()]);
+        places.iter_mut().zip(whole).for_each(|(to, (x, reference))| *to = x + reference);
+        speeds[..masses.len()].copy_from_slice(&ring.v[masses]);
     }
 
     /// The column that a ghost beside the mass `own` repeats; `None` if it has a series of its own, as a wall has.
@@ -364,20 +324,15 @@ impl Rows {
         lapses: &[f64; LANES],
         inverse: &[f64; MAX_ORDER + 1],
     ) -> ([f64; LANES], [f64; LANES]) {
-        let (mut u, mut v, mut above) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for k in (1..=self.order).rev() {
-            let Some(row) = self.eight(k, base) else { continue };
-            for i in 0..LANES {
-                let part = lapses[i] * inverse[k];
-                u[i] = row[i] + above[i] * u[i];
-                v[i] = row[i] + part * v[i];
-                above[i] = part;
-            }
+        let (lapses, zero) = (f64x8::from(*lapses), f64x8::ZERO);
+        let (mut u, mut v, mut above) = (zero, zero, zero);
+        for (row, inverse) in self.eights(1..self.order + 1, base).zip(inverse[1..=self.order].iter().rev()) {
+            let part = lapses * f64x8::splat(*inverse);
+            u = row + above * u;
+            v = row + part * v;
+            above = part;
         }
-        for i in 0..LANES {
-            u[i] = x[i] + lapses[i] * u[i];
-        }
-        (u, v)
+        ((f64x8::from(*x) + lapses * u).to_array(), v.to_array())
     }
 
     /// Derivatives of column `n` at the time of the `weights`, as far as the series reaches. `u` is the displacement
@@ -443,37 +398,44 @@ fn springs_with_errors(gamma: f64, a: f64, b: f64, own: f64) -> (f64, f64, f64) 
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
+    /// Rows of `order` whose entries are all different, between −1 and 1.
+    pub(crate) fn filled(columns: usize, order: usize) -> Rows {
+        let mut rows = Rows { order, ..Rows::new(columns) };
+        let mut seed = columns as u64;
+        rows.data.iter_mut().for_each(|d| *d = crate::units::spread(&mut seed));
+        rows
+    }
+
     #[test]
-    fn two_word_weights_hold_the_exact_quotients() {
-        let inverse = crate::units::inverse_factorials();
-        let mut weights = Weights::zero();
-        weights.precise(1.234_567_890_123_456_7, MAX_ORDER, &inverse);
-        // k · w_k = s · w_{k−1} in integers: check with 128-bit fixed point, 100 bits after the point.
-        let fixed = |x: f64| -> i128 {
-            if x == 0.0 {
-                return 0;
+    fn columns_are_taken_whole_and_others_left_alone() {
+        for count in 0..=30 {
+            let (from, before) = (filled(40, 12), filled(53, 12));
+            let mut to = before.clone();
+            to.take(&from, 5, 11, count);
+            for (k, n) in (0..=MAX_ORDER).flat_map(|k| (0..53).map(move |n| (k, n))) {
+                let taken = (1..=12).contains(&k) && (11..11 + count).contains(&n);
+                let expected = if taken { from.get(k, n - 11 + 5) } else { before.get(k, n) };
+                assert_eq!(to.get(k, n), expected, "{count} columns, order {k}, column {n}");
             }
-            let bits = x.to_bits();
-            let (mantissa, exponent) = ((bits & ((1 << 52) - 1) | 1 << 52) as i128, (bits >> 52 & 0x7ff) as i32);
-            let shift = exponent - 1075 + 100;
-            let value =
-                if shift >= 0 { mantissa << shift } else { mantissa.checked_shr(shift.unsigned_abs()).unwrap_or(0) };
-            if x < 0.0 { -value } else { value }
-        };
-        for k in 2..TWO_WORDS {
-            let (h, l) = (weights.high[k], weights.low[k]);
-            assert!(l.abs() <= h * f64::EPSILON);
-            let previous = fixed(weights.high[k - 1]) + fixed(weights.low[k - 1]);
-            // s in 52 fractional bits: previous · s without overflow, in two parts.
-            let s = (1.234_567_890_123_456_7_f64 * 2f64.powi(52)) as i128;
-            let (top, rest) = (previous >> 50, previous & ((1 << 50) - 1));
-            let product = ((top * s) >> 2) + ((rest * s) >> 52);
-            let expected = product / k as i128;
-            let found = fixed(h) + fixed(l);
-            assert!((found - expected).abs() < 1 << 10, "{k}: {}", found - expected);
+        }
+    }
+
+    #[test]
+    fn eight_columns_are_each_where_their_series_are_at_times_of_their_own() {
+        let inverse = std::array::from_fn(|k| 1.0 / k.max(1) as f64);
+        for order in [10, 24] {
+            let rows = filled(19, order);
+            let (x, lapses) = (std::array::from_fn(|i| 0.1 * i as f64), std::array::from_fn(|i| 1.3 - 0.17 * i as f64));
+            let (u, v) = rows.each_at(6, &x, &lapses, &inverse);
+            for i in 0..LANES {
+                let mut weights = Weights::zero();
+                weights.plain(lapses[i], order, &crate::units::inverse_factorials());
+                let (u_alone, v_alone) = rows.at(6 + i, x[i], &weights, None);
+                assert!((u[i] - u_alone).abs() < 4e-15 && (v[i] - v_alone).abs() < 4e-15, "order {order}, column {i}");
+            }
         }
     }
 }

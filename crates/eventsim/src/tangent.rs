@@ -23,8 +23,9 @@ use vibrochain_lattice::{Ends, Model};
 use crate::collision::Change;
 use crate::engine::Engine;
 use crate::event::EventKind;
-use crate::series::{Extent, Rows, Weights, links};
+use crate::series::{Extent, Rows, links};
 use crate::units::{MAX_ORDER, ORDERS, Units, spread};
+use crate::weights::Weights;
 
 /// The most tangent vectors, lest their number be asked for with too many digits.
 const MAX_VECTORS: usize = 4096;

@@ -180,6 +180,29 @@ fn a_mirror_symmetric_ring_stays_so_to_the_bit() {
     }
 }
 
+/// Parts of a ring over its end are restarted as those elsewhere.
+#[test]
+fn a_ring_has_no_end() {
+    for (amplitude, e) in [(0.0, 1.0), (0.8, 0.5)] {
+        let model = Model::forced(Chain::new(101, 0.2, 0.1).unwrap(), 0.9, 0.3, amplitude, e).unwrap();
+        let (u, v) = Random(12).state(&model, 1.5);
+        let run = |turn: usize| {
+            let turned = |from: &[f64]| (0..101).map(|n| from[(n + turn) % 101]).collect::<Vec<_>>();
+            let mut simulation = Simulation::new(&model, 0.0, &turned(&u), &turned(&v)).unwrap();
+            let (report, mut events) = simulation.collect(&Limits::until(Time::new(&model, 8, 0.0)));
+            assert!(report.work.restarts > 2 * report.work.windows, "not in parts: {:?}", report.work);
+            events.iter_mut().for_each(|event| event.site = (event.site + turn) % 101);
+            events.sort_by(|a, b| a.time.to_f64().total_cmp(&b.time.to_f64()).then(a.site.cmp(&b.site)));
+            events
+        };
+        let straight = run(0);
+        assert!(straight.len() > 500, "{} events are no test", straight.len());
+        for turn in [1, 50, 97] {
+            assert_eq!(run(turn), straight, "turned by {turn}");
+        }
+    }
+}
+
 #[test]
 fn looking_changes_nothing() {
     for sites in [7, 90] {
