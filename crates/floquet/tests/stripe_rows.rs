@@ -230,6 +230,26 @@ fn inside_a_stripe_dense_eigenvalues_grow_as_told_and_beside_it_they_do_not() {
 }
 
 #[test]
+fn outlines_along_a_row_are_the_stripes_with_another_growth() {
+    let mut finder = StripeFinder::default();
+    let (mut same, mut others) = (0, 0);
+    for (family, gamma2) in [(Family::DoubleSided, 0.1), (Family::SingleSided, 0.1), (Family::SingleSided, 0.2)] {
+        let line = line(11, gamma2, 1.0, 0.4, family, Parameter::Omega);
+        let row = finder.along(&line, (0.4, 2.5), 300).unwrap();
+        let outlines = finder.outlines_along(&line, (0.4, 2.5), 300).unwrap();
+        assert_eq!(outlines.stripes.len(), row.stripes.len());
+        assert_eq!(outlines.unresolved, row.unresolved);
+        for (outline, stripe) in outlines.stripes.iter().zip(&row.stripes) {
+            let Stripe { growth, multiplier, .. } = *stripe;
+            assert_eq!(Stripe { growth, multiplier, ..*outline }, *stripe);
+            *(if outline.growth == growth { &mut same } else { &mut others }) += 1;
+        }
+    }
+    // Of those that are told by counts the growth is the same.
+    assert!(same > 3 && others > 10, "{same} {others}");
+}
+
+#[test]
 fn what_is_no_stripe_is_told() {
     let mut finder = StripeFinder::default();
     let mut near = |line: &StripeLine, modes, harmonic, value| finder.near(line, modes, harmonic, value).unwrap_err();

@@ -29,6 +29,9 @@ pub struct StripeRow {
     pub unresolved: Vec<[f64; 2]>,
 }
 
+/// [`StripeFinder::near`] or [`StripeFinder::outline`].
+type Told = fn(&mut StripeFinder, &StripeLine, (usize, usize), usize, f64) -> Result<Stripe, NoStripe>;
+
 /// A part of a line: its two ends, and how often it has been halved.
 type Part = ((f64, Option<Place>), (f64, Option<Place>), u32);
 
@@ -45,6 +48,20 @@ struct Edge {
 }
 
 impl StripeFinder {
+    /// As [`Self::along`], with the growth that the local model tells of thin ones, see [`Self::outline`]: where only the edges are asked
+    /// for, the largest growth inside is most of the work.
+    ///
+    /// # Errors
+    /// As [`Self::along`].
+    pub fn outlines_along(
+        &mut self,
+        line: &StripeLine,
+        range: (f64, f64),
+        points: usize,
+    ) -> Result<StripeRow, NoStripe> {
+        Ok(self.row_while(line, range, points, Self::outline, || true)?.unwrap_or_default())
+    }
+
     /// All stripes of physical breathers between two values of the parameter, of which so many points are looked at.
     ///
     /// # Errors
@@ -60,8 +77,20 @@ impl StripeFinder {
     pub fn along_while(
         &mut self,
         line: &StripeLine,
+        range: (f64, f64),
+        points: usize,
+        going: impl Fn() -> bool,
+    ) -> Result<Option<StripeRow>, NoStripe> {
+        self.row_while(line, range, points, Self::near, going)
+    }
+
+    /// The same; of two modes that meet the stripe is what `told` tells.
+    fn row_while(
+        &mut self,
+        line: &StripeLine,
         (from, to): (f64, f64),
         points: usize,
+        told: Told,
         going: impl Fn() -> bool,
     ) -> Result<Option<StripeRow>, NoStripe> {
         line.check()?;
@@ -99,7 +128,7 @@ impl StripeFinder {
             if !going() {
                 return Ok(None);
             }
-            let Ok(stripe) = self.near(line, modes, harmonic, value) else { continue };
+            let Ok(stripe) = told(self, line, modes, harmonic, value) else { continue };
             let same = |other: &Stripe| (other.centre - stripe.centre).abs() <= 4.0 * (other.error + stripe.error);
             if !row.stripes.iter().any(same) {
                 row.stripes.push(stripe);

@@ -5,7 +5,6 @@ use vibrochain_floquet::{Stripe, StripeEnd, StripeFinder, StripeLine};
 
 use super::change::{lagrange, next_step, sagitta};
 use super::part::{Eye, Part};
-use crate::cell::Class;
 
 /// The first step along y, short against the distance of two stripes, the longest and the shortest, as parts of the window's side.
 const FIRST: f64 = 2e-6;
@@ -81,7 +80,7 @@ impl Liner<'_, '_> {
     /// All stripes of a part of a row, of which so many points are looked at.
     pub(super) fn row(&mut self, y: f64, (from, to): (f64, f64), points: usize) -> Row {
         let [from, to] = [from, to].map(|x| self.eye.window.point([x, y])[0]);
-        let found = self.line(y).and_then(|line| self.finder.along(&line, (from, to), points).ok());
+        let found = self.line(y).and_then(|line| self.finder.outlines_along(&line, (from, to), points).ok());
         match found {
             Some(row) => Row { y, stripes: row.stripes, unresolved: row.unresolved },
             None => Row { y, stripes: Vec::new(), unresolved: vec![[from, to]] },
@@ -99,7 +98,7 @@ impl Liner<'_, '_> {
     fn is_physical(&mut self, point: &LanePoint) -> bool {
         let inside = point.edges.map(|x| x.clamp(0.0, 1.0));
         let places = [0.5 * (inside[0] + inside[1]), inside[0], inside[1]];
-        places.into_iter().any(|x| self.eye.class(self.part, [x, point.y]) != Some(Class::None))
+        places.into_iter().any(|x| self.eye.may_live(self.part, [x, point.y]))
     }
 
     /// A stripe of a row, followed both ways; none that is not one of two modes.

@@ -15,6 +15,8 @@ pub(super) struct Part {
     pub(super) name: String,
     /// What is computed of it.
     pub(super) task: Task,
+    /// The same where it is only asked whether there is one.
+    existence: Task,
 }
 
 impl Part {
@@ -32,7 +34,8 @@ pub(super) fn parts(task: &Task) -> Vec<Part> {
     let words = task.words.iter().map(|word| Task { families: Vec::new(), words: vec![word.clone()], ..plain.clone() });
     let named = |task: Task| {
         let name = task.family_names().next().unwrap_or_default();
-        Part { name, task }
+        let existence = Task { stability: false, ..task.clone() };
+        Part { name, task, existence }
     };
     families.chain(words).map(named).collect()
 }
@@ -62,6 +65,12 @@ impl<'a> Eye<'a> {
         self.worker.cell(&model, &part.task).class
     }
 
+    /// Whether something may live there, stable or not.
+    pub(super) fn may_live(&mut self, part: &Part, place: [f64; 2]) -> bool {
+        let Some(model) = self.model(place) else { return true };
+        self.worker.cell(&model, &part.existence).class != Some(Class::None)
+    }
+
     /// The physical orbits there.
     pub(super) fn orbits(&mut self, part: &Part, place: [f64; 2]) -> Vec<Orbit> {
         let Some(model) = self.model(place) else { return Vec::new() };
@@ -78,5 +87,40 @@ impl<'a> Eye<'a> {
         }
         let physical = |orbit: &Orbit| self.finder.quick_admissibility(orbit).is_ok_and(|answer| answer.is_physical());
         found.orbits.into_iter().filter(physical).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use fastrand::Rng;
+
+    use super::*;
+
+    /// Against the class, which needs a verdict.
+    #[test]
+    fn something_may_live_where_the_class_is_another_than_none() {
+        let scene = Scene::parse(
+            Path::new("scene.toml"),
+            "[model]\nsites = 6\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
+             x = { parameter = \"omega\", from = 0.4, to = 3.0, points = 40 }\n\
+             y = { parameter = \"gamma2\", from = 0.0, to = 0.3, points = 60 }\n\
+             [compute]\nfamilies = [\"double-sided\", \"single-sided\"]\nstability = true\n",
+        );
+        let scene = scene.unwrap();
+        let mut eye = Eye::new(&scene, Window::of(&scene).unwrap());
+        let mut random = Rng::with_seed(3);
+        let mut times = [0; 2];
+        for part in &parts(&scene.task) {
+            for _ in 0..500 {
+                // Some on the side where nothing couples masses.
+                let place = [random.f64(), (1.1 * random.f64() - 0.1).max(0.0)];
+                let lives = eye.class(part, place) != Some(Class::None);
+                assert_eq!(eye.may_live(part, place), lives, "{} {place:?}", part.name);
+                times[usize::from(lives)] += 1;
+            }
+        }
+        assert!(times.iter().all(|times| *times > 100), "{times:?}");
     }
 }

@@ -22,10 +22,12 @@ const COARSEST: f64 = 1e-5;
 struct Run {
     first: u32,
     last: u32,
+    /// The last cell of any run up to this one.
+    reach: u32,
     family: Family,
 }
 
-/// The cells that lie in stripes, by rows of the finest grid.
+/// The cells that lie in stripes, by rows of the finest grid; of each row by their first cells.
 #[derive(Debug, Default)]
 pub(super) struct Covered {
     rows: Vec<Vec<Run>>,
@@ -37,6 +39,16 @@ fn hides(class: Option<Class>, family: Family) -> bool {
         Some(Class::StableDouble) => family == Family::SingleSided,
         Some(Class::StableSingle) => family == Family::DoubleSided,
         _ => false,
+    }
+}
+
+/// Puts the runs of a row in order.
+fn sort(runs: &mut [Run]) {
+    runs.sort_by_key(|run| (run.first, run.last));
+    let mut reach = 0;
+    for run in runs {
+        reach = reach.max(run.last);
+        run.reach = reach;
     }
 }
 
@@ -61,12 +73,12 @@ impl Covered {
                     let edges = [0, 1].map(|i| (from[i] + share * (to[i] - from[i])) * steps[0]);
                     let (first, last) = ((edges[0] - EXACT).ceil().max(0.0), (edges[1] + EXACT).floor().min(steps[0]));
                     if first <= last {
-                        runs.push(Run { first: first as u32, last: last as u32, family });
+                        runs.push(Run { first: first as u32, last: last as u32, reach: 0, family });
                     }
                 }
             }
         }
-        covered.rows.iter_mut().for_each(|runs| runs.sort_by_key(|run| (run.first, run.last)));
+        covered.rows.iter_mut().for_each(|runs| sort(runs));
         covered
     }
 
@@ -76,8 +88,9 @@ impl Covered {
         let rows = self.rows.iter().skip(row as usize).take(size as usize);
         let (mut whole, mut none) = (false, false);
         for runs in rows {
-            let met =
-                runs.iter().filter(|run| run.first < column + size && run.last >= column && !hides(class, run.family));
+            let from = runs.partition_point(|run| run.reach < column);
+            let met = runs[from..].iter().take_while(|run| run.first < column + size);
+            let met = met.filter(|run| run.last >= column && !hides(class, run.family));
             let mut inside = false;
             for run in met {
                 if run.first > column || run.last < column + size - 1 {
@@ -92,5 +105,51 @@ impl Covered {
             }
         }
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fastrand::Rng;
+
+    use super::*;
+
+    /// Against every cell of a square, one by one.
+    #[test]
+    fn a_square_is_divided_where_some_of_its_rows_are_in_stripes_and_others_are_not_or_a_part_of_one() {
+        let mut random = Rng::with_seed(5);
+        let mut number = |below: u32| random.u32(..below);
+        let (columns, rows) = (64, 16);
+        let mut told = [0; 2];
+        for _ in 0..200 {
+            let mut covered = Covered { rows: vec![Vec::new(); rows as usize] };
+            for row in &mut covered.rows {
+                for _ in 0..number(5) {
+                    let first = number(columns);
+                    let last = (first + number(3) * number(20)).min(columns - 1);
+                    let family = if number(3) == 0 { Family::SingleSided } else { Family::DoubleSided };
+                    row.push(Run { first, last, reach: 0, family });
+                }
+                sort(row);
+            }
+            for class in [None, Some(Class::None), Some(Class::StableDouble), Some(Class::StableSingle)] {
+                let size = 1 << number(4);
+                let square = Extent { column: number(columns / size) * size, row: number(rows / size) * size, size };
+                let within = |at: u32| square.column <= at && at < square.column + size;
+                let mut inside = Vec::new();
+                let mut cut = false;
+                for row in &covered.rows[square.row as usize..(square.row + size) as usize] {
+                    let shown = row.iter().filter(|run| !hides(class, run.family));
+                    let met: Vec<_> =
+                        shown.map(|run| (run.first..=run.last).filter(|at| within(*at)).count()).collect();
+                    cut |= met.iter().any(|cells| (1..size as usize).contains(cells));
+                    inside.push(met.contains(&(size as usize)));
+                }
+                let expected = cut || inside.contains(&true) && inside.contains(&false);
+                assert_eq!(covered.divides(square, class), expected, "{square:?} {class:?} {covered:?}");
+                told[usize::from(expected)] += 1;
+            }
+        }
+        assert!(told.iter().all(|times| *times > 100), "{told:?}");
     }
 }

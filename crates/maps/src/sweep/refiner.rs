@@ -158,7 +158,8 @@ impl<'a, 'b> Refiner<'a, 'b> {
         };
         // The one of a whole cell is computed once, for all threads.
         let of_whole = Extent { column: sample[0] & !(whole - 1), row: sample[1] & !(whole - 1), size: *whole };
-        if of_whole.sample() == sample {
+        // As numbers: two halves just written and read again as one would wait for the writing, as long as all the rest of this takes.
+        if key(of_whole.sample()) == key(sample) {
             let columns = u64::from(size[0] / whole);
             let number = u64::from(sample[1] / whole) * columns + u64::from(sample[0] / whole);
             let place = cells.get(number as usize)?;
