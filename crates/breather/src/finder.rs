@@ -9,11 +9,11 @@ use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum, Wave}
 use crate::admissibility::Admissibility;
 use crate::completeness::{Completeness, Proof};
 use crate::condition::{Condition, is_delicate};
+use crate::easel::Easel;
 use crate::ended::Ended;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
-use crate::outline::Sketch;
 use crate::planar_roots::PlanarZeros;
 use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::radiation::Radiation;
@@ -90,7 +90,7 @@ pub struct Finder {
     pub(crate) radiation: Option<Option<Radiation>>,
     plane: PlanarZeros,
     pub(crate) watch: Watch,
-    pub(crate) sketch: Sketch,
+    pub(crate) easel: Easel,
     pub(crate) stop: Stop,
 }
 
@@ -109,7 +109,7 @@ impl Finder {
             radiation: None,
             plane: PlanarZeros::default(),
             watch: Watch::default(),
-            sketch: Sketch::default(),
+            easel: Easel::default(),
             stop: Stop::default(),
         }
     }

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `orbit`, `assembly` | [`Orbit`], [`Impact`], [`Family`]; orbits from their impulses |
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
-//! | `outline` | [`Outline`]: what a map asks of a conservative breather, without its orbit |
+//! | `sketch`, `easel` | [`Sketch`]: what a map asks of a conservative breather, without its orbit |
 //! | `completeness` | [`Completeness`], [`Proof`]: whether a list of orbits is all, and how that is known |
 //! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
 //! | `one_mass`, `flights` | a mass without coupling: equations that know of no resonance |
@@ -62,6 +62,7 @@ mod condition;
 mod conservative;
 mod corrector;
 mod display;
+mod easel;
 mod enclosure;
 mod ended;
 mod enumeration;
@@ -83,7 +84,6 @@ mod linear;
 mod motion;
 mod one_mass;
 mod orbit;
-mod outline;
 mod patch;
 #[cfg(feature = "serde")]
 mod plain;
@@ -96,6 +96,7 @@ mod resonances;
 mod rises;
 mod roots;
 mod side_by_side;
+mod sketch;
 mod stop;
 mod surface;
 mod symmetries;
@@ -119,7 +120,7 @@ pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};
-pub use outline::{Outline, Outlined};
+pub use sketch::{Sketch, Sketched};
 pub use surface::{Surface, SurfacePoint};
 pub use watch::admissibility;
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};

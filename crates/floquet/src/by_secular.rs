@@ -2,7 +2,7 @@
 //! held against the tolerance.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Outline, Prepared};
+use vibrochain_breather::{Finder, Prepared, Sketch};
 use vibrochain_lattice::Model;
 
 use crate::analyser::{Analyser, Failure};
@@ -53,30 +53,30 @@ impl Analyser {
         Ok(told(&found, question.tolerance))
     }
 
-    /// The verdict on a breather of which there is only an outline, as [`Analyser::verdict`] has it of the orbit; `None` where only the
+    /// The verdict on a breather of which there is only a sketch, as [`Analyser::verdict`] has it of the orbit; `None` where only the
     /// orbit can tell: next to where its errors matter or to the border of stability, and how its symmetry breaks.
     ///
     /// ```
-    /// use vibrochain_breather::{Family, Finder, Outlined};
+    /// use vibrochain_breather::{Family, Finder, Sketched};
     /// use vibrochain_floquet::{Analyser, Tolerance};
     /// use vibrochain_lattice::{Chain, Model};
     /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
     /// let mut finder = Finder::new(21);
-    /// let Outlined::One(outline) = finder.outline(&model, Family::SingleSided) else { panic!() };
-    /// let verdict = Analyser::default().outline_verdict(&model, &outline, Tolerance::Rounding).unwrap();
+    /// let Sketched::One(sketch) = finder.sketch(&model, Family::SingleSided) else { panic!() };
+    /// let verdict = Analyser::default().sketch_verdict(&model, &sketch, Tolerance::Rounding).unwrap();
     /// assert!(!verdict.stable && (verdict.spectral_radius - 2.797574412183362).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn outline_verdict(&mut self, model: &Model, outline: &Outline<'_>, tolerance: Tolerance) -> Option<Verdict> {
-        let ratio = match *outline.impulses() {
+    pub fn sketch_verdict(&mut self, model: &Model, sketch: &Sketch<'_>, tolerance: Tolerance) -> Option<Verdict> {
+        let ratio = match *sketch.impulses() {
             _ if self.dense_only => return None,
             [_] => None,
-            [first, second] if !outline.is_delicate() => {
+            [first, second] if !sketch.is_delicate() => {
                 Some((second / first, rounding_of_ratio([first, second].into_iter())))
             }
             _ => return None,
         };
-        self.secular.residues.take_over_ring(outline.response());
+        self.secular.residues.take_over_ring(sketch.response());
         if self.secular.residues.all_positive(ratio) {
             return Some(Verdict::on_circle(None));
         }

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use vibrochain_breather::{
-    BreatherError, Completeness, Family, Finder, Found, NoBreather, Orbit, Outlined, Wanted, Word,
+    BreatherError, Completeness, Family, Finder, Found, NoBreather, Orbit, Sketched, Wanted, Word,
 };
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::Model;
@@ -328,30 +328,30 @@ impl Worker {
 
     /// Computes one cell.
     pub fn cell(&mut self, model: &Model, task: &Task) -> Cell {
-        self.outlined(model, task).unwrap_or_else(|| self.examine(model, task, |_, _| {}))
+        self.sketched(model, task).unwrap_or_else(|| self.examine(model, task, |_, _| {}))
     }
 
-    /// The cell from outlines of its breathers, which take half the time of their orbits; `None` where they cannot tell all of it.
+    /// The cell from sketches of its breathers, which take half the time of their orbits; `None` where they cannot tell all of it.
     /// The general path, which this is held against, is [`Worker::examine`].
-    fn outlined(&mut self, model: &Model, task: &Task) -> Option<Cell> {
+    fn sketched(&mut self, model: &Model, task: &Task) -> Option<Cell> {
         if !model.is_conservative() || !task.words.is_empty() || task.collisions {
             return None;
         }
         let mut cell = Cell::EMPTY;
         let mut best: Option<Candidate> = None;
         for &family in &task.families {
-            let outline = match self.finder.outline(model, family) {
-                Outlined::Open => return None,
-                Outlined::None => continue,
-                Outlined::One(outline) => outline,
+            let sketch = match self.finder.sketch(model, family) {
+                Sketched::Open => return None,
+                Sketched::None => continue,
+                Sketched::One(sketch) => sketch,
             };
             cell.solutions += 1;
-            cell.residual = cell.residual.max(outline.residual());
+            cell.residual = cell.residual.max(sketch.residual());
             let verdict = match task.stability {
-                true => Some(self.analyser.outline_verdict(model, &outline, task.tolerance)?),
+                true => Some(self.analyser.sketch_verdict(model, &sketch, task.tolerance)?),
                 false => None,
             };
-            let (margin, impulse) = (Some(outline.margin()), Some(outline.strongest_impulse()));
+            let (margin, impulse) = (Some(sketch.margin()), Some(sketch.strongest_impulse()));
             let candidate = Candidate { family, verdict, margin, impulse, collision: None };
             if best.as_ref().is_none_or(|best| candidate.rank() < best.rank()) {
                 best = Some(candidate);
