@@ -1,19 +1,21 @@
-//! `mapgen orbit --multipliers`: the multipliers of all solutions as CSV.
+//! `mapgen orbit --multipliers`: the multipliers of all solutions as CSV, each row made as it is written.
 
+use std::io::Write as _;
 use std::path::Path;
 
 use vibrochain_breather::Finder;
-use vibrochain_floquet::multiplier_modes;
+use vibrochain_floquet::ModeLabels;
 
 use crate::error::CliError;
 use crate::solution::Solution;
-use vibrochain_maps::files::CsvFile;
+use vibrochain_maps::files::{CsvFile, Output};
+use vibrochain_maps::numbers::Number;
 
 const HEADER: [&str; 6] = ["solution", "real", "imaginary", "modulus", "argument", "mode"];
 
 /// The file under way.
 pub(crate) struct MultiplierFile {
-    file: CsvFile,
+    file: Output,
 }
 
 impl MultiplierFile {
@@ -22,7 +24,7 @@ impl MultiplierFile {
     /// # Errors
     /// [`CliError::Request`] if it cannot be written.
     pub(crate) fn create(path: &Path) -> Result<Self, CliError> {
-        Ok(Self { file: CsvFile::create("--multipliers", path, HEADER)? })
+        Ok(Self { file: CsvFile::create("--multipliers", path, HEADER)?.into_output()? })
     }
 
     /// Writes a row for each multiplier, by falling modulus; solutions are counted from 1, as in the printed list.
@@ -30,22 +32,27 @@ impl MultiplierFile {
     /// # Errors
     /// [`CliError::Computation`] if the disk refuses.
     pub(crate) fn finish(mut self, solutions: &[Solution], finder: &mut Finder) -> Result<(), CliError> {
+        // Neither numbers nor nothing need quotes.
+        let mut row = Vec::new();
         for (i, solution) in solutions.iter().enumerate() {
             // What could not be computed is told elsewhere.
-            let Ok(stability) = &solution.stability else { continue };
-            let modes = multiplier_modes(&solution.orbit, finder, &stability.multipliers)?;
-            for (z, mode) in stability.multipliers.iter().zip(modes) {
-                let record = [
-                    (i + 1).to_string(),
-                    z.re.to_string(),
-                    z.im.to_string(),
-                    z.norm().to_string(),
-                    z.im.atan2(z.re).to_string(),
-                    mode.map_or(String::new(), |mode| mode.to_string()),
-                ];
-                self.file.row(record)?;
+            let Ok(multipliers) = &solution.multipliers else { continue };
+            let mut labels = ModeLabels::new(&solution.orbit, finder)?;
+            let number = format!("{},", i + 1);
+            for z in multipliers.sorted() {
+                row.clear();
+                row.extend_from_slice(number.as_bytes());
+                for value in [z.re, z.im, z.norm(), z.arg()] {
+                    Number(value).push_in_full(&mut row);
+                    row.push(b',');
+                }
+                let mode = labels.mode(z);
+                let written = mode.map_or(Ok(()), |mode| write!(row, "{mode}"));
+                row.push(b'\n');
+                let written = written.and_then(|()| self.file.write_all(&row));
+                written.map_err(|error| self.file.unwritten(&error))?;
             }
         }
-        Ok(self.file.finish()?)
+        Ok(self.file.commit()?)
     }
 }

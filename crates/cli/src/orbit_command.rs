@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
-use vibrochain_floquet::{Analyser, Complex, Mechanism, Verdict, leading_modes, phases};
+use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
 use vibrochain_lattice::{Ends, Model};
 
 use crate::args::OrbitArgs;
@@ -60,12 +60,14 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         }
         let admissibility = finder.admissibility(&orbit)?;
         let condition = finder.condition(&orbit)?;
-        let stability = analyser.stability(&orbit, &mut finder, tolerance);
-        let leading = stability.as_ref().ok().map(|stability| stability.verdict).filter(|v| v.mechanism.is_some());
-        let modes = OrbitModes::of(&orbit, &mut finder, leading.map(|verdict| verdict.leading));
+        let multipliers = analyser.multipliers(&orbit, &mut finder, tolerance);
+        let leading = multipliers.as_ref().ok().map(|all| all.verdict).filter(|v| v.mechanism.is_some());
+        let modes = OrbitModes::of(&orbit, &mut finder, leading.map(|verdict| verdict.leading), args.json);
         let phases = drifting(&orbit, &mut finder, leading)?;
-        solutions.push(Solution { orbit, admissibility, condition, stability, modes, phases });
+        solutions.push(Solution { orbit, admissibility, condition, multipliers, modes, phases });
     }
+    // Of a large ring it holds more than all answers.
+    drop(analyser);
     let text = if args.json {
         let value = json(&model, &solutions, &found);
         format!("{value:#}\n")
@@ -78,7 +80,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     }
     trajectory.map_or(Ok(()), |table| table.finish(&solutions))?;
     plot.finish(&solutions, console)?;
-    match solutions.iter().find_map(|solution| solution.stability.as_ref().err()) {
+    match solutions.iter().find_map(|solution| solution.multipliers.as_ref().err()) {
         Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),
         None => Ok(()),
     }
@@ -222,12 +224,12 @@ impl Solution {
         value["margin"] = self.admissibility.margin.into();
         value["obstruction"] = self.admissibility.obstruction.map(|found| obstruction(orbit.model(), found)).into();
         value["stability"] = Value::Null;
-        match &self.stability {
-            Ok(stability) => {
-                let verdict = stability.verdict;
-                let counted = stability.multipliers.is_empty();
-                let listed = stability.multipliers.len() <= MOST_LISTED && !counted;
-                let pairs = || stability.multipliers.iter().map(|m| [m.re, m.im]).collect::<Vec<_>>();
+        match &self.multipliers {
+            Ok(all) => {
+                let verdict = all.verdict;
+                let counted = all.is_empty();
+                let listed = all.len() <= MOST_LISTED && !counted;
+                let pairs = || all.sorted().map(|m| [m.re, m.im]).collect::<Vec<_>>();
                 let multipliers = listed.then(pairs);
                 value["stability"] = json!({
                     "stable": verdict.stable,
@@ -243,7 +245,7 @@ impl Solution {
                     let note = if counted {
                         "those on the circle are counted only, on a lattice as large as this".to_owned()
                     } else {
-                        format!("{} of them: --multipliers FILE writes them as CSV", stability.multipliers.len())
+                        format!("{} of them: --multipliers FILE writes them as CSV", all.len())
                     };
                     value["stability"]["multipliers_note"] = note.into();
                 }
@@ -348,9 +350,8 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
             let _ = writeln!(out, "  impact of {impact}");
         }
         let _ = writeln!(out, "  {}", solution.admissibility);
-        let _ = match &solution.stability {
-            Ok(stability) => {
-                let verdict = stability.verdict;
+        let _ = match &solution.multipliers {
+            Ok(Multipliers { verdict, .. }) => {
                 let how = match verdict.mechanism {
                     Some(mechanism) => format!("unstable ({})", mechanism.name()),
                     None if verdict.marginal => "marginal (closer to the border than its own error)".to_owned(),
@@ -374,7 +375,7 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
             let ahead: Vec<String> = phases.iter().map(|(site, ahead)| format!("site {site} by {ahead:.3}")).collect();
             let _ = writeln!(out, "  the breathers drift apart: ahead are {}", ahead.join(", "));
         }
-        if let Some(doubt) = solution.stability.as_ref().ok().and_then(|stability| stability.verdict.method.doubt()) {
+        if let Some(doubt) = solution.multipliers.as_ref().ok().and_then(|all| all.verdict.method.doubt()) {
             let _ = writeln!(out, "  by a dense matrix: {doubt}");
         }
         if let Some(modes) = &solution.modes {
@@ -404,7 +405,7 @@ mod with_plot {
 
     use vibrochain_breather::{Impact, Motion};
 
-    use super::{CliError, Console, OrbitArgs, Solution};
+    use super::{CliError, Console, Multipliers, OrbitArgs, Solution};
     use crate::caption::describe;
     use crate::orbit_plots;
     use vibrochain_maps::files::Output;
@@ -446,7 +447,7 @@ mod with_plot {
         pub(super) fn finish(self, solutions: &[Solution], console: &mut Console<'_>) -> Result<(), CliError> {
             if let Some((page, folder)) = &self.all {
                 for (i, solution) in solutions.iter().enumerate().take(MOST) {
-                    orbit_plots::write(folder, *page, i + 1, &solution.orbit, solution.stability.as_ref().ok())?;
+                    orbit_plots::write(folder, *page, i + 1, &solution.orbit, solution.multipliers.as_ref().ok())?;
                 }
                 let (drawn, folder) = (solutions.len().min(MOST), folder.display());
                 console.summary(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
@@ -485,18 +486,14 @@ mod with_plot {
                 (site, parts.iter().map(at).collect())
             })
             .collect();
-        let state = match (&solution.admissibility.is_physical(), &solution.stability) {
+        let state = match (&solution.admissibility.is_physical(), &solution.multipliers) {
             (false, _) => "not physical".to_owned(),
             (true, Err(_)) => "physical".to_owned(),
-            (true, Ok(stability)) => match stability.verdict.mechanism {
-                None if stability.verdict.marginal => "marginal".to_owned(),
+            (true, Ok(Multipliers { verdict, .. })) => match verdict.mechanism {
+                None if verdict.marginal => "marginal".to_owned(),
                 None => "stable".to_owned(),
                 Some(mechanism) => {
-                    format!(
-                        "unstable, {}, |μ| = {:.6}",
-                        orbit_plots::loss(mechanism),
-                        stability.verdict.spectral_radius
-                    )
+                    format!("unstable, {}, |μ| = {:.6}", orbit_plots::loss(mechanism), verdict.spectral_radius)
                 }
             },
         };

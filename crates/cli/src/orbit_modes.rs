@@ -36,8 +36,8 @@ pub(crate) struct OrbitModes {
 
 impl OrbitModes {
     /// For a conservative orbit that is its own mirror image in time; `leading` is its multiplier off the circle, if it has
-    /// one.
-    pub(crate) fn of(orbit: &Orbit, finder: &mut Finder, leading: Option<Complex<f64>>) -> Option<Self> {
+    /// one. Unless they are `listed` only the signatures of single modes are told, and nothing else of them is worked out.
+    pub(crate) fn of(orbit: &Orbit, finder: &mut Finder, leading: Option<Complex<f64>>, listed: bool) -> Option<Self> {
         let site = orbit.impact_site().filter(|_| orbit.is_reversible())?;
         let felt = felt_modes(orbit.model().chain(), site);
         let prepared = finder.prepared(orbit).ok()?;
@@ -45,17 +45,18 @@ impl OrbitModes {
         let mut dressed = DressedModes::default();
         dressed.replace(prepared).ok()?;
         let mut secular = Secular::default();
-        let certain = secular.replace(prepared).is_ok();
-        let mut residues = vec![None; response.modes()];
+        let signed = felt.len() <= MOST_SIGNED;
+        let certain = (listed || signed) && secular.replace(prepared).is_ok();
+        let mut residues = vec![None; if listed { response.modes() } else { 0 }];
         let form = secular.residues();
-        for (place, residue) in form.residues().iter().enumerate().filter(|_| certain) {
+        for (place, residue) in form.residues().iter().enumerate().filter(|_| listed && certain) {
             if let Some(entry) = form.mode(place).and_then(|mode| residues.get_mut(mode)) {
                 *entry = Some(*residue);
             }
         }
         let mut signatures = Vec::new();
         if certain
-            && felt.len() <= MOST_SIGNED
+            && signed
             && let Ok((roots, _)) = secular.roots()
         {
             signatures = dressed.signatures(prepared, roots);
@@ -68,9 +69,9 @@ impl OrbitModes {
             .enumerate()
             .map(|(k, &(mode, frequency))| ModeReport {
                 frequency,
-                bare_signature: bare_signature(response, mode),
+                bare_signature: if listed { bare_signature(response, mode) } else { None },
                 residue: residues.get(mode).copied().flatten(),
-                dressed: if k == last { None } else { dressed.frequency(k) },
+                dressed: if listed && k < last { dressed.frequency(k) } else { None },
                 signature: if k == last { None } else { signature(k) },
             })
             .collect();

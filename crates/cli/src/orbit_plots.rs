@@ -14,7 +14,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use vibrochain_breather::{BreatherError, Finder, Impact, Motion, Orbit};
-use vibrochain_floquet::{Complex, FloquetMode, Stability, leading_modes};
+use vibrochain_floquet::{Complex, FloquetMode, Multipliers, leading_modes};
 use vibrochain_lattice::{Decay, Ends, Spectrum, decay};
 
 use crate::caption::{beside, describe};
@@ -56,7 +56,7 @@ pub(crate) fn write(
     page: Page,
     number: usize,
     orbit: &Orbit,
-    stability: Option<&Stability>,
+    all: Option<&Multipliers>,
 ) -> Result<(), CliError> {
     let title = format!("{} breather {number}: {}", orbit.name(), describe(orbit.model()));
     let ending = page.format.ending();
@@ -77,9 +77,9 @@ pub(crate) fn write(
     if orbit.centre().is_some() {
         save("decay", (960, 520), vec![decay_pane(orbit)?])?;
     }
-    if let Some(stability) = stability {
-        save("multipliers", (960, 760), vec![multipliers(stability)])?;
-        save("eigenvector", (660, 480), eigenvector(orbit, stability.verdict.leading)?)?;
+    if let Some(all) = all {
+        save("multipliers", (960, 760), vec![multipliers(all)])?;
+        save("eigenvector", (660, 480), eigenvector(orbit, all.verdict.leading)?)?;
     }
     Ok(())
 }
@@ -233,14 +233,14 @@ fn flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
     Ok((Pane { x_range: Some(0.0..1.0), levels: barriers(orbit), ..trace }, phase))
 }
 
-fn multipliers(stability: &Stability) -> Pane {
-    let place = |z: &Complex<f64>| (z.re, z.im);
+fn multipliers(all: &Multipliers) -> Pane {
     let circle = (0..=CIRCLE).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(CIRCLE));
     let circle = circle.map(|t| (t.cos(), t.sin())).collect();
-    let verdict = stability.verdict;
-    let leading = stability.multipliers.iter().filter(|z| verdict.mechanism.is_some() && same(z, &verdict.leading));
+    let place = |z: Complex<f64>| (z.re, z.im);
+    let verdict = all.verdict;
+    let leading = all.sorted().filter(|z| verdict.mechanism.is_some() && same(z, &verdict.leading));
     let leading: Vec<_> = leading.map(place).collect();
-    let all = stability.multipliers.iter().map(place).collect();
+    let all = all.sorted().map(place).collect();
     let series =
         |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
     let state = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |mechanism| {

@@ -15,10 +15,10 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
+use crate::all_multipliers::{Multipliers, Spared};
 use crate::dense::{Dense, WORTH_A_MATRIX, is_reduced, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
-use crate::multipliers::{odd_multipliers, sort_multipliers};
 use crate::secular::{ForcedSecular, Inertia, MOST_IMPACTS, OutsideCircle, Pair, Partners, Secular, SecularError};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
@@ -147,24 +147,35 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Stability, FloquetError> {
-        let (verdict, mut multipliers) = self.decide(Question { orbit, tolerance, thorough: true }, finder)?;
+        let all = self.multipliers(orbit, finder, tolerance)?;
+        Ok(Stability { verdict: all.verdict, multipliers: all.sorted().collect() })
+    }
+
+    /// As [`Analyser::stability`], with the multipliers for one after the other.
+    ///
+    /// # Errors
+    /// [`FloquetError`].
+    pub fn multipliers(
+        &mut self,
+        orbit: &Orbit,
+        finder: &mut Finder,
+        tolerance: Tolerance,
+    ) -> Result<Multipliers, FloquetError> {
+        let (verdict, found) = self.decide(Question { orbit, tolerance, thorough: true }, finder)?;
         let counted = is_counted(orbit) || self.turns(orbit);
         if verdict.method == Method::Secular && Pair::of(orbit).is_none() && counted {
-            return Ok(Stability { verdict, multipliers });
+            return Ok(Multipliers::new(verdict, found, 0, Spared::default()));
         }
-        if orbit.model().is_conservative() {
-            multipliers.extend([Complex::new(1.0, 0.0); 2]);
-        }
-        if uncoupled(orbit) {
+        let trivial = if orbit.model().is_conservative() { 2 } else { 0 };
+        let spared = if uncoupled(orbit) {
             let chain = orbit.model().chain();
-            let phase = chain.gamma1().sqrt() * orbit.period();
-            let spared = [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * phase));
-            (1..chain.sites()).for_each(|_| multipliers.extend(spared));
+            Spared::new(orbit.period(), (1..chain.sites()).map(|mode| (mode, chain.gamma1().sqrt())))
         } else if verdict.method == Method::Secular || is_reduced(orbit) {
-            multipliers.extend(odd_multipliers(orbit).unwrap_or_default());
-        }
-        sort_multipliers(&mut multipliers);
-        Ok(Stability { verdict, multipliers })
+            Spared::of(orbit)
+        } else {
+            Spared::default()
+        };
+        Ok(Multipliers::new(verdict, found, trivial, spared))
     }
 
     /// The non-trivial multipliers of the space that feels impacts, where the secular form vouches for them.

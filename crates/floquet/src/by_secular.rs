@@ -10,7 +10,7 @@ use crate::dense::{Dense, WORTH_A_MATRIX};
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 use crate::secular::{
-    ForcedSecular, Leading, MOST_IMPACTS, Nu, SecularError, SecularVerdict, Standing, excess, meetings,
+    ForcedSecular, Leading, MOST_IMPACTS, Meetings, Nu, SecularError, SecularVerdict, Standing, excess, meetings,
 };
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 
@@ -252,12 +252,17 @@ fn told_from_circle(forced: &mut ForcedSecular, prepared: Prepared<'_>) -> Elast
             forced.settle(place, prepared, true);
             continue;
         }
-        let mut met = meetings(values, errors, ROOM);
+        let Meetings { places: mut met, pairs } = meetings(values, errors, ROOM);
         // What cannot be farther outside than the leading one does not matter.
         let rivals =
             |place: usize| leading.is_none_or(|(_, growth, _)| excess(values[place]) + ROOM * errors[place] > growth);
         met.retain(|place| rivals(*place));
-        let open: Vec<usize> = met.iter().copied().filter(|place| forced.is_open(*place)).take(most).collect();
+        // To settle a multiplier, and its mirror image, parts two pairs at most: of more than that some would be left.
+        let left = most.saturating_sub(settled);
+        if pairs.iter().filter(|(one, other)| rivals(*one) || rivals(*other)).count() > 2 * left {
+            return Elastic { leading, met };
+        }
+        let open: Vec<usize> = met.iter().copied().filter(|place| forced.is_open(*place)).take(left).collect();
         if !open.is_empty() && settled < most {
             settled += open.len();
             for place in open {

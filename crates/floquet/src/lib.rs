@@ -12,6 +12,7 @@
 //! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
 //! | `stripes` | [`DressedModes`], [`Collision`], [`Stripe`]: which modes collide, and how wide stripes are |
 //! | `analyser`, `by_secular`, `by_partners` | [`stability`], [`Analyser`]: the path that fits an orbit |
+//! | `all_multipliers` | [`Multipliers`]: all multipliers in order, made as they are asked for |
 //! | `dense`, `reversible` | the smallest matrix that has the multipliers |
 //! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
 //! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
@@ -38,6 +39,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod all_multipliers;
 mod analyser;
 mod bracket;
 mod by_inertia;
@@ -61,11 +63,13 @@ mod reversible;
 mod reversible_word;
 mod saltation;
 mod secular;
+
 mod square;
 mod stripes;
 mod symmetry;
 mod verdict;
 
+pub use all_multipliers::Multipliers;
 pub use analyser::{Analyser, Stability, stability};
 pub use curve::{
     CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window, curve, curve_along,
@@ -83,9 +87,10 @@ pub use nalgebra::Complex;
 pub use phases::phases;
 pub use saltation::{Saltation, saltations};
 pub use secular::{
-    ForcedSecular, ModalShape, OutsideCount, OutsideCounter, Reason, Residues, Secular, SecularError,
+    ForcedSecular, ModalShape, ModeLabels, OutsideCount, OutsideCounter, Reason, Residues, Secular, SecularError,
     SecularMultipliers, SecularVerdict, Standing, multiplier_modes,
 };
+
 pub use square::Square;
 pub use stripes::{
     Collision, DressedModes, NoStripe, OwnMode, Passing, Signature, Stripe, StripeEnd, StripeFinder, StripeLine,

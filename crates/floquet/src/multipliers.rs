@@ -51,9 +51,12 @@ pub(crate) fn spared_modes(orbit: &Orbit) -> Option<Vec<(usize, f64)>> {
 /// Sorts by falling modulus, then by argument from −π to π. Moduli that differ from 1 by rounding count as 1, so that the
 /// order on the circle is that of the angle.
 pub fn sort_multipliers(values: &mut [Complex<f64>]) {
-    let modulus = |value: &Complex<f64>| {
-        let r = value.re.hypot(value.im);
-        if (r - 1.0).abs() < 1e-12 { 1.0 } else { r }
-    };
-    values.sort_by(|a, b| modulus(b).total_cmp(&modulus(a)).then(a.arg().total_cmp(&b.arg())));
+    let arguments = |a: &Complex<f64>, b: &Complex<f64>| a.arg().total_cmp(&b.arg());
+    values.sort_by(|a, b| modulus_in_order(b).total_cmp(&modulus_in_order(a)).then_with(|| arguments(a, b)));
+}
+
+/// |z| as multipliers are sorted by it.
+pub(crate) fn modulus_in_order(z: &Complex<f64>) -> f64 {
+    let r = z.re.hypot(z.im);
+    if (r - 1.0).abs() < 1e-12 { 1.0 } else { r }
 }

@@ -97,6 +97,15 @@ impl Number {
         }
         self.parts(&mut zmij::Buffer::new()).iter().for_each(|part| text.extend_from_slice(part.as_bytes()));
     }
+
+    /// The same without an exponent, however long the row of zeros is.
+    pub fn push_in_full(self, text: &mut Vec<u8>) {
+        let size = self.0.abs();
+        if size == 0.0 || (1e-5..1e16).contains(&size) {
+            return self.push(text);
+        }
+        text.extend_from_slice(self.0.to_string().as_bytes());
+    }
 }
 
 impl fmt::Display for Number {
@@ -133,6 +142,23 @@ mod tests {
             let mut pushed = b"x = ".to_vec();
             Number(value).push(&mut pushed);
             assert_eq!(pushed, format!("x = {own}").as_bytes());
+        }
+    }
+
+    #[test]
+    fn numbers_in_full_are_the_standard_librarys() {
+        let mut random = fastrand::Rng::with_seed(2);
+        let edges =
+            [1e-5, 1e16, 9.999_999_999_999_999e-6, 9_999_999_999_999_998.0, 1e-300, 5e-324, 0.0, -0.0, 1.0, -1.0];
+        // Half-way between two candidates for the last digit, as a few powers of two beside a whole number are.
+        let ties = (1..20).flat_map(|n| (1..40).map(move |k| f64::from(2 * k + 1) * 0.5_f64.powi(n)));
+        let ties = ties.flat_map(|tie| [1.0, 3.0, 7.0].map(|whole| whole + tie));
+        let turns: Vec<f64> = (0..20_000).map(|_| (7.0 * random.f64()).sin()).collect();
+        let sizes: Vec<f64> = (0..20_000).map(|_| 10f64.powf(40.0 * random.f64() - 20.0)).collect();
+        for value in edges.into_iter().chain([f64::NAN, -f64::INFINITY]).chain(ties).chain(turns).chain(sizes) {
+            let mut pushed = b"x = ".to_vec();
+            Number(value).push_in_full(&mut pushed);
+            assert_eq!(String::from_utf8(pushed).unwrap(), format!("x = {value}"));
         }
     }
 }

@@ -63,6 +63,8 @@ pub struct Residues {
     /// The last pole is at 1, in place of a trivial pair, see [`super::foreign`].
     pub(super) has_pole_at_one: bool,
     total_error: f64,
+    /// Counts the orbits taken over.
+    pub(super) edition: u64,
 }
 
 impl Residues {
@@ -177,6 +179,7 @@ impl Residues {
 
     /// From the residues on.
     fn finish(&mut self, pole_at_one: Option<Pole>) -> Result<(), SecularError> {
+        self.edition += 1;
         let large = self.table.len() > LARGE;
         self.has_pole_at_one = pole_at_one.is_some();
         match (pole_at_one, self.table.as_mut_slice()) {

@@ -28,6 +28,8 @@ pub(crate) struct Roots {
     pub(crate) touching: Vec<Touching>,
     pub(crate) values: Vec<Complex<f64>>,
     pub(crate) errors: Vec<f64>,
+    /// Which edition of the residues these are all roots of.
+    pub(super) edition: Option<u64>,
 }
 
 impl Roots {

@@ -35,13 +35,21 @@ impl CsvFile {
         self.writer.write_record(row).map_err(|error| self.writer.get_ref().without_row(error))
     }
 
+    /// The file behind the rows written so far, for those that need no quotes and are text already.
+    ///
+    /// # Errors
+    /// As [`Output::unwritten`].
+    pub fn into_output(mut self) -> Result<Output, MapError> {
+        self.writer.flush().map_err(|error| self.writer.get_ref().unwritten(&error))?;
+        // What could not be written has been told; nothing is left to write.
+        self.writer.into_inner().map_err(|error| MapError::Computation(error.to_string()))
+    }
+
     /// Puts the table in its place.
     ///
     /// # Errors
     /// As [`Output::commit`].
-    pub fn finish(mut self) -> Result<(), MapError> {
-        self.writer.flush().map_err(|error| self.writer.get_ref().unwritten(&error))?;
-        // What could not be written has been told; nothing is left to write.
-        self.writer.into_inner().map_err(|error| MapError::Computation(error.to_string()))?.commit()
+    pub fn finish(self) -> Result<(), MapError> {
+        self.into_output()?.commit()
     }
 }
