@@ -56,10 +56,12 @@ impl Kind {
         }
     }
 
-    /// Allocations a cell once the work space has seen the whole map.
+    /// Allocations a cell once the work space has seen the whole map; twice, since the motions of the last two orbits take turns in two
+    /// work spaces, each of which must have held the largest.
     pub(crate) fn allocations(self) -> f64 {
         let scene = self.scene();
         let mut worker = Worker::new(scene.base.sites());
+        Self::compute(&scene, &mut worker);
         Self::compute(&scene, &mut worker);
         measure(|| Self::compute(&scene, &mut worker)).count_total as f64 / scene.cells() as f64
     }

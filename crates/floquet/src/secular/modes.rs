@@ -71,6 +71,8 @@ impl Modes {
         let lists = [response.frequencies(), response.weights(), response.cos_half(), response.sin_half()];
         let modes = response.modes();
         self.clear();
+        // Of a large ring not twice as many.
+        self.list.reserve_exact(modes);
         self.groups.clear();
         for k in (0..modes).step_by(LANES) {
             let [frequency, weight, cos, sin] = lists.map(|list| lane(&list[k..]));
