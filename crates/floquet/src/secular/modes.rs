@@ -38,6 +38,19 @@ const PAD: Mode = Mode {
     shift: 1.0,
 };
 
+/// Four of them.
+const PADS: Mode<Lane> = Mode {
+    weight: [PAD.weight; LANES],
+    frequency: [PAD.frequency; LANES],
+    cos: [PAD.cos; LANES],
+    sin: [PAD.sin; LANES],
+    sin_over: [PAD.sin_over; LANES],
+    inverse: [PAD.inverse; LANES],
+    sin_times: [PAD.sin_times; LANES],
+    relative: [PAD.relative; LANES],
+    shift: [PAD.shift; LANES],
+};
+
 /// Phases below which sin y/y comes from its series.
 const SOFT: f64 = 1e-3;
 
@@ -70,18 +83,18 @@ impl Modes {
         let half = 0.5 * response.period();
         let lists = [response.frequencies(), response.weights(), response.cos_half(), response.sin_half()];
         let modes = response.modes();
-        self.clear();
-        // Of a large ring not twice as many.
-        self.list.reserve_exact(modes);
-        self.groups.clear();
-        for k in (0..modes).step_by(LANES) {
-            let [frequency, weight, cos, sin] = lists.map(|list| lane(&list[k..]));
-            let mut group = Mode::four_of(frequency, weight, (cos, sin), half).lanes();
-            let there = LANES.min(modes - k);
-            self.list.extend((0..there).map(|i| group.at(i)));
-            (there..LANES).for_each(|i| group.put(i, &PAD));
-            if modes <= LARGE {
-                self.groups.push(group);
+        self.numbers.clear();
+        self.blurs.clear();
+        // What is there is written over in its place.
+        self.list.resize(modes, PAD);
+        self.groups.resize(if modes <= LARGE { modes.div_ceil(LANES) } else { 0 }, PADS);
+        for (i, some) in self.list.chunks_mut(LANES).enumerate() {
+            let [frequency, weight, cos, sin] = lists.map(|list| lane(&list[LANES * i..]));
+            let four = Mode::four_of(frequency, weight, (cos, sin), half).lanes();
+            some.iter_mut().enumerate().for_each(|(j, mode)| *mode = four.at(j));
+            if let Some(group) = self.groups.get_mut(i) {
+                *group = four;
+                (some.len()..LANES).for_each(|j| group.put(j, &PAD));
             }
         }
     }
@@ -280,18 +293,7 @@ impl Mode<f64x4> {
 
 impl Mode<Lane> {
     fn group(modes: &[Mode; 4]) -> Self {
-        let zero = [0.0; LANES];
-        let mut group = Self {
-            weight: zero,
-            frequency: zero,
-            cos: zero,
-            sin: zero,
-            sin_over: zero,
-            inverse: zero,
-            sin_times: zero,
-            relative: zero,
-            shift: zero,
-        };
+        let mut group = PADS;
         modes.iter().enumerate().for_each(|(i, mode)| group.put(i, mode));
         group
     }

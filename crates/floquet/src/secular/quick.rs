@@ -7,6 +7,8 @@
 //! ε (4 + (S + 8)A + 2R) Σ|terms| ,      S, R the largest errors of a pole and of x, see [`super::modes`].
 //! ```
 //!
+//! They are not even begun where modes alone, by the signs of sin Ω_kT, leave hardly a hope.
+//!
 //! No residue counts that is not beyond several times its bound, and their sum and the trace must be right to rounding. So a yes here
 //! is a yes there; a no says nothing.
 
@@ -40,10 +42,16 @@ pub(super) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
     if modes.count() < 2 {
         return false;
     }
-    let (mut shift, mut relative) = (ZERO, ZERO);
+    let [mut shift, mut relative, mut back, mut forth] = [ZERO; 4];
     for group in modes.groups() {
         let group = group.four();
         (shift, relative) = (shift.fast_max(group.shift), relative.fast_max(group.relative));
+        let turn = group.weight * group.sin * group.cos;
+        (back, forth) = (back.fast_min(turn), forth.fast_max(turn));
+    }
+    // Multipliers of modes on both halves of the circle: residues hardly ever have one sign then, and it is not worth the sums to know.
+    if back.simd_lt(ZERO).any() && forth.simd_gt(ZERO).any() {
+        return false;
     }
     let [shift, relative] = [shift, relative].map(|four| all(four.to_array().into_iter().fold(0.0, f64::max)));
     let saltations = ratio.map(|(ratio, error)| Saltations::new(modes, ratio, error));
