@@ -153,20 +153,35 @@ impl ImpulseResponse {
         if chain.lines() != self.chain.lines() {
             *self = Self::vacant(chain);
         }
-        (self.chain, self.home) = (*chain, home);
-        self.squares.clear();
-        if !chain.is_ring() {
-            self.squares.extend(self.shapes.evens(home, home));
-        }
         self.omega = omega;
         self.period = std::f64::consts::TAU / omega;
         let modes = spectrum.frequencies().len();
-        self.modes = modes;
-        // In whole groups of four; what fills up the last one swings a quarter as fast as the impulses come, and weighs nothing.
-        let groups = modes.next_multiple_of(LANES);
+        if self.modes == 0 || (self.chain, self.home) != (*chain, home) {
+            (self.chain, self.home, self.modes) = (*chain, home, modes);
+            self.reset_lattice(spectrum);
+        }
+        // What fills up the last group of four swings a quarter as fast as the impulses come, and weighs nothing.
+        self.frequencies[modes..].fill(0.25 * omega);
+        self.reset_modes()?;
+        let own = self.own_weights();
+        // Of rigid modes nothing is held up.
+        let [at_impulse, at_half, still] =
+            long_sum(modes, |k| [own[k] * self.at_impulse[k], own[k] * self.at_half[k], own[k] * self.statics[k]]);
+        (self.dynamic_at_impulse, self.dynamic_at_half) = (at_impulse, at_half);
+        self.static_stiffness = if chain.is_adrift() { 0.0 } else { 1.0 / still };
+        Ok(())
+    }
+
+    /// What does not depend on the frequency of the impulses, in whole groups of four.
+    fn reset_lattice(&mut self, spectrum: &Spectrum) {
+        self.squares.clear();
+        if !self.chain.is_ring() {
+            self.squares.extend(self.shapes.evens(self.home, self.home));
+        }
+        let groups = self.modes.next_multiple_of(LANES);
         self.frequencies.clear();
         self.frequencies.extend_from_slice(spectrum.frequencies());
-        self.frequencies.resize(groups, 0.25 * omega);
+        self.frequencies.resize(groups, 0.0);
         self.weights.clear();
         self.weights.extend_from_slice(spectrum.weights());
         self.weights.resize(groups, 0.0);
@@ -176,14 +191,6 @@ impl ImpulseResponse {
         if !self.own.is_empty() {
             self.own.resize(groups, 0.0);
         }
-        self.reset_modes()?;
-        let own = self.own_weights();
-        // Of rigid modes nothing is held up.
-        let [at_impulse, at_half, still] =
-            long_sum(modes, |k| [own[k] * self.at_impulse[k], own[k] * self.at_half[k], own[k] * self.statics[k]]);
-        (self.dynamic_at_impulse, self.dynamic_at_half) = (at_impulse, at_half);
-        self.static_stiffness = if chain.is_adrift() { 0.0 } else { 1.0 / still };
-        Ok(())
     }
 
     /// What depends on each mode's frequency and weight, four modes at a time.
@@ -375,10 +382,13 @@ impl ImpulseResponse {
     /// the impulse and half a period after it. What fills up the last group weighs nothing.
     #[doc(hidden)]
     pub fn in_fours(&self) -> impl Iterator<Item = [[f64; LANES]; 4]> + '_ {
-        let lists =
-            [&self.weights, &self.statics, &self.at_impulse, &self.at_half].map(|list| list.as_chunks().0.iter());
-        let [weights, statics, at_impulse, at_half] = lists;
-        weights.zip(statics).zip(at_impulse.zip(at_half)).map(|((w, s), (i, h))| [*w, *s, *i, *h])
+        fours([&self.weights, &self.statics, &self.at_impulse, &self.at_half])
+    }
+
+    /// Four modes at a time in the same way: frequencies, weights, cosines and sines of ΩT/2.
+    #[doc(hidden)]
+    pub fn swings_in_fours(&self) -> impl Iterator<Item = [[f64; LANES]; 4]> + '_ {
+        fours([&self.frequencies, &self.weights, &self.cos_half, &self.sin_half])
     }
 
     /// Dynamic responses of all modes, without their weights, at the impulse.
@@ -658,6 +668,12 @@ impl ImpulseResponse {
     pub(crate) fn fold(&self, t: f64) -> f64 {
         if (0.0..=self.period).contains(&t) { t } else { t.rem_euclid(self.period) }
     }
+}
+
+/// Groups of four lists side by side.
+fn fours(lists: [&Vec<f64>; 4]) -> impl Iterator<Item = [[f64; LANES]; 4]> + '_ {
+    let [a, b, c, d] = lists.map(|list| list.as_chunks().0.iter());
+    a.zip(b).zip(c.zip(d)).map(|((a, b), (c, d))| [*a, *b, *c, *d])
 }
 
 #[cfg(test)]

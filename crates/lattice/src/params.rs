@@ -414,6 +414,16 @@ impl Model {
         self.omega
     }
 
+    /// Changes the frequency alone, as along a row of a map; see [`Model::with`] for any parameter.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] unless 1e-100 ≤ ω ≤ 1e100; the model stays as it was.
+    pub fn set_omega(&mut self, omega: f64) -> Result<(), ParameterError> {
+        check_place(omega, self.asymmetry)?;
+        self.omega = omega;
+        Ok(())
+    }
+
     /// Period T = 2π/ω of the force.
     pub fn period(&self) -> f64 {
         std::f64::consts::TAU / self.omega
@@ -522,7 +532,9 @@ mod tests {
         ] {
             assert!(Model::forced(chain, w, a, f, e).is_err(), "{w} {a} {f} {e}");
         }
-        assert!(Model::forced(chain, 2.0, 0.0, 1.0, 1.0).is_ok());
+        let mut model = Model::forced(chain, 2.0, 0.0, 1.0, 1.0).unwrap();
+        assert!(model.set_omega(0.0).is_err() && model.omega() == 2.0);
+        assert!(model.set_omega(1.5).is_ok() && model == Model::forced(chain, 1.5, 0.0, 1.0, 1.0).unwrap());
     }
 
     #[test]

@@ -118,7 +118,7 @@ fn a_cell_from_sketches_is_that_from_orbits() {
 }
 
 #[test]
-fn a_walk_shows_the_points_of_its_cells() {
+fn a_walk_shows_the_points_and_models_of_its_cells() {
     let text = "[model]\nsites = 5\ngamma1 = 0.2\n[sweep]\naxes = [\n\
                 { parameter = \"omega\", from = 0.4, to = 3.0, points = 7 },\n\
                 { parameter = \"gamma2\", from = 0.0, to = 0.3, points = 5 },\n\
@@ -133,6 +133,12 @@ fn a_walk_shows_the_points_of_its_cells() {
             true
         });
         assert_eq!(shown, (from..to).map(|cell| scene.point(cell)).collect::<Vec<_>>());
+        let mut models = Vec::new();
+        scene.walk_models(from..to, |model| {
+            models.push(*model);
+            true
+        });
+        assert_eq!(models, shown.iter().map(|point| point.model().unwrap()).collect::<Vec<_>>());
         walked += shown.len();
     }
     assert_eq!(walked, 70 + 1 + 18 + 7 + 1);

@@ -81,17 +81,16 @@ impl Modes {
     /// Takes over the modes of an impulse response.
     pub(crate) fn set(&mut self, response: &ImpulseResponse) {
         let half = 0.5 * response.period();
-        let lists = [response.frequencies(), response.weights(), response.cos_half(), response.sin_half()];
         let modes = response.modes();
         self.numbers.clear();
         self.blurs.clear();
         // What is there is written over in its place.
         self.list.resize(modes, PAD);
         self.groups.resize(if modes <= LARGE { modes.div_ceil(LANES) } else { 0 }, PADS);
-        for (i, some) in self.list.chunks_mut(LANES).enumerate() {
-            let [frequency, weight, cos, sin] = lists.map(|list| lane(&list[LANES * i..]));
+        for (i, (some, swings)) in self.list.chunks_mut(LANES).zip(response.swings_in_fours()).enumerate() {
+            let [frequency, weight, cos, sin] = swings.map(four);
             let four = Mode::four_of(frequency, weight, (cos, sin), half).lanes();
-            some.iter_mut().enumerate().for_each(|(j, mode)| *mode = four.at(j));
+            some.iter_mut().enumerate().for_each(|(j, mode)| four.write(j, mode));
             if let Some(group) = self.groups.get_mut(i) {
                 *group = four;
                 (some.len()..LANES).for_each(|j| group.put(j, &PAD));
@@ -242,16 +241,6 @@ pub(crate) fn by_frequency<'a>(frequencies: &'a [f64], order: &'a [u32]) -> impl
     })
 }
 
-/// The first four of a list, or as many as there are.
-fn lane(list: &[f64]) -> f64x4 {
-    let mut lane = [0.0; LANES];
-    match list.first_chunk() {
-        Some(four) => lane = *four,
-        None => lane[..list.len()].copy_from_slice(list),
-    }
-    four(lane)
-}
-
 impl Mode<f64x4> {
     /// Four modes from their cos, sin(ΩT/2), `half` being T/2.
     #[inline(always)]
@@ -299,19 +288,24 @@ impl Mode<Lane> {
     }
 
     /// One of the four.
-    #[inline(always)]
     fn at(&self, i: usize) -> Mode {
-        Mode {
-            weight: self.weight[i],
-            frequency: self.frequency[i],
-            cos: self.cos[i],
-            sin: self.sin[i],
-            sin_over: self.sin_over[i],
-            inverse: self.inverse[i],
-            sin_times: self.sin_times[i],
-            relative: self.relative[i],
-            shift: self.shift[i],
-        }
+        let mut mode = PAD;
+        self.write(i, &mut mode);
+        mode
+    }
+
+    /// The same into `mode`, number by number: a whole mode would be copied by a call.
+    #[inline(always)]
+    fn write(&self, i: usize, mode: &mut Mode) {
+        mode.weight = self.weight[i];
+        mode.frequency = self.frequency[i];
+        mode.cos = self.cos[i];
+        mode.sin = self.sin[i];
+        mode.sin_over = self.sin_over[i];
+        mode.inverse = self.inverse[i];
+        mode.sin_times = self.sin_times[i];
+        mode.relative = self.relative[i];
+        mode.shift = self.shift[i];
     }
 
     /// Replaces one of the four.

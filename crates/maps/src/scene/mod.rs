@@ -12,6 +12,7 @@ use std::path::Path;
 
 use toml::Spanned;
 use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::Model;
 
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
 pub use crate::scene::file::{MAX_BYTES, Source, tolerance_from};
@@ -180,18 +181,40 @@ impl Scene {
 
     /// Shows the points of some neighbouring cells, in order, as long as it is told to go on.
     pub fn walk(&self, cells: Range<u64>, mut go_on: impl FnMut(&Point) -> bool) {
+        self.walk_rows(cells, |point, _| go_on(point));
+    }
+
+    /// The same, of the models there; it ends at a point that has none.
+    pub fn walk_models(&self, cells: Range<u64>, mut go_on: impl FnMut(&Model) -> bool) {
+        let omega_alone = self.axes.first().is_some_and(|axis| axis.parameter == Parameter::Omega);
+        let mut model: Option<Model> = None;
+        self.walk_rows(cells, |point, begins| {
+            let valid = match &mut model {
+                Some(model) if omega_alone && !begins => model.set_omega(point.get(Parameter::Omega)),
+                model => point.model().map(|here| *model = Some(here)),
+            };
+            valid.is_ok() && model.as_ref().is_some_and(&mut go_on)
+        });
+    }
+
+    /// Points, each with whether more than the first axis' value is another than before.
+    fn walk_rows(&self, cells: Range<u64>, mut go_on: impl FnMut(&Point, bool) -> bool) {
         let (mut point, row, mut column) = (self.base, self.axes.first(), None);
         for cell in cells {
-            match (row, column) {
+            let begins = match (row, column) {
                 // Along a row one value changes alone.
-                (Some(axis), Some(column)) if column < axis.points() => point.set(axis.parameter, axis.value(column)),
+                (Some(axis), Some(column)) if column < axis.points() => {
+                    point.set(axis.parameter, axis.value(column));
+                    false
+                }
                 _ => {
                     point = self.point(cell);
                     column = row.map(|axis| (cell % axis.points() as u64) as usize);
+                    true
                 }
-            }
+            };
             column = column.map(|column| column + 1);
-            if !go_on(&point) {
+            if !go_on(&point, begins) {
                 return;
             }
         }

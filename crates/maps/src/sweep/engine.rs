@@ -243,12 +243,13 @@ pub(super) fn in_order<W, T: Send, E>(
 fn compute(job: &Job<'_>, worker: &mut Worker, range: Range<u64>, cells: &mut Vec<Cell>) -> Option<()> {
     cells.clear();
     let all = (range.end - range.start) as usize;
-    job.scene.walk(range, |point| {
-        // The scene's corners were checked, so that every point between is a valid model.
-        let model = point.model();
-        let cell = model.as_ref().ok().filter(|_| !job.stop.load(Ordering::Relaxed));
-        cells.extend(cell.map(|model| worker.cell(model, &job.scene.task)));
-        cell.is_some()
+    // The scene's corners were checked, so that every point between is a valid model.
+    job.scene.walk_models(range, |model| {
+        let goes_on = !job.stop.load(Ordering::Relaxed);
+        if goes_on {
+            cells.push(worker.cell(model, &job.scene.task));
+        }
+        goes_on
     });
     (cells.len() == all).then_some(())
 }
