@@ -21,6 +21,9 @@ const WORST: f64 = 1e-10;
 /// As [`WORST`], for a sweep, whose cells are not worth as much.
 const WORST_OF_SWEEP: f64 = 1e-9;
 
+/// Modes of a map's cell up to which a dense matrix is done as soon as the impacts' equations are; of 21 it takes twice as long.
+const SOON_DONE: usize = 16;
+
 /// Passes of one mode that multipliers of elastic impacts may cost which are to be told apart: seconds.
 const BUDGET: usize = 250_000_000;
 
@@ -38,10 +41,14 @@ impl Analyser {
         }
         self.secular.residues.complete(ratio)?;
         let found = self.secular.verdict();
+        let modes = orbit.model().chain().even_modes();
+        let settles = !question.thorough && modes > SOON_DONE;
+        let doubtful = |growth, error| settles && check(growth, error, question).is_err();
         let open = match &found {
-            Ok(verdict) => verdict.outcome == Standing::Marginal,
+            Ok(verdict) => verdict.outcome == Standing::Marginal || doubtful(verdict.growth, verdict.growth_error),
+            Err(SecularError::Imprecise { growth, growth_error }) if doubtful(*growth, *growth_error) => true,
             // A dense matrix knows of other ways, unless it would take too long.
-            Err(_) => orbit.model().chain().even_modes() > WORTH_A_MATRIX,
+            Err(_) => modes > WORTH_A_MATRIX,
         };
         if open && let Ok(verdict) = self.told_apart(question, finder) {
             return Ok(verdict);
