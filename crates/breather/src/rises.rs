@@ -194,7 +194,7 @@ impl Bounds<'_> {
             let least = piece.s.iter().map(|b| b.abs()).fold(f64::INFINITY, f64::min);
             least > self.samples.error && piece.s.iter().all(|b| (*b > 0.0) == (piece.s[0] > 0.0))
         };
-        if no_zero || self.rises(&piece)[1] <= 0.0 {
+        if no_zero || self.rises(&piece)[1] <= 0.0 || self.radiates(&piece) {
             return;
         }
         if piece.to - piece.from > FINEST * self.samples.step {
@@ -210,7 +210,7 @@ impl Bounds<'_> {
             }
             return;
         }
-        if self.radiates(&piece) || self.leaves(&piece) {
+        if self.leaves(&piece) {
             return;
         }
         match places.last_mut() {
