@@ -181,7 +181,7 @@ mod tests {
             assert!(quarters > merged, "{quarters}");
             let all = scene.cells();
             for (threads, parts) in [
-                (3, vec![0..all]),
+                (3, std::iter::once(0..all).collect()),
                 (1, (0..all).map(|number| number..number + 1).collect()),
                 (2, vec![0..1, 1..77, 77..400, 400..all]),
             ] {

@@ -6,13 +6,15 @@
 //!
 //! Where the border lies beyond all four quarters they are alike, and one leaf again. That changes what is written, and not what is halved:
 //! no neighbour sees it. Of squares of two columns and rows no decision hangs on the quarters but the first, so these are computed only as
-//! far as the leaves depend on them: not where the squares on both sides are alike, if all others turn out to be, too.
+//! far as the leaves depend on them: not where the squares on both sides are alike, if all others turn out to be, too, nor where it is the
+//! edge of a stripe that lies between, and that is known to be beyond them.
 
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use vibrochain_breather::Family;
 use vibrochain_floquet::Mechanism;
 
 use super::covered::Covered;
@@ -64,6 +66,13 @@ pub(super) fn are_alike(one: &Cell, other: &Cell) -> bool {
 
 /// Leaves found, each with the number of its cell.
 pub(super) type Leaves = Vec<(u64, Cell)>;
+
+/// The squares to the right, above, and above to the right.
+fn beside(square: Extent) -> [Extent; 3] {
+    let Extent { column, row, size } = square;
+    let next = [column, row].map(|first| first + size);
+    [(next[0], row), (column, next[1]), (next[0], next[1])].map(|(column, row)| Extent { column, row, size })
+}
 
 /// Makes one leaf of those from the first on, if they are four quarters of a square and alike.
 fn merge(found: &mut Leaves, first: usize, square: Extent) {
@@ -128,7 +137,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
     fn of_last_square(&mut self, square: Extent, number: u64, found: &mut Leaves) -> Option<()> {
         let cell = *self.cell(square.sample())?;
         let divided = self.ground.stripes.divides(square, cell.class);
-        let [right, above, across] = if divided { [true; 3] } else { self.differences(square, lives(&cell))? };
+        let [right, above, across] = if divided { [true; 3] } else { self.unexplained(square, lives(&cell))? };
         if !(right || above || across) {
             found.push((number, Cell { extent: Some(square), ..cell }));
             return Some(());
@@ -212,13 +221,39 @@ impl<'a, 'b> Refiner<'a, 'b> {
     /// Whether what lives in a square is not what lives in those to the right, above, and above to the right. A border between two points
     /// that were computed lies in the square of the lower one: so it is halved, and the other is not.
     fn differences(&mut self, square: Extent, here: Lives) -> Option<[bool; 3]> {
-        let Extent { column, row, size } = square;
-        let next = [column, row].map(|first| first + size);
         let mut differ = [false; 3];
-        for (differs, (column, row)) in differ.iter_mut().zip([(next[0], row), (column, next[1]), (next[0], next[1])]) {
-            *differs = self.lives_beside(Extent { column, row, size })? != here;
+        for (differs, beside) in differ.iter_mut().zip(beside(square)) {
+            *differs = self.lives_beside(beside)? != here;
         }
         Some(differ)
+    }
+
+    /// The same, but for what the edge of a stripe explains that is surely beyond all cells of the square: these are then alike.
+    fn unexplained(&mut self, square: Extent, here: Lives) -> Option<[bool; 3]> {
+        let mut differ = [false; 3];
+        for (differs, beside) in differ.iter_mut().zip(beside(square)) {
+            let there = self.lives_beside(beside)?;
+            *differs = there != here && !self.is_edge_between(square, here, beside, there);
+        }
+        Some(differ)
+    }
+
+    /// Whether all that differs is that one lies in a stripe and the other does not.
+    fn is_edge_between(&self, square: Extent, here: Lives, beside: Extent, there: Lives) -> bool {
+        let (inside, family) = match (here.0, there.0) {
+            (Some(Class::UnstableDouble), Some(Class::StableDouble)) => (true, Family::DoubleSided),
+            (Some(Class::StableDouble), Some(Class::UnstableDouble)) => (false, Family::DoubleSided),
+            (Some(Class::UnstableSingle), Some(Class::StableSingle)) => (true, Family::SingleSided),
+            (Some(Class::StableSingle), Some(Class::UnstableSingle)) => (false, Family::SingleSided),
+            _ => return false,
+        };
+        // Beyond the last column or row there are no cells.
+        let [columns, rows] = self.ground.size;
+        if beside.column >= columns || beside.row >= rows {
+            return false;
+        }
+        let holds = |square: Extent| self.ground.stripes.holds(square, family);
+        here.2 == there.2 && holds(square) == Some(inside) && holds(Extent { size: 1, ..beside }) == Some(!inside)
     }
 
     /// What lives in the first cell of a square, or, beyond the last column or row, in that.
