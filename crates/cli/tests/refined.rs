@@ -58,6 +58,17 @@ fn leaves_are_rows_of_the_finest_grid_and_cover_it_once() {
         *sizes.entry(size).or_insert(0_u64) += 1;
     }
     assert!(seen.iter().all(|&times| times == 1));
+    // Four quarters that are alike are one leaf.
+    let mut quarters: BTreeMap<[usize; 3], Vec<&[String]>> = BTreeMap::new();
+    for leaf in &leaves[1..] {
+        let [column, row, size] = [0, 1, 2].map(|i| leaf[usual + i].parse::<usize>().unwrap());
+        quarters.entry([column / (2 * size), row / (2 * size), size]).or_default().push(leaf);
+    }
+    // Class and mechanism, solutions and status; a cell of the grid is no quarter.
+    let words = |leaf: &[String]| [2, 3, 6, 7].map(|i| leaf[i].clone());
+    let full = quarters.iter().filter(|([.., size], leaves)| *size < 8 && leaves.len() == 4);
+    let alike = full.clone().filter(|(_, leaves)| leaves.iter().all(|leaf| words(leaf) == words(leaves[0])));
+    assert_eq!((alike.count(), full.count() > 1000), (0, true));
     // What it lacks is little, and lies in leaves that were not halved to the end.
     let mut wrong = BTreeMap::new();
     for leaf in &leaves[1..] {

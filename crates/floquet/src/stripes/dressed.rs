@@ -23,6 +23,7 @@
 //! zeros are the same whatever A and B are.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::OnceLock;
 
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
@@ -65,7 +66,8 @@ pub struct DressedModes {
     bare: Vec<f64>,
     form: Form,
     symmetric: bool,
-    own: Option<OwnMode>,
+    /// Looked for when it is asked for, where no other mode depends on it.
+    own: OnceLock<Option<OwnMode>>,
     /// Zeros of the coefficient of reflection in the band that are the breather's own mode.
     zeros: Vec<C>,
 }
@@ -80,7 +82,7 @@ impl DressedModes {
         let (orbit, response) = (prepared.orbit(), prepared.response());
         self.bare.clear();
         self.zeros.clear();
-        self.own = None;
+        self.own = OnceLock::from(None);
         let Some(site) = orbit.impact_site().filter(|_| orbit.is_reversible()) else { return Ok(()) };
         let _ = saltations(orbit)?;
         let e = orbit.model().restitution();
@@ -99,8 +101,11 @@ impl DressedModes {
         }
         // On a ring one mode has its place between each two, and what has left the band is missing there. Between the bands of several
         // channels a mode may be localised, and be the one that has its place there.
-        if chain.is_ring() || (0..self.count().saturating_sub(1)).any(|k| self.is_missing(k)) {
-            self.own = own_mode(&self.form, &mut self.zeros);
+        if chain.is_ring() && self.form.is_double() {
+            // Only one that emits no waves is looked for: it leaves no zeros in the band.
+            self.own = OnceLock::new();
+        } else if chain.is_ring() || (0..self.count().saturating_sub(1)).any(|k| self.is_missing(k)) {
+            self.own = OnceLock::from(own_mode(&self.form, &mut self.zeros));
         }
         Ok(())
     }
@@ -133,7 +138,8 @@ impl DressedModes {
 
     /// The breather's own mode, number [`Self::count`] − 1, if it has one.
     pub fn own(&self) -> Option<&OwnMode> {
-        self.own.as_ref()
+        let look = || if self.bare.is_empty() { None } else { own_mode(&self.form, &mut Vec::new()) };
+        self.own.get_or_init(look).as_ref()
     }
 
     /// The breather's own mode grows by what it emits, and so fast that it is e times as large before a wave has come back
@@ -141,7 +147,7 @@ impl DressedModes {
     /// a short one, with few exceptions next to that bound; slower, the mode grows where it meets a mode of the ring, and not in between.
     pub fn own_grows(&self) -> bool {
         // Of several channels each has its own modes.
-        self.own.is_some_and(|own| -own.loss * TAU > self.spacing() * self.form.channels() as f64)
+        self.own().is_some_and(|own| -own.loss * TAU > self.spacing() * self.form.channels() as f64)
     }
 
     /// The mean distance of neighbouring modes.
@@ -168,7 +174,7 @@ impl DressedModes {
     /// ω is there instead. That of the last k is the breather's own.
     pub fn frequency(&self, k: usize) -> Option<f64> {
         if k + 1 == self.count() {
-            return self.own.map(|own| own.frequency);
+            return self.own().map(|own| own.frequency);
         }
         let (low, high) = self.gap(k)?;
         let width = high - low;

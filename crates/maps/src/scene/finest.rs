@@ -76,6 +76,11 @@ impl Scene {
         cell.extent.map_or_else(|| self.point(number), |extent| self.sample(extent))
     }
 
+    /// Moves a point to these places along the axes.
+    pub(crate) fn set(&self, point: &mut Point, at: [u32; 2]) {
+        self.axes.iter().zip(at).for_each(|(axis, place)| point.set(axis.parameter, axis.value(place as usize)));
+    }
+
     /// The point at which a leaf is computed.
     #[must_use]
     pub fn sample(&self, extent: Extent) -> Point {

@@ -22,6 +22,8 @@ const COARSEST: f64 = 1e-5;
 struct Run {
     first: u32,
     last: u32,
+    /// Whether the first and the last are so near to the edge that they may lie outside.
+    doubt: [bool; 2],
     /// The last cell of any run up to this one.
     reach: u32,
     family: Family,
@@ -73,7 +75,8 @@ impl Covered {
                     let edges = [0, 1].map(|i| (from[i] + share * (to[i] - from[i])) * steps[0]);
                     let (first, last) = ((edges[0] - EXACT).ceil().max(0.0), (edges[1] + EXACT).floor().min(steps[0]));
                     if first <= last {
-                        runs.push(Run { first: first as u32, last: last as u32, reach: 0, family });
+                        let doubt = [first < edges[0] + EXACT, last > edges[1] - EXACT];
+                        runs.push(Run { first: first as u32, last: last as u32, doubt, reach: 0, family });
                     }
                 }
             }
@@ -106,6 +109,29 @@ impl Covered {
         }
         false
     }
+
+    /// Whether these cells lie in a stripe of a family: all of them surely, or surely none; `None` otherwise.
+    pub(super) fn holds(&self, square: Extent, family: Family) -> Option<bool> {
+        let Extent { column, row, size } = square;
+        let mut all = None;
+        for runs in self.rows.iter().skip(row as usize).take(size as usize) {
+            let from = runs.partition_point(|run| run.reach < column);
+            let met = runs[from..].iter().take_while(|run| run.first < column + size);
+            let mut inside = false;
+            for run in met.filter(|run| run.last >= column && run.family == family) {
+                let [first, last] = run.doubt;
+                let (first, last) = (run.first + u32::from(first), i64::from(run.last) - i64::from(last));
+                if first > column || last < i64::from(column + size - 1) {
+                    return None;
+                }
+                inside = true;
+            }
+            if *all.get_or_insert(inside) != inside {
+                return None;
+            }
+        }
+        all
+    }
 }
 
 #[cfg(test)]
@@ -128,7 +154,8 @@ mod tests {
                     let first = number(columns);
                     let last = (first + number(3) * number(20)).min(columns - 1);
                     let family = if number(3) == 0 { Family::SingleSided } else { Family::DoubleSided };
-                    row.push(Run { first, last, reach: 0, family });
+                    let doubt = [number(8) == 0, number(8) == 0];
+                    row.push(Run { first, last, doubt, reach: 0, family });
                 }
                 sort(row);
             }
@@ -148,6 +175,21 @@ mod tests {
                 let expected = cut || inside.contains(&true) && inside.contains(&false);
                 assert_eq!(covered.divides(square, class), expected, "{square:?} {class:?} {covered:?}");
                 told[usize::from(expected)] += 1;
+                for family in [Family::DoubleSided, Family::SingleSided] {
+                    let rows = &covered.rows[square.row as usize..(square.row + size) as usize];
+                    let sure = |run: &Run| run.first + u32::from(run.doubt[0])..run.last + 1 - u32::from(run.doubt[1]);
+                    let (mut whole, mut met) = (true, false);
+                    for row in rows {
+                        let of: Vec<_> = row.iter().filter(|run| run.family == family).collect();
+                        let touches = |run: &&&Run| (run.first..=run.last).any(within);
+                        let all = |run: &&Run| sure(run).filter(|at| within(*at)).count() == size as usize;
+                        let met_here: Vec<_> = of.iter().filter(touches).copied().collect();
+                        met |= !met_here.is_empty();
+                        whole &= !met_here.is_empty() && met_here.iter().all(all);
+                    }
+                    let expected = if !met { Some(false) } else { whole.then_some(true) };
+                    assert_eq!(covered.holds(square, family), expected, "{square:?} {covered:?}");
+                }
             }
         }
         assert!(told.iter().all(|times| *times > 100), "{told:?}");

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `engine` | cells on many threads, handed on in order |
 //! | `refiner`, `leaves` | cells of a grid that is refined, and their leaves on many threads |
+//! | `tiles` | what a thread knows of such cells |
 //! | `covered` | which cells lie in thin stripes |
 //! | `plan` | how a scene is cut into chunks, and what tells two sweeps apart |
 //! | `chunk` | the file of one chunk |
@@ -23,6 +24,7 @@ mod plan;
 mod refiner;
 mod shard;
 mod store;
+mod tiles;
 mod work;
 
 pub use assemble::{Assembly, Unassembled, Watcher};

@@ -3,19 +3,26 @@
 //! A cell is halved along both axes if what lives there is not what lives in one of the cells beside it, as far as these are refined
 //! themselves by then. Whether it is follows from cells at most two of the grid's away, whoever asks: so leaves are the same
 //! in whatever order, and by however many processes, they are found. Nothing is computed that no answer depends on.
+//!
+//! Where the border lies beyond all four quarters they are alike, and one leaf again. That changes what is written, and not what is halved:
+//! no neighbour sees it. Of squares of two columns and rows no decision hangs on the quarters but the first, so these are computed only as
+//! far as the leaves depend on them: not where the squares on both sides are alike, if all others turn out to be, too, nor where it is the
+//! edge of a stripe that lies between, and that is known to be beyond them.
 
 use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use vibrochain_breather::Family;
 use vibrochain_floquet::Mechanism;
 
 use super::covered::Covered;
 use super::engine::Job;
+use super::tiles::Tiles;
 use crate::cell::{Cell, Class, Worker};
 use crate::extent::Extent;
+use crate::point::Point;
 use crate::scene::Scene;
 
 /// What all threads share: the cells of the grid that is refined, each computed once, and where more is to be seen than they show.
@@ -51,54 +58,32 @@ fn lives(cell: &Cell) -> Lives {
     (cell.class, cell.mechanism, cell.solutions)
 }
 
-/// Mixes numbers that are places: of a grid, so that neighbours must not fall on one another. The multiplier is 2⁶⁴ over the golden ratio.
-#[derive(Default)]
-struct Mixed(u64);
-
-impl Hasher for Mixed {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
-    }
-
-    fn write_u64(&mut self, number: u64) {
-        let product = u128::from(self.0.rotate_left(5) ^ number) * 0x9e37_79b9_7f4a_7c15;
-        self.0 = (product as u64) ^ (product >> 64) as u64;
-    }
+/// Whether two cells may be one leaf: nothing that stands in words in a table differs.
+pub(super) fn are_alike(one: &Cell, other: &Cell) -> bool {
+    let modes = |cell: &Cell| cell.collision.map(|collision| (collision.modes, collision.harmonic));
+    lives(one) == lives(other) && one.status == other.status && modes(one) == modes(other)
 }
 
-/// Answers by place, of the cells under way and of those before, which may be their neighbours.
-struct Memory<T> {
-    new: HashMap<u64, T, BuildHasherDefault<Mixed>>,
-    old: HashMap<u64, T, BuildHasherDefault<Mixed>>,
+/// Leaves found, each with the number of its cell.
+pub(super) type Leaves = Vec<(u64, Cell)>;
+
+/// The squares to the right, above, and above to the right.
+fn beside(square: Extent) -> [Extent; 3] {
+    let Extent { column, row, size } = square;
+    let next = [column, row].map(|first| first + size);
+    [(next[0], row), (column, next[1]), (next[0], next[1])].map(|(column, row)| Extent { column, row, size })
 }
 
-impl<T: Copy> Memory<T> {
-    fn new() -> Self {
-        Self { new: HashMap::default(), old: HashMap::default() }
+/// Makes one leaf of those from the first on, if they are four quarters of a square and alike.
+fn merge(found: &mut Leaves, first: usize, square: Extent) {
+    let [(_, one), others @ ..] = &mut found[first..] else { return };
+    if others.len() != 3 || others.iter().any(|(_, other)| !are_alike(one, other)) {
+        return;
     }
-
-    fn get(&mut self, key: u64) -> Option<T> {
-        if let Some(known) = self.new.get(&key) {
-            return Some(*known);
-        }
-        let known = self.old.remove(&key)?;
-        self.new.insert(key, known);
-        Some(known)
-    }
-
-    fn insert(&mut self, key: u64, value: T) -> T {
-        self.new.insert(key, value);
-        value
-    }
-
-    fn age(&mut self) {
-        std::mem::swap(&mut self.new, &mut self.old);
-        self.new.clear();
-    }
+    one.extent = Some(square);
+    // Of all that was computed, and not of what is written, the worst is told.
+    one.residual = others.iter().map(|(_, other)| other.residual).fold(one.residual, f64::max);
+    found.truncate(first + 1);
 }
 
 /// Who finds leaves, one a thread.
@@ -106,74 +91,108 @@ pub(super) struct Refiner<'a, 'b> {
     ground: &'a Ground<'b>,
     stop: &'a AtomicBool,
     worker: Worker,
-    /// Cells of the finest grid that have been computed.
-    cells: Memory<Cell>,
-    /// Whether squares are halved.
-    halved: Memory<bool>,
-}
-
-/// A number for a place of the finest grid: 2²⁰ columns and rows at most.
-fn key([column, row]: [u32; 2]) -> u64 {
-    u64::from(row) << 32 | u64::from(column)
+    /// The point of the cell computed last.
+    point: Point,
+    tiles: Tiles,
+    /// What lives in cells of the last column and row of the finest grid, which stand for those beyond.
+    last: HashMap<[u32; 2], Lives>,
 }
 
 impl<'a, 'b> Refiner<'a, 'b> {
     pub(super) fn new(ground: &'a Ground<'b>, stop: &'a AtomicBool) -> Self {
         let worker = Worker::new(ground.scene.base.sites());
-        Self { ground, stop, worker, cells: Memory::new(), halved: Memory::new() }
+        let tiles = Tiles::new(ground.size.map(|points| (points / ground.whole) as usize), ground.whole.ilog2());
+        Self { ground, stop, worker, point: ground.scene.base, tiles, last: HashMap::new() }
     }
 
     /// The leaves of some cells of the grid, one after the other: of each those of its first quarter first. `None` if it was stopped.
-    pub(super) fn leaves(&mut self, range: Range<u64>, each: &mut dyn FnMut(u64, Cell)) -> Option<()> {
-        self.cells.age();
-        self.halved.age();
+    pub(super) fn leaves(&mut self, range: Range<u64>) -> Option<Leaves> {
+        self.tiles.age();
+        self.last.clear();
+        let mut found = Vec::new();
         for number in range {
-            let whole = self.ground.scene.extent(number)?;
-            self.of_square(whole, &mut |cell| each(number, cell))?;
+            self.of_square(self.ground.scene.extent(number)?, number, &mut found)?;
         }
+        Some(found)
+    }
+
+    fn of_square(&mut self, square: Extent, number: u64, found: &mut Leaves) -> Option<()> {
+        let first = found.len();
+        if square.size == 2 {
+            return self.of_last_square(square, number, found);
+        }
+        if !self.is_halved(square)? {
+            let cell = *self.cell(square.sample())?;
+            found.push((number, Cell { extent: Some(square), ..cell }));
+            return Some(());
+        }
+        for quarter in square.quarters() {
+            self.of_square(quarter, number, found)?;
+        }
+        merge(found, first, square);
         Some(())
     }
 
-    fn of_square(&mut self, square: Extent, each: &mut dyn FnMut(Cell)) -> Option<()> {
-        if self.is_halved(square)? {
-            return square.quarters().into_iter().try_for_each(|quarter| self.of_square(quarter, each));
+    /// The leaves of a square whose quarters are cells of the finest grid.
+    fn of_last_square(&mut self, square: Extent, number: u64, found: &mut Leaves) -> Option<()> {
+        let cell = *self.cell(square.sample())?;
+        let divided = self.ground.stripes.divides(square, cell.class);
+        let [right, above, across] = if divided { [true; 3] } else { self.unexplained(square, lives(&cell))? };
+        if !(right || above || across) {
+            found.push((number, Cell { extent: Some(square), ..cell }));
+            return Some(());
         }
-        let cell = self.cell(square)?;
-        each(Cell { extent: Some(square), ..cell });
-        Some(())
-    }
-
-    /// What was computed for a square.
-    fn cell(&mut self, square: Extent) -> Option<Cell> {
-        let Ground { scene, finest, size, whole, cells, .. } = self.ground;
-        let sample = square.sample();
-        let compute = |worker: &mut Worker| {
-            if self.stop.load(Ordering::Relaxed) {
-                return None;
+        let (first, quarters) = (found.len(), square.quarters());
+        // The last quarter has nothing alike on both sides, of the others only those that differences point to.
+        let mut cells = [Some(cell), None, None, None];
+        let mut alike = true;
+        for i in [(3, true), (1, right), (2, above)].into_iter().filter_map(|(i, asked)| asked.then_some(i)) {
+            let other = self.compute(quarters[i].sample())?;
+            cells[i] = Some(other);
+            alike = are_alike(&cell, &other);
+            if !alike {
+                break;
             }
-            let number = u64::from(sample[1]) * u64::from(size[0]) + u64::from(sample[0]);
-            // The scene's corners were checked, so that every point between is a valid model.
-            let model = finest.point(number).model().ok()?;
-            Some(worker.cell(&model, &scene.task))
-        };
+        }
+        for (quarter, known) in quarters.into_iter().zip(cells) {
+            let of_quarter = match known {
+                Some(known) => known,
+                None if alike => cell,
+                None => self.compute(quarter.sample())?,
+            };
+            found.push((number, Cell { extent: Some(quarter), ..of_quarter }));
+        }
+        merge(found, first, square);
+        Some(())
+    }
+
+    /// Computes the cell at a place of the finest grid.
+    fn compute(&mut self, at: [u32; 2]) -> Option<Cell> {
+        if self.stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        self.ground.finest.set(&mut self.point, at);
+        // The scene's corners were checked, so that every point between is a valid model.
+        let model = self.point.model().ok()?;
+        Some(self.worker.cell(&model, &self.ground.scene.task))
+    }
+
+    /// What was computed for the squares that begin at a place.
+    fn cell(&mut self, at: [u32; 2]) -> Option<&Cell> {
         // The one of a whole cell is computed once, for all threads.
-        let of_whole = Extent { column: sample[0] & !(whole - 1), row: sample[1] & !(whole - 1), size: *whole };
-        // As numbers: two halves just written and read again as one would wait for the writing, as long as all the rest of this takes.
-        if key(of_whole.sample()) == key(sample) {
-            let columns = u64::from(size[0] / whole);
-            let number = u64::from(sample[1] / whole) * columns + u64::from(sample[0] / whole);
-            let place = cells.get(number as usize)?;
-            if let Some(cell) = place.get() {
-                return Some(*cell);
+        if self.tiles.is_first(at) {
+            let place = self.ground.cells.get(self.tiles.number(at))?;
+            if place.get().is_none() {
+                let cell = self.compute(at)?;
+                return Some(place.get_or_init(|| cell));
             }
-            let cell = compute(&mut self.worker)?;
-            return Some(*place.get_or_init(|| cell));
+            return place.get();
         }
-        if let Some(cell) = self.cells.get(key(sample)) {
-            return Some(cell);
+        if self.tiles.cell(at).is_none() {
+            let cell = self.compute(at)?;
+            self.tiles.set_cell(at, cell);
         }
-        let cell = compute(&mut self.worker)?;
-        Some(self.cells.insert(key(sample), cell))
+        self.tiles.cell(at)
     }
 
     /// What lives in the leaf that a square is a part of, or in the square itself if it is one or is halved.
@@ -184,38 +203,57 @@ impl<'a, 'b> Refiner<'a, 'b> {
             let size = at.size / 2;
             at = Extent { column: square.column & !(size - 1), row: square.row & !(size - 1), size };
         }
-        self.cell(at).as_ref().map(lives)
+        self.cell(at.sample()).map(lives)
     }
 
     /// Whether a square is halved, as far as its own size is asked: only squares of one that is halved are there.
     fn is_halved(&mut self, square: Extent) -> Option<bool> {
-        if square.size == 1 {
-            return Some(false);
-        }
-        // Squares of different sizes have different middles.
-        let middle = [square.column, square.row].map(|first| 2 * first + square.size);
-        if let Some(known) = self.halved.get(key(middle)) {
+        if let Some(known) = self.tiles.halved(square.sample(), square.size) {
             return Some(known);
         }
-        let halved = self.differs(square)?;
-        Some(self.halved.insert(key(middle), halved))
+        let cell = self.cell(square.sample())?;
+        let (class, here) = (cell.class, lives(cell));
+        let halved = self.ground.stripes.divides(square, class) || self.differences(square, here)?.contains(&true);
+        self.tiles.set_halved(square.sample(), square.size, halved);
+        Some(halved)
     }
 
-    fn differs(&mut self, square: Extent) -> Option<bool> {
-        let cell = self.cell(square)?;
-        let here = lives(&cell);
-        if self.ground.stripes.divides(square, cell.class) {
-            return Some(true);
+    /// Whether what lives in a square is not what lives in those to the right, above, and above to the right. A border between two points
+    /// that were computed lies in the square of the lower one: so it is halved, and the other is not.
+    fn differences(&mut self, square: Extent, here: Lives) -> Option<[bool; 3]> {
+        let mut differ = [false; 3];
+        for (differs, beside) in differ.iter_mut().zip(beside(square)) {
+            *differs = self.lives_beside(beside)? != here;
         }
-        // A border between two points that were computed lies in the square of the lower one: so it is halved, and the other is not.
-        let Extent { column, row, size } = square;
-        let next = [column, row].map(|first| first + size);
-        for (column, row) in [(next[0], row), (column, next[1]), (next[0], next[1])] {
-            if self.lives_beside(Extent { column, row, size })? != here {
-                return Some(true);
-            }
+        Some(differ)
+    }
+
+    /// The same, but for what the edge of a stripe explains that is surely beyond all cells of the square: these are then alike.
+    fn unexplained(&mut self, square: Extent, here: Lives) -> Option<[bool; 3]> {
+        let mut differ = [false; 3];
+        for (differs, beside) in differ.iter_mut().zip(beside(square)) {
+            let there = self.lives_beside(beside)?;
+            *differs = there != here && !self.is_edge_between(square, here, beside, there);
         }
-        Some(false)
+        Some(differ)
+    }
+
+    /// Whether all that differs is that one lies in a stripe and the other does not.
+    fn is_edge_between(&self, square: Extent, here: Lives, beside: Extent, there: Lives) -> bool {
+        let (inside, family) = match (here.0, there.0) {
+            (Some(Class::UnstableDouble), Some(Class::StableDouble)) => (true, Family::DoubleSided),
+            (Some(Class::StableDouble), Some(Class::UnstableDouble)) => (false, Family::DoubleSided),
+            (Some(Class::UnstableSingle), Some(Class::StableSingle)) => (true, Family::SingleSided),
+            (Some(Class::StableSingle), Some(Class::UnstableSingle)) => (false, Family::SingleSided),
+            _ => return false,
+        };
+        // Beyond the last column or row there are no cells.
+        let [columns, rows] = self.ground.size;
+        if beside.column >= columns || beside.row >= rows {
+            return false;
+        }
+        let holds = |square: Extent| self.ground.stripes.holds(square, family);
+        here.2 == there.2 && holds(square) == Some(inside) && holds(Extent { size: 1, ..beside }) == Some(!inside)
     }
 
     /// What lives in the first cell of a square, or, beyond the last column or row, in that.
@@ -224,7 +262,12 @@ impl<'a, 'b> Refiner<'a, 'b> {
         if square.column < columns && square.row < rows {
             return self.lives_about(square);
         }
-        let last = Extent { column: square.column.min(columns - 1), row: square.row.min(rows - 1), size: 1 };
-        self.cell(last).as_ref().map(lives)
+        let at = [square.column.min(columns - 1), square.row.min(rows - 1)];
+        if let Some(known) = self.last.get(&at) {
+            return Some(*known);
+        }
+        let found = lives(&self.compute(at)?);
+        self.last.insert(at, found);
+        Some(found)
     }
 }

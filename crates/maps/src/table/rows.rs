@@ -55,7 +55,15 @@ impl Rows<Cell> {
     pub fn of_leaves(scene: &Scene, range: Range<u64>, leaves: Vec<(u64, Cell)>) -> Self {
         let mut table = Table::new(scene);
         table.text.reserve(ROW * leaves.len());
-        leaves.iter().for_each(|(number, cell)| table.write(&scene.point_of(*number, cell), cell));
+        let (finest, mut point) = (scene.finest(), scene.base);
+        for (number, cell) in &leaves {
+            match cell.extent {
+                // Two values change from leaf to leaf: a point made anew is more work than its digits.
+                Some(extent) => finest.set(&mut point, extent.sample()),
+                None => point = scene.point(*number),
+            }
+            table.write(&point, cell);
+        }
         Self { range, cells: leaves, text: table.text }
     }
 }
@@ -128,12 +136,20 @@ impl Table {
     }
 }
 
-/// Writes a count: of one digit without room on the heap.
+/// Writes a count, without room on the heap.
 fn push_count(text: &mut Vec<u8>, count: u64) {
-    match u8::try_from(count) {
-        Ok(digit @ 0..=9) => text.push(b'0' + digit),
-        _ => text.extend_from_slice(count.to_string().as_bytes()),
+    // As many digits as the largest has.
+    let mut digits = [0; 20];
+    let (mut first, mut rest) = (digits.len(), count);
+    loop {
+        first -= 1;
+        digits[first] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 {
+            break;
+        }
     }
+    text.extend_from_slice(&digits[first..]);
 }
 
 /// Reads rows against the cells they must be of, and counts them.
@@ -294,6 +310,15 @@ mod tests {
         // In pieces that end anywhere.
         rows.as_bytes().chunks(37).try_for_each(|piece| reader.take(piece, |_, _| {}))?;
         reader.finish(summary)
+    }
+
+    #[test]
+    fn counts_are_written_as_the_standard_library_does() {
+        for count in [0, 1, 9, 10, 11, 99, 100, 12_799, 1 << 32, u64::MAX] {
+            let mut text = b"x".to_vec();
+            push_count(&mut text, count);
+            assert_eq!(text, format!("x{count}").as_bytes());
+        }
     }
 
     #[test]
