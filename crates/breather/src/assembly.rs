@@ -110,7 +110,7 @@ impl Orbit {
         };
         let mut draft =
             Draft { family: Family::Word, force_periods, psi, impacts: impacts.into(), sources, uniform_offset };
-        let mut motion = Motion::vacant(chain);
+        let mut motion = Motion::vacant(chain, response.shapes().clone());
         if chain.is_adrift() {
             // A lattice that nothing holds may stand anywhere: where its first impact meets the barrier.
             Self::assemble(model, &response, &mut motion, draft.clone())?;

@@ -376,7 +376,7 @@ mod tests {
             let (x, word) = (unknowns.read(&orbit, &response), crate::unknowns::Template::of(&orbit));
             let residuals = |x: &[f64]| {
                 let (draft, places) = word.draft(&unknowns, x, &model, &response).unwrap();
-                let mut motion = crate::motion::Motion::vacant(&chain);
+                let mut motion = crate::motion::Motion::vacant(&chain, response.shapes().clone());
                 let moved = Orbit::assemble(&model, &response, &mut motion, draft).unwrap();
                 Equations::ordered(&moved, &response, unknowns, places).residuals()
             };

@@ -98,12 +98,14 @@ impl Finder {
     /// A finder for rings of `sites` masses (other lattices work too, at the price of new scratch space).
     pub fn new(sites: usize) -> Self {
         let chain = Chain::alone(sites);
+        let response = ImpulseResponse::vacant(&chain);
+        let motion = Box::new(Motion::vacant(&chain, response.shapes().clone()));
         Self {
             spectrum: None,
-            response: ImpulseResponse::vacant(&chain),
+            response,
             current: None,
-            motion: Box::new(Motion::vacant(&chain)),
-            earlier: Box::new(Motion::vacant(&chain)),
+            earlier: motion.clone(),
+            motion,
             zeros: Zeros::default(),
             rises: Rises::default(),
             radiation: None,
@@ -345,12 +347,40 @@ impl Finder {
     }
 
     fn check(&mut self, orbit: &Orbit, depth: Depth) -> Result<Admissibility, BreatherError> {
+        self.load(orbit)?;
+        if orbit.model().chain().is_kept() {
+            return self.watch.check(orbit, &mut self.motion, depth);
+        }
+        // All modes and all masses of a large lattice are not held together.
+        self.give_back_response();
+        let checked = Watch::default().check(orbit, &mut self.motion, depth);
+        self.motion.give_back();
+        checked
+    }
+
+    /// The motion of an orbit, and the impulse response.
+    fn load(&mut self, orbit: &Orbit) -> Result<(), BreatherError> {
         self.prepare(orbit.model(), orbit.frequency())?;
         if self.earlier.is_of(orbit, &self.response) {
             std::mem::swap(&mut self.motion, &mut self.earlier);
         }
         self.motion.load(orbit, &self.response);
-        self.watch.check(orbit, &mut self.motion, depth)
+        Ok(())
+    }
+
+    fn give_back_response(&mut self) {
+        (self.spectrum, self.current, self.radiation) = (None, None, None);
+        self.response.give_back();
+    }
+
+    /// Gives back what the modes of a large lattice take, to whoever needs the room: what this finder is asked for next it works out
+    /// again. Of lattices that sweeps go through everything is kept.
+    pub fn give_back(&mut self) {
+        if !self.response.chain().is_kept() {
+            self.give_back_response();
+            self.motion.give_back();
+            self.earlier.give_back();
+        }
     }
 
     /// The motion of an orbit, in this finder's scratch space.
@@ -358,8 +388,7 @@ impl Finder {
     /// # Errors
     /// As [`Finder::admissibility`].
     pub fn motion(&mut self, orbit: &Orbit) -> Result<&mut Motion, BreatherError> {
-        self.prepare(orbit.model(), orbit.frequency())?;
-        self.motion.load(orbit, &self.response);
+        self.load(orbit)?;
         Ok(&mut self.motion)
     }
 
@@ -405,8 +434,7 @@ impl Finder {
     /// # Ok::<(), vibrochain_breather::BreatherError>(())
     /// ```
     pub fn condition(&mut self, orbit: &Orbit) -> Result<Condition, BreatherError> {
-        self.prepare(orbit.model(), orbit.frequency())?;
-        self.motion.load(orbit, &self.response);
+        self.load(orbit)?;
         Ok(Condition::of(orbit, &self.response, &mut self.motion))
     }
 

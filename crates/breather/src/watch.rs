@@ -16,7 +16,7 @@ use vibrochain_lattice::{Barrier, Chain, DistinctMasses};
 
 use crate::admissibility::{Admissibility, Approach, Obstruction};
 use crate::error::BreatherError;
-use crate::grid::{Flight, Grid};
+use crate::grid::{Flight, Grid, MOST_MODES};
 use crate::lanes::Lane;
 use crate::motion::Motion;
 use crate::orbit::{Orbit, Reflection};
@@ -126,11 +126,12 @@ impl Watch {
         self.watched.reset(orbit.model().chain(), mirror);
         let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
         let mut start = std::mem::take(&mut self.start);
-        let flight = motion.flight(&mut start);
-        if orbit.is_reversible() && orbit.centre().is_some() && self.grid.set(flight, &self.watched, horizon) {
-            self.on_grid(flight, Impacts::of(orbit), depth, &mut closest);
-        } else {
-            self.by_windows(orbit, motion, depth, horizon, &mut closest)?;
+        let few = orbit.model().chain().even_modes() <= MOST_MODES;
+        let gridded = few && orbit.is_reversible() && orbit.centre().is_some();
+        let flight = gridded.then(|| motion.flight(&mut start));
+        match flight.filter(|flight| self.grid.set(*flight, &self.watched, horizon)) {
+            Some(flight) => self.on_grid(flight, Impacts::of(orbit), depth, &mut closest),
+            None => self.by_windows(orbit, motion, depth, horizon, &mut closest)?,
         }
         self.start = start;
         let (barrier, time) = (closest.barrier, closest.time);
@@ -195,35 +196,38 @@ impl Watch {
             let windows = 1 + (length * rate) as usize;
             // In the window's units of time.
             let step = length / windows as f64 / unit;
-            self.window.place(&self.watched, motion, interval, 0.0);
+            self.window.set(&self.watched, motion, interval, 0.0);
             for w in 0..windows {
                 let elapsed = length * (w as f64 / windows as f64);
                 if w > 0 {
                     self.window.advance(&self.watched, motion, interval, elapsed);
                 }
-                self.window.expand(&self.watched, model, &force, motion.force_time(interval, elapsed));
                 for (i, &site) in self.watched.sites().iter().enumerate() {
                     let still = || self.window.velocity(i).abs() < STILL;
                     if !is_hit(site) || w == 0 && !hit_at(site, start) && still() {
                         closest.note(a, site, start + elapsed, self.window.displacement(i));
                     }
                 }
-                self.window.enclose(step);
-                for (i, &site) in self.watched.sites().iter().enumerate() {
-                    let (low, high) = self.window.range(i);
-                    if (1.0 - (high - a)).min(1.0 + (low - a)) < closest.distance - RESOLUTION {
-                        let polynomial = self.window.polynomial(i);
-                        turning_points(
-                            &polynomial,
-                            with_overlap(step, [w > 0, w + 1 < windows || goes_on]),
-                            &mut self.pending,
-                            closest.distance,
-                            &mut |s, displacement| {
-                                closest.note(a, site, start + elapsed + s * unit, displacement);
-                                closest.distance
-                            },
-                            a,
-                        );
+                let pushes = self.window.pushes(&force, motion.force_time(interval, elapsed));
+                for block in self.window.blocks(&self.watched) {
+                    self.window.expand(&self.watched, model, &pushes, block.clone());
+                    self.window.enclose(step);
+                    for i in block {
+                        let (low, high) = self.window.range(i);
+                        if (1.0 - (high - a)).min(1.0 + (low - a)) < closest.distance - RESOLUTION {
+                            let (polynomial, site) = (self.window.polynomial(i), self.watched.sites()[i]);
+                            turning_points(
+                                &polynomial,
+                                with_overlap(step, [w > 0, w + 1 < windows || goes_on]),
+                                &mut self.pending,
+                                closest.distance,
+                                &mut |s, displacement| {
+                                    closest.note(a, site, start + elapsed + s * unit, displacement);
+                                    closest.distance
+                                },
+                                a,
+                            );
+                        }
                     }
                 }
                 if depth == Depth::First && closest.distance <= 0.0 {

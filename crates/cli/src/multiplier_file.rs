@@ -9,7 +9,7 @@ use vibrochain_floquet::ModeLabels;
 use crate::error::CliError;
 use crate::solution::Solution;
 use vibrochain_maps::files::{CsvFile, Output};
-use vibrochain_maps::numbers::Number;
+use vibrochain_maps::numbers::push_row;
 
 const HEADER: [&str; 6] = ["solution", "real", "imaginary", "modulus", "argument", "mode"];
 
@@ -38,14 +38,12 @@ impl MultiplierFile {
             // What could not be computed is told elsewhere.
             let Ok(multipliers) = &solution.multipliers else { continue };
             let mut labels = ModeLabels::new(&solution.orbit, finder)?;
+            finder.give_back();
             let number = format!("{},", i + 1);
             for z in multipliers.sorted() {
                 row.clear();
                 row.extend_from_slice(number.as_bytes());
-                for value in [z.re, z.im, z.norm(), z.arg()] {
-                    Number(value).push_in_full(&mut row);
-                    row.push(b',');
-                }
+                push_row(&[z.re, z.im, z.norm(), z.arg()], &mut row);
                 let mode = labels.mode(z);
                 let written = mode.map_or(Ok(()), |mode| write!(row, "{mode}"));
                 row.push(b'\n');

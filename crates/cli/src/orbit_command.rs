@@ -50,7 +50,6 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let plot = Plot::open(args)?;
     let stop = (console.interrupt)()?;
     let mut finder = Finder::new(model.chain().sites()).until(Arc::clone(&stop));
-    let mut analyser = Analyser::default();
     let (name, mut found) = which::find(&which, &model, &mut finder, Some(console))?;
     let mut solutions = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {
@@ -58,16 +57,16 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         if stop.load(Ordering::Relaxed) {
             return Err(CliError::Interrupted);
         }
-        let admissibility = finder.admissibility(&orbit)?;
+        // Of a large lattice the check gives back what the condition needs.
         let condition = finder.condition(&orbit)?;
-        let multipliers = analyser.multipliers(&orbit, &mut finder, tolerance);
+        let admissibility = finder.admissibility(&orbit)?;
+        // Of a large ring its work space holds more than all answers.
+        let multipliers = Analyser::default().multipliers(&orbit, &mut finder, tolerance);
         let leading = multipliers.as_ref().ok().map(|all| all.verdict).filter(|v| v.mechanism.is_some());
         let modes = OrbitModes::of(&orbit, &mut finder, leading.map(|verdict| verdict.leading), args.json);
         let phases = drifting(&orbit, &mut finder, leading)?;
         solutions.push(Solution { orbit, admissibility, condition, multipliers, modes, phases });
     }
-    // Of a large ring it holds more than all answers.
-    drop(analyser);
     let text = if args.json {
         let value = json(&model, &solutions, &found);
         format!("{value:#}\n")

@@ -27,6 +27,9 @@ struct ModeReport {
 /// All of them.
 #[derive(Debug, Clone)]
 pub(crate) struct OrbitModes {
+    /// How many there are.
+    count: usize,
+    /// Each of them, unless nothing is told of any.
     modes: Vec<ModeReport>,
     own: Option<OwnMode>,
     own_signature: Option<Signature>,
@@ -63,8 +66,10 @@ impl OrbitModes {
         }
         let signature = |k: usize| signatures.get(k).copied().flatten();
         let own = dressed.own().copied();
-        let last = felt.len().saturating_sub(1);
-        let modes = felt
+        let count = felt.len();
+        let last = count.saturating_sub(1);
+        let told = if listed || signed { felt } else { Vec::new() };
+        let modes = told
             .iter()
             .enumerate()
             .map(|(k, &(mode, frequency))| ModeReport {
@@ -79,7 +84,7 @@ impl OrbitModes {
         let omega = response.omega();
         // At −1 it is its own mirror image.
         let own_signature = own.and_then(|own| own.signature(omega)).and_then(|_| signature(last));
-        Some(Self { modes, own, own_signature, collision, omega })
+        Some(Self { count, modes, own, own_signature, collision, omega })
     }
 
     pub(crate) fn json(&self) -> Value {
@@ -100,7 +105,7 @@ impl OrbitModes {
     pub(crate) fn own_json(&self) -> Option<Value> {
         let own = self.own?;
         Some(json!({
-            "mode": self.modes.len() - 1,
+            "mode": self.count - 1,
             "frequency": own.frequency,
             "signature": self.own_signature.map(Signature::value),
             "loss": own.loss,
@@ -131,6 +136,9 @@ impl fmt::Display for OrbitModes {
             runs.push(format!("{range} {}", run.first().map_or("", sign)));
             first = last + 1;
         }
+        if self.modes.is_empty() && self.count > 1 {
+            runs.push(format!("0–{} none", self.count - 2));
+        }
         match runs.as_slice() {
             [] => write!(f, "no mode beside the breather")?,
             runs => write!(f, "signatures of modes: {}", runs.join(", "))?,
@@ -146,8 +154,8 @@ impl fmt::Display for OrbitModes {
         let Some(collision) = self.collision else { return Ok(()) };
         let ((k, l), harmonic) = (collision.modes, collision.harmonic);
         let which = match (k, l) {
-            _ if l + 1 < self.modes.len() && k < l => format!("modes {k} and {l}"),
-            _ if l + 1 < self.modes.len() => format!("mode {k} with itself"),
+            _ if l + 1 < self.count && k < l => format!("modes {k} and {l}"),
+            _ if l + 1 < self.count => format!("mode {k} with itself"),
             _ if k < l => format!("mode {k} and the breather's own"),
             _ => "the breather's own mode with itself".to_owned(),
         };

@@ -54,7 +54,8 @@ impl Multipliers {
     /// All multipliers in the order of [`crate::sort_multipliers`]. Of those that are alike to it, found ones come before the trivial pair
     /// of a conservative orbit, and that before the modes that feel no impact.
     pub fn sorted(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
-        let (mut outside, mut on_circle) = (Vec::new(), Vec::new());
+        // Without losses nearly all are on the circle.
+        let (mut outside, mut on_circle) = (Vec::new(), Vec::with_capacity(self.found.len()));
         for (place, z) in self.found.iter().enumerate() {
             let (modulus, argument, place) = (modulus_in_order(z), z.arg(), place as u32);
             if modulus == 1.0 {
@@ -72,7 +73,8 @@ impl Multipliers {
         let on_circle = on_circle.into_iter().map(move |(argument, place)| (argument, found(place)));
         let trivial = std::iter::repeat_n((0.0, C::new(1.0, 0.0)), self.trivial);
         let on_circle = merged(merged(on_circle, trivial), self.spared.around());
-        away(outside).chain(on_circle.map(|(_, z)| z)).chain(away(inside))
+        // Boxed here, where it is optimised, whoever asks.
+        Box::new(away(outside).chain(on_circle.map(|(_, z)| z)).chain(away(inside))) as Box<dyn Iterator<Item = C> + '_>
     }
 }
 
@@ -133,9 +135,9 @@ impl Spared {
         below.chain(self.0.iter().map(|mode| (mode.argument, mode.above())))
     }
 
-    /// The number of the last mode one of whose multipliers is `z`; `from` is where the last search ended.
-    pub(crate) fn number(&self, z: C, from: &mut usize) -> Option<usize> {
-        let argument = z.arg().abs();
+    /// The number of the last mode one of whose multipliers is `z`, of this argument or minus that; `from` is where the last search
+    /// ended.
+    pub(crate) fn number(&self, z: C, argument: f64, from: &mut usize) -> Option<usize> {
         *from = partition_point_from(&self.0, *from, |mode| mode.argument < argument);
         let alike = self.0[*from..].iter().take_while(|mode| mode.argument == argument);
         let bits = |z: C| (z.re.to_bits(), z.im.abs().to_bits());

@@ -39,6 +39,10 @@ impl Analyser {
         if !question.thorough && self.secular.residues.all_positive(ratio) {
             return Ok(Verdict::on_circle(None));
         }
+        if question.thorough {
+            // All multipliers of a large ring take as much room again.
+            finder.give_back();
+        }
         self.secular.residues.complete(ratio)?;
         let found = self.secular.verdict();
         let modes = orbit.model().chain().even_modes();

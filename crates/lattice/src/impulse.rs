@@ -179,18 +179,31 @@ impl ImpulseResponse {
             self.squares.extend(self.shapes.evens(self.home, self.home));
         }
         let groups = self.modes.next_multiple_of(LANES);
-        self.frequencies.clear();
-        self.frequencies.extend_from_slice(spectrum.frequencies());
-        self.frequencies.resize(groups, 0.0);
-        self.weights.clear();
-        self.weights.extend_from_slice(spectrum.weights());
-        self.weights.resize(groups, 0.0);
+        let filled = [(&mut self.frequencies, spectrum.frequencies()), (&mut self.weights, spectrum.weights())];
+        for (list, values) in filled {
+            list.clear();
+            list.reserve_exact(groups);
+            list.extend_from_slice(values);
+            list.resize(groups, 0.0);
+        }
         // On a ring all modes are 1 at the site that they are even about.
         self.own.clear();
         self.own.extend(self.weights.iter().zip(&self.squares).map(|(weight, square)| weight * square));
         if !self.own.is_empty() {
             self.own.resize(groups, 0.0);
         }
+    }
+
+    /// Gives back the room of all modes; the response must be reset before it is used.
+    pub fn give_back(&mut self) {
+        let Self { squares, own, frequencies, weights, half_phase, sin_half, cos_half, .. } = self;
+        let Self { statics, at_impulse, at_half, scales, offsets, .. } = self;
+        let about_home = [squares, own, frequencies, weights, half_phase, sin_half, cos_half];
+        about_home
+            .into_iter()
+            .chain([statics, at_impulse, at_half, scales, offsets])
+            .for_each(|list| *list = Vec::new());
+        self.modes = 0;
     }
 
     /// What depends on each mode's frequency and weight, four modes at a time.
@@ -289,6 +302,11 @@ impl ImpulseResponse {
     /// b_k² of home.
     fn own_weights(&self) -> &[f64] {
         if self.own.is_empty() { &self.weights } else { &self.own }
+    }
+
+    /// The lattice.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
     }
 
     /// Number of masses.

@@ -3,6 +3,7 @@
 use crate::error::{MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, check};
 use crate::force::{Force, Wave};
 use crate::line::{Ends, Line};
+use crate::ring::KEPT;
 
 /// The most masses a ring may have; beyond it the work arrays would not fit a usual machine.
 pub const MAX_SITES: usize = 10_000_000;
@@ -180,6 +181,11 @@ impl Chain {
     /// Number of masses, of all layers together.
     pub fn sites(&self) -> usize {
         self.along.masses * self.across.masses
+    }
+
+    /// Few enough masses for sweeps: work spaces keep what could be worked out again. Large lattices have better use of memory.
+    pub fn is_kept(&self) -> bool {
+        self.sites() <= KEPT
     }
 
     /// Masses of one layer.

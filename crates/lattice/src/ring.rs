@@ -1,16 +1,18 @@
 //! cos(2πj/M): the shape of every mode of a ring.
 
+use std::sync::Arc;
+
 /// Table of cos(2πj/M), j = 0 … M−1, each right to the last digit or so: arguments are folded into the first
-/// octant in integers, so that no digit is lost for j near M.
+/// octant in integers, so that no digit is lost for j near M. Copies share it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RingCosines {
-    table: Vec<f64>,
+    table: Arc<[f64]>,
     /// 1 − cos(2πj/M) of a small ring.
-    defects: Vec<f64>,
+    defects: Arc<[f64]>,
 }
 
-/// Up to so many masses defects are kept: sweeps are of small rings, and large ones have better use of memory.
-const KEPT: usize = 4096;
+/// Up to so many masses what could be worked out again is kept: sweeps are of small rings, and large ones have better use of memory.
+pub(crate) const KEPT: usize = 4096;
 
 impl RingCosines {
     /// The table for a ring of `sites` masses.

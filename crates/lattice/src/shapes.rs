@@ -51,6 +51,11 @@ impl Shapes {
         self.along.line().masses >= LARGE_RING
     }
 
+    /// Gives back the work space of [`Shapes::add_all`], to be set up again when that is asked for.
+    pub fn give_back(&mut self) {
+        self.transform = None;
+    }
+
     fn is_ring(&self) -> bool {
         self.across.is_none() && self.along.line().ends == Ends::Closed
     }

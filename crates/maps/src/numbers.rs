@@ -108,6 +108,20 @@ impl Number {
     }
 }
 
+/// Writes numbers as [`Number::push_in_full`] does, each with a comma behind it.
+///
+/// ```
+/// let mut row = b"7,".to_vec();
+/// vibrochain_maps::numbers::push_row(&[0.5, -3.0, 1e-7], &mut row);
+/// assert_eq!(row, b"7,0.5,-3,0.0000001,");
+/// ```
+pub fn push_row(values: &[f64], row: &mut Vec<u8>) {
+    for value in values {
+        Number(*value).push_in_full(row);
+        row.push(b',');
+    }
+}
+
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.parts(&mut zmij::Buffer::new()).iter().try_for_each(|part| f.write_str(part))

@@ -92,10 +92,10 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Room for the masses of a chain.
-    pub(crate) fn vacant(chain: &Chain) -> Self {
+    /// Room for the masses of a chain, with its shapes.
+    pub(crate) fn vacant(chain: &Chain, shapes: Shapes) -> Self {
         Self {
-            shapes: Shapes::new(chain),
+            shapes,
             table: Vec::new(),
             table_of: (SmallVec::new(), 0),
             sums: Vec::new(),
@@ -121,9 +121,16 @@ impl Motion {
     /// [`BreatherError::Resonance`], which an orbit that exists has already passed.
     pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
         let response = ImpulseResponse::new(&Spectrum::new(*orbit.model().chain()), orbit.frequency())?;
-        let mut motion = Self::vacant(orbit.model().chain());
+        let mut motion = Self::vacant(orbit.model().chain(), response.shapes().clone());
         motion.load(orbit, &response);
         Ok(motion)
+    }
+
+    /// Gives back the room of all modes: the motion holds no orbit then.
+    pub(crate) fn give_back(&mut self) {
+        self.shapes.give_back();
+        (self.frequencies, self.states, self.now) = Default::default();
+        self.period = f64::NAN;
     }
 
     /// Number of masses.
@@ -262,15 +269,16 @@ impl Motion {
     }
 
     /// Displacement and velocity of all masses at the time last sought, as one complex number; in O(M log M) for a large ring.
-    pub(crate) fn all_sites(&mut self, out: &mut Vec<Complex<f64>>) {
-        out.clear();
-        out.extend((0..self.sites()).map(|n| {
+    pub(crate) fn all_sites(&mut self) -> Vec<Complex<f64>> {
+        let driven = |n: usize| {
             let force = self.driven(n);
             Complex::new(force.displacement, force.velocity)
-        }));
+        };
+        let mut all: Vec<_> = (0..self.sites()).map(driven).collect();
         for (modes, &source) in self.now.chunks_exact(self.frequencies.len().max(1)).zip(&self.sites) {
-            self.shapes.add_all(source, modes.iter().map(|now| Complex::new(now[0], now[1])), out);
+            self.shapes.add_all(source, modes.iter().map(|now| Complex::new(now[0], now[1])), &mut all);
         }
+        all
     }
 
     /// The mass at `site` at time `t` (any `t`; at an impact, just after it).
@@ -294,9 +302,7 @@ impl Motion {
     /// Displacements and velocities of all masses at time `t`; in O(M log M) for a large ring.
     pub fn state(&mut self, t: f64) -> (Vec<f64>, Vec<f64>) {
         self.at(0, t);
-        let mut all = Vec::new();
-        self.all_sites(&mut all);
-        all.into_iter().map(|value| (value.re, value.im)).unzip()
+        self.all_sites().into_iter().map(|value| (value.re, value.im)).unzip()
     }
 
     /// Moves just after impact `i`, where interval `i` starts; the state of `site` there, and v̈ from the equation of motion,

@@ -10,6 +10,8 @@ use std::ops::Range;
 
 use nalgebra::Complex;
 use smallvec::SmallVec;
+use vibrochain_breather::lanes::{TWO, ZERO, all, four};
+use wide::f64x4;
 
 /// Chebyshev nodes.
 pub(crate) const NODES: usize = 18;
@@ -138,15 +140,16 @@ impl Tree {
         (0.5 * (node.low + node.high), 0.5 * (node.high - node.low))
     }
 
-    /// The field of charges at the sorted `sources` of this tree on the leaves of `targets`, in order, one at a time.
-    pub(crate) fn fields<'a, const CHANNELS: usize>(
+    /// The field of charges at the sorted `sources` of this tree on the leaves of `targets`, in order, one at a time; each charge is
+    /// asked for once.
+    pub(crate) fn fields<'a, const CHANNELS: usize, Q: Fn(usize) -> [f64; CHANNELS]>(
         &self,
         sources: &[f64],
-        charges: &[[f64; CHANNELS]],
+        charge: Q,
         targets: &'a Tree,
-    ) -> impl Iterator<Item = Field<CHANNELS>> + use<'a, CHANNELS> {
+    ) -> impl Iterator<Item = Field<CHANNELS>> + use<'a, CHANNELS, Q> {
         let table = Interpolation::new();
-        let (mut locals, mut near) = self.across(&self.moments(&table, sources, charges), &table, targets);
+        let (mut locals, mut near) = self.across(&self.moments(&table, sources, charge), &table, targets);
         // Downwards.
         for index in 0..targets.nodes.len() {
             let Some((left, right)) = targets.nodes[index].children else { continue };
@@ -176,7 +179,7 @@ impl Tree {
         &self,
         table: &Interpolation,
         sources: &[f64],
-        charges: &[[f64; CHANNELS]],
+        charge: impl Fn(usize) -> [f64; CHANNELS],
     ) -> Vec<[Nodal; CHANNELS]> {
         let mut moments = vec![[[0.0; NODES]; CHANNELS]; self.nodes.len()];
         // Children come after their parents.
@@ -197,7 +200,7 @@ impl Tree {
                     }
                 }
             } else {
-                self.nodes[index].points.clone().for_each(|j| add(sources[j], charges[j]));
+                self.nodes[index].points.clone().for_each(|j| add(sources[j], charge(j)));
             }
             moments[index] = moment;
         }
@@ -260,13 +263,19 @@ pub(crate) fn series(coefficients: &Nodal, u: f64) -> f64 {
     u * a - b + coefficients[0]
 }
 
-/// Value of a Chebyshev series next to the real axis.
-pub(crate) fn complex_series(coefficients: &Nodal, u: Complex<f64>) -> Complex<f64> {
-    let (mut a, mut b) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
-    for c in coefficients.iter().skip(1).rev() {
-        (a, b) = (u * a * 2.0 - b + c, a);
+/// Values of up to four Chebyshev series next to the real axis, worked out together: each step waits for the one before.
+pub(crate) fn complex_series<const N: usize>(coefficients: [&Nodal; N], u: Complex<f64>) -> [Complex<f64>; N] {
+    let (re, im) = (all(u.re), all(u.im));
+    let times = |[x, y]: [f64x4; 2]| [re * x - im * y, re * y + im * x];
+    let order = |k: usize| four(std::array::from_fn(|i| coefficients.get(i).map_or(0.0, |series| series[k])));
+    let (mut a, mut b) = ([ZERO; 2], [ZERO; 2]);
+    for k in (1..NODES).rev() {
+        let [x, y] = times(a);
+        (a, b) = ([x * TWO - b[0] + order(k), y * TWO - b[1]], a);
     }
-    u * a - b + coefficients[0]
+    let [x, y] = times(a);
+    let (x, y) = ((x - b[0] + order(0)).to_array(), (y - b[1]).to_array());
+    std::array::from_fn(|i| Complex::new(x[i], y[i]))
 }
 
 /// Coefficients of a Chebyshev series' derivative.
@@ -312,7 +321,7 @@ mod tests {
             let (sources, targets) = (draw(count), draw(others));
             let charges: Vec<[f64; 2]> = (0..count).map(|_| [random.unit(), random.unit() - 0.5]).collect();
             let (from, to) = (Tree::new(&sources, false), Tree::new(&targets, true));
-            let fields: Vec<_> = from.fields(&sources, &charges, &to).collect();
+            let fields: Vec<_> = from.fields(&sources, |j| charges[j], &to).collect();
             assert_eq!(fields.iter().map(|field| field.targets.len()).sum::<usize>(), others);
             let mut near = 0;
             for field in &fields {
@@ -343,6 +352,10 @@ mod tests {
         let slope = derivative(&c);
         for u in [-1.0_f64, -0.3, 0.0, 0.7, 1.0] {
             assert!((series(&c, u) - (2.0 * u).exp()).abs() < 1e-13);
+            let [at, beside] = complex_series([&c, &slope], Complex::new(u, 0.1));
+            let expected = Complex::new(2.0 * u, 0.2).exp();
+            assert!((at - expected).norm() < 1e-12 && (beside - expected * 2.0).norm() < 1e-10, "{at} {beside}");
+            assert_eq!(complex_series([&c], Complex::new(u, 0.0)).map(|z| z.re), [series(&c, u)]);
             assert!((series(&slope, u) - 2.0 * (2.0 * u).exp()).abs() < 1e-11);
         }
     }

@@ -3,7 +3,7 @@
 
 use nalgebra::Complex;
 
-use super::cauchy::{Nodal, complex_series};
+use super::cauchy::complex_series;
 use super::leaf::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
 use super::pole::Angle;
 use super::search::inverse;
@@ -58,8 +58,7 @@ impl CircleForm {
     pub(crate) fn divide(&mut self) {
         self.whole.fill(self.poles.iter().map(CirclePole::source));
         let points: Vec<f64> = self.poles.iter().map(|pole| pole.at.d).collect();
-        let charges: Vec<_> = self.poles.iter().map(|pole| pole.source().charges).collect();
-        self.neighbourhoods = divide(&points, &charges);
+        self.neighbourhoods = divide(&points, |place| self.poles[place].source().charges);
     }
 
     /// f about the pole at `place`; from all poles one by one if `whole`.
@@ -88,11 +87,11 @@ impl NearCircle<'_> {
     /// ν − d, e^{−iθ} and sin θ at θ = φ + τ.
     pub(super) fn place(&self, tau: C) -> (C, C, C) {
         let half = tau * 0.5;
-        let (s, c) = (half.sin(), half.cos());
+        let (s, c) = sin_cos(half);
         let CirclePole { at: Angle { d, .. }, sine, .. } = *self.pole;
         let between = c * sine + s * d;
         let t = -(between * s) * 2.0;
-        let (sin, cos) = (tau.sin(), tau.cos());
+        let (sin, cos) = sin_cos(tau);
         (t, (-I * tau).exp() * C::new(d, -sine), cos * sine + sin * d)
     }
 
@@ -121,9 +120,10 @@ impl NearCircle<'_> {
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
         let sum = |i: usize| C::new(total(sums[i]), total(sums[i + 1]));
-        let far = |field: &Nodal| complex_series(field, self.scaled(t));
-        let (a, b) = (sum(0) + far(far_a), sum(2) + far(far_b));
-        let (a_slope, b_slope) = (far(far_a_slope) * scale - sum(4), far(far_b_slope) * scale - sum(6));
+        let [far_a, far_b, far_a_slope, far_b_slope] =
+            complex_series([far_a, far_b, far_a_slope, far_b_slope], self.scaled(t));
+        let (a, b) = (sum(0) + far_a, sum(2) + far_b);
+        let (a_slope, b_slope) = (far_a_slope * scale - sum(4), far_b_slope * scale - sum(6));
         let f = a - b * inverse + 1.0;
         (f, I * b * inverse - sine * (a_slope - b_slope * inverse))
     }
@@ -144,6 +144,12 @@ impl NearCircle<'_> {
         let rounding = 4.0 * f64::EPSILON * (1.0 + total(size)) + field_rounding * (1.0 + inverse.norm());
         (rounding, rounding + total(noise) + 2.0 * field_noise * (1.0 + inverse.norm()))
     }
+}
+
+/// Both at once, for what each takes alone.
+fn sin_cos(z: C) -> (C, C) {
+    let ((sin, cos), sinh, cosh) = (z.re.sin_cos(), z.im.sinh(), z.im.cosh());
+    (C::new(sin * cosh, cos * sinh), C::new(cos * cosh, -sin * sinh))
 }
 
 /// f, f′ and f″ in z over all poles.

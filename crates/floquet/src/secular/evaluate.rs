@@ -116,6 +116,7 @@ impl Local<'_> {
         let Some(origin) = self.origin else { return (value, slope) };
         let Leaf { scale, far: [[field, field_slope, _], _], .. } = self.leaf;
         let u = t * scale + origin;
-        (value + complex_series(field, u), slope + complex_series(field_slope, u) * scale)
+        let [far, far_slope] = complex_series([field, field_slope], u);
+        (value + far, slope + far_slope * scale)
     }
 }

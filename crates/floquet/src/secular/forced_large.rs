@@ -60,7 +60,7 @@ fn cauchy<const CHANNELS: usize>(
     charges: &[[f64; CHANNELS]],
 ) -> Result<Vec<[f64; CHANNELS]>, SecularError> {
     let mut out = vec![[0.0; CHANNELS]; sorted.len()];
-    for field in tree.fields(points, charges, tree) {
+    for field in tree.fields(points, |l| charges[l], tree) {
         for k in field.targets.clone() {
             let own = &sorted[k];
             // The kernel of the field is 1/(d_k−d_l).

@@ -379,6 +379,10 @@ impl ForcedSecular {
                 }
             }
         }
+        if form.is_large() {
+            // It takes as much room as all multipliers of the orbit.
+            *moved = SecularMultipliers::default();
+        }
         Ok(())
     }
 

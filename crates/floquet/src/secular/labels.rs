@@ -69,10 +69,10 @@ impl ModeLabels {
         if *conservative && z == Complex::new(1.0, 0.0) {
             return None;
         }
-        if let Some(mode) = spared.number(z, of_spared) {
+        let angle = z.arg().abs();
+        if let Some(mode) = spared.number(z, angle, of_spared) {
             return Some(mode);
         }
-        let angle = z.arg().abs();
         *of_felt = partition_point_from(angles, *of_felt, |(other, _)| *other < angle);
         let sides = [of_felt.checked_sub(1), Some(*of_felt)].into_iter().flatten().filter_map(|i| angles.get(i));
         sides.min_by(|a, b| (a.0 - angle).abs().total_cmp(&(b.0 - angle).abs())).map(|(_, mode)| *mode)

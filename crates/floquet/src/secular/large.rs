@@ -14,15 +14,15 @@ use super::{double_sided, single_sided};
 use vibrochain_breather::lanes::Lane;
 
 /// Sorted positions and the modes they belong to.
-fn sorted(count: usize, position: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<usize>) {
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_unstable_by(|&k, &l| position(k).total_cmp(&position(l)));
-    (order.iter().map(|&k| position(k)).collect(), order)
+fn sorted(count: usize, position: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<u32>) {
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    order.sort_unstable_by(|&k, &l| position(k as usize).total_cmp(&position(l as usize)));
+    (order.iter().map(|&k| position(k as usize)).collect(), order)
 }
 
-fn gather(near: &mut Modes, chosen: &mut Vec<usize>, modes: &Modes, order: &[usize], field: &Field<3>) {
+fn gather(near: &mut Modes, chosen: &mut Vec<usize>, modes: &Modes, order: &[u32], field: &Field<3>) {
     chosen.clear();
-    chosen.extend(field.near().map(|place| order[place]));
+    chosen.extend(field.near().map(|place| order[place] as usize));
     near.gather(modes, chosen);
 }
 
@@ -35,49 +35,40 @@ pub(crate) fn single_sided(modes: &Modes, poles: &mut Vec<Pole>) {
         let mode = modes.mode(k);
         (mode.cos - mode.sin) * (mode.cos + mode.sin)
     });
-    let charges: Vec<[f64; 3]> = order
-        .iter()
-        .map(|&k| {
-            let mode = modes.mode(k);
-            let w = mode.weight;
-            [w, w * mode.cos * mode.inverse, w * mode.cos * mode.sin_over]
-        })
-        .collect();
+    let charge = |place: usize| {
+        let mode = modes.mode(order[place] as usize);
+        let w = mode.weight;
+        [w, w * mode.cos * mode.inverse, w * mode.cos * mode.sin_over]
+    };
     let tree = Tree::new(&points, false);
     let (mut near, mut chosen) = (Modes::default(), Vec::new());
-    for field in tree.fields(&points, &charges, &tree) {
+    for field in tree.fields(&points, charge, &tree) {
         gather(&mut near, &mut chosen, modes, &order, &field);
         for place in field.targets.clone() {
-            let mode = modes.mode(order[place]);
+            let mode = modes.mode(order[place] as usize);
             let [a0, a1, a2] = field.at(points[place]);
             let far = mode.cos * (2.0 * mode.cos * a0 - mode.sin_over * a1 - mode.inverse * a2);
-            poles.push(single_sided::residue(order[place], &mode, &single_sided::sums(&near, &mode), far));
+            poles.push(single_sided::residue(order[place] as usize, &mode, &single_sided::sums(&near, &mode), far));
         }
     }
 }
 
 /// As [`double_sided::residues`].
 pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations, poles: &mut Vec<Pole>) {
-    poles.clear();
-    // And one at 1, perhaps.
-    poles.reserve_exact(modes.count() + 1);
     let (points, order) = sorted(modes.count(), |k| modes.mode(k).cos);
-    let charges: Vec<[f64; 3]> = order
-        .iter()
-        .map(|&k| {
-            let mode = modes.mode(k);
-            [mode.weight, mode.weight * mode.sin_over, mode.weight * mode.sin_times]
-        })
-        .collect();
+    let charge = |place: usize| {
+        let mode = modes.mode(order[place] as usize);
+        [mode.weight, mode.weight * mode.sin_over, mode.weight * mode.sin_times]
+    };
     let tree = Tree::new(&points, false);
     let (mut near, mut chosen, mut masked): (Modes, Vec<usize>, Vec<Lane>) = Default::default();
     let mut own = vec![double_sided::Own::default(); modes.count()];
-    for field in tree.fields(&points, &charges, &tree) {
+    for field in tree.fields(&points, charge, &tree) {
         gather(&mut near, &mut chosen, modes, &order, &field);
         masked.clear();
         masked.extend(near.groups().iter().map(|group| group.weight));
         for place in field.targets.clone() {
-            let k = order[place];
+            let k = order[place] as usize;
             let mode = modes.mode(k);
             let [b0, b1, b2] = field.at(points[place]);
             let mut sum = double_sided::sums(&near, &masked, &mode).0.total();
@@ -85,11 +76,14 @@ pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations,
             own[k] = sum;
         }
     }
+    poles.clear();
+    // And one at 1, perhaps.
+    poles.reserve_exact(modes.count() + 1);
     let (mirrored, images) = sorted(modes.count(), |k| -modes.mode(k).cos);
-    for field in tree.fields(&points, &charges, &Tree::new(&mirrored, false)) {
+    for field in tree.fields(&points, charge, &Tree::new(&mirrored, false)) {
         gather(&mut near, &mut chosen, modes, &order, &field);
         for place in field.targets.clone() {
-            let k = images[place];
+            let k = images[place] as usize;
             let mode = modes.mode(k);
             let mut far = field.at(mirrored[place]).map(|b| -b);
             masked.clear();

@@ -104,8 +104,8 @@ pub(crate) struct Neighbourhood<const N: usize> {
 }
 
 /// Divides poles, by their rising `points` d, into neighbourhoods.
-pub(super) fn divide<const N: usize>(points: &[f64], charges: &[[f64; N]]) -> Vec<Neighbourhood<N>> {
-    let total_error: f64 = charges.iter().map(|charges| charges[N - 1]).sum();
+pub(super) fn divide<const N: usize>(points: &[f64], charges: impl Fn(usize) -> [f64; N]) -> Vec<Neighbourhood<N>> {
+    let total_error: f64 = (0..points.len()).map(|place| charges(place)[N - 1]).sum();
     let (sources, targets) = (Tree::new(points, false), Tree::new(points, true));
     let neighbourhood = |field: Field<N>| {
         // Interpolation errs by 2e-14 of the kernels, which the sum of moduli overestimates rather than under.

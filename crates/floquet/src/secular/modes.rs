@@ -124,6 +124,11 @@ impl Modes {
         self.group_few();
     }
 
+    /// Gives back the room of all modes; their numbers stay.
+    pub(super) fn give_back(&mut self) {
+        self.list = Vec::new();
+    }
+
     fn clear(&mut self) {
         self.list.clear();
         self.numbers.clear();

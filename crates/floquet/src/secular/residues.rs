@@ -88,7 +88,11 @@ impl Residues {
     /// # Errors
     /// As [`Residues::replace`].
     pub(crate) fn complete(&mut self, ratio: Option<(f64, f64)>) -> Result<(), SecularError> {
-        self.work_out(ratio, None)
+        let done = self.work_out(ratio, None);
+        if self.count() > LARGE {
+            self.modes.give_back();
+        }
+        done
     }
 
     /// Takes over the modes alone; the ratio of the impulses of two instants, and its error, is left to tell
@@ -218,9 +222,9 @@ impl Residues {
         }
         self.certify()?;
         if large {
-            let charges: Vec<_> = self.table.iter().map(|pole| [pole.residue, pole.error]).collect();
             self.table = Vec::new();
-            self.neighbourhoods = divide(self.poles(), &charges);
+            let (residues, errors) = (self.residues(), self.errors());
+            self.neighbourhoods = divide(self.poles(), |place| [residues[place], errors[place]]);
         }
         Ok(())
     }

@@ -26,6 +26,7 @@ pub(crate) struct Roots {
     pub(crate) gaps: Vec<u32>,
     /// Where errors of residues decide between two real roots and a pair.
     pub(crate) touching: Vec<Touching>,
+    /// All ν and their errors, once they have been asked for.
     pub(crate) values: Vec<Complex<f64>>,
     pub(crate) errors: Vec<f64>,
     /// Which edition of the residues these are all roots of.

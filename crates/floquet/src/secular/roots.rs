@@ -50,7 +50,12 @@ impl Secular {
     /// ```
     pub fn roots(&mut self) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
         self.solve()?;
-        Ok((&self.roots.values, &self.roots.errors))
+        let Self { residues: form, roots, .. } = self;
+        if roots.values.is_empty() {
+            roots.values.extend(roots.list.iter().map(|root| form.nu(root.place, root.t).complex()));
+            roots.errors.extend(roots.list.iter().map(|root| root.error));
+        }
+        Ok((&roots.values, &roots.errors))
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), SecularError> {
@@ -70,6 +75,8 @@ impl Secular {
         let signs = form.residues();
         let large = !form.neighbourhoods.is_empty();
         let wanted = form.count().saturating_sub(1);
+        roots.list.reserve(wanted);
+        roots.gaps.reserve(wanted + 1);
         for gap in 0..wanted {
             roots.gaps.push(roots.list.len() as u32);
             let (left, right) = (signs[gap], signs[gap + 1]);
@@ -134,17 +141,13 @@ impl Secular {
         if roots.list.len() < wanted {
             seek(search, form, roots, suspects, wanted);
         }
-        for Root { place, t, error } in &roots.list {
-            roots.values.push(form.nu(*place, *t).complex());
-            roots.errors.push(*error);
-        }
-        let found = roots.values.len();
+        let found = roots.list.len();
         if found != wanted {
             return Err(SecularError::Incomplete { found, wanted });
         }
         // Σν is known: a root found twice and another missed would show.
-        let sum: f64 = roots.values.iter().map(|nu| nu.re).sum();
-        let slack: f64 = roots.errors.iter().sum::<f64>() + form.errors().iter().sum::<f64>();
+        let sum: f64 = roots.list.iter().map(|root| form.nu(root.place, root.t).complex().re).sum();
+        let slack: f64 = roots.list.iter().map(|root| root.error).sum::<f64>() + form.errors().iter().sum::<f64>();
         let size: f64 = signs.iter().map(|r| r.abs()).sum::<f64>() + if large { 1.0 } else { wanted as f64 };
         let defect = (sum - form.sum_of_roots()).abs();
         let allowed = 16.0 * (slack + f64::EPSILON * size);
