@@ -81,8 +81,12 @@ fn map(forcing: &str) -> Result<Scene, CliError> {
 
 /// Existence and stability of both families at every point of a map.
 fn all_cells(scene: &Scene, worker: &mut Worker) -> Vec<Cell> {
-    let cell = |number| scene.point(number).model().map_or(Cell::EMPTY, |model| worker.cell(&model, &scene.task));
-    (0..scene.cells()).map(cell).collect()
+    let mut cells = Vec::new();
+    scene.walk_models(0..scene.cells(), |model| {
+        cells.push(worker.cell(model, &scene.task));
+        true
+    });
+    cells
 }
 
 fn cells(forcing: &str) -> Result<String, CliError> {

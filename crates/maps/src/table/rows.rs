@@ -138,6 +138,10 @@ impl Table {
 
 /// Writes a count, without room on the heap.
 fn push_count(text: &mut Vec<u8>, count: u64) {
+    // As numbers of solutions are.
+    if count < 10 {
+        return text.push(b'0' + count as u8);
+    }
     // As many digits as the largest has.
     let mut digits = [0; 20];
     let (mut first, mut rest) = (digits.len(), count);
