@@ -125,6 +125,9 @@ pub trait Number:
 
     /// The larger one.
     fn at_least(self, other: Self) -> Self;
+
+    /// The one number, or the sum of the four as [`total`] has it.
+    fn sum(self) -> f64;
 }
 
 impl Number for f64 {
@@ -142,6 +145,11 @@ impl Number for f64 {
     fn at_least(self, other: Self) -> Self {
         self.max(other)
     }
+
+    #[inline]
+    fn sum(self) -> f64 {
+        self
+    }
 }
 
 impl Number for f64x4 {
@@ -158,6 +166,11 @@ impl Number for f64x4 {
     #[inline]
     fn at_least(self, other: Self) -> Self {
         self.max(other)
+    }
+
+    #[inline]
+    fn sum(self) -> f64 {
+        total(self)
     }
 }
 

@@ -46,8 +46,12 @@ impl Analyser {
         self.secular.residues.complete(ratio)?;
         let found = self.secular.verdict();
         let modes = orbit.model().chain().even_modes();
-        let settles = !question.thorough && modes > SOON_DONE;
-        let doubtful = |growth, error| settles && check(growth, error, question).is_err();
+        let imprecise = |growth, error| !question.thorough && check(growth, error, question).is_err();
+        let found = found.map(|verdict| match imprecise(verdict.growth, verdict.growth_error) {
+            true => self.secular.settled(verdict, orbit.period()),
+            false => verdict,
+        });
+        let doubtful = |growth, error| modes > SOON_DONE && imprecise(growth, error);
         let open = match &found {
             Ok(verdict) => verdict.outcome == Standing::Marginal || doubtful(verdict.growth, verdict.growth_error),
             Err(SecularError::Imprecise { growth, growth_error }) if doubtful(*growth, *growth_error) => true,
@@ -92,10 +96,15 @@ impl Analyser {
             return Some(Verdict::on_circle(None));
         }
         self.secular.residues.complete(ratio).ok()?;
-        let found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Marginal)?;
-        let precise = found.outcome == Standing::Stable
-            || is_precise(found.growth, found.growth_error, model.chain().even_modes(), WORST_OF_SWEEP);
-        let verdict = told(&found, tolerance);
+        let mut found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Marginal)?;
+        let is_precise = |found: &SecularVerdict| {
+            found.outcome == Standing::Stable
+                || is_precise(found.growth, found.growth_error, model.chain().even_modes(), WORST_OF_SWEEP)
+        };
+        if !is_precise(&found) {
+            found = self.secular.settled(found, sketch.response().period());
+        }
+        let (verdict, precise) = (told(&found, tolerance), is_precise(&found));
         // Of an orbit without asymmetry this may be a pitchfork.
         let open = verdict.mechanism == Some(Mechanism::PlusOne) && model.asymmetry() == 0.0;
         Some(verdict).filter(|_| precise && !open)

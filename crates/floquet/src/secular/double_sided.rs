@@ -45,26 +45,30 @@ pub(crate) struct Saltations {
 impl Saltations {
     /// From the ratio X = P₁/P₀ and its relative error.
     pub(crate) fn new(modes: &Modes, ratio: f64, ratio_error: f64) -> Self {
-        Self::of(modes.list().iter().map(|mode| (mode, mode.cos, 1.0)), ratio, ratio_error)
+        Self::of(modes.list().iter().map(|mode| (*mode, mode.cos, 1.0)), ratio, ratio_error)
+    }
+
+    /// The same, four modes at a time.
+    pub(super) fn by_fours(modes: &Modes, ratio: f64, ratio_error: f64) -> Self {
+        let terms = modes.groups().iter().map(|group| (group.four(), four(group.cos), ONE));
+        Self::of(terms, ratio, ratio_error)
     }
 
     /// From the parts of each mode in p and q, times x/b²: κ'₀ is p + Xq, κ'₁ is p + q/X.
-    pub(super) fn of<'a>(terms: impl Iterator<Item = (&'a Mode, f64, f64)>, ratio: f64, ratio_error: f64) -> Self {
-        let off = ratio_error / f64::EPSILON;
+    #[inline(always)]
+    pub(super) fn of<T: Number>(terms: impl Iterator<Item = (Mode<T>, T, T)>, ratio: f64, ratio_error: f64) -> Self {
+        let off = T::of(ratio_error / f64::EPSILON);
         let chi = 0.5 * (ratio + 1.0 / ratio);
-        let (mut half_kappa, mut kappa0, mut kappa1) = (0.0, 0.0, 0.0);
-        let (mut half_kappa_error, mut kappa0_error, mut kappa1_error) = (0.0, 0.0, 0.0);
-        let (size_of_ratio, size_of_inverse) = (ratio.abs(), (1.0 / ratio).abs());
-        for (&Mode { weight, inverse, relative, .. }, p, q) in terms {
+        let mut sums = [T::default(); 6];
+        for (Mode { weight, inverse, relative, .. }, p, q) in terms {
             let stiffness = weight * inverse;
-            half_kappa += stiffness * (p + chi * q);
-            kappa0 += stiffness * (p + ratio * q);
-            kappa1 += stiffness * (p + 1.0 / ratio * q);
-            let (size, own) = (stiffness.abs(), relative + 4.0);
-            half_kappa_error += size * (own * p.abs() + (own + off) * chi.abs());
-            kappa0_error += size * (own * p.abs() + (own + off) * size_of_ratio);
-            kappa1_error += size * (own * p.abs() + (own + off) * size_of_inverse);
+            let (size, own) = (stiffness.modulus(), relative + T::of(4.0));
+            for (i, factor) in [chi, ratio, 1.0 / ratio].into_iter().enumerate() {
+                sums[i] = sums[i] + stiffness * (p + q * factor);
+                sums[i + 3] = sums[i + 3] + size * (own * p.modulus() + (own + off) * factor.abs());
+            }
         }
+        let [half_kappa, kappa0, kappa1, half_kappa_error, kappa0_error, kappa1_error] = sums.map(T::sum);
         let lambda = kappa0 * kappa1;
         let lambda_error = kappa0.abs() * kappa1_error + kappa1.abs() * kappa0_error;
         Self { half_kappa, half_kappa_error, lambda, lambda_error }
@@ -327,26 +331,27 @@ pub(crate) fn residues(modes: &Modes, saltations: &Saltations, masked: &mut Vec<
     for (i, (group, list)) in modes.groups().iter().zip(modes.list().chunks(4)).enumerate() {
         let (mut own, mut mirror) = ([Own::default(); 4], [Mirror::default(); 4]);
         for (j, mode) in list.iter().enumerate() {
-            masked[i][j] = 0.0;
+            // Written as a whole, as it is read: the processor need not wait for a part of it.
+            let others = f64x4::from(std::array::from_fn(|lane| if lane == j { 0.0 } else { 1.0 }));
+            masked[i] = (four(group.weight) * others).to_array();
             (own[j], mirror[j]) = sums(modes, masked, mode);
-            masked[i][j] = mode.weight;
         }
+        masked[i] = group.weight;
         let group = group.four();
         let (residue, error) = residue(&group, group.weight, saltations, &Own::totals(&own), &Mirror::totals(&mirror));
         Pole::push_group(poles, 4 * i, list.len(), &group, residue, error);
     }
 }
 
-/// Σ R_k d_k from the asymptotics of f at infinity.
-pub(crate) fn trace(modes: &Modes, saltations: &Saltations) -> f64 {
-    let (mut m1, mut m2, mut g1, mut g2, mut h1) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for &Mode { weight: w, cos: c, sin_over: x, sin_times: y, .. } in modes.list() {
-        m1 += w * c;
-        m2 += w * c * c;
-        g1 += w * x;
-        g2 += w * x * c;
-        h1 += w * y;
+/// Σ R_k d_k from the asymptotics of f at infinity, of all modes, one or four at a time.
+#[inline(always)]
+pub(crate) fn trace<T: Number>(modes: impl Iterator<Item = Mode<T>>, saltations: &Saltations) -> f64 {
+    let mut sums = [T::default(); 5];
+    for Mode { weight: w, cos: c, sin_over: x, sin_times: y, .. } in modes {
+        let terms = [w * c, w * c * c, w * x, w * x * c, w * y];
+        (0..5).for_each(|i| sums[i] = sums[i] + terms[i]);
     }
+    let [m1, m2, g1, g2, h1] = sums.map(T::sum);
     // Q = 1 + α/ρ + β/ρ² + …, g̃ = g₁/ρ + g₂/ρ² + …, 1/ρ² = 2/ν + …
     let (alpha, beta) = (2.0 * m1, m1 * m1 + 2.0 * m2 - 1.0 + g1 * h1);
     let Saltations { half_kappa, lambda, .. } = *saltations;

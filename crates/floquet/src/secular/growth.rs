@@ -47,7 +47,8 @@ impl Nu {
 
     /// How much an error of ν moves the growth: |dμ/dν| = |μ|/|√(ν²−1)|; a root within the error of ±1 like a square root.
     pub(crate) fn growth_error(&self, growth: f64, error: f64) -> f64 {
-        let square = self.below.hypot(self.im) * self.above.hypot(self.im);
+        let from = |end: f64| modulus(Complex::new(end, self.im));
+        let square = from(self.below) * from(self.above);
         let reach = if square > 2.0 * error { error / square.sqrt() } else { (2.0 * error).sqrt() };
         (1.0 + growth) * reach + 4.0 * f64::EPSILON * growth
     }

@@ -17,6 +17,7 @@
 //! | `impact_matrix` | K̂: what all of them are the determinant of |
 //! | `other_modes`, `four_poles` | K̂ at the poles, and its residues there |
 //! | `settle` | a multiplier settled by the impacts' own equations, and its error |
+//! | `settled` | a leading multiplier of two instants settled by the secular function itself |
 //! | `meetings` | which multipliers of elastic impacts may have met on the circle |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
@@ -68,6 +69,7 @@ mod root;
 mod roots;
 mod search;
 mod settle;
+mod settled;
 mod shapes;
 mod single_sided;
 mod verdict;

@@ -67,6 +67,8 @@ pub(super) const LARGE: usize = 256;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
     list: Vec<Mode>,
+    /// How many there are of which none is listed yet, see [`Modes::set_in_fours`].
+    unlisted: usize,
     /// Their numbers in the set they were weighed from, if these are others than their places.
     numbers: Vec<u32>,
     /// Relative errors of their weights, if these are no ring's.
@@ -80,21 +82,45 @@ pub(crate) struct Modes {
 impl Modes {
     /// Takes over the modes of an impulse response.
     pub(crate) fn set(&mut self, response: &ImpulseResponse) {
+        self.set_in_fours(response);
+        self.make_list();
+    }
+
+    /// The same, of no more than [`LARGE`] modes in groups of four alone, until they are listed.
+    pub(crate) fn set_in_fours(&mut self, response: &ImpulseResponse) {
         let half = 0.5 * response.period();
-        let modes = response.modes();
-        self.numbers.clear();
-        self.blurs.clear();
-        // What is there is written over in its place.
-        self.list.resize(modes, PAD);
-        self.groups.resize(if modes <= LARGE { modes.div_ceil(LANES) } else { 0 }, PADS);
-        for (i, (some, swings)) in self.list.chunks_mut(LANES).zip(response.swings_in_fours()).enumerate() {
-            let [frequency, weight, cos, sin] = swings.map(four);
-            let four = Mode::four_of(frequency, weight, (cos, sin), half).lanes();
-            some.iter_mut().enumerate().for_each(|(j, mode)| four.write(j, mode));
-            if let Some(group) = self.groups.get_mut(i) {
-                *group = four;
-                (some.len()..LANES).for_each(|j| group.put(j, &PAD));
+        let fours = response.swings_in_fours().map(
+            #[inline(always)]
+            |swings| {
+                let [frequency, weight, cos, sin] = swings.map(four);
+                Mode::four_of(frequency, weight, (cos, sin), half).lanes()
+            },
+        );
+        self.clear();
+        let count = response.modes();
+        if count > LARGE {
+            self.groups.clear();
+            self.list.resize(count, PAD);
+            for (some, four) in self.list.chunks_mut(LANES).zip(fours) {
+                some.iter_mut().enumerate().for_each(|(j, mode)| four.write(j, mode));
             }
+            return;
+        }
+        self.unlisted = count;
+        // What is there is written over in its place.
+        self.groups.resize(count.div_ceil(LANES), PADS);
+        self.groups.iter_mut().zip(fours).for_each(|(group, four)| *group = four);
+        if let Some(last) = self.groups.last_mut() {
+            (count..count.next_multiple_of(LANES)).for_each(|k| last.put(k % LANES, &PAD));
+        }
+    }
+
+    /// Lists them one by one, if that is not done.
+    pub(crate) fn make_list(&mut self) {
+        let count = std::mem::take(&mut self.unlisted);
+        self.list.resize(self.list.len().max(count), PAD);
+        for (some, four) in self.list.chunks_mut(LANES).zip(&self.groups).take(count.div_ceil(LANES)) {
+            some.iter_mut().enumerate().for_each(|(j, mode)| four.write(j, mode));
         }
     }
 
@@ -131,6 +157,7 @@ impl Modes {
 
     fn clear(&mut self) {
         self.list.clear();
+        self.unlisted = 0;
         self.numbers.clear();
         self.blurs.clear();
     }
@@ -196,11 +223,12 @@ impl Modes {
 
     /// Number of modes.
     pub(crate) fn count(&self) -> usize {
-        self.list.len()
+        self.list.len().max(self.unlisted)
     }
 
     /// All of them.
     pub(crate) fn list(&self) -> &[Mode] {
+        debug_assert_eq!(self.unlisted, 0, "modes that are in groups alone");
         &self.list
     }
 
@@ -213,7 +241,7 @@ impl Modes {
     /// All of them, four at a time; of a whole lattice none if there are more than [`LARGE`].
     #[inline(always)]
     pub(crate) fn groups(&self) -> &[Mode<Lane>] {
-        debug_assert_eq!(self.groups.len(), self.list.len().div_ceil(4), "modes that were left out of the groups");
+        debug_assert_eq!(self.groups.len(), self.count().div_ceil(4), "modes that were left out of the groups");
         &self.groups
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use super::evaluate::Local;
+use super::growth::modulus;
 use super::residues::Residues;
 use vibrochain_breather::lanes::Lane;
 
@@ -55,10 +56,10 @@ pub(crate) fn from_suspects(
         let local = form.about(scratch);
         let found = newton(local, start, weight);
         let Some((t, slope)) = found else { continue };
-        if pairs.iter().any(|pair| from(pair, t).norm() < 1e-6 * t.im) {
+        if pairs.iter().any(|pair| modulus(from(pair, t)) < 1e-6 * t.im) {
             continue;
         }
-        let error = local.noise(t) / slope.norm();
+        let error = local.noise(t) / modulus(slope);
         pairs.push(Pair { place, t, error });
     }
 }
@@ -70,7 +71,7 @@ fn newton(
     start: Complex<f64>,
     weight: impl Fn(Complex<f64>) -> Complex<f64>,
 ) -> Option<(Complex<f64>, Complex<f64>)> {
-    let mut t = start;
+    let (mut t, size) = (start, modulus(start));
     for _ in 0..40 {
         let (value, slope) = local.complex(t);
         let step = (slope / value + weight(t)).inv();
@@ -82,7 +83,7 @@ fn newton(
             // The last step was quadratic: its successor is below rounding.
             return Some((Complex::new(t.re, t.im.abs()), slope));
         }
-        if t.im.abs() < 1e-16 * start.norm() {
+        if t.im.abs() < 1e-16 * size {
             return None;
         }
     }

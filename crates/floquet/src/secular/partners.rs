@@ -5,13 +5,13 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_breather::{Impact, Orbit, Prepared};
 use vibrochain_lattice::Chain;
 
-use super::double_sided::{Saltations, settle};
+use super::double_sided::Saltations;
 use super::error::SecularError;
 use super::foreign::Foreign;
-use super::growth::Nu;
 use super::in_turns;
 use super::modes::{Mode, Modes};
-use super::verdict::{Reason, Secular, SecularVerdict, Standing};
+use super::settled::{BY_ROOT, settled};
+use super::verdict::{Secular, SecularVerdict};
 
 /// How far, relatively, impulses of the two sites may be from each other: rounding next to a resonance is below that.
 const ALIKE: f64 = 1e-10;
@@ -157,7 +157,7 @@ impl Partners {
             (Exchange::InTurns, Some((ratio, error))) => {
                 let terms = modes.list().iter().zip(squares.iter().zip(signed));
                 let terms =
-                    terms.map(|(mode, (square, shape))| (mode, mode.cos * square + shape, square + shape * mode.cos));
+                    terms.map(|(mode, (square, shape))| (*mode, mode.cos * square + shape, square + shape * mode.cos));
                 let saltations = Saltations::of(terms, ratio, error);
                 for (modes_of, eta) in self.parities.iter_mut().zip([1.0, -1.0]) {
                     let part = |k: usize| Some(squares[k] + eta * signed[k]).filter(|part| !Modes::is_spared(*part));
@@ -180,11 +180,8 @@ impl Partners {
             Some(Exchange::AtOnce(_)) => {
                 let verdicts = [self.own.verdict()?, self.other.verdict()?];
                 let blocks = [&self.own, &self.other].map(|block| block.residues.modes());
-                // ρ² = (1 + ν)/2
                 return Ok((verdicts.iter().zip(blocks))
-                    .map(|(verdict, modes)| {
-                        self.settled(verdict, [modes; 2], [|nu| ((nu + 1.0) * 0.5).sqrt(), |rho| rho * rho * 2.0 - 1.0])
-                    })
+                    .map(|(verdict, modes)| self.settled(verdict, [modes; 2], BY_ROOT))
                     .collect());
             }
             None => return Ok(smallvec![self.own.verdict()?]),
@@ -201,25 +198,9 @@ impl Partners {
     /// A verdict of two instants whose multiplier close poles leave imprecise, from f itself; `ways` lead from ν to ρ and back.
     fn settled(&self, verdict: &SecularVerdict, parities: [&Modes; 2], ways: [fn(C) -> C; 2]) -> SecularVerdict {
         let precise = verdict.growth_error <= PRECISE * (1.0 + verdict.growth);
-        let (Some(saltations), Some(leading), false) = (&self.saltations, verdict.leading, precise) else {
-            return *verdict;
-        };
-        let start = (leading + leading.inv()) * 0.5;
-        let Some((rho, error)) = settle(parities, saltations, self.period, ways[0](start)) else { return *verdict };
-        let mut nu = ways[1](rho);
-        if verdict.reason == Reason::RealRoot {
-            nu.im = 0.0;
-        }
-        // The slope of the way back is 1, or 4ρ.
-        let (nu, reach) = (Nu::of(nu), 4.0 * error * rho.norm().max(1.0));
-        let growth = nu.growth();
-        let growth_error = nu.growth_error(growth, reach);
-        let same = (growth - verdict.growth).abs() <= verdict.growth_error && growth_error < growth;
-        if verdict.outcome == Standing::Unstable && same && growth_error < verdict.growth_error {
-            let [leading, _] = nu.multipliers();
-            SecularVerdict { leading: Some(leading), growth, growth_error, ..*verdict }
-        } else {
-            *verdict
+        match &self.saltations {
+            Some(saltations) if !precise => settled(verdict, saltations, parities, self.period, ways),
+            _ => *verdict,
         }
     }
 

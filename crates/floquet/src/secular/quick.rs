@@ -17,7 +17,7 @@ use wide::f64x4;
 use super::double_sided::{self, Mirror, Own, Saltations};
 use super::modes::{Mode, Modes};
 use super::single_sided;
-use vibrochain_breather::lanes::{LANES, Lane, ONE, TWO, ZERO, all, four};
+use vibrochain_breather::lanes::{LANES, Lane, ONE, TWO, ZERO, all};
 
 /// A residue must exceed its bound this many times: so the mended one of `residues` does, too.
 const ROOM: f64 = 4.0;
@@ -27,6 +27,20 @@ const MOST_DOUBT: f64 = 1e-8;
 
 /// 1 in the place of each of four modes.
 const ITSELF: [Lane; LANES] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+/// One of four modes.
+struct One<'a> {
+    four: &'a Mode<Lane>,
+    place: usize,
+}
+
+impl One<'_> {
+    /// One of its numbers, four times.
+    #[inline(always)]
+    fn all(&self, number: impl Fn(&Mode<Lane>) -> &Lane) -> f64x4 {
+        all(number(self.four)[self.place])
+    }
+}
 
 /// Four modes, the place of their group, and the largest errors S and R of all.
 struct Four<'a> {
@@ -54,7 +68,7 @@ pub(super) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
         return false;
     }
     let [shift, relative] = [shift, relative].map(|four| all(four.to_array().into_iter().fold(0.0, f64::max)));
-    let saltations = ratio.map(|(ratio, error)| Saltations::new(modes, ratio, error));
+    let saltations = ratio.map(|(ratio, error)| Saltations::by_fours(modes, ratio, error));
     let (mut sum, mut trace, mut doubt) = (ZERO, ZERO, ZERO);
     for (place, group) in modes.groups().iter().enumerate() {
         let group = group.four();
@@ -75,24 +89,31 @@ pub(super) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
         doubt += error;
     }
     let [sum, trace, doubt] = [sum, trace, doubt].map(vibrochain_breather::lanes::total);
+    let fours = modes.groups().iter().map(Mode::four);
     let expected = match &saltations {
-        Some(saltations) => double_sided::trace(modes, saltations),
-        None => single_sided::trace(modes, 0.0),
+        Some(saltations) => double_sided::trace(fours, saltations),
+        None => single_sided::trace(fours, 0.0),
     };
-    // What the sums of `residues` may be off whatever the errors.
-    let allowed = 16.0 * f64::EPSILON * (2.0 + expected.abs());
+    // As in `residues`.
+    let allowed = 16.0 * (doubt + f64::EPSILON * (2.0 + expected.abs()));
     (sum - 1.0).abs() <= allowed && (trace - expected).abs() <= allowed && doubt < MOST_DOUBT
 }
 
 impl Four<'_> {
     /// Shows all modes, one after the other; those that are one of the four with 1 in their own place.
     #[inline(always)]
-    fn others(&self, mut add: impl FnMut(&Mode, Option<f64x4>)) {
-        let (before, rest) = self.modes.list().split_at(LANES * self.place);
-        let (own, after) = rest.split_at(LANES.min(rest.len()));
-        before.iter().for_each(|mode| add(mode, None));
-        own.iter().zip(&ITSELF).for_each(|(mode, itself)| add(mode, Some(four(*itself))));
-        after.iter().for_each(|mode| add(mode, None));
+    fn others(&self, mut add: impl FnMut(One<'_>, Option<f64x4>)) {
+        for (i, four) in self.modes.groups().iter().enumerate() {
+            let count = self.modes.count() - LANES * i;
+            if i == self.place {
+                let own = ITSELF.iter().take(count).enumerate();
+                own.for_each(|(place, itself)| add(One { four, place }, Some(f64x4::from(*itself))));
+            } else if count >= LANES {
+                (0..LANES).for_each(|place| add(One { four, place }, None));
+            } else {
+                (0..count).for_each(|place| add(One { four, place }, None));
+            }
+        }
     }
 
     /// The bound of a sum's relative error, by the largest inverse distance.
@@ -110,19 +131,19 @@ impl Four<'_> {
         self.others(
             #[inline(always)]
             |other, itself| {
-                let (w, x) = (all(other.weight), all(other.sin_over));
-                let (sum, minus) = (cos + all(other.cos), cos - all(other.cos));
-                let spread = frequency - all(other.frequency);
+                let (w, x, c) = (other.all(|o| &o.weight), other.all(|o| &o.sin_over), other.all(|o| &o.cos));
+                let (sum, minus) = (cos + c, cos - c);
+                let spread = frequency - other.all(|o| &o.frequency);
                 let product = minus * sum;
                 let inverse = ONE / itself.map_or(product, |itself| product + itself);
                 let of_difference = w * sum * inverse;
-                let turned = (all(other.sin) - sin) * of_difference;
+                let turned = (other.all(|o| &o.sin) - sin) * of_difference;
                 let swung = x * spread * spread * of_difference;
                 let pole = itself.map_or(w, |itself| w - w * itself) * minus * inverse;
                 let in_g = x * pole;
                 (direct, bent) = (direct + turned, bent + swung);
                 (direct_size, bent_size) = (direct_size + turned.abs(), bent_size + swung.abs());
-                (sigma, g, h) = (sigma + pole, g + in_g, h + all(other.sin_times) * pole);
+                (sigma, g, h) = (sigma + pole, g + in_g, h + other.all(|o| &o.sin_times) * pole);
                 (sigma_size, g_size) = (sigma_size + pole.abs(), g_size + in_g.abs());
                 nearest = nearest.fast_max(inverse.abs());
             },
@@ -145,13 +166,13 @@ impl Four<'_> {
         self.others(
             #[inline(always)]
             |other, itself| {
-                let c = all(other.cos);
-                let (minus, spread) = (cos - c, sin_over - all(other.sin_over));
+                let c = other.all(|o| &o.cos);
+                let (minus, spread) = (cos - c, sin_over - other.all(|o| &o.sin_over));
                 let product = TWO * minus * (cos + c);
                 let inverse = ONE / itself.map_or(product, |itself| product + itself);
-                let weighed = all(other.weight) * inverse;
+                let weighed = other.all(|o| &o.weight) * inverse;
                 let turned = weighed * minus;
-                let swung = weighed * all(other.cos * other.inverse) * spread * spread;
+                let swung = weighed * (c * other.all(|o| &o.inverse)) * spread * spread;
                 (straight, bent) = (straight + turned, bent + swung);
                 (straight_size, bent_size) = (straight_size + turned.abs(), bent_size + swung.abs());
                 nearest = nearest.fast_max(inverse.abs());

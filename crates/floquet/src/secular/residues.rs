@@ -45,6 +45,8 @@ const MOST_DOUBT: f64 = 1e-3;
 #[derive(Debug, Clone, Default)]
 pub struct Residues {
     modes: Modes,
+    /// Of two instants whose modes are kept.
+    saltations: Option<double_sided::Saltations>,
     masked: Vec<Lane>,
     /// Poles before they stand in the lists below: work space, which large rings give back.
     table: Vec<Pole>,
@@ -88,6 +90,7 @@ impl Residues {
     /// # Errors
     /// As [`Residues::replace`].
     pub(crate) fn complete(&mut self, ratio: Option<(f64, f64)>) -> Result<(), SecularError> {
+        self.modes.make_list();
         let done = self.work_out(ratio, None);
         if self.count() > LARGE {
             self.modes.give_back();
@@ -116,9 +119,9 @@ impl Residues {
         Ok(ratio)
     }
 
-    /// Takes over the modes of a ring.
+    /// Takes over the modes of a ring, as [`Residues::take_over`] does.
     pub(crate) fn take_over_ring(&mut self, response: &ImpulseResponse) {
-        self.modes.set(response);
+        self.modes.set_in_fours(response);
     }
 
     /// Whether all residues of the modes taken over are surely positive, so that nothing can collide. No is no answer.
@@ -135,6 +138,11 @@ impl Residues {
         &self.modes
     }
 
+    /// K and Λ, if there are two instants, of up to [`LARGE`] modes.
+    pub(super) fn saltations(&self) -> Option<&double_sided::Saltations> {
+        self.saltations.as_ref()
+    }
+
     /// Poles and residues of the modes taken over, for one instant or two with this ratio of impulses and its error; `foreign` if these
     /// are not the modes in which the orbit swings.
     pub(super) fn work_out(
@@ -143,6 +151,7 @@ impl Residues {
         foreign: Option<&Foreign<'_>>,
     ) -> Result<(), SecularError> {
         let large = self.modes.count() > LARGE;
+        self.saltations = None;
         let pole_at_one = match ratio {
             None => {
                 if large {
@@ -150,7 +159,8 @@ impl Residues {
                 } else {
                     single_sided::residues(&self.modes, &mut self.table);
                 }
-                self.expected_trace = single_sided::trace(&self.modes, foreign.map_or(0.0, Foreign::offset));
+                self.expected_trace =
+                    single_sided::trace(self.modes.list().iter().copied(), foreign.map_or(0.0, Foreign::offset));
                 foreign.map(|foreign| foreign.single_sided(&self.modes, &mut self.table))
             }
             Some((ratio, ratio_error)) => {
@@ -161,7 +171,8 @@ impl Residues {
                 } else {
                     double_sided::residues(&self.modes, &saltations, &mut self.masked, &mut self.table);
                 }
-                self.expected_trace = double_sided::trace(&self.modes, &saltations);
+                self.saltations = Some(saltations).filter(|_| !large);
+                self.expected_trace = double_sided::trace(self.modes.list().iter().copied(), &saltations);
                 foreign.map(|foreign| foreign.double_sided(&self.modes, ratio, ratio_error))
             }
         };

@@ -19,7 +19,7 @@
 
 use super::modes::{Mode, Modes};
 use super::pole::Pole;
-use vibrochain_breather::lanes::{ONE, SMALL, TWO, ZERO, all, total};
+use vibrochain_breather::lanes::{Number, ONE, SMALL, TWO, ZERO, all, total};
 
 /// What the residue of one mode needs of others.
 #[derive(Debug, Clone, Copy, Default)]
@@ -87,13 +87,15 @@ pub(crate) fn residues(modes: &Modes, poles: &mut Vec<Pole>) {
     }
 }
 
-/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1. 2κ' is Σb²c/x less `offset`.
-pub(crate) fn trace(modes: &Modes, offset: f64) -> f64 {
-    let (mut mean, mut coupling, mut stiffness) = (0.0, 0.0, -offset);
-    for &Mode { weight: w, cos: c, sin: s, sin_over: x, .. } in modes.list() {
-        mean += w * (c * c - s * s);
-        coupling += 2.0 * w * x * c;
-        stiffness += w * c / x;
+/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1, of all modes, one or four at a time. 2κ' is Σb²c/x less
+/// `offset`.
+#[inline(always)]
+pub(crate) fn trace<T: Number>(modes: impl Iterator<Item = Mode<T>>, offset: f64) -> f64 {
+    let mut sums = [T::default(); 3];
+    for Mode { weight: w, cos: c, sin: s, sin_over: x, .. } in modes {
+        let terms = [w * (c * c - s * s), w * x * c * 2.0, w * c / x];
+        (0..3).for_each(|i| sums[i] = sums[i] + terms[i]);
     }
-    1.0 + 2.0 * mean - stiffness * coupling
+    let [mean, coupling, stiffness] = sums.map(T::sum);
+    1.0 + 2.0 * mean - (stiffness - offset) * coupling
 }
