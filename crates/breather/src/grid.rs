@@ -30,9 +30,6 @@ const MOST: usize = 24;
 /// Modes at most: a node takes the square of their number in steps, a window only twenty times their number.
 pub(crate) const MOST_MODES: usize = 48;
 
-/// Place of mass 0 in a row that begins with its left neighbour.
-const FIRST: usize = 1;
-
 /// The modes of a ring in the flight that begins with the first impact of an orbit of one site.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Flight<'a> {
@@ -116,13 +113,10 @@ impl Grid {
         let turns = self.turns::<G>();
         let [mut u, mut w] = flight.start.map(row::<G>);
         let last = watched.sites().len() - 1;
-        let (left, right) = (FIRST + watched.left()[0], FIRST + watched.right()[last]);
+        // Two masses may have neighbours that are not next to them in a row.
+        let ends = [0, last].map(|mass| (mass, watched.left()[mass], watched.right()[mass]));
         let (gamma1, gamma2) = flight.stiffnesses;
-        let (own, side) = (f64x4::splat(-(gamma1 + 2.0 * gamma2)), f64x4::splat(gamma2));
-        let infinite = f64x4::splat(f64::INFINITY);
-        let (mut low, mut high, mut top) = ([infinite; G], [-infinite; G], [f64x4::ZERO; G]);
-        // The masses of a node with a neighbour before and after them.
-        let mut row = [0.0; MOST_MODES + LANES];
+        let (own, side) = (-(gamma1 + 2.0 * gamma2), gamma2);
         let shapes = flight.shapes.as_chunks::<G>().0;
         let states = rows_mut::<G>(&mut self.displacements).zip(rows_mut::<G>(&mut self.velocities));
         let masses = rows_mut::<G>(&mut self.values).zip(rows_mut::<G>(&mut self.accelerations));
@@ -136,19 +130,28 @@ impl Grid {
                 }
             }
             *value = v.map(f64x4::to_array);
-            row[FIRST..FIRST + G * LANES].copy_from_slice(value.as_flattened());
-            (row[0], row[FIRST + last + 1]) = (row[left], row[right]);
-            let (before, after) = (row.as_chunks::<LANES>().0, row[FIRST + 1..].as_chunks::<LANES>().0);
+            let row = |i: usize| if i < G { v[i].to_array() } else { [0.0; LANES] };
             for i in 0..G {
                 // v̈_n = −γ₁v_n − γ₂(2v_n − v_(n−1) − v_(n+1))
-                let pull = own * v[i] + side * (f64x4::from(before[i]) + f64x4::from(after[i]));
-                acceleration[i] = pull.to_array();
-                low[i] = low[i].fast_min(v[i]);
-                high[i] = high[i].fast_max(v[i]);
-                top[i] = top[i].fast_max(pull.abs());
+                let ([_, .., a], [b, c, d, e], [f, ..]) = (row(i.wrapping_sub(1)), row(i), row(i + 1));
+                let sides = f64x4::from([a, b, c, d]) + f64x4::from([c, d, e, f]);
+                acceleration[i] = (f64x4::splat(own) * v[i] + f64x4::splat(side) * sides).to_array();
                 // On to the next node.
                 let [cos, sin_over, sin_times] = turns[i];
                 (u[i], w[i]) = (u[i] * cos + w[i] * sin_over, w[i] * cos - u[i] * sin_times);
+            }
+            let (value, acceleration) = (value.as_flattened(), acceleration.as_flattened_mut());
+            for (mass, left, right) in ends {
+                acceleration[mass] = own * value[mass] + side * (value[left] + value[right]);
+            }
+        }
+        let infinite = f64x4::splat(f64::INFINITY);
+        let (mut low, mut high, mut top) = ([infinite; G], [-infinite; G], [f64x4::ZERO; G]);
+        for (value, acceleration) in rows_mut::<G>(&mut self.values).zip(rows_mut::<G>(&mut self.accelerations)) {
+            for i in 0..G {
+                let v = f64x4::from(value[i]);
+                (low[i], high[i]) = (low[i].fast_min(v), high[i].fast_max(v));
+                top[i] = top[i].fast_max(f64x4::from(acceleration[i]).abs());
             }
         }
         for (i, extremes) in self.extremes.iter_mut().enumerate().take(G) {

@@ -52,7 +52,7 @@ impl Radiation {
 
     /// Whether an orbit with impacts at these times, of these impulses, can be physical, as far as this bound goes.
     pub(crate) fn allows(&self, impacts: impl Iterator<Item = (f64, f64)> + Clone) -> bool {
-        let total: f64 = impacts.clone().map(|(_, impulse)| impulse.abs()).sum();
+        let total = impacts.clone().map(|(_, impulse)| impulse.abs()).sum();
         // e^{ijωt} of each impact, from j to j + 1 by one product.
         let mut sums = [[0.0; 2]; HARMONICS];
         for (time, impulse) in impacts {
@@ -63,8 +63,19 @@ impl Radiation {
                 (sum[0], sum[1]) = (sum[0] + wave[0], sum[1] + wave[1]);
             }
         }
-        let moduli = sums.iter().map(|[re, im]| re.hypot(*im) - ROUNDING * total);
-        moduli.zip(&self.limits).take(self.count).all(|(modulus, limit)| modulus <= *limit)
+        self.admits(total, sums.iter().map(|[re, im]| re * re + im * im))
+    }
+
+    /// The same for impulses at 0 and half a period later: P̂_j = |P₀ + (−1)ʲP₁|.
+    pub(crate) fn allows_at_halves(&self, [first, second]: [f64; 2]) -> bool {
+        let [odd, even] = [first - second, first + second].map(|sum| sum * sum);
+        self.admits(first.abs() + second.abs(), [odd, even].into_iter().cycle())
+    }
+
+    /// Whether P̂_j², of impulses whose moduli add up to `total`, are within the limits.
+    fn admits(&self, total: f64, squares: impl Iterator<Item = f64>) -> bool {
+        let limits = self.limits.iter().take(self.count).map(|limit| limit + ROUNDING * total);
+        squares.zip(limits).all(|(square, limit)| square <= limit * limit)
     }
 
     /// Whether a double-sided orbit whose φ lies between the turns `from` and `to` (parts of a period) can be physical, if the mean
@@ -78,8 +89,8 @@ impl Radiation {
             let least = |shift: f64, one: f64, other: f64| {
                 if (from + shift).floor() == (to + shift).floor() { one.abs().min(other.abs()) } else { 0.0 }
             };
-            let parts = (mean * least(0.0, sin, sin_to)).hypot(difference * least(0.5, cos, cos_to));
-            4.0 * parts * (1.0 - 1e-9) <= *limit
+            let [a, b] = [mean * least(0.0, sin, sin_to), difference * least(0.5, cos, cos_to)];
+            16.0 * (a * a + b * b) * (1.0 - 2e-9) <= limit * limit
         })
     }
 }

@@ -87,10 +87,9 @@ impl Finder {
             Family::PeriodDoubled | Family::Word => return None,
         };
         let half = 0.5 * response.period();
-        let times = [0.0, half].into_iter().zip(strokes.impulses).take(if strokes.one { 1 } else { 2 });
         let net_impulse = strokes.static_displacement * response.static_stiffness();
         if !strokes.is_right_signed()
-            || radiation.is_some_and(|radiation| !radiation.allows(times))
+            || radiation.is_some_and(|radiation| !radiation.allows_at_halves(strokes.impulses))
             || strokes.one && crosses(model, response, net_impulse)
         {
             return Some(Sketched::None);

@@ -27,7 +27,7 @@ use crate::error::Resonance;
 use crate::params::Chain;
 use crate::shapes::Shapes;
 use crate::sines::{MOST, sin_cos, soft, soft_defect};
-use crate::small::{cubic_defect, long_sum, sinc};
+use crate::small::{BLOCK, cubic_defect, long_sum, products_in_order, sinc};
 use crate::spectrum::Spectrum;
 
 /// Modes in a group.
@@ -165,8 +165,11 @@ impl ImpulseResponse {
         self.reset_modes()?;
         let own = self.own_weights();
         // Of rigid modes nothing is held up.
-        let [at_impulse, at_half, still] =
-            long_sum(modes, |k| [own[k] * self.at_impulse[k], own[k] * self.at_half[k], own[k] * self.statics[k]]);
+        let lists = [&self.at_impulse, &self.at_half, &self.statics];
+        let [at_impulse, at_half, still] = match modes <= BLOCK {
+            true => products_in_order(own, lists),
+            false => long_sum(modes, |k| lists.map(|list| own[k] * list[k])),
+        };
         (self.dynamic_at_impulse, self.dynamic_at_half) = (at_impulse, at_half);
         self.static_stiffness = if chain.is_adrift() { 0.0 } else { 1.0 / still };
         Ok(())
@@ -220,13 +223,15 @@ impl ImpulseResponse {
             &mut self.offsets,
         ];
         let mut lists = lists.map(|list| {
-            list.resize(self.frequencies.len(), 0.0);
+            if list.len() != self.frequencies.len() {
+                list.resize(self.frequencies.len(), 0.0);
+            }
             list.as_chunks_mut::<LANES>().0.iter_mut()
         });
         let [zero, one, half, all_period] = [0.0, 1.0, 0.5, period].map(f64x4::splat);
         // How many times larger than the rounding of Ω_k/ω its effect on sin y can be, for the worst mode.
-        let mut condition = one;
-        let (mut meets, mut top) = (false, zero);
+        // Of each lane the phase and its distance from a harmonic whose quotient that is: one division for all.
+        let (mut meets, mut top, mut worst) = (false, zero, [one; 2]);
         for (frequency, weight) in self.frequencies.as_chunks().0.iter().zip(self.weights.as_chunks().0) {
             let (frequency, weight) = (f64x4::from(*frequency), f64x4::from(*weight));
             top = top.fast_max(frequency);
@@ -235,8 +240,9 @@ impl ImpulseResponse {
             let detuning = turns - harmonic;
             let near = harmonic.simd_ge(one) & detuning.abs().simd_le(turns * f64x4::splat(RESONANCE_TOLERANCE));
             meets |= near.any();
-            let worse = harmonic.simd_ge(one).select(turns / detuning.abs(), one);
-            condition = condition.simd_gt(worse).select(condition, worse);
+            let distance = detuning.abs();
+            let worse = harmonic.simd_ge(one) & (turns * worst[1]).simd_gt(worst[0] * distance);
+            worst = [worse.select(turns, worst[0]), worse.select(distance, worst[1])];
             let [sin, cos] = sin_cos(detuning * f64x4::splat(PI));
             let even = (half * harmonic).floor() * f64x4::splat(2.0);
             let odd = even.simd_ne(harmonic);
@@ -278,7 +284,7 @@ impl ImpulseResponse {
                 }
             }
         }
-        self.condition = condition.to_array().into_iter().fold(1.0, f64::max);
+        self.condition = (worst[0] / worst[1]).to_array().into_iter().fold(1.0, f64::max);
         self.top = top.to_array().into_iter().fold(0.0, f64::max);
         if meets { Err(self.resonance()) } else { Ok(()) }
     }

@@ -1,4 +1,6 @@
-//! Quotients that stay smooth at zero.
+//! Quotients that stay smooth at zero, and sums that keep their digits.
+
+use wide::f64x4;
 
 /// sin(x)/x, 1 at 0. Below 2⁻¹³ the series is exact to the last digit and avoids 0/0.
 pub fn sinc(x: f64) -> f64 {
@@ -33,7 +35,23 @@ pub(crate) fn cubic_defect(y: f64) -> f64 {
 
 /// Terms added up plainly before they go into a compensated sum: rounding of long sums grows with the square root of this,
 /// not of their length, while short ones cost nothing more.
-const BLOCK: usize = 64;
+pub(crate) const BLOCK: usize = 64;
+
+/// Σ_k a_k b_k with each of three lists b, in whole groups of four: of no more than [`BLOCK`] terms the same as [`long_sum`] has,
+/// side by side.
+pub(crate) fn products_in_order(a: &[f64], lists: [&Vec<f64>; 3]) -> [f64; 3] {
+    let mut sums = f64x4::ZERO;
+    let [x, y, z] = lists.map(|list| list.as_chunks().0);
+    for (((a, x), y), z) in a.as_chunks().0.iter().zip(x).zip(y).zip(z) {
+        let a = f64x4::from(*a);
+        let products = [*x, *y, *z].map(|b| a * f64x4::from(b));
+        for terms in f64x4::transpose([products[0], products[1], products[2], f64x4::ZERO]) {
+            sums += terms;
+        }
+    }
+    let [first, second, third, _] = sums.to_array();
+    [first, second, third]
+}
 
 /// Σ term(k) over k < `count`, asked for in this order.
 pub(crate) fn long_sum<const N: usize>(count: usize, mut term: impl FnMut(usize) -> [f64; N]) -> [f64; N] {
@@ -69,6 +87,18 @@ mod tests {
         for count in [0, 1, 64, 65, 100_000] {
             let [sum] = long_sum(count, |_| [0.1]);
             assert!((sum - 0.1 * count as f64).abs() <= 16.0 * f64::EPSILON * sum, "{count}: {sum}");
+        }
+    }
+
+    #[test]
+    fn sums_side_by_side_are_those_one_by_one() {
+        let number = |i: usize| ((i * 7919 + 13) % 1009) as f64 / 503.0 - 1.0;
+        for count in 1..=BLOCK {
+            let size = count.next_multiple_of(4);
+            let a: Vec<f64> = (0..size).map(|i| if i < count { number(i) } else { 0.0 }).collect();
+            let [x, y, z] = [1, 2, 3].map(|j| (0..size).map(|i| number(i + 71 * j)).collect::<Vec<f64>>());
+            let one_by_one = long_sum(count, |k| [a[k] * x[k], a[k] * y[k], a[k] * z[k]]);
+            assert_eq!(products_in_order(&a, [&x, &y, &z]), one_by_one);
         }
     }
 
