@@ -19,7 +19,7 @@ use vibrochain_cli::console::{Console, ctrl_c};
 use vibrochain_maps::files::Output;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job, blocks};
-use vibrochain_maps::table::{Rows, header};
+use vibrochain_maps::table::{RowWriter, header};
 
 const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/conservative-n20.toml");
 
@@ -28,11 +28,11 @@ fn rows(scene: &Scene, threads: usize, mut take: impl FnMut(&[u8])) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let job = Job { scene, pool: &pool, stop: &AtomicBool::new(false) };
     take(header(scene).as_bytes());
-    let whole = 0..scene.cells();
+    let (whole, writer) = (0..scene.cells(), RowWriter::new(scene, false));
     let ended = blocks(
         &job,
         &[whole],
-        |range, cells| Rows::of(scene, range, cells).text,
+        |range, cells| writer.rows(range, cells).text,
         |block| {
             take(&block.made);
             Ok::<(), ()>(())

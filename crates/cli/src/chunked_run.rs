@@ -164,8 +164,10 @@ impl<C: Content> ChunkedRun<'_, C> {
         let bar = counter(self.plan.cells() * steps, 0, things, progress);
         let started = Instant::now();
         let whole = 0..self.plan.cells();
-        let ended =
-            self.content.compute(&self.job(), &[whole], &|steps| bar.inc(steps), &mut |block| table.rows(&block.made));
+        let wanted = table.wants_cells();
+        let ended = self
+            .content
+            .compute(&self.job(), &[whole], wanted, &|steps| bar.inc(steps), &mut |block| table.rows(&block.made));
         bar.finish_and_clear();
         let summary = match ended {
             Ended::Complete(summary) => summary,

@@ -215,7 +215,7 @@ impl Ends<'_> {
         let bar = counter(scene.cells() * steps, 0, things, progress);
         let job = Job { scene, pool: run.pool, stop: run.stop };
         let whole = 0..scene.cells();
-        let ended = self.fates.compute(&job, &[whole], &|runs| bar.inc(runs), &mut |block| {
+        let ended = self.fates.compute(&job, &[whole], true, &|runs| bar.inc(runs), &mut |block| {
             block.made.cells.iter().for_each(|(number, cell)| seen.cell(*number, cell));
             Ok(())
         });

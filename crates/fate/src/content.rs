@@ -107,13 +107,16 @@ impl Content for Fates {
         &self,
         job: &Job<'_>,
         parts: &[Range<u64>],
+        wanted: bool,
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, CellFates>,
     ) -> Ended<MapError> {
         of_parts(job, &self.ensemble, self.from, parts, tick, |part, last, cell| {
             let cells = cell.number..cell.number + 1;
             let summary = Summary::of(&[cell.cell]);
-            let rows = Rows { range: cells.clone(), text: text(job.scene, &cell)?, cells: vec![(cell.number, cell)] };
+            let text = text(job.scene, &cell)?;
+            let rows =
+                Rows { range: cells.clone(), text, cells: wanted.then_some((cell.number, cell)).into_iter().collect() };
             sink(Block { part, cells, last, summary, made: rows })
         })
     }

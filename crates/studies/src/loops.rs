@@ -14,7 +14,7 @@ use vibrochain_eventsim::{Limits, Simulation, Time};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_maps::cell::{Cell, Worker};
 use vibrochain_maps::scene::Scene;
-use vibrochain_maps::table::Rows;
+use vibrochain_maps::table::RowWriter;
 
 use crate::args::{LoopArgs, LoopName};
 
@@ -99,7 +99,7 @@ fn cells(forcing: &str) -> Result<String, CliError> {
 fn rows() -> Result<String, CliError> {
     let scene = map("")?;
     let cells = all_cells(&scene, &mut Worker::new(SITES));
-    twice(|| drop(black_box(Rows::of(&scene, 0..scene.cells(), &cells))));
+    twice(|| drop(black_box(RowWriter::new(&scene, false).rows(0..scene.cells(), &cells))));
     Ok(format!("{} rows", scene.cells()))
 }
 

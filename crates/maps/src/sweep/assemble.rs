@@ -80,7 +80,7 @@ impl<'a, C: Content> Assembly<'a, C> {
     }
 
     /// Whether cells are wanted, and not their text alone.
-    fn wants_cells(&self) -> bool {
+    pub fn wants_cells(&self) -> bool {
         self.watcher.looks() || self.table.wants_cells()
     }
 
@@ -98,6 +98,14 @@ impl<'a, C: Content> Assembly<'a, C> {
             rows.cells.iter().try_for_each(|(number, cell)| self.cell(*number, cell))?;
         }
         self.table.text(&rows.text)
+    }
+
+    /// Flushes to disk what it has got, while others compute what comes next.
+    ///
+    /// # Errors
+    /// As [`Assembly::rows`].
+    pub fn settle(&mut self) -> Result<(), MapError> {
+        self.table.settle()
     }
 
     /// Takes the rows of all chunks.

@@ -10,7 +10,7 @@ use crate::cell::Cell;
 use crate::error::MapError;
 use crate::scene::Scene;
 use crate::summary::Summary;
-use crate::table::{Reader, Rows, TableFile, header};
+use crate::table::{Reader, RowWriter, Rows, TableFile, header};
 
 /// Takes what was computed, in order.
 pub type Sink<'a, T> = &'a mut dyn FnMut(Block<Rows<T>>) -> Result<(), MapError>;
@@ -38,12 +38,13 @@ pub trait Content: Sync {
     /// [`MapError`] if it cannot be written.
     fn put(&self, table: &mut TableFile, scene: &Scene, number: u64, item: &Self::Item) -> Result<(), MapError>;
 
-    /// Computes all cells of `parts` and hands them to `sink` in order. `tick` is called, from any thread, with each number of
-    /// steps that is done.
+    /// Computes all cells of `parts` and hands them to `sink` in order, their items, too, if these are `wanted` and not the rows
+    /// alone. `tick` is called, from any thread, with each number of steps that is done.
     fn compute(
         &self,
         job: &Job<'_>,
         parts: &[Range<u64>],
+        wanted: bool,
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, Self::Item>,
     ) -> Ended<MapError>;
@@ -97,19 +98,21 @@ impl Content for Cells {
         &self,
         job: &Job<'_>,
         parts: &[Range<u64>],
+        wanted: bool,
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, Cell>,
     ) -> Ended<MapError> {
         if let Some(ground) = Ground::new(job) {
             let digest = |range: Range<u64>, leaves: Vec<(u64, Cell)>| {
                 tick(range.end - range.start);
-                Rows::of_leaves(job.scene, range, leaves)
+                Rows::of_leaves(job.scene, range, leaves, wanted)
             };
             return leaves(job, &ground, parts, digest, sink);
         }
+        let writer = RowWriter::new(job.scene, wanted);
         let digest = |range: Range<u64>, cells: &[Cell]| {
             tick(range.end - range.start);
-            Rows::of(job.scene, range, cells)
+            writer.rows(range, cells)
         };
         blocks(job, parts, digest, sink)
     }

@@ -114,7 +114,8 @@ pub fn work<'a, C: Content>(
     let mut writer = None;
     let mut last = None;
     let mut plan_is_safe = false;
-    let ended = content.compute(job, &parts, &tick, &mut |block| {
+    let wanted = along.as_ref().is_some_and(Assembly::wants_cells);
+    let ended = content.compute(job, &parts, wanted, &tick, &mut |block| {
         let rows = block.made;
         // What room there is, is the chunks'. When they are whole the table is tried again, and its error told.
         if along.as_mut().is_some_and(|table| table.rows(&rows).is_err()) {
@@ -143,7 +144,11 @@ pub fn work<'a, C: Content>(
             store.settle_plan();
             plan_is_safe = true;
         }
-        open.place()
+        open.place()?;
+        if along.as_mut().is_some_and(|table| table.settle().is_err()) {
+            along = None;
+        }
+        Ok(())
     });
     let complete = matches!(ended, Ended::Complete(_));
     let grown = along.zip(last).filter(|_| complete).map(|(table, last)| Grown { table, last });

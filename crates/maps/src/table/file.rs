@@ -190,6 +190,19 @@ impl TableFile {
         written.map_err(|error| self.output().unwritten(&error))
     }
 
+    /// Flushes to disk what was written of a table as it is, so that less is left for the end. Of a compressed one, far smaller, all is
+    /// left.
+    ///
+    /// # Errors
+    /// As [`Output::settle`].
+    pub fn settle(&mut self) -> Result<(), MapError> {
+        match self {
+            Self::Plain(output) => output.settle(),
+            #[cfg(any(feature = "compress", feature = "parquet"))]
+            _ => Ok(()),
+        }
+    }
+
     /// Writes what the compression has held back, and as [`Output::commit`].
     pub fn commit(self) -> Result<(), MapError> {
         #[cfg(feature = "compress")]

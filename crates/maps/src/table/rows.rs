@@ -18,7 +18,7 @@ use crate::text::clipped;
 const MOST_SHOWN: usize = 40;
 
 /// Room for a row: more than most have.
-const ROW: usize = 112;
+pub(super) const ROW: usize = 112;
 
 /// The header of a scene's table, as it stands in the file.
 #[must_use]
@@ -32,27 +32,17 @@ pub fn header(scene: &Scene) -> String {
 pub struct Rows<T = Cell> {
     /// The numbers of the cells.
     pub range: Range<u64>,
-    /// The cells, or what else is known of each, by their numbers: where a grid is refined, the leaves of each.
+    /// The cells, or what else is known of each, by their numbers: where a grid is refined, the leaves of each. None if only the text is
+    /// wanted.
     pub cells: Vec<(u64, T)>,
     /// Their rows.
     pub text: Vec<u8>,
 }
 
 impl Rows<Cell> {
-    /// Of the cells numbered `range` of a scene.
+    /// Of all leaves of the cells numbered `range`, which are kept if anybody wants them.
     #[must_use]
-    pub fn of(scene: &Scene, range: Range<u64>, cells: &[Cell]) -> Self {
-        let mut table = Table::new(scene);
-        table.text.reserve(ROW * cells.len());
-        let cells: Vec<(u64, Cell)> = range.clone().zip(cells.iter().copied()).collect();
-        let mut rows = cells.iter();
-        scene.walk(range.clone(), |point| rows.next().map(|(_, cell)| table.write(point, cell)).is_some());
-        Self { range, cells, text: table.text }
-    }
-
-    /// Of all leaves of the cells numbered `range`.
-    #[must_use]
-    pub fn of_leaves(scene: &Scene, range: Range<u64>, leaves: Vec<(u64, Cell)>) -> Self {
+    pub fn of_leaves(scene: &Scene, range: Range<u64>, mut leaves: Vec<(u64, Cell)>, keep: bool) -> Self {
         let mut table = Table::new(scene);
         table.text.reserve(ROW * leaves.len());
         let (finest, mut point) = (scene.finest(), scene.base);
@@ -64,6 +54,9 @@ impl Rows<Cell> {
             }
             table.write(&point, cell);
         }
+        if !keep {
+            leaves = Vec::new();
+        }
         Self { range, cells: leaves, text: table.text }
     }
 }
@@ -72,6 +65,8 @@ impl Rows<Cell> {
 #[derive(Debug)]
 struct Places {
     parameters: Vec<Parameter>,
+    /// The one that the fastest axis varies.
+    fastest: Option<Parameter>,
     /// The digits that each parameter had last: all but the fastest axis stand still for a row of the map.
     last: Vec<(Option<u64>, Vec<u8>)>,
 }
@@ -79,12 +74,17 @@ struct Places {
 impl Places {
     fn new(scene: &Scene) -> Self {
         let parameters = parameters(scene);
-        Self { last: vec![(None, Vec::new()); parameters.len()], parameters }
+        let fastest = scene.axes.first().map(|axis| axis.parameter);
+        Self { last: vec![(None, Vec::new()); parameters.len()], parameters, fastest }
     }
 
-    /// Those of a point, in the order of the columns.
-    fn of(&mut self, point: &Point) -> impl Iterator<Item = &[u8]> {
-        self.parameters.iter().zip(&mut self.last).map(|(parameter, (last, digits))| {
+    /// Those of a point, in the order of the columns; of the fastest axis they may be `known`.
+    fn of<'a>(&'a mut self, point: &Point, known: Option<&'a [u8]>) -> impl Iterator<Item = &'a [u8]> {
+        let Self { parameters, fastest, last } = self;
+        parameters.iter().zip(last).map(move |(parameter, (last, digits))| {
+            if let Some(known) = known.filter(|_| *fastest == Some(*parameter)) {
+                return known;
+            }
             let value = point.get(*parameter);
             if *last != Some(value.to_bits()) {
                 *last = Some(value.to_bits());
@@ -114,7 +114,12 @@ impl Table {
 
     /// Writes one cell. Neither names nor numbers need quotes.
     pub fn write(&mut self, point: &Point, cell: &Cell) {
-        for digits in self.places.of(point) {
+        self.write_at(point, None, cell);
+    }
+
+    /// The same where the digits of the point's value on the fastest axis are known.
+    pub(super) fn write_at(&mut self, point: &Point, known: Option<&[u8]>, cell: &Cell) {
+        for digits in self.places.of(point, known) {
             self.text.extend_from_slice(digits);
             self.text.push(b',');
         }
@@ -194,14 +199,14 @@ impl<'a> Reader<'a> {
                 let row = std::str::from_utf8(row).map_err(|_| "it is no text".to_owned())?;
                 let mut fields = row.split(',');
                 let Some(whole) = scene.extent(*next) else {
-                    check_places(&mut fields, places.of(&scene.point(*next)))?;
+                    check_places(&mut fields, places.of(&scene.point(*next), None))?;
                     return read_cell(fields, columns);
                 };
                 let of_row = fields.clone();
                 let cell = read_cell(fields.skip(places.parameters.len()), columns)?;
                 let extent = cell.extent.filter(|extent| extent.begins(whole, *within));
                 let extent = extent.ok_or("it is not of the next leaf")?;
-                check_places(&mut of_row.clone(), places.of(&scene.sample(extent))).map(|()| cell)
+                check_places(&mut of_row.clone(), places.of(&scene.sample(extent), None)).map(|()| cell)
             };
             let cell = read().map_err(|wrong| format!("row {number}: {wrong}"))?;
             counts.count(&cell);
@@ -282,6 +287,7 @@ mod tests {
 
     use super::*;
     use crate::cell::Worker;
+    use crate::table::RowWriter;
 
     const SCENE: &str = r#"
         [model]
@@ -300,12 +306,29 @@ mod tests {
         impulse = true
     "#;
 
+    /// With digits that are known and without.
+    #[test]
+    fn rows_are_the_same_whoever_has_the_digits() {
+        let scene = Scene::parse(Path::new("scene.toml"), SCENE).unwrap();
+        let cells = vec![Cell::EMPTY; scene.cells() as usize];
+        for range in [0..scene.cells(), 7..9, 39..121] {
+            let mut table = Table::new(&scene);
+            range.clone().for_each(|number| table.write(&scene.point(number), &Cell::EMPTY));
+            let some = &cells[..(range.end - range.start) as usize];
+            for keep in [false, true] {
+                let rows = RowWriter::new(&scene, keep).rows(range.clone(), some);
+                assert_eq!(rows.text, table.text);
+                assert_eq!(rows.cells.len(), if keep { some.len() } else { 0 });
+            }
+        }
+    }
+
     /// The rows of some cells, and their counts.
     fn rows(scene: &Scene, range: Range<u64>) -> (String, Summary) {
         let mut worker = Worker::new(scene.base.sites());
         let cell = |number| worker.cell(&scene.point(number).model().unwrap(), &scene.task);
         let cells: Vec<Cell> = range.clone().map(cell).collect();
-        let rows = Rows::of(scene, range, &cells);
+        let rows = RowWriter::new(scene, false).rows(range, &cells);
         (String::from_utf8(rows.text).unwrap(), Summary::of(&cells))
     }
 

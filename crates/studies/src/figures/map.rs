@@ -11,7 +11,7 @@ use vibrochain_maps::cell::{Cell, Class};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Ended, sweep};
-use vibrochain_maps::table::{Rows, header};
+use vibrochain_maps::table::{RowWriter, header};
 
 /// Computes the figure.
 ///
@@ -20,6 +20,7 @@ use vibrochain_maps::table::{Rows, header};
 pub(super) fn draw(scene: &Scene, pool: &rayon::ThreadPool, stop: &AtomicBool) -> Result<Drawn, CliError> {
     let mut table = header(scene).into_bytes();
     let mut all: Vec<Cell> = Vec::new();
+    let writer = RowWriter::new(scene, false);
     let ended = sweep(
         scene,
         pool,
@@ -27,7 +28,7 @@ pub(super) fn draw(scene: &Scene, pool: &rayon::ThreadPool, stop: &AtomicBool) -
         |_| {},
         |range, cells| {
             all.extend_from_slice(cells);
-            table.extend(Rows::of(scene, range, cells).text);
+            table.extend(writer.rows(range, cells).text);
             Ok::<_, Infallible>(())
         },
     );
