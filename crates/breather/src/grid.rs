@@ -69,7 +69,7 @@ pub(crate) struct Grid {
     seconds: Vec<f64>,
     beyond: Vec<f64>,
     tops: Vec<Lane>,
-    reaches: Vec<Lane>,
+    reaches: Vec<f64>,
     scratch: Vec<[f64x4; 2]>,
 }
 
@@ -231,20 +231,16 @@ impl Grid {
         self.values.as_flattened()[place]
     }
 
-    /// How close to a barrier each mass could come in the whole flight, at asymmetry `a`; in whole groups.
+    /// How close to a barrier each mass could come in the whole flight, at asymmetry `a`.
     pub(crate) fn reaches(&mut self, a: f64) -> &[f64] {
-        let (a, slack) = (f64x4::splat(a), f64x4::splat(0.125 * self.step * self.step));
+        let slack = 0.125 * self.step * self.step;
+        let extremes = self.extremes.iter().flat_map(|[low, high, _]| low.iter().zip(high));
         self.reaches.clear();
-        let seconds = self.seconds.chunks(LANES).map(|chunk| {
-            let mut group = [0.0; LANES];
-            group.iter_mut().zip(chunk).for_each(|(slot, second)| *slot = *second);
-            f64x4::from(group)
-        });
-        self.reaches.extend(self.extremes.iter().zip(seconds).map(|([low, high, _], second)| {
-            let out = (a - f64x4::from(*low)).fast_max(f64x4::from(*high) - a);
-            (f64x4::ONE - out - slack * second).to_array()
+        self.reaches.extend(extremes.zip(&self.seconds).map(|((low, high), second)| {
+            let out = if a - low > high - a { a - low } else { high - a };
+            1.0 - out - slack * second
         }));
-        self.reaches.as_flattened()
+        &self.reaches
     }
 
     /// How far between two nodes a mass can leave the range of its values there.

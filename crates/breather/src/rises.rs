@@ -17,7 +17,7 @@ use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
 
 use crate::grid::turn;
-use crate::lanes::{LANES, Lane, total};
+use crate::lanes::{Lane, total};
 use crate::radiation::Radiation;
 
 /// Intervals at most; more would be hundreds of orbits, which the search then reports as not finished.
@@ -316,21 +316,16 @@ impl Rises {
 
     /// Puts the modes at δ = 0. Tells Σ|a|, Σ|a|Ω² and Σ|a|Ω³, the bounds on |s′|, |s‴| and |s⁗|.
     fn start(&mut self, response: &ImpulseResponse, step: f64) -> [f64; 3] {
-        let (frequencies, weights, sines) = (response.frequencies(), response.weights(), response.sin_half());
         let (mut first, mut second, mut third) = (f64x4::ZERO, f64x4::ZERO, f64x4::ZERO);
         let mut opposite = response.shapes().evens(response.sites() / 2, 0);
         self.swings.clear();
-        for k in (0..frequencies.len()).step_by(LANES) {
-            let [mut frequency, mut amplitude, mut shape]: [Lane; 3] = [[0.0; LANES]; 3];
-            for i in 0..LANES.min(frequencies.len() - k) {
-                let rate = frequencies[k + i];
-                frequency[i] = rate;
-                // Ω/(2 sin ΩT/2) is 1/T for a rigid mode.
-                let factor = if rate > 0.0 { 0.5 * rate / sines[k + i] } else { 1.0 / response.period() };
-                amplitude[i] = weights[k + i] * factor;
-                shape[i] = opposite.next().unwrap_or_default();
-            }
-            let (frequency, amplitude) = (f64x4::from(frequency), f64x4::from(amplitude));
+        for swings in response.swings_in_fours() {
+            let [frequency, weight, _, sine] = swings.map(f64x4::from);
+            // Ω/(2 sin ΩT/2) is 1/T for a rigid mode.
+            let factor = f64x4::splat(0.5) * frequency / sine;
+            let amplitude =
+                weight * frequency.simd_gt(f64x4::ZERO).select(factor, f64x4::splat(1.0 / response.period()));
+            let shape: Lane = std::array::from_fn(|_| opposite.next().unwrap_or_default());
             let square = frequency * frequency;
             // By two halves of a step, as far as its series reach: 1 − cos Ωh = 2 sin² Ωh/2.
             let [cos_half, sin_half, _] = turn(frequency, f64x4::splat(0.5 * step));
