@@ -9,8 +9,8 @@
 //!
 //! They are not even begun where modes alone, by the signs of sin Ω_kT, leave hardly a hope.
 //!
-//! No residue counts that is not beyond several times its bound, and their sum and the trace must be right to rounding. So a yes here
-//! is a yes there; a no says nothing.
+//! No residue counts that is not beyond several times its bound, and their sum and the trace must be right as far as the bounds tell, which
+//! must be small. So a yes here is a yes there; a no says nothing.
 
 use wide::f64x4;
 
@@ -94,7 +94,7 @@ pub(super) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
         Some(saltations) => double_sided::trace(fours, saltations),
         None => single_sided::trace(fours, 0.0),
     };
-    // As in `residues`.
+    // As the certificate of `residues` has it.
     let allowed = 16.0 * (doubt + f64::EPSILON * (2.0 + expected.abs()));
     (sum - 1.0).abs() <= allowed && (trace - expected).abs() <= allowed && doubt < MOST_DOUBT
 }
