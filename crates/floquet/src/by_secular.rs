@@ -48,8 +48,9 @@ impl Analyser {
         let modes = orbit.model().chain().even_modes();
         let imprecise = |growth, error| !question.thorough && check(growth, error, question).is_err();
         let found = found.map(|verdict| match imprecise(verdict.growth, verdict.growth_error) {
-            true => self.secular.settled(verdict, orbit.period()),
-            false => verdict,
+            // Of more modes the impacts' equations know it better.
+            true if modes <= SOON_DONE => self.secular.settled(verdict, orbit.period()),
+            _ => verdict,
         });
         let doubtful = |growth, error| modes > SOON_DONE && imprecise(growth, error);
         let open = match &found {
@@ -97,11 +98,11 @@ impl Analyser {
         }
         self.secular.residues.complete(ratio).ok()?;
         let mut found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Marginal)?;
+        let modes = model.chain().even_modes();
         let is_precise = |found: &SecularVerdict| {
-            found.outcome == Standing::Stable
-                || is_precise(found.growth, found.growth_error, model.chain().even_modes(), WORST_OF_SWEEP)
+            found.outcome == Standing::Stable || is_precise(found.growth, found.growth_error, modes, WORST_OF_SWEEP)
         };
-        if !is_precise(&found) {
+        if modes <= SOON_DONE && !is_precise(&found) {
             found = self.secular.settled(found, sketch.response().period());
         }
         let (verdict, precise) = (told(&found, tolerance), is_precise(&found));
