@@ -206,3 +206,32 @@ fn what_it_takes_is_told_beforehand() {
         assert!(told.contains(words), "{told}");
     }
 }
+
+/// Stripes of families are followed however thin; of impact words, they are not, and the summary says so.
+#[test]
+fn stripes_that_were_not_followed_are_told() {
+    let families = "families = [\"double-sided\", \"single-sided\"]";
+    let desk = Desk::new();
+    for (old, new, told, not_told) in [
+        (
+            families,
+            "families = [\"single-sided\"]",
+            "thin stripes where two modes meet were followed, others not",
+            "words",
+        ),
+        (families, "families = [\"0+1+,0-1-\"]", "thin stripes of words were not followed", "were followed,"),
+        (
+            families,
+            "families = [\"single-sided\", \"0+1+,0-1-\"]",
+            "of families were followed where two modes meet, those of words not",
+            "others",
+        ),
+        ("stability = true\n", "", "may have missed: ", "stripes"),
+    ] {
+        let text = SCENE.replace(old, new).replace("points = 60", "points = 6").replace("points = 45", "points = 4");
+        assert!(text.contains(new), "{text}");
+        desk.scene(&text);
+        let told_all = desk.run("sweep scene.toml --out map.csv").with(0, &[told]);
+        assert!(!told_all.err.contains(not_told), "{told_all:?}");
+    }
+}

@@ -55,19 +55,22 @@ impl Scene {
         });
         let sizes: Vec<String> = sizes.collect();
         let sizes = sizes.join(", ");
-        let besides =
-            if self.has_known_stripes() { "; thin stripes where two modes meet were followed, others not" } else { "" };
+        let [families, words] = [!self.task.families.is_empty(), !self.task.words.is_empty()];
+        let besides = match (self.loses_stability_in_stripes(), families, words) {
+            (false, ..) | (true, false, false) => "",
+            (true, true, false) => "; thin stripes where two modes meet were followed, others not",
+            (true, true, true) => "; thin stripes of families were followed where two modes meet, those of words not",
+            (true, false, true) => "; thin stripes of words were not followed",
+        };
         Some(format!(
             "what lies within cells of the grid ({sizes}) and meets none of the points computed, such as islands, tips, and bands \
              thinner than that{besides}"
         ))
     }
 
-    /// Whether it is known where breathers lose stability in thin stripes: where two modes meet, of conservative breathers at the sites of
-    /// the families.
-    fn has_known_stripes(&self) -> bool {
-        let strict = self.task.stability && self.task.tolerance == Tolerance::Rounding;
-        self.is_conservative() && strict && !self.task.families.is_empty()
+    /// Whether breathers lose stability in stripes, however thin: conservative ones, of which no growth is allowed.
+    fn loses_stability_in_stripes(&self) -> bool {
+        self.is_conservative() && self.task.stability && self.task.tolerance == Tolerance::Rounding
     }
 
     /// The point at which a cell of the grid, or a leaf of it, is computed.
