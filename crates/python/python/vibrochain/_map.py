@@ -32,12 +32,12 @@ _COLOURS = {
     "unstable-single": (250, 224, 120),
     "stable-word": (0, 110, 84),
     "word": (0, 110, 84),
-    "unstable-word": (226, 160, 196),
+    "unstable-word": (235, 168, 204),
 }
 _UNKNOWN = (204, 121, 167)
 
 # Of lines, a colour each family, as in mapgen's pictures.
-_LINES = {"double": "#103262", "single": "#ec8a3c", "word": "#00785a"}
+_LINES = {"double": "#103262", "single": "#2e86ab", "word": "#006e54"}
 
 # A growth below this is none; growths are drawn by logarithms where the largest is so many times the smallest.
 _LEAST_GROWTH = 1e-8
