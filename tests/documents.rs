@@ -78,3 +78,34 @@ fn every_documented_build_is_locked() {
     }
     assert!(open.is_empty() && builds > 30, "{builds} {}", open.join("\n"));
 }
+
+/// What rustdoc shows of a crate has no relative links, which lead nowhere there, and names no module that is hidden.
+#[test]
+fn pages_of_crates_lead_somewhere_and_name_what_is_public() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut libraries = vec![root.join("src/lib.rs")];
+    let crates = fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap().path().join("src/lib.rs"));
+    libraries.extend(crates.filter(|library| library.exists()));
+    let (mut rows, mut wrong) = (0, Vec::new());
+    for library in &libraries {
+        let code = fs::read_to_string(library).unwrap();
+        let mut page: Vec<String> =
+            code.lines().filter_map(|line| line.strip_prefix("//!")).map(|line| line.trim().to_owned()).collect();
+        for name in code.split("include_str!(\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+            page.extend(fs::read_to_string(library.with_file_name(name)).unwrap().lines().map(str::to_owned));
+        }
+        for line in page {
+            let relative = line.split("](").skip(1).any(|rest| {
+                let target = rest.split(')').next().unwrap();
+                !target.contains("://") && (target.contains('/') || target.contains(".md"))
+            });
+            let hidden = |name: &str| code.lines().any(|line| line == format!("mod {name};"));
+            let names = line.strip_prefix("| ").and_then(|row| row.split(" |").next()).unwrap_or_default();
+            rows += usize::from(!names.is_empty());
+            if relative || names.split('`').skip(1).step_by(2).any(hidden) {
+                wrong.push(format!("{}: {line}", library.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty() && rows > 50 && libraries.len() > 10, "{rows} {}", wrong.join("\n"));
+}
