@@ -26,7 +26,7 @@ if ! command -v valgrind >/dev/null; then
     exit 3
 fi
 
-cargo build --release --quiet -p vibrochain-studies
+cargo build --locked --release --quiet -p vibrochain-studies
 program=${CARGO_TARGET_DIR:-target}/release/studies
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

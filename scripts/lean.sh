@@ -2,7 +2,7 @@
 # What is paid for what, as Markdown. Usage: scripts/lean.sh > docs/accuracy/lean.md
 #
 # Each crate used alone: crates compiled (its own and procedural macros included), size of its library and of the program,
-# both as `cargo build --release` leaves them. Each kind of map: time and allocations a cell (`cargo bench --bench lean`).
+# both as `cargo build --locked --release` leaves them. Each kind of map: time and allocations a cell (`cargo bench --locked --bench lean`).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,7 +20,7 @@ row() {
     local crates library program="–"
     # A crate met again is marked (*): the same crate.
     crates=$(cargo tree -p "$package" "$@" -e normal --prefix none | sed 's/ (\*)$//' | sort -u | wc -l)
-    cargo build --release --quiet -p "$package" "$@"
+    cargo build --locked --release --quiet -p "$package" "$@"
     library=$(size "${CARGO_TARGET_DIR:-target}/release/lib${package//-/_}.rlib")
     if [ "$package" = vibrochain-cli ]; then
         program=$(size "${CARGO_TARGET_DIR:-target}/release/mapgen")
@@ -41,7 +41,7 @@ row "\`vibrochain-cli\`" vibrochain-cli
 echo
 echo "| map, N = 20, one core | cells a second | allocations a cell |"
 echo "|---|---|---|"
-cargo bench --quiet --bench lean -- --quick 2> /dev/null | awk '
+cargo bench --locked --quiet --bench lean -- --quick 2> /dev/null | awk '
     /^lean\// { name = $0; sub(/^lean\//, "", name); sub(/ *time:.*/, "", name) }
     /thrpt:/ { line = $0; sub(/.*\[/, "", line); split(line, part, " "); rate[name] = part[3] " " part[4] }
     / allocations a cell$/ { split($0, part, ": "); sub(/ allocations.*/, "", part[2]); printf "| %s | %s | %s |\n", part[1], rate[part[1]], part[2] }

@@ -146,8 +146,8 @@ def main():
     stamp = kept("machine", machine)
     if "--kept" not in sys.argv:
         for bench in ["map_throughput", "simulation", "spectrum"]:
-            subprocess.run(["cargo", "bench", "--bench", bench, "--", *SHORT], cwd=ROOT, check=True)
-        run("cargo", "build", "--release")
+            subprocess.run(["cargo", "bench", "--locked", "--bench", bench, "--", *SHORT], cwd=ROOT, check=True)
+        run("cargo", "build", "--locked", "--release")
     found = times()
     code = "```text\n{}\n```".format
     parts = {
@@ -157,7 +157,7 @@ def main():
         "spectra": spectra(found),
         "large": large(found),
         "instructions": instructions(),
-        "chunks": code(kept("chunks", lambda: run("cargo", "bench", "--bench", "chunks"))),
+        "chunks": code(kept("chunks", lambda: run("cargo", "bench", "--locked", "--bench", "chunks"))),
         "peers": code(kept("peers", lambda: run(sys.executable, "scripts/peers/conservative_map.py", "scenes/conservative-n20.toml"))),
     }
     text = DOCUMENT.read_text()

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tests the Python package against the program, both as `cargo test --workspace` builds them. Further arguments are pytest's.
+# Tests the Python package against the program, both as `cargo test --locked --workspace` builds them. Further arguments are pytest's.
 #
 #     scripts/python-tests.sh [-k WORDS]          VENV=FOLDER: a virtual environment to use, and to keep
 set -euo pipefail
@@ -20,7 +20,7 @@ fi
 "$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib jsonschema || true
 
 # The features are those of the workspace's tests, so that all but the last crate is built already.
-cargo build --workspace --lib --bin mapgen --test imports
+cargo build --locked --workspace --lib --bin mapgen --test imports
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
 mkdir "$work/package"
 cp -r crates/python/python/vibrochain "$work/package"

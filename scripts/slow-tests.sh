@@ -18,7 +18,7 @@ for file in "${files[@]:first}" "${files[@]:0:first}"; do
         continue
     fi
     began=$SECONDS
-    cargo test --quiet --workspace --test "$file" -- --ignored slow
+    cargo test --locked --quiet --workspace --test "$file" -- --ignored slow
     echo "slow tests of $file: $((SECONDS - began)) s"
 done
 [ "${#left[@]}" -eq 0 ] || echo "slow tests NOT RUN this time: ${left[*]}"

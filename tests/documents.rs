@@ -4,15 +4,19 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-#[test]
-fn every_relative_link_leads_somewhere() {
+/// All pages, those in the root by name.
+fn documents(in_root: &[&str]) -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let docs = ["docs", "docs/guide"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
     let docs = docs.map(|entry| entry.unwrap().path());
-    let mut documents: Vec<PathBuf> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
-    documents.extend(["README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root.join(name)));
+    let pages = docs.filter(|path| path.extension().is_some_and(|end| end == "md"));
+    pages.chain(in_root.iter().map(|name| root.join(name))).collect()
+}
+
+#[test]
+fn every_relative_link_leads_somewhere() {
     let mut broken = Vec::new();
-    for document in documents {
+    for document in documents(&["README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]) {
         let text = fs::read_to_string(&document).unwrap();
         for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
             let target = link.split('#').next().unwrap_or_default();
@@ -54,4 +58,54 @@ fn the_guide_names_functions_where_they_are() {
         }
     }
     assert!(wrong.is_empty() && named > 200, "{named} {}", wrong.join("\n"));
+}
+
+/// What is built is what was tested: every build that a page names takes the versions of Cargo.lock.
+#[test]
+fn every_documented_build_is_locked() {
+    let (mut builds, mut open) = (0, Vec::new());
+    for document in documents(&["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]) {
+        let text = fs::read_to_string(&document).unwrap();
+        for rest in text.split("cargo ").skip(1) {
+            let (command, flags) = rest.split_at(rest.find(|c: char| !c.is_ascii_lowercase()).unwrap_or(rest.len()));
+            if ["bench", "build", "clippy", "doc", "install", "run", "test"].contains(&command) {
+                builds += 1;
+                if !flags.starts_with(" --locked") {
+                    open.push(format!("{}: cargo {command}", document.display()));
+                }
+            }
+        }
+    }
+    assert!(open.is_empty() && builds > 30, "{builds} {}", open.join("\n"));
+}
+
+/// What rustdoc shows of a crate has no relative links, which lead nowhere there, and names no module that is hidden.
+#[test]
+fn pages_of_crates_lead_somewhere_and_name_what_is_public() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut libraries = vec![root.join("src/lib.rs")];
+    let crates = fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap().path().join("src/lib.rs"));
+    libraries.extend(crates.filter(|library| library.exists()));
+    let (mut rows, mut wrong) = (0, Vec::new());
+    for library in &libraries {
+        let code = fs::read_to_string(library).unwrap();
+        let mut page: Vec<String> =
+            code.lines().filter_map(|line| line.strip_prefix("//!")).map(|line| line.trim().to_owned()).collect();
+        for name in code.split("include_str!(\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+            page.extend(fs::read_to_string(library.with_file_name(name)).unwrap().lines().map(str::to_owned));
+        }
+        for line in page {
+            let relative = line.split("](").skip(1).any(|rest| {
+                let target = rest.split(')').next().unwrap();
+                !target.contains("://") && (target.contains('/') || target.contains(".md"))
+            });
+            let hidden = |name: &str| code.lines().any(|line| line == format!("mod {name};"));
+            let names = line.strip_prefix("| ").and_then(|row| row.split(" |").next()).unwrap_or_default();
+            rows += usize::from(!names.is_empty());
+            if relative || names.split('`').skip(1).step_by(2).any(hidden) {
+                wrong.push(format!("{}: {line}", library.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty() && rows > 50 && libraries.len() > 10, "{rows} {}", wrong.join("\n"));
 }

@@ -1,4 +1,4 @@
-//! All impact words of a few neighbouring sites, up to symmetry.
+//! Words of two instants on a few neighbouring sites, each of which hits as a family does, up to symmetry.
 
 use vibrochain_lattice::{Barrier, Ends, Layout, Model};
 

@@ -6,32 +6,23 @@
 //! orbits; under several harmonics two functions of two variables. An orbit is *physical* if every impact meets its
 //! barrier from inside and every mass stays strictly inside the gap at all other times.
 //!
-//! | module | holds |
+//! | name | what it is |
 //! |---|---|
-//! | `orbit`, `assembly` | [`Orbit`], [`Impact`], [`Family`]; orbits from their impulses |
-//! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
-//! | `sketch`, `easel` | [`Sketch`]: what a map asks of a conservative breather, without its orbit |
-//! | `completeness` | [`Completeness`], [`Proof`]: whether a list of orbits is all, and how that is known |
-//! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
-//! | `one_mass`, `flights` | a mass without coupling: equations that know of no resonance |
-//! | `radiation`, `rises` | bounds that tell where no physical orbit can be |
-//! | `forced_harmonics`, `harmonic_impacts` | the forced ones under several harmonics |
-//! | `motion` | [`Motion`]: every mass at any time |
-//! | `admissibility`, `watch`, `window`, `grid`, `polynomial` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
-//! | `unknowns`, `equations`, `polish` | the equations of any impact word, linearised; Newton steps on them |
-//! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
-//! | `branch`, `corrector`, `resonances`, `symmetries`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
-//! | `word` | [`Word`]: which mass meets which barrier, in which order |
-//! | `enumeration` | all words of a few sites |
-//! | `word_search`, `uncoupled`, `free_phases` | [`Finder::find_word`]: all orbits of a word |
-//! | `alone`, `side_by_side`, `followed`, `ended` | masses alone, put side by side, followed as they are coupled |
-//! | `beside` | [`Limit`]: what becomes of orbits at a resonance |
-//! | `branching` | [`Branch::leaving`]: the orbits that branch off |
-//! | `enclosure`, `roots` | all zeros of a function, with proof |
-//! | `stop` | a flag that ends long searches |
-//! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
+//! | [`Orbit`], [`Impact`], [`Family`] | a periodic orbit, by its impacts |
+//! | [`breathers`], [`Finder`], [`Found`] | from parameters to orbits |
+//! | [`Sketch`] | what a map asks of a conservative breather, without its orbit |
+//! | [`Completeness`], [`Proof`] | whether a list of orbits is all, and how that is known |
+//! | [`Motion`] | every mass at any time |
+//! | [`Admissibility`], [`Obstruction`] | physical or what is in the way |
+//! | [`Condition`] | distance to resonance, grazing and folds; errors |
+//! | [`Branch`] | orbits along one parameter, through folds |
+//! | [`Word`] | which mass meets which barrier, in which order; [`Word::enumerate`] lists words of a few sites |
+//! | [`Finder::find_word`] | all orbits of a word |
+//! | [`Limit`] | what becomes of orbits at a resonance |
+//! | [`Branch::leaving`] | the orbits that branch off |
 //!
 //! With the feature `serde` values are written by the names of `mapgen orbit --json`; those that hold nothing derived are read, too.
+//! An orbit is read from binary formats alone, to the last bit.
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`. t = 0 is the impact on the upper barrier of a
 //! double-sided orbit, the only or first impact of the others.
@@ -39,8 +30,7 @@
 //! # Example
 //!
 //! ```
-//! use vibrochain_breather::{Family, breathers, admissibility};
-//! use vibrochain_lattice::{Chain, Model};
+//! use vibrochain_breather::{Chain, Family, Model, admissibility, breathers};
 //!
 //! let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
 //! let found = breathers(&model, Family::DoubleSided)?;
@@ -122,5 +112,7 @@ pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};
 pub use sketch::{Sketch, Sketched};
 pub use surface::{Surface, SurfacePoint};
+/// What orbits are asked of, so that this crate can be used alone.
+pub use vibrochain_lattice::{Chain, Model};
 pub use watch::admissibility;
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};

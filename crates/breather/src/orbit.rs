@@ -41,7 +41,7 @@ impl Family {
 
 /// One impact of an orbit. Dimensionless; momentum and velocity agree because the masses are 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Impact {
     /// The mass that hits.
     pub site: usize,

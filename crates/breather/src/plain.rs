@@ -1,13 +1,14 @@
 //! Values as files have them, where a derive does not say it.
 
-use serde::{Serialize, Serializer};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use smallvec::{Array, SmallVec};
 use vibrochain_lattice::Model;
 
-use crate::orbit::{Family, Impact, Orbit};
+use crate::orbit::{Family, Impact, Orbit, Source};
 
-/// What `mapgen orbit --json` tells of a solution, with the parameters. It is written only: an orbit that is read is made from its
-/// parameters and impacts, see [`Orbit::from_impulses`].
+/// What `mapgen orbit --json` tells of a solution, with the parameters. It is written only: an orbit that is read from text is made
+/// from its parameters and impacts, see [`Orbit::from_impulses`].
 #[derive(Serialize)]
 struct PlainOrbit<'a> {
     parameters: &'a Model,
@@ -20,8 +21,52 @@ struct PlainOrbit<'a> {
     residual: f64,
 }
 
+/// An orbit to the last bit, in formats that no person reads: sums and residual are not worked out anew.
+#[derive(Serialize, Deserialize)]
+struct WholeOrbit {
+    model: Model,
+    family: Family,
+    force_periods: u32,
+    psi: f64,
+    impacts: Vec<Impact>,
+    sources: Vec<(usize, f64)>,
+    uniform_offset: f64,
+    fixed_times: bool,
+    residual: f64,
+}
+
+impl WholeOrbit {
+    /// What all else takes for granted of an orbit.
+    fn check(&self) -> Result<(), &'static str> {
+        let (sites, period) = (self.model.chain().sites(), self.model.period() * f64::from(self.force_periods));
+        let in_time = |impact: &Impact| (0.0..=period).contains(&impact.time);
+        let hit = |site: usize| self.sources.iter().any(|(source, _)| *source == site);
+        let known = self.impacts.iter().all(|impact| hit(impact.site) && in_time(impact));
+        let in_order = self.impacts.is_sorted_by(|one, next| one.time <= next.time);
+        let there = self.sources.iter().all(|(site, _)| *site < sites);
+        match self.force_periods > 0 && known && in_order && there {
+            true => Ok(()),
+            false => Err("these impacts are not those of an orbit of their model"),
+        }
+    }
+}
+
 impl Serialize for Orbit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if !serializer.is_human_readable() {
+            let whole = WholeOrbit {
+                model: self.model,
+                family: self.family,
+                force_periods: self.force_periods,
+                psi: self.psi,
+                impacts: self.impacts.to_vec(),
+                sources: self.sources.iter().map(|source| (source.site, source.net_impulse)).collect(),
+                uniform_offset: self.uniform_offset,
+                fixed_times: self.fixed_times,
+                residual: self.residual,
+            };
+            return whole.serialize(serializer);
+        }
         PlainOrbit {
             parameters: self.model(),
             family: self.family(),
@@ -33,6 +78,29 @@ impl Serialize for Orbit {
             residual: self.residual(),
         }
         .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Orbit {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        if deserializer.is_human_readable() {
+            return Err(D::Error::custom("an orbit is not read from text: make it from its parameters and impacts"));
+        }
+        let whole = WholeOrbit::deserialize(deserializer)?;
+        whole.check().map_err(D::Error::custom)?;
+        let source = |(site, net_impulse)| Source { site, net_impulse };
+        Ok(Self {
+            model: whole.model,
+            family: whole.family,
+            force_periods: whole.force_periods,
+            psi: whole.psi,
+            steady: whole.model.steady().map_err(D::Error::custom)?,
+            impacts: whole.impacts.into(),
+            sources: whole.sources.into_iter().map(source).collect(),
+            uniform_offset: whole.uniform_offset,
+            fixed_times: whole.fixed_times,
+            residual: whole.residual,
+        })
     }
 }
 

@@ -1,28 +1,28 @@
 //! The parts of the program `mapgen`, for its tests and benchmarks; see `mapgen --help` for its use.
-//!
-//! | module | holds |
-//! |---|---|
-//! | `entry`, `program`, `console` | where it begins and ends; the whole program as a function, and what it talks to |
-//! | `args` | the command line |
-//! | `setup_command`, `version` | a scene to begin with, completions, manual pages; what this build can do |
-//! | `model`, `which` | the model a command is asked about, and which of its breathers |
-//! | `threads`, `progress` | threads to compute on; bars that tell how far long work is |
-//! | `chunked_run` | a table in chunks, which outlive the process and may be shared by many |
-//! | `pictures`, `picture_files` | pictures of a table that is being written; the files of any picture |
-//! | `table_manifest`, `table_rows` | what a table is of, in a file beside it; a table read again |
-//! | `branch_table`, `curve_table` | the tables of a bifurcation diagram and of curves in two parameters, written and read |
-//! | `border_search` | all borders of a scene, with a bar |
-//! | `estimate`, `report` | what a sweep will cost, what it has found |
-//! | `branch_plot`, `curve_plot` | the pictures of a bifurcation diagram and of curves in two parameters (feature `plot`) |
-//! | `orbit_plots` | all pictures of an orbit (feature `plot`) |
-//! | `stripes` | where two modes collide, over a map (feature `plot`) |
-//! | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
-//! | `schemas` | the form of every JSON that is written or read |
-//! | `fate_report`, `fate_plot` | what an ensemble has come to, in words and as a picture |
-//! | `start`, `recording`, `section`, `pace` | where a simulation starts, what it leaves behind, how far it is |
-//! | `explore` | the page in a browser, and what it asks this program (feature `explore`) |
-//! | `orbit_trajectory` | a period of an orbit as a table |
-//! | `sweep_command`, `merge_command`, `draw_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `fate_command`, `words_command` | the subcommands |
+
+// | file | holds |
+// |---|---|
+// | `entry`, `program`, `console` | where it begins and ends; the whole program as a function, and what it talks to |
+// | `args` | the command line |
+// | `setup_command`, `version` | a scene to begin with, completions, manual pages; what this build can do |
+// | `model`, `which` | the model a command is asked about, and which of its breathers |
+// | `threads`, `progress` | threads to compute on; bars that tell how far long work is |
+// | `chunked_run` | a table in chunks, which outlive the process and may be shared by many |
+// | `pictures`, `picture_files` | pictures of a table that is being written; the files of any picture |
+// | `table_manifest`, `table_rows` | what a table is of, in a file beside it; a table read again |
+// | `branch_table`, `curve_table` | the tables of a bifurcation diagram and of curves in two parameters, written and read |
+// | `border_search` | all borders of a scene, with a bar |
+// | `estimate`, `report` | what a sweep will cost, what it has found |
+// | `branch_plot`, `curve_plot` | the pictures of a bifurcation diagram and of curves in two parameters (feature `plot`) |
+// | `orbit_plots` | all pictures of an orbit (feature `plot`) |
+// | `stripes` | where two modes collide, over a map (feature `plot`) |
+// | `solution`, `orbit_modes` | one orbit with all that is said about it; signatures of the modes of a conservative orbit, and which have collided |
+// | `schemas` | the form of every JSON that is written or read |
+// | `fate_report`, `fate_plot` | what an ensemble has come to, in words and as a picture |
+// | `start`, `recording`, `section`, `pace` | where a simulation starts, what it leaves behind, how far it is |
+// | `explore` | the page in a browser, and what it asks this program (feature `explore`) |
+// | `orbit_trajectory` | a period of an orbit as a table |
+// | `sweep_command`, `merge_command`, `draw_command`, `orbit_command`, `locate_command`, `branch_command`, `curve_command`, `curves_command`, `schema_command`, `simulate_command`, `fate_command`, `words_command` | the subcommands |
 
 mod animate;
 pub mod args;

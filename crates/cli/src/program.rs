@@ -77,13 +77,13 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Explore(args) => crate::explore::run(args, run, console),
         #[cfg(not(feature = "explore"))]
         Command::Explore(_) => Err(CliError::Request(
-            "this build serves no page: build with the feature `explore`, as in cargo run --release --features explore -- explore".to_owned(),
+            "this build serves no page: build with the feature `explore`, as in cargo run --locked --release --features explore -- explore".to_owned(),
         )),
         Command::Init(args) => setup_command::init(args, console),
         Command::Completions(args) => setup_command::completions(args, console),
         Command::Man(args) => setup_command::man(args, console),
         Command::Study(_) => Err(CliError::Request(format!(
-            "{} are studies, a program of their own: cargo run --release -p vibrochain-studies -- --help",
+            "{} are studies, a program of their own: cargo run --locked --release -p vibrochain-studies -- --help",
             STUDIES.join(", ")
         ))),
     }

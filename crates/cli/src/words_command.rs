@@ -1,4 +1,4 @@
-//! `mapgen words`: all impact words of a few sites whose orbits live at a point.
+//! `mapgen words`: words of two instants on a few sites, each of which hits as a family does, whose orbits live at a point.
 
 use std::fmt::Write as _;
 use std::sync::atomic::Ordering;

@@ -162,7 +162,7 @@ fn shown(text: &str) -> Vec<String> {
         for line in block.lines().map(str::trim) {
             // A comment, what it is piped to, or where it goes, is for the shell.
             let line = line.split(" #").next().unwrap().split(['|', '>', '&', ';']).next().unwrap();
-            let called = line.strip_prefix("cargo run --release -- ").or_else(|| line.strip_prefix("mapgen "));
+            let called = line.strip_prefix("cargo run --locked --release -- ").or_else(|| line.strip_prefix("mapgen "));
             commands.extend(called.map(|rest| format!("mapgen {rest}")));
         }
     }

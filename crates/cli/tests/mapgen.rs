@@ -667,7 +667,7 @@ fn wrong_simulations() {
 #[test]
 fn studies_are_named_where_they_went() {
     for line in ["figures --out figures", "errata", "accuracy --quick", "validate --help"] {
-        let words = contains("are studies").and(contains("cargo run --release -p vibrochain-studies"));
+        let words = contains("are studies").and(contains("cargo run --locked --release -p vibrochain-studies"));
         mapgen(&line.split(' ').collect::<Vec<_>>()).assert().code(2).stdout("").stderr(words);
     }
 }

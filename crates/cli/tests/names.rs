@@ -219,6 +219,22 @@ fn every_name_is_the_programs_and_in_each_row_they_agree() {
     assert!(checked.iter().zip([20, 18, 25, 60, 60, 55]).all(|(count, least)| *count >= least), "{checked:?}");
 }
 
+/// A flag that takes the name of a column has it as the column is called.
+#[test]
+fn values_of_flags_are_called_as_columns_are() {
+    let (columns, program) = (columns(), Cli::command());
+    let (mut flags, mut unknown) = (0, Vec::new());
+    for argument in program.get_subcommands().flat_map(clap::Command::get_arguments) {
+        if !["color", "show"].contains(&argument.get_long().unwrap_or_default()) {
+            continue;
+        }
+        flags += 1;
+        let values = argument.get_possible_values();
+        unknown.extend(values.iter().map(|value| value.get_name().to_owned()).filter(|name| !columns.contains(name)));
+    }
+    assert!(flags >= 4 && unknown.is_empty(), "{flags} {unknown:?}");
+}
+
 #[test]
 fn no_flag_key_or_column_is_missing() {
     let page = page();

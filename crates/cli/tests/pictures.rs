@@ -102,7 +102,7 @@ fn stable_and_unstable_pieces_are_told_apart_and_gaps_left() {
     let middle = texts(&svg).iter().find(|(_, text)| text == "frequency ω").unwrap().0.1 - 370.0;
     let pieces = |style: &str| lines(&svg, style).iter().filter(|line| line[0].1 > middle).count();
     assert_eq!(pieces("stroke=\"#103262\" stroke-width=\"3\""), runs("stable-double"));
-    assert_eq!(pieces("stroke=\"#ec8a3c\" stroke-width=\"3\""), runs("stable-single"));
+    assert_eq!(pieces("stroke=\"#2e86ab\" stroke-width=\"3\""), runs("stable-single"));
     assert_eq!(pieces("stroke=\"#103262\" stroke-width=\"2\""), runs("unstable-double"));
     assert!(svg.contains("stroke-dasharray=\"8 5\""));
 }

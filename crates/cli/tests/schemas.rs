@@ -386,6 +386,12 @@ fn schemas_are_listed_and_printed_and_other_names_refused() {
     let list = desk.run("schema").with(0, &[]);
     let names: Vec<&str> = list.out.lines().map(|line| line.split(' ').next().unwrap()).collect();
     assert_eq!(names, NAMES);
+    // The page on JSON has all of them, and no other.
+    let page = fs::read_to_string(repository().join("docs/data.md")).unwrap();
+    let (_, rows) = page.split_once("| schema | of |\n|---|---|\n").unwrap();
+    let rows = rows.lines().take_while(|line| line.starts_with('|'));
+    let told: BTreeSet<&str> = rows.flat_map(|row| quoted(row.split('|').nth(1).unwrap())).collect();
+    assert_eq!(told, BTreeSet::from(NAMES));
     for name in NAMES {
         let printed: Value = serde_json::from_str(&desk.run(&format!("schema {name}")).with(0, &[]).out).unwrap();
         assert_eq!(printed["$schema"], "https://json-schema.org/draft/2020-12/schema");

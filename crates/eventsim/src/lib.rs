@@ -43,23 +43,13 @@
 //! A cos ω(t+ψ), or Σ A_j cos(jω(t+ψ) + θ_j). A [`Time`] is a number of whole periods T = 2π/ω and a rest. A state at the time of an event is that
 //! after it.
 //!
-//! | module | holds |
+//! | name | what it is |
 //! |---|---|
-//! | `time` | [`Time`], and the clock that does not drift |
-//! | `event` | [`Event`], [`Limits`], [`Outcome`], [`Work`] |
-//! | `units` | internal units, orders and lengths of windows |
-//! | `ring` | the masses at one instant, near and on their barriers |
-//! | `series` | exact flight: Taylor series from the stencil |
-//! | `weights` | what turns derivatives into the motion |
-//! | `bound` | bounds of a series over a window |
-//! | `watch` | the first contact of one mass |
-//! | `queue` | entries of the queue of contacts |
-//! | `engine` | windows, and the next contacts |
-//! | `restart` | new series after an event, for the masses that feel it |
-//! | `collision` | impact law, chatter, rest and release |
-//! | `tangent` | [`Tangents`]: small perturbations of a run, to first order |
-//! | `growth` | [`Growth`]: from what they have grown to an exponent and its error |
-//! | `simulation` | [`Simulation`]: the event loop |
+//! | [`Time`] | a clock that does not drift |
+//! | [`Event`], [`Limits`], [`Outcome`], [`Work`] | impacts, sticking and release; when a run ends, and what it took |
+//! | [`Tangents`] | small perturbations of a run, to first order |
+//! | [`Growth`] | from what they have grown to an exponent and its error |
+//! | [`Simulation`] | the event loop |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s tables; those without a [`Time`] are read, too.
 //!

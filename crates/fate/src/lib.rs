@@ -2,19 +2,17 @@
 //!
 //! Breathers are found as maps find them, and runs are simulated by `vibrochain_eventsim`, which knows nothing of them.
 //!
-//! | module | holds |
+//! | name | what it is |
 //! |---|---|
-//! | `start` | [`Start`]: on an orbit, perturbed |
-//! | `follow` | whether a run follows its breather, and when it leaves |
-//! | `repeat` | the word of what repeats in the latest impacts |
-//! | `end` | [`End`]: how a run ends |
-//! | `exponent` | [`measure`]: the Lyapunov exponent along a breather |
-//! | `ensemble` | [`Ensemble`]: what is asked, within limits; seeds |
-//! | `run` | [`Home`], [`Fate`]: one run |
-//! | `fates` | [`fates()`]: all cells of a scene, in parallel, in order |
-//! | `section`, `diagram` | [`Strobe`], [`Diagram`]: sections, and bifurcation diagrams by simulation |
-//! | `table`, `reader` | columns and rows, written and read back |
-//! | `content` | [`Fates`]: all that is asked of a scene, as chunks and tables have it |
+//! | [`Start`] | on an orbit, perturbed |
+//! | [`End`] | how a run ends |
+//! | [`measure`] | the Lyapunov exponent along a breather |
+//! | [`Ensemble`] | what is asked, within limits; seeds |
+//! | [`Home`], [`Fate`] | one run |
+//! | [`fates()`] | all cells of a scene, in parallel, in order |
+//! | [`Strobe`], [`Diagram`] | sections, and bifurcation diagrams by simulation |
+//! | [`table`] | columns and rows, written and read back |
+//! | [`Fates`] | all that is asked of a scene, as chunks and tables have it |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;

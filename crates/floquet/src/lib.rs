@@ -5,20 +5,17 @@
 //! circle; the leading one says how stability is lost: through +1 (a fold or a pitchfork), through −1 (period doubling)
 //! or as a complex pair (Neimark–Sacker). See the paper, sec. III.
 //!
-//! | module | holds |
+//! | name | what it is |
 //! |---|---|
-//! | `saltation` | [`Saltation`]: a perturbation through an impact |
-//! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
-//! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
-//! | `stripes` | [`DressedModes`], [`Collision`], [`Stripe`]: which modes collide, and how wide stripes are |
-//! | `analyser`, `by_secular`, `by_partners` | [`stability`], [`Analyser`]: the path that fits an orbit |
-//! | `all_multipliers` | [`Multipliers`]: all multipliers in order, made as they are asked for |
-//! | `dense`, `reversible` | the smallest matrix that has the multipliers |
-//! | `multipliers`, `eigenvectors` | [`odd_multipliers`], [`leading_modes`] |
-//! | `certainty`, `judge` | errors of eigenvalues, and verdicts that know theirs |
-//! | `symmetry` | pitchforks: perturbations that break an orbit's symmetry |
-//! | `locate` | [`locate()`]: bifurcations and grazing in one parameter |
-//! | `verdict` | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] |
+//! | [`Saltation`] | a perturbation through an impact |
+//! | [`full_monodromy`], [`even_monodromy`] | a perturbation through a period |
+//! | [`Secular`] | multipliers as zeros of a scalar function |
+//! | [`DressedModes`], [`Collision`], [`Stripe`] | which modes collide, and how wide stripes are |
+//! | [`stability`], [`Analyser`] | multipliers and verdict, by the path that fits an orbit |
+//! | [`Multipliers`] | all multipliers in order, made as they are asked for |
+//! | [`odd_multipliers`], [`leading_modes`] | multipliers that feel no impact; perturbations that grow most |
+//! | [`locate()`] | bifurcations and grazing in one parameter |
+//! | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] | stable or not, how stability is lost, from which growth on, where the answer comes from |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s JSON; those that hold nothing derived are read, too.
 //!

@@ -3,13 +3,17 @@
 use std::fmt::Display;
 
 use nalgebra::Complex;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::secular::SecularError;
 
 /// As `[re, im]`.
 pub(crate) fn complex<S: Serializer>(z: &Complex<f64>, serializer: S) -> Result<S::Ok, S::Error> {
     [z.re, z.im].serialize(serializer)
+}
+
+pub(crate) fn read_complex<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Complex<f64>, D::Error> {
+    <[f64; 2]>::deserialize(deserializer).map(|[re, im]| Complex::new(re, im))
 }
 
 pub(crate) fn complexes<S: Serializer>(values: &[Complex<f64>], serializer: S) -> Result<S::Ok, S::Error> {

@@ -18,21 +18,19 @@
 //! - `omega` is the frequency of the force and of a map, T = 2π/ω its period;
 //! - transforms carry their normalisation in the weights b_k² (1/M or 2/M), so that Σ b_k² = 1.
 //!
-//! | module | holds |
+//! | name | what it is |
 //! |---|---|
-//! | `params` | [`Chain`], [`Model`], [`Barrier`]: validated parameters |
-//! | `force` | [`Force`], [`Wave`]: odd harmonics and the uniform motion they drive |
-//! | `line` | [`Ends`]: closed, free, fixed; modes of one row, by images |
-//! | `steady` | [`Steady`]: motion under the force alone, between walls too |
-//! | `spectrum` | [`Spectrum`]: frequencies, weights, band, resonances |
-//! | `parameter` | [`Parameter`]: the real ones by name, to be varied |
-//! | `shapes` | [`Shapes`]: what each mode makes of each mass; `ring`, `transform`: cosines to the last digit, all masses at once |
-//! | `distinct` | [`DistinctMasses`]: the masses that symmetry leaves |
-//! | `impulse` | [`ImpulseResponse`]: the periodic impulse response K_n(t) in closed form |
-//! | `sines` | sines and cosines of four phases at once |
-//! | `sensitivity` | condition of the impulse response |
-//! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
-//! | `propagator` | [`Propagator`]: exact free flight |
+//! | [`Chain`], [`Model`], [`Barrier`] | validated parameters |
+//! | [`Force`], [`Wave`] | odd harmonics and the uniform motion they drive |
+//! | [`Ends`] | closed, free, fixed; modes of one row, by images |
+//! | [`Steady`] | motion under the force alone, between walls too |
+//! | [`Spectrum`] | frequencies, weights, band, resonances |
+//! | [`Parameter`] | the real ones by name, to be varied |
+//! | [`Shapes`] | what each mode makes of each mass |
+//! | [`DistinctMasses`] | the masses that symmetry leaves |
+//! | [`ImpulseResponse`] | the periodic impulse response K_n(t) in closed form |
+//! | [`Decay`] | harmonic response, far field in full relative accuracy |
+//! | [`Propagator`] | exact free flight |
 //!
 //! With the feature `serde` values are written and read by the names of `mapgen`'s JSON, and what is out of range is refused.
 //!

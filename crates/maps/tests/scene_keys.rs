@@ -63,6 +63,12 @@ fn the_table_of_scene_keys_has_those_that_a_scene_takes() {
         all.extend(taken);
     }
     assert!(all.len() > 25, "{all:?}");
+    // So is what may be swept.
+    let refused = parse(&scene_with("MODEL", "").replace("gamma2", "zzz")).unwrap_err().to_string();
+    let (_, known) = refused.split_once("give one of ").unwrap();
+    let known: Vec<String> = known.lines().next().unwrap().split(", ").map(|name| format!("\"{name}\"")).collect();
+    let row = document.lines().find(|line| line.starts_with("| `parameter` |")).unwrap();
+    assert_eq!(quoted(row).skip(1).collect::<Vec<_>>(), known);
     // Its examples are scenes, and use all keys between them.
     let examples: Vec<&str> =
         document.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();

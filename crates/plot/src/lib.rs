@@ -1,24 +1,17 @@
 //! Pictures: maps, curves, orbits, runs, as bytes of PNG, SVG or PDF. A picture is drawn once, as vectors, for a [`Page`]; all letters
 //! are outlines of a font that is shipped with the crate, so that a bare machine will do.
 //!
-//! | module | holds |
+//! | name | what it is |
 //! |---|---|
-//! | `page` | [`Page`]: width, resolution, size of letters |
-//! | `format`, `canvas` | [`Format`], [`open`], and how a drawing becomes bytes |
-//! | `drawing` | shapes, circles, words and rasters as values |
-//! | `svg`, `pixels`, `pdf` | the three kinds of files |
-//! | `font`, `typeset`, `words` | letters, where they stand, lines of a heading |
-//! | `axis`, `frame`, `markers`, `strokes` | ticks, panels, marks and lines of all pictures |
-//! | `map`, `shown`, `raster`, `sheet`, `key`, `classes`, `lines`, `palette` | the picture of a map, what it shows of its cells, its pixels, what stands about it, its legend and its words, lines over it, its colours and textures |
-//! | `sight` | for tests: how colours look to other eyes and on grey paper |
-//! | `quantity` | numbers of cells, and how they become colours |
-//! | `one_axis` | the curves of a sweep over one parameter |
-//! | `ends` | what becomes of perturbed breathers, over a map |
-//! | `regions`, `coverage` | the picture of a map by its regions: shapes, or pixels by exact area |
-//! | `curves`, `pane`, `legend`, `panels` | curves in panels: as values, one of them, what stands above it, all |
-//! | `orbit`, `run`, `spacetime` | an orbit in profile and time; a simulated run; all masses over a period |
-//! | `motion`, `stage`, `moving_svg`, `moving_pixels`, `animation` | the chain between its barriers, moving: as values, at an instant, as files |
-//! | `field` | all masses of a run in space and time, thinned while it runs |
+//! | [`Page`] | width, resolution, size of letters |
+//! | [`Format`], [`open`] | how a drawing becomes bytes |
+//! | [`drawing`] | shapes, circles, words and rasters as values |
+//! | [`MapPicture`], [`RegionsPicture`], [`EndsPicture`] | a map by its cells, by its regions, by what becomes of its breathers |
+//! | [`OneAxisPicture`], [`Curves`] | the curves of a sweep over one parameter; any curves, in panels |
+//! | [`OrbitPanels`], [`RunPicture`], [`Spacetime`] | an orbit in profile and time; a simulated run; all masses over a period |
+//! | [`Animation`] | the chain between its barriers, moving |
+//! | [`palette`], [`NumberScale`] | colours and textures of classes; how numbers become colours |
+//! | [`field`] | all masses of a run in space and time, thinned while it runs |
 //!
 //! ```
 //! use vibrochain_plot::{Format, OrbitPanels, orbit_picture};

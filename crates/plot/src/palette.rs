@@ -109,10 +109,11 @@ fn shaded(colour: Rgb, marked: bool) -> Rgb {
     if marked { colour.map(|c| (f64::from(c) * 0.55) as u8) } else { colour }
 }
 
-/// Colours of lines in a diagram, in order of use: dark and light take turns, so that neighbours in a legend are told
-/// apart at a glance in grey; any two are by colour-blind eyes and in grey.
+/// Colours of lines in a diagram, in order of use: neighbours in a legend are told apart at a glance in grey, any two by
+/// colour-blind eyes and in grey. The first three are the families' own, as their stable classes have them in a map; that of an
+/// unstable class is none, so that orange says *unstable* wherever it stands.
 pub const LINES: [Rgb; 6] =
-    [[16, 50, 98], [236, 138, 60], [27, 128, 94], [116, 197, 242], [150, 40, 90], [138, 138, 138]];
+    [[16, 50, 98], [46, 134, 171], [0, 110, 84], [116, 197, 242], [120, 24, 144], [157, 157, 157]];
 
 /// Colours of borders of regions, in order of use: none is a class's, and all show on any. Apart for colour-blind eyes and in grey.
 pub const BORDERS: [Rgb; 6] =
@@ -144,6 +145,15 @@ mod tests {
             check(&names.into_iter().zip(colours).collect::<Vec<_>>());
         }
         assert_eq!(pairs, 5 * (2 * 21 + 2 * 15));
+    }
+
+    #[test]
+    fn a_colour_means_the_same_in_maps_and_in_curves() {
+        let class = |class| Palette::Colour.class(Some(class));
+        let families = [Class::StableDouble, Class::StableSingle, Class::StableWord].map(class);
+        assert_eq!(families, LINES[..3]);
+        let unstable = [Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord].map(class);
+        assert!(LINES.iter().all(|line| !unstable.contains(line)));
     }
 
     /// What is not known is told from all classes by its texture, which no mechanism has.

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::Class;
-use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 
 use crate::axis::{Axis, label};
@@ -67,32 +66,16 @@ impl Placed {
     }
 }
 
-/// "21 masses (N = 20), γ₁ = 0.2, …": what is fixed.
-pub(crate) fn fixed(scene: &Scene) -> String {
-    let layout = scene.base.layout;
-    let mut text = layout.to_string();
-    for &parameter in Parameter::of(scene.base.layout.layers) {
-        let swept = scene.sweeps(parameter);
-        let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-        if let (Parameter::Amplitude, Some(force)) = (parameter, &scene.base.force) {
-            text += &format!(", force {force}");
-        } else if !(swept || forced && scene.is_conservative()) {
-            text += &format!(", {} = {}", parameter.symbol(), scene.base.get(parameter));
-        }
-    }
-    text
-}
-
 /// What the picture of a scene says above its panels: heading, all that is fixed, and what counts as stable.
 pub fn about(scene: &Scene) -> String {
-    let parts = [scene.heading(), fixed(scene), scene.criterion()];
+    let parts = [scene.heading(), scene.fixed(), scene.criterion()];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
 }
 
 impl<'a> Sheet<'a> {
     /// Of a scene, the map alone: nothing of its legend yet.
     pub(crate) fn new(scene: &'a Scene, axes: [&'a SweptAxis; 2], spans: [Range<f64>; 2]) -> Self {
-        let notes = [fixed(scene), scene.criterion()].into_iter().filter(|line| !line.is_empty()).collect();
+        let notes = [scene.fixed(), scene.criterion()].into_iter().filter(|line| !line.is_empty()).collect();
         Self { scene, axes, spans, notes, bar: None, entries: Vec::new() }
     }
 

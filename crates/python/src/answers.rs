@@ -3,14 +3,10 @@
 use numpy::{Complex64, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyComplex;
+use serde::{Deserialize, Serialize};
 use vibrochain_breather::{Admissibility, Condition, Obstruction, Orbit};
 use vibrochain_floquet::{Mechanism, Verdict};
 use vibrochain_lattice::Layout;
-
-/// A complex number of Python.
-pub(crate) fn complex(py: Python<'_>, value: Complex64) -> Bound<'_, PyComplex> {
-    PyComplex::from_doubles(py, value.re, value.im)
-}
 
 /// Whether an orbit is physical, and what is in the way.
 ///
@@ -22,49 +18,49 @@ pub(crate) fn complex(py: Python<'_>, value: Complex64) -> Bound<'_, PyComplex> 
 /// >>> answer.physical, answer.obstruction.kind
 /// (False, 'crossing')
 #[pyclass(frozen, eq, name = "Admissibility", module = "vibrochain")]
-#[derive(PartialEq)]
+#[derive(PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyAdmissibility {
-    answer: Admissibility,
-    layout: Layout,
+    /// bool : nothing is in the way.
+    #[pyo3(get)]
+    physical: bool,
+    /// float or None : smallest distance of any mass to a barrier at a turning point, negative if a mass crosses; None if an
+    /// impact has the wrong sign, which makes distances moot.
+    #[pyo3(get)]
+    margin: Option<f64>,
+    /// Obstruction or None : what is in the way.
+    #[pyo3(get)]
+    obstruction: Option<PyObstruction>,
+    text: String,
 }
 
 impl PyAdmissibility {
-    pub(crate) fn new(answer: Admissibility, layout: Layout) -> Self {
-        Self { answer, layout }
+    pub(crate) fn new(answer: &Admissibility, layout: Layout) -> Self {
+        let obstruction = |found: Obstruction| {
+            let (Obstruction::WrongSign { site, .. } | Obstruction::Crossing { site, .. }) = found;
+            let (site, layer) = layout.place(site);
+            PyObstruction { found, site, layer }
+        };
+        Self {
+            physical: answer.is_physical(),
+            margin: answer.margin,
+            obstruction: answer.obstruction.map(obstruction),
+            text: answer.to_string(),
+        }
     }
 }
 
 #[pymethods]
 impl PyAdmissibility {
-    /// bool : nothing is in the way.
-    #[getter]
-    fn physical(&self) -> bool {
-        self.answer.is_physical()
-    }
-
-    /// float or None : smallest distance of any mass to a barrier at a turning point, negative if a mass crosses; None if an
-    /// impact has the wrong sign, which makes distances moot.
-    #[getter]
-    fn margin(&self) -> Option<f64> {
-        self.answer.margin
-    }
-
-    /// Obstruction or None : what is in the way.
-    #[getter]
-    fn obstruction(&self) -> Option<PyObstruction> {
-        self.answer.obstruction.map(|found| PyObstruction { found, layout: self.layout })
-    }
-
     fn __bool__(&self) -> bool {
-        self.physical()
+        self.physical
     }
 
-    fn __str__(&self) -> String {
-        self.answer.to_string()
+    fn __str__(&self) -> &str {
+        &self.text
     }
 
     fn __repr__(&self) -> String {
-        format!("<Admissibility: {}>", self.answer)
+        format!("<Admissibility: {}>", self.text)
     }
 }
 
@@ -78,18 +74,15 @@ impl PyAdmissibility {
 /// >>> obstruction.excess > 0
 /// True
 #[pyclass(frozen, eq, name = "Obstruction", module = "vibrochain")]
-#[derive(PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyObstruction {
     found: Obstruction,
-    layout: Layout,
-}
-
-impl PyObstruction {
-    fn index(&self) -> usize {
-        match self.found {
-            Obstruction::WrongSign { site, .. } | Obstruction::Crossing { site, .. } => site,
-        }
-    }
+    /// int : the mass, in its layer.
+    #[pyo3(get)]
+    site: usize,
+    /// int : its layer.
+    #[pyo3(get)]
+    layer: usize,
 }
 
 #[pymethods]
@@ -101,18 +94,6 @@ impl PyObstruction {
             Obstruction::WrongSign { .. } => "wrong-sign",
             Obstruction::Crossing { .. } => "crossing",
         }
-    }
-
-    /// int : the mass, in its layer.
-    #[getter]
-    fn site(&self) -> usize {
-        self.layout.place(self.index()).0
-    }
-
-    /// int : its layer.
-    #[getter]
-    fn layer(&self) -> usize {
-        self.layout.place(self.index()).1
     }
 
     /// float : when, within the period.
@@ -178,7 +159,7 @@ impl PyObstruction {
 /// >>> condition.resonance > 1e-3, condition.time_error < 1e-13
 /// (True, True)
 #[pyclass(frozen, eq, name = "Condition", module = "vibrochain")]
-#[derive(PartialEq)]
+#[derive(PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyCondition {
     /// float : distance to resonance, the smallest relative one of a mode to a harmonic, at most 1.
     #[pyo3(get)]
@@ -226,71 +207,72 @@ impl PyCondition {
 /// >>> isinstance(model.breathers("single-sided").orbits[0].stability(), vc.Verdict)
 /// True
 #[pyclass(frozen, subclass, eq, name = "Verdict", module = "vibrochain")]
-#[derive(Clone, PartialEq)]
-pub(crate) struct PyVerdict(pub(crate) Verdict);
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct PyVerdict {
+    /// bool : no perturbation grows by more than the threshold, errors allowed for.
+    #[pyo3(get)]
+    pub(crate) stable: bool,
+    /// bool : the growth is closer to the threshold than its own error.
+    #[pyo3(get)]
+    marginal: bool,
+    pub(crate) mechanism: Option<Mechanism>,
+    /// float : largest modulus of the multipliers that feel the impacts, per period of the orbit.
+    #[pyo3(get)]
+    pub(crate) spectral_radius: f64,
+    leading: [f64; 2],
+    /// float : spectral_radius - 1, with its own relative accuracy.
+    #[pyo3(get)]
+    growth: f64,
+    /// float : estimated error of the spectral radius; 0 where structure decides.
+    #[pyo3(get)]
+    resolution: f64,
+    /// str : "secular" or "dense", where the answer comes from.
+    #[pyo3(get)]
+    method: String,
+    /// str or None : why it is a dense matrix, where the secular function was tried.
+    #[pyo3(get)]
+    doubt: Option<String>,
+    text: String,
+}
+
+impl From<&Verdict> for PyVerdict {
+    fn from(verdict: &Verdict) -> Self {
+        Self {
+            stable: verdict.stable,
+            marginal: verdict.marginal,
+            mechanism: verdict.mechanism,
+            spectral_radius: verdict.spectral_radius,
+            leading: [verdict.leading.re, verdict.leading.im],
+            growth: verdict.growth(),
+            resolution: verdict.resolution,
+            method: verdict.method.name().to_owned(),
+            doubt: verdict.method.doubt().map(|doubt| doubt.to_string()),
+            text: verdict.to_string(),
+        }
+    }
+}
 
 #[pymethods]
 impl PyVerdict {
-    /// bool : no perturbation grows by more than the threshold, errors allowed for.
-    #[getter]
-    fn stable(&self) -> bool {
-        self.0.stable
-    }
-
-    /// bool : the growth is closer to the threshold than its own error.
-    #[getter]
-    fn marginal(&self) -> bool {
-        self.0.marginal
-    }
-
     /// str or None : how stability is lost: "plus-one", "pitchfork", "period-doubling" or "neimark-sacker".
     #[getter]
     fn mechanism(&self) -> Option<&'static str> {
-        self.0.mechanism.map(Mechanism::name)
-    }
-
-    /// float : largest modulus of the multipliers that feel the impacts, per period of the orbit.
-    #[getter]
-    fn spectral_radius(&self) -> f64 {
-        self.0.spectral_radius
+        self.mechanism.map(Mechanism::name)
     }
 
     /// complex : the multiplier of that modulus.
     #[getter]
     fn leading<'py>(&self, py: Python<'py>) -> Bound<'py, PyComplex> {
-        complex(py, self.0.leading)
+        let [re, im] = self.leading;
+        PyComplex::from_doubles(py, re, im)
     }
 
-    /// float : spectral_radius - 1, with its own relative accuracy.
-    #[getter]
-    fn growth(&self) -> f64 {
-        self.0.growth()
-    }
-
-    /// float : estimated error of the spectral radius; 0 where structure decides.
-    #[getter]
-    fn resolution(&self) -> f64 {
-        self.0.resolution
-    }
-
-    /// str : "secular" or "dense", where the answer comes from.
-    #[getter]
-    fn method(&self) -> &'static str {
-        self.0.method.name()
-    }
-
-    /// str or None : why it is a dense matrix, where the secular function was tried.
-    #[getter]
-    fn doubt(&self) -> Option<String> {
-        self.0.method.doubt().map(|doubt| doubt.to_string())
-    }
-
-    fn __str__(&self) -> String {
-        self.0.to_string()
+    fn __str__(&self) -> &str {
+        &self.text
     }
 
     fn __repr__(&self) -> String {
-        format!("<{}>", self.0)
+        format!("<{}>", self.text)
     }
 }
 
@@ -318,4 +300,24 @@ impl PyStability {
     fn verdict(self_: PyRef<'_, Self>) -> PyVerdict {
         self_.into_super().clone()
     }
+
+    /// (A class with a base is made from its two parts.)
+    #[allow(clippy::type_complexity, reason = "what pickle asks for: a callable and its arguments")]
+    fn __reduce__<'py>(
+        self_: PyRef<'py, Self>,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, (PyVerdict, Py<PyArray1<Complex64>>))> {
+        let multipliers = self_.multipliers.clone_ref(py);
+        Ok((py.import("vibrochain._vibrochain")?.getattr("_stability")?, (Self::verdict(self_), multipliers)))
+    }
+}
+
+/// A verdict with its multipliers.
+#[pyfunction]
+pub(crate) fn _stability(
+    py: Python<'_>,
+    verdict: PyRef<'_, PyVerdict>,
+    multipliers: Py<PyArray1<Complex64>>,
+) -> PyResult<Py<PyStability>> {
+    Py::new(py, PyClassInitializer::from(verdict.clone()).add_subclass(PyStability { multipliers }))
 }

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde::{Deserialize, Serialize};
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::borders::{Asked, Border, Borders};
 use vibrochain_maps::cell::Class;
@@ -25,67 +26,66 @@ use crate::sweep::{pool, scene, thread_count};
 /// >>> border.family, border.event, border.values.shape == (len(border.errors), 2)
 /// ('double-sided', 'period-doubling', True)
 #[pyclass(frozen, name = "Border", module = "vibrochain")]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct PyBorder {
-    border: Border,
+    /// str : of which family, or which impact word, as the scene names it.
+    #[pyo3(get)]
+    family: String,
+    /// str : what happens on it: "grazing", "pitchfork", "period-doubling", "neimark-sacker", "fold", "resonance", "unbounded",
+    /// "impulses-vanish", "threshold" or "change".
+    #[pyo3(get)]
+    event: String,
+    /// Values, error, and half the width of a stripe.
+    points: Vec<([f64; 2], f64, Option<f64>)>,
+    /// tuple of (int, int, int, bool) or None : the stripe whose edge it is: the two modes that meet, at which harmonic, and whether it is
+    /// the edge with the larger values along x.
+    #[pyo3(get)]
+    stripe: Option<(usize, usize, usize, bool)>,
+    /// list of (str, int, float) : points of codimension two, if they were asked for: what, which of the points, its error.
+    #[pyo3(get)]
+    special: Vec<(String, usize, f64)>,
+    /// tuple of (str, str) : how it ends before the first and behind the last point.
+    #[pyo3(get)]
+    ends: (String, String),
+}
+
+impl From<Border> for PyBorder {
+    fn from(border: Border) -> Self {
+        let Border { family, kind, stripe, points, special, ends: [first, last] } = border;
+        Self {
+            family,
+            event: kind.name().to_owned(),
+            points: points.iter().map(|point| (point.values, point.error, point.half_width)).collect(),
+            stripe: stripe.map(|stripe| (stripe.modes.0, stripe.modes.1, stripe.harmonic, stripe.upper)),
+            special: special.iter().map(|(special, point, error)| (special.to_string(), *point, *error)).collect(),
+            ends: (first, last),
+        }
+    }
 }
 
 #[pymethods]
 impl PyBorder {
-    /// str : of which family, or which impact word, as the scene names it.
-    #[getter]
-    fn family(&self) -> &str {
-        &self.border.family
-    }
-
-    /// str : what happens on it: "grazing", "pitchfork", "period-doubling", "neimark-sacker", "fold", "resonance", "unbounded",
-    /// "impulses-vanish", "threshold" or "change".
-    #[getter]
-    fn event(&self) -> &'static str {
-        self.border.kind.name()
-    }
-
     /// numpy.ndarray of float64, shape (k, 2) : values of both parameters; a closed border has its first point once more at the end.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let values: Vec<f64> = self.border.points.iter().flat_map(|point| point.values).collect();
-        values.into_pyarray(py).reshape([self.border.points.len(), 2])
+        let values: Vec<f64> = self.points.iter().flat_map(|(values, ..)| *values).collect();
+        values.into_pyarray(py).reshape([self.points.len(), 2])
     }
 
     /// numpy.ndarray of float64, shape (k,) : how far the border may pass from the points, as a part of the window's sides.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.border.points.iter().map(|point| point.error).collect::<Vec<_>>().into_pyarray(py)
+        self.points.iter().map(|(_, error, _)| *error).collect::<Vec<_>>().into_pyarray(py)
     }
 
     /// numpy.ndarray of float64, shape (k,) : half the width of the stripe whose edge it is, in the parameter along x; otherwise NaN.
     #[getter]
     fn half_widths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let widths = self.border.points.iter().map(|point| point.half_width.unwrap_or(f64::NAN));
-        widths.collect::<Vec<_>>().into_pyarray(py)
-    }
-
-    /// tuple of (int, int, int, bool) or None : the stripe whose edge it is: the two modes that meet, at which harmonic, and whether it is
-    /// the edge with the larger values along x.
-    #[getter]
-    fn stripe(&self) -> Option<(usize, usize, usize, bool)> {
-        self.border.stripe.map(|stripe| (stripe.modes.0, stripe.modes.1, stripe.harmonic, stripe.upper))
-    }
-
-    /// list of (str, int, float) : points of codimension two, if they were asked for: what, which of the points, its error.
-    #[getter]
-    fn special(&self) -> Vec<(String, usize, f64)> {
-        self.border.special.iter().map(|(special, point, error)| (special.to_string(), *point, *error)).collect()
-    }
-
-    /// tuple of (str, str) : how it ends before the first and behind the last point.
-    #[getter]
-    fn ends(&self) -> (&str, &str) {
-        let [first, last] = &self.border.ends;
-        (first, last)
+        self.points.iter().map(|(.., width)| width.unwrap_or(f64::NAN)).collect::<Vec<_>>().into_pyarray(py)
     }
 
     fn __repr__(&self) -> String {
-        format!("<Border of {}: {}, {} points>", self.border.family, self.border.kind, self.border.points.len())
+        format!("<Border of {}: {}, {} points>", self.family, self.event, self.points.len())
     }
 }
 
@@ -98,14 +98,19 @@ impl PyBorder {
 /// >>> found.free, found.stripes, found.class_at(1.5, 0.1)
 /// (('omega', 'gamma2'), 8, 'stable-double')
 #[pyclass(frozen, name = "Borders", module = "vibrochain")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct PyBorders {
-    found: Borders,
-    regions: Regions<Option<Class>>,
-}
-
-/// What could not be told has no class.
-fn name(class: Option<Class>) -> &'static str {
-    class.map_or("unknown", Class::name)
+    free: [Parameter; 2],
+    /// list of Border : all of them.
+    #[pyo3(get)]
+    borders: Vec<PyBorder>,
+    /// int : stripes among them, each with both edges.
+    #[pyo3(get)]
+    stripes: usize,
+    /// list of (str, [[float, float], [float, float]]) : places between which the breathers of a family change, and no border is known.
+    #[pyo3(get)]
+    unexplained: Vec<(String, [[f64; 2]; 2])>,
+    regions: Regions<String>,
 }
 
 #[pymethods]
@@ -113,34 +118,16 @@ impl PyBorders {
     /// tuple of (str, str) : the parameters along x and y.
     #[getter]
     fn free(&self) -> (&'static str, &'static str) {
-        let [x, y] = self.found.parameters.map(Parameter::name);
+        let [x, y] = self.free.map(Parameter::name);
         (x, y)
-    }
-
-    /// list of Border : all of them.
-    #[getter]
-    fn borders(&self) -> Vec<PyBorder> {
-        self.found.borders.iter().map(|border| PyBorder { border: border.clone() }).collect()
-    }
-
-    /// int : stripes among them, each with both edges.
-    #[getter]
-    fn stripes(&self) -> usize {
-        self.found.stripes()
     }
 
     /// dict of str to (float, float) : the share of the window of each class ("unknown" where it could not be told), and its error.
     #[getter]
     fn areas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let areas = PyDict::new(py);
-        self.regions.areas().iter().try_for_each(|area| areas.set_item(name(area.class), (area.share, area.error)))?;
+        self.regions.areas().iter().try_for_each(|area| areas.set_item(&area.class, (area.share, area.error)))?;
         Ok(areas)
-    }
-
-    /// list of (str, [[float, float], [float, float]]) : places between which the breathers of a family change, and no border is known.
-    #[getter]
-    fn unexplained(&self) -> Vec<(&str, [[f64; 2]; 2])> {
-        self.found.unexplained.iter().map(|(family, places)| (family.as_str(), *places)).collect()
     }
 
     /// The class of what lives at a point of the window.
@@ -165,14 +152,14 @@ impl PyBorders {
     /// >>> import vibrochain as vc
     /// >>> vc.curves("scenes/conservative-n5.toml", places=2000).class_at(0.5, 0.25)
     /// 'none'
-    fn class_at(&self, x: f64, y: f64) -> PyResult<&'static str> {
+    fn class_at(&self, x: f64, y: f64) -> PyResult<&str> {
         let outside = || Failure::request(format!("({x}, {y}) is outside the window: give a point in it"));
-        Ok(self.regions.at([x, y]).map(|class| name(*class)).ok_or_else(outside)?)
+        Ok(self.regions.at([x, y]).ok_or_else(outside)?)
     }
 
     fn __repr__(&self) -> String {
         let (x, y) = self.free();
-        format!("<Borders: {} over {x} and {y}, {} stripes among them>", self.found.borders.len(), self.found.stripes())
+        format!("<Borders: {} over {x} and {y}, {} stripes among them>", self.borders.len(), self.stripes)
     }
 }
 
@@ -211,6 +198,13 @@ pub(crate) fn _curves(
         }
         None => Ok(()),
     };
-    let (found, regions) = long(py, look, work)?;
-    Ok(PyBorders { found, regions })
+    let (found, regions): (Borders, Regions<Option<Class>>) = long(py, look, work)?;
+    Ok(PyBorders {
+        free: found.parameters,
+        stripes: found.stripes(),
+        borders: found.borders.into_iter().map(PyBorder::from).collect(),
+        unexplained: found.unexplained,
+        // What could not be told has no class.
+        regions: regions.named(|class| class.map_or("unknown", Class::name).to_owned()),
+    })
 }

@@ -4,13 +4,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
-use vibrochain_floquet::{Course, FollowedBranch, Mechanism, Station, diagram_while};
+use serde::{Deserialize, Serialize};
+use vibrochain_floquet::{Course, Event, FollowedBranch, Mechanism, Station, diagram_while};
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::scene::tolerance_from;
 
 use crate::call::long;
 use crate::events::{PyBranchPoint, PyEnd, PyLocated, event};
 use crate::failure::{Failure, whole};
+use crate::lengths::items;
 use crate::orbits::PyOrbit;
 use crate::params::parameter;
 
@@ -27,9 +29,13 @@ use crate::params::parameter;
 /// >>> sorted({point.event for point in branch.events})
 /// ['fold', 'neimark-sacker', 'period-doubling']
 #[pyclass(frozen, name = "Branch", module = "vibrochain")]
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct PyBranch {
+    /// list of BranchPoint : its points in the order of the way.
+    #[pyo3(get)]
     points: Vec<PyBranchPoint>,
+    /// list of Located : the events on it, in the same order.
+    #[pyo3(get)]
     events: Vec<PyLocated>,
     /// int : how many branches lie between it and the orbit's own.
     #[pyo3(get)]
@@ -55,7 +61,7 @@ impl PyBranch {
         for station in stations {
             match station {
                 Station::Point(point) => points.push(point.into()),
-                Station::Event(located) => events.push(PyLocated { located, free }),
+                Station::Event(located) => events.push(PyLocated::new(located, free)),
             }
         }
         let unresolved = unresolved.iter().map(|place| (place.from, place.to)).collect();
@@ -70,18 +76,6 @@ impl PyBranch {
 
 #[pymethods]
 impl PyBranch {
-    /// list of BranchPoint : its points in the order of the way.
-    #[getter]
-    fn points(&self) -> Vec<PyBranchPoint> {
-        self.points.clone()
-    }
-
-    /// list of Located : the events on it, in the same order.
-    #[getter]
-    fn events(&self) -> Vec<PyLocated> {
-        self.events.clone()
-    }
-
     /// numpy.ndarray of float64, shape (k,) : values of the parameter at the points.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
@@ -103,7 +97,7 @@ impl PyBranch {
     /// numpy.ndarray of float64, shape (k,) : spectral radii; NaN where stability cannot be judged.
     #[getter]
     fn spectral_radius<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.column(py, |point| point.verdict.as_ref().map(|verdict| verdict.0.spectral_radius))
+        self.column(py, |point| point.verdict.as_ref().map(|verdict| verdict.spectral_radius))
     }
 
     /// numpy.ndarray of bool, shape (k,) : known to be physical.
@@ -115,14 +109,14 @@ impl PyBranch {
     /// numpy.ndarray of bool, shape (k,) : known to be stable.
     #[getter]
     fn stable<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        let stable = |point: &PyBranchPoint| point.verdict.as_ref().is_some_and(|verdict| verdict.0.stable);
+        let stable = |point: &PyBranchPoint| point.verdict.as_ref().is_some_and(|verdict| verdict.stable);
         self.points.iter().map(stable).collect::<Vec<_>>().into_pyarray(py)
     }
 
     /// list of str or None : how stability is lost at the points.
     #[getter]
     fn mechanism(&self) -> Vec<Option<&'static str>> {
-        let mechanism = |point: &PyBranchPoint| point.verdict.as_ref()?.0.mechanism.map(Mechanism::name);
+        let mechanism = |point: &PyBranchPoint| point.verdict.as_ref()?.mechanism.map(Mechanism::name);
         self.points.iter().map(mechanism).collect()
     }
 
@@ -142,10 +136,13 @@ impl PyBranch {
 /// >>> vc.branch(orbit, "asymmetry", from_=0.39, to=0.41, events=["grazing"]).complete
 /// True
 #[pyclass(frozen, name = "Diagram", module = "vibrochain")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct PyDiagram {
     /// str : the parameter that varies.
     #[pyo3(get)]
-    free: &'static str,
+    free: String,
+    /// list of Branch : the orbit's own first, then those that leave it, then those that leave these.
+    #[pyo3(get)]
     branches: Vec<PyBranch>,
     /// list of (int, float) : branch and value of events at which no branch could be taken up, though one was looked for.
     #[pyo3(get)]
@@ -163,12 +160,6 @@ pub(crate) struct PyDiagram {
 
 #[pymethods]
 impl PyDiagram {
-    /// list of Branch : the orbit's own first, then those that leave it, then those that leave these.
-    #[getter]
-    fn branches(&self) -> Vec<PyBranch> {
-        self.branches.clone()
-    }
-
     fn __repr__(&self) -> String {
         format!("<Diagram in {}: {} branches>", self.free, self.branches.len())
     }
@@ -218,7 +209,7 @@ pub(crate) fn branch(
     free: &str,
     from_: Option<f64>,
     to: Option<f64>,
-    events: Option<Vec<String>>,
+    events: Option<&Bound<'_, PyAny>>,
     generations: Option<&Bound<'_, PyAny>>,
     threshold: Option<f64>,
 ) -> PyResult<PyDiagram> {
@@ -227,7 +218,8 @@ pub(crate) fn branch(
     course.from = from_.unwrap_or(course.from);
     course.to = to.unwrap_or(course.to);
     if let Some(names) = events {
-        let asked = names.iter().map(|name| event(name)).collect::<Result<Vec<_>, _>>()?;
+        let asked = items("events", names, Event::ALL.len())?;
+        let asked = asked.iter().map(|name| Ok(event(&name.extract::<String>()?)?)).collect::<PyResult<Vec<_>>>()?;
         course.events.retain(|event| asked.contains(event));
     }
     let generations = generations.map_or(Ok(0), |count| whole("generations", count, 0, i64::from(u32::MAX)))?;
@@ -247,7 +239,7 @@ pub(crate) fn branch(
     let dead_ends = answer.dead_ends.iter().filter_map(|end| value(end.branch, end.station)).collect();
     let branches = answer.branches.into_iter().zip(origins);
     Ok(PyDiagram {
-        free: free.name(),
+        free: free.name().to_owned(),
         branches: branches.map(|(branch, origin)| PyBranch::new(branch, origin, free)).collect(),
         dead_ends,
         complete: answer.complete,

@@ -3,6 +3,7 @@
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
+use serde::{Deserialize, Serialize};
 use vibrochain_breather::{Completeness, Finder, Found, Proof};
 
 use crate::call::call;
@@ -21,6 +22,7 @@ use crate::orbits::PyOrbit;
 /// >>> found.reason
 /// 'impacts lose energy (restitution < 1) and no force restores it: give an amplitude or restitution 1'
 #[pyclass(frozen, sequence, name = "Breathers", module = "vibrochain")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct PyBreathers {
     name: String,
     orbits: Vec<PyOrbit>,
@@ -144,6 +146,7 @@ impl PyBreathers {
 /// >>> known.established, known.by
 /// (True, 'closed-form')
 #[pyclass(frozen, name = "Completeness", module = "vibrochain")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct PyCompleteness(Completeness);
 
 #[pymethods]

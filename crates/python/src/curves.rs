@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use vibrochain_floquet::{EventCurve, Located, Search, Walk, Window, curve_along};
+use serde::{Deserialize, Serialize};
+use vibrochain_floquet::{CurvePoint, Event, EventCurve, Search, Walk, Window, curve_along};
 use vibrochain_lattice::Parameter;
 
 use crate::call::long;
@@ -23,67 +24,88 @@ use crate::params::parameter;
 /// >>> curve.free, curve.values.shape == (len(curve.orbits), 2), bool(curve.errors.max() < 1e-9)
 /// (('amplitude', 'restitution'), True, True)
 #[pyclass(frozen, name = "EventCurve", module = "vibrochain")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct PyEventCurve {
-    /// str : which event.
+    event: Event,
+    free: [Parameter; 2],
+    points: Vec<Point>,
+    /// list of Orbit : the orbits.
     #[pyo3(get)]
-    event: &'static str,
-    /// tuple of (str, str) : the two parameters.
-    #[pyo3(get)]
-    free: (&'static str, &'static str),
-    curve: EventCurve,
     orbits: Vec<PyOrbit>,
+    /// list of (str, int, float) : points of codimension two: "1:1", "1:2", "1:3", "1:4", "cusp" or another event; which of the
+    /// points; its error.
+    #[pyo3(get)]
+    special: Vec<(String, usize, f64)>,
+    /// tuple of (str, str) : how it ends before the first and behind the last point.
+    #[pyo3(get)]
+    ends: (String, String),
+}
+
+/// What a point of a curve has besides its orbit.
+#[derive(Serialize, Deserialize)]
+struct Point {
+    values: [f64; 2],
+    error: f64,
+    angle: Option<f64>,
+    physical: Option<bool>,
+}
+
+impl PyEventCurve {
+    fn new(curve: EventCurve, free: [Parameter; 2]) -> Self {
+        let EventCurve { event, points, special, ends: [first, last], .. } = curve;
+        let point = |CurvePoint { values, error, orbit, angle, physical }: CurvePoint| {
+            (Point { values, error, angle, physical }, PyOrbit::new(orbit))
+        };
+        let (points, orbits) = points.into_iter().map(point).unzip();
+        let special =
+            special.iter().map(|special| (special.special.to_string(), special.point, special.error)).collect();
+        Self { event, free, points, orbits, special, ends: (first.to_string(), last.to_string()) }
+    }
 }
 
 #[pymethods]
 impl PyEventCurve {
+    /// str : which event.
+    #[getter]
+    fn event(&self) -> &'static str {
+        self.event.name()
+    }
+
+    /// tuple of (str, str) : the two parameters.
+    #[getter]
+    fn free(&self) -> (&'static str, &'static str) {
+        let [first, second] = self.free.map(Parameter::name);
+        (first, second)
+    }
+
     /// numpy.ndarray of float64, shape (k, 2) : values of both parameters; a closed curve has its first point once more at the end.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let values: Vec<f64> = self.curve.points.iter().flat_map(|point| point.values).collect();
-        values.into_pyarray(py).reshape([self.curve.points.len(), 2])
+        let values: Vec<f64> = self.points.iter().flat_map(|point| point.values).collect();
+        values.into_pyarray(py).reshape([self.points.len(), 2])
     }
 
     /// numpy.ndarray of float64, shape (k,) : how far the curve may pass from the points, as a part of the window's sides.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.curve.points.iter().map(|point| point.error).collect::<Vec<_>>().into_pyarray(py)
+        self.points.iter().map(|point| point.error).collect::<Vec<_>>().into_pyarray(py)
     }
 
     /// numpy.ndarray of float64, shape (k,) : angle over pi of the pair that meets the circle, of Neimark-Sacker; otherwise NaN.
     #[getter]
     fn angles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.curve.points.iter().map(|point| point.angle.unwrap_or(f64::NAN)).collect::<Vec<_>>().into_pyarray(py)
+        self.points.iter().map(|point| point.angle.unwrap_or(f64::NAN)).collect::<Vec<_>>().into_pyarray(py)
     }
 
     /// numpy.ndarray of bool, shape (k,) : the orbit is known to be physical, touches of the event itself aside.
     #[getter]
     fn physical<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        self.curve.points.iter().map(|point| point.physical == Some(true)).collect::<Vec<_>>().into_pyarray(py)
-    }
-
-    /// list of Orbit : the orbits.
-    #[getter]
-    fn orbits(&self) -> Vec<PyOrbit> {
-        self.orbits.clone()
-    }
-
-    /// list of (str, int, float) : points of codimension two: "1:1", "1:2", "1:3", "1:4", "cusp" or another event; which of the
-    /// points; its error.
-    #[getter]
-    fn special(&self) -> Vec<(String, usize, f64)> {
-        self.curve.special.iter().map(|special| (special.special.to_string(), special.point, special.error)).collect()
-    }
-
-    /// tuple of (str, str) : how it ends before the first and behind the last point.
-    #[getter]
-    fn ends(&self) -> (String, String) {
-        let [first, last] = &self.curve.ends;
-        (first.to_string(), last.to_string())
+        self.points.iter().map(|point| point.physical == Some(true)).collect::<Vec<_>>().into_pyarray(py)
     }
 
     fn __repr__(&self) -> String {
-        let (first, second) = self.free;
-        format!("<EventCurve of {} in {first} and {second}: {} points>", self.event, self.curve.points.len())
+        let [first, second] = self.free;
+        format!("<EventCurve of {} in {first} and {second}: {} points>", self.event, self.points.len())
     }
 }
 
@@ -131,7 +153,7 @@ pub(crate) fn curve(
     and_to: Option<f64>,
     tolerance: f64,
 ) -> PyResult<PyEventCurve> {
-    let Located { event, evidence, orbit, .. } = point.located.clone();
+    let (event, evidence, orbit) = (point.event, point.evidence, point.orbit.0.clone());
     let free = [point.free, parameter("and_", and_)?];
     let usual = free.map(|parameter| Search::new(&orbit, event, parameter));
     let window = Window {
@@ -144,8 +166,5 @@ pub(crate) fn curve(
         let until = |_: [f64; 2], _: Option<bool>| stop.load(Ordering::Relaxed);
         curve_along(&orbit, event, evidence, &Walk { until: &until, ..Walk::new(window, tolerance) })
     };
-    let curve = long(py, |_| Ok(()), follow)?;
-    let orbits = curve.points.iter().map(|point| PyOrbit::new(point.orbit.clone())).collect();
-    let [first, second] = free.map(Parameter::name);
-    Ok(PyEventCurve { event: event.name(), free: (first, second), curve, orbits })
+    Ok(PyEventCurve::new(long(py, |_| Ok(()), follow)?, free))
 }

@@ -4,11 +4,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pyo3::prelude::*;
 use pyo3::types::PyComplex;
+use serde::{Deserialize, Serialize};
 use vibrochain_breather::Approach;
 use vibrochain_floquet::{BranchedOrbit, Branching, DiagramPoint, End, Event, Evidence, Located, Search, locate_while};
 use vibrochain_lattice::Parameter;
 
-use crate::answers::{PyVerdict, complex};
+use crate::answers::PyVerdict;
 use crate::call::long;
 use crate::failure::{Failure, named};
 use crate::orbits::PyOrbit;
@@ -29,7 +30,7 @@ pub(crate) fn event(name: &str) -> Result<Event, Failure> {
 /// >>> [end.reason for end in vc.locate(orbit, "grazing", "asymmetry", from_=0.3, to=0.5).ends]
 /// ['range', 'range']
 #[pyclass(frozen, eq, name = "End", module = "vibrochain")]
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyEnd {
     /// float : value of the parameter.
     #[pyo3(get)]
@@ -37,7 +38,7 @@ pub(crate) struct PyEnd {
     /// str : "range", "fold", "closed", "symmetric" (it meets its own mirror image), "resonance", "unbounded", "impulses-vanish",
     /// "lost" or "unwatched".
     #[pyo3(get)]
-    reason: &'static str,
+    reason: String,
     /// str or None : what there is to say besides.
     #[pyo3(get)]
     detail: Option<String>,
@@ -60,7 +61,7 @@ impl From<&(f64, End)> for PyEnd {
             End::Unwatched(error) => Some(error.to_string()),
             End::Range | End::Closed | End::Pitchfork | End::Unbounded | End::ImpulsesVanish => None,
         };
-        Self { value: *value, reason: end.name(), detail }
+        Self { value: *value, reason: end.name().to_owned(), detail }
     }
 }
 
@@ -77,10 +78,56 @@ impl From<&(f64, End)> for PyEnd {
 /// >>> point.branching[0].orbit.family
 /// 'period-doubled'
 #[pyclass(frozen, name = "Located", module = "vibrochain")]
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct PyLocated {
-    pub(crate) located: Located,
+    pub(crate) event: Event,
     pub(crate) free: Parameter,
+    /// float : its value.
+    #[pyo3(get)]
+    value: f64,
+    /// float : its estimated error; inf where no bound is known.
+    #[pyo3(get)]
+    error: f64,
+    /// Orbit : the orbit there.
+    #[pyo3(get)]
+    pub(crate) orbit: PyOrbit,
+    pub(crate) evidence: Evidence,
+    /// bool or None : whether it is physical, where that can be told; at grazing a matter of rounding.
+    #[pyo3(get)]
+    physical: Option<bool>,
+    /// list of (float, Verdict) : the verdict a small step away on either side, as far as the orbit exists there.
+    #[pyo3(get)]
+    sides: Vec<(f64, PyVerdict)>,
+    /// list of BranchPoint : the orbits that branch off, a small step from the event.
+    #[pyo3(get)]
+    branching: Vec<PyBranchPoint>,
+}
+
+impl PyLocated {
+    pub(crate) fn new(located: Located, free: Parameter) -> Self {
+        let Located { event, value, error, orbit, evidence, physical, verdicts, branching, .. } = located;
+        let off = |Branching { value, orbits, .. }: Branching| {
+            let point = move |BranchedOrbit { orbit, physical, verdict }| PyBranchPoint {
+                value,
+                orbit: PyOrbit::new(orbit),
+                margin: None,
+                physical,
+                verdict: verdict.as_ref().map(PyVerdict::from),
+            };
+            orbits.into_iter().map(point).collect()
+        };
+        Self {
+            event,
+            free,
+            value,
+            error,
+            orbit: PyOrbit::new(orbit),
+            evidence,
+            physical,
+            sides: verdicts.iter().map(|(value, verdict)| (*value, verdict.into())).collect(),
+            branching: branching.map_or_else(Vec::new, off),
+        }
+    }
 }
 
 #[pymethods]
@@ -88,7 +135,7 @@ impl PyLocated {
     /// str : "grazing", "pitchfork", "period-doubling", "neimark-sacker" or "fold".
     #[getter]
     fn event(&self) -> &'static str {
-        self.located.event.name()
+        self.event.name()
     }
 
     /// str : the parameter that varies.
@@ -97,35 +144,11 @@ impl PyLocated {
         self.free.name()
     }
 
-    /// float : its value.
-    #[getter]
-    fn value(&self) -> f64 {
-        self.located.value
-    }
-
-    /// float : its estimated error; inf where no bound is known.
-    #[getter]
-    fn error(&self) -> f64 {
-        self.located.error
-    }
-
-    /// Orbit : the orbit there.
-    #[getter]
-    fn orbit(&self) -> PyOrbit {
-        PyOrbit::new(self.located.orbit.clone())
-    }
-
-    /// bool or None : whether it is physical, where that can be told; at grazing a matter of rounding.
-    #[getter]
-    fn physical(&self) -> Option<bool> {
-        self.located.physical
-    }
-
     /// complex or None : the multiplier that meets the circle.
     #[getter]
     fn multiplier<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyComplex>> {
-        match self.located.evidence {
-            Evidence::Multiplier(multiplier) => Some(complex(py, multiplier)),
+        match self.evidence {
+            Evidence::Multiplier(multiplier) => Some(PyComplex::from_doubles(py, multiplier.re, multiplier.im)),
             Evidence::Touch(_) | Evidence::Impact(_) => None,
         }
     }
@@ -133,7 +156,7 @@ impl PyLocated {
     /// tuple of (int, str, float), or None : mass, barrier and time of a touch, at grazing.
     #[getter]
     fn touch(&self) -> Option<(usize, &'static str, f64)> {
-        match self.located.evidence {
+        match self.evidence {
             Evidence::Touch(Approach { site, barrier, time }) => Some((site, barrier.name(), time)),
             Evidence::Multiplier(_) | Evidence::Impact(_) => None,
         }
@@ -142,36 +165,14 @@ impl PyLocated {
     /// int or None : index of the impact that has lost its velocity, at grazing.
     #[getter]
     fn impact(&self) -> Option<usize> {
-        match self.located.evidence {
+        match self.evidence {
             Evidence::Impact(impact) => Some(impact),
             Evidence::Multiplier(_) | Evidence::Touch(_) => None,
         }
     }
 
-    /// list of (float, Verdict) : the verdict a small step away on either side, as far as the orbit exists there.
-    #[getter]
-    fn sides(&self) -> Vec<(f64, PyVerdict)> {
-        self.located.verdicts.iter().map(|(value, verdict)| (*value, PyVerdict(*verdict))).collect()
-    }
-
-    /// list of BranchPoint : the orbits that branch off, a small step from the event.
-    #[getter]
-    fn branching(&self) -> Vec<PyBranchPoint> {
-        let orbits = |Branching { value, orbits, .. }: &Branching| {
-            let point = |BranchedOrbit { orbit, physical, verdict }: &BranchedOrbit| PyBranchPoint {
-                value: *value,
-                orbit: PyOrbit::new(orbit.clone()),
-                margin: None,
-                physical: *physical,
-                verdict: verdict.map(PyVerdict),
-            };
-            orbits.iter().map(point).collect()
-        };
-        self.located.branching.as_ref().map_or_else(Vec::new, orbits)
-    }
-
     fn __repr__(&self) -> String {
-        format!("<{} at {} = {}>", self.located.event, self.free, self.located.value)
+        format!("<{} at {} = {}>", self.event, self.free, self.value)
     }
 }
 
@@ -185,7 +186,10 @@ impl PyLocated {
 /// >>> vc.locate(orbit, "grazing", "asymmetry", from_=0.3, to=0.5).points
 /// []
 #[pyclass(frozen, name = "Events", module = "vibrochain")]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct PyEvents {
+    /// list of Located : the events, the one nearest to the start first.
+    #[pyo3(get)]
     points: Vec<PyLocated>,
     /// list of (float, float) : ranges of the parameter in which rounding may hide more.
     #[pyo3(get)]
@@ -206,12 +210,6 @@ pub(crate) struct PyEvents {
 
 #[pymethods]
 impl PyEvents {
-    /// list of Located : the events, the one nearest to the start first.
-    #[getter]
-    fn points(&self) -> Vec<PyLocated> {
-        self.points.clone()
-    }
-
     fn __repr__(&self) -> String {
         let points: Vec<String> = self.points.iter().map(PyLocated::__repr__).collect();
         format!("<Events between {} and {}: [{}]>", self.range.0, self.range.1, points.join(", "))
@@ -264,7 +262,7 @@ pub(crate) fn locate(
     let find = move |stop: &AtomicBool| locate_while(&orbit, &search, &|| !stop.load(Ordering::Relaxed));
     let answer = long(py, |_| Ok(()), find)?;
     Ok(PyEvents {
-        points: answer.located.into_iter().map(|located| PyLocated { located, free }).collect(),
+        points: answer.located.into_iter().map(|located| PyLocated::new(located, free)).collect(),
         unresolved: answer.unresolved.iter().map(|place| (place.from, place.to)).collect(),
         ends: answer.ends.iter().map(PyEnd::from).collect(),
         range: (search.from, search.to),
@@ -285,7 +283,7 @@ pub(crate) fn locate(
 /// >>> point.orbit.model.asymmetry == point.value, point.physical
 /// (True, True)
 #[pyclass(frozen, name = "BranchPoint", module = "vibrochain")]
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct PyBranchPoint {
     /// float : value of the parameter.
     #[pyo3(get)]
@@ -306,7 +304,7 @@ pub(crate) struct PyBranchPoint {
 
 impl From<DiagramPoint> for PyBranchPoint {
     fn from(DiagramPoint { value, orbit, margin, physical, verdict }: DiagramPoint) -> Self {
-        Self { value, orbit: PyOrbit::new(orbit), margin, physical, verdict: verdict.map(PyVerdict) }
+        Self { value, orbit: PyOrbit::new(orbit), margin, physical, verdict: verdict.as_ref().map(PyVerdict::from) }
     }
 }
 

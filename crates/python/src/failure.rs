@@ -1,6 +1,9 @@
 //! What cannot be answered, as an exception of its kind.
 
-use pyo3::exceptions::PyTypeError;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use pyo3::exceptions::{PyFileNotFoundError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use vibrochain_breather::{BranchError, BreatherError, WordError};
 use vibrochain_eventsim::StateError;
@@ -29,10 +32,23 @@ pub(crate) enum Failure {
     NotConverged(String),
     IllConditioned(String),
     TooLarge(String),
+    /// There is no such file.
+    NoFile(PathBuf),
     Other(String),
 }
 
+/// ENOENT, the same on all systems.
+const NO_FILE: i32 = 2;
+
 impl Failure {
+    /// Refuses the path of a file that is not there.
+    pub(crate) fn unless_there(path: &Path) -> Result<(), Self> {
+        match path.metadata() {
+            Err(error) if error.kind() == ErrorKind::NotFound => Err(Self::NoFile(path.to_owned())),
+            _ => Ok(()),
+        }
+    }
+
     pub(crate) fn request(message: impl Into<String>) -> Self {
         Self::Request(message.into())
     }
@@ -53,6 +69,8 @@ impl From<Failure> for PyErr {
             Failure::NotConverged(message) => raised::NotConvergedError::new_err(message),
             Failure::IllConditioned(message) => raised::IllConditionedError::new_err(message),
             Failure::TooLarge(message) => raised::TooLargeError::new_err(message),
+            // As `open` has it: number, words, name.
+            Failure::NoFile(path) => PyFileNotFoundError::new_err((NO_FILE, "there is no such file", path)),
             Failure::Other(message) => raised::VibrochainError::new_err(message),
         }
     }
@@ -158,7 +176,11 @@ impl From<MapError> for Failure {
 pub(crate) fn whole(name: &str, value: &Bound<'_, PyAny>, least: i64, most: i64) -> PyResult<i64> {
     let number = match value.extract::<i64>() {
         Ok(number) => Some(number),
-        Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => return Err(error),
+        Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => {
+            let value = value.repr().map_or_else(|_| "it".to_owned(), |text| text.to_string());
+            let message = format!("{name} = {value} is no whole number: give one from {least} to {most}");
+            return Err(PyTypeError::new_err(message));
+        }
         Err(_) => None,
     };
     number.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
@@ -166,6 +188,18 @@ pub(crate) fn whole(name: &str, value: &Bound<'_, PyAny>, least: i64, most: i64)
         let message = format!("{name} = {value} is out of range: give a whole number from {least} to {most}");
         Failure::request(message).into()
     })
+}
+
+/// What Python says of an argument, with the argument's name.
+pub(crate) fn named_error(name: &str, error: PyErr, py: Python<'_>) -> PyErr {
+    let said = format!("{name}: {}", error.value(py));
+    if error.is_instance_of::<PyTypeError>(py) {
+        PyTypeError::new_err(said)
+    } else if error.is_instance_of::<PyValueError>(py) {
+        Failure::request(said).into()
+    } else {
+        error
+    }
 }
 
 /// The thing of that name among `known`.

@@ -1,16 +1,18 @@
 //! The Python package vibrochain: values of the library's crates as Python values. It has no formula of its own.
-//!
-//! | module | holds |
-//! |---|---|
-//! | `params`, `model` | `Chain`, `Force`, `Model` |
-//! | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are |
-//! | `answers` | `Admissibility`, `Condition`, `Stability` |
-//! | `simulation` | event-driven runs |
-//! | `sweep`, `fates` | maps: the columns of a scene's cells; what becomes of their breathers |
-//! | `events`, `branches`, `curves` | what happens as parameters vary |
-//! | `borders` | all borders of a scene's window |
-//! | `call` | long calls: without the interpreter's lock, interruptible |
-//! | `failure` | errors as exceptions |
+
+// | file | holds |
+// |---|---|
+// | `params`, `model` | `Chain`, `Force`, `Model` |
+// | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are |
+// | `answers` | `Admissibility`, `Condition`, `Stability` |
+// | `simulation` | event-driven runs |
+// | `sweep`, `fates` | maps: the columns of a scene's cells; what becomes of their breathers |
+// | `events`, `branches`, `curves` | what happens as parameters vary |
+// | `borders` | all borders of a scene's window |
+// | `call` | long calls: without the interpreter's lock, interruptible |
+// | `lengths` | sequences, whose lengths are looked at first |
+// | `pickle` | copies and pickles of all values |
+// | `failure` | errors as exceptions |
 
 mod answers;
 mod borders;
@@ -21,9 +23,11 @@ mod curves;
 mod events;
 mod failure;
 mod fates;
+mod lengths;
 mod model;
 mod orbits;
 mod params;
+mod pickle;
 mod simulation;
 mod sweep;
 
@@ -32,8 +36,10 @@ use pyo3::prelude::*;
 /// What the package vibrochain is made of.
 #[pymodule]
 mod _vibrochain {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
-    use crate::answers::{PyAdmissibility, PyCondition, PyObstruction, PyStability, PyVerdict};
+    use crate::answers::{_stability, PyAdmissibility, PyCondition, PyObstruction, PyStability, PyVerdict};
     #[pymodule_export]
     use crate::borders::{_curves, PyBorder, PyBorders};
     #[pymodule_export]
@@ -47,13 +53,21 @@ mod _vibrochain {
     #[pymodule_export]
     use crate::fates::_fate;
     #[pymodule_export]
-    use crate::model::model;
+    use crate::lengths::_numbers;
     #[pymodule_export]
     use crate::orbits::{PyImpact, PyOrbit};
     #[pymodule_export]
-    use crate::params::{PyChain, PyForce, PyModel, chain};
+    use crate::params::{PyChain, PyForce, PyModel};
+    #[pymodule_export]
+    use crate::pickle::{_reduce, _restore};
     #[pymodule_export]
     use crate::simulation::{_simulate, _start};
     #[pymodule_export]
     use crate::sweep::{_scene, _sweep};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", crate::pickle::VERSION)?;
+        crate::pickle::register(module)
+    }
 }

@@ -6,25 +6,30 @@ use std::fmt::Write as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use vibrochain_breather::{BreatherError, Family, Finder, Found, MAX_IMPACTS, Word, breathers};
-use vibrochain_lattice::{Model, Short};
+use vibrochain_lattice::{Model, Parameter, Short};
 
 use crate::breathers::PyBreathers;
 use crate::call::{call, long};
-use crate::failure::{Failure, whole};
+use crate::failure::{Failure, named_error, whole};
 use crate::params::{PyChain, PyForce, PyModel, parameter};
 
 #[pymethods]
 impl PyModel {
     #[new]
-    #[pyo3(signature = (chain, omega, asymmetry, *, amplitude = None, force = None, restitution = 1.0))]
+    #[pyo3(signature = (chain, omega, asymmetry, *, amplitude = None, force = None, restitution = None))]
     fn new(
         chain: PyRef<'_, PyChain>,
         omega: f64,
         asymmetry: f64,
         amplitude: Option<f64>,
         force: Option<PyRef<'_, PyForce>>,
-        restitution: f64,
+        restitution: Option<f64>,
     ) -> PyResult<Self> {
+        let restitution = match restitution {
+            Some(restitution) => restitution,
+            None if amplitude.is_none() && force.is_none() => 1.0,
+            None => return Err(without_restitution().into()),
+        };
         let model = match (amplitude, force) {
             (Some(amplitude), Some(_)) => {
                 let message = format!(
@@ -93,7 +98,7 @@ impl PyModel {
     /// ----------
     /// **values : float
     ///     Any of gamma1, gamma2, gamma3, omega, asymmetry, amplitude, restitution. The amplitude of a force of several harmonics
-    ///     is the sum of their moduli: all are scaled alike.
+    ///     is the sum of their moduli: all are scaled alike. What had no force and gets one needs restitution, too.
     ///
     /// Returns
     /// -------
@@ -108,11 +113,18 @@ impl PyModel {
     #[pyo3(signature = (**values))]
     fn replace(&self, values: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut model = self.0;
+        // Of a force that is there already it was told.
+        let mut is_told = model.amplitude() > 0.0 || !model.is_conservative();
         for (name, value) in values.into_iter().flatten() {
             let parameter = parameter("parameter", &name.extract::<String>()?)?;
-            model = model.with(parameter, value.extract()?).map_err(Failure::from)?;
+            is_told |= parameter == Parameter::Restitution;
+            let value = value.extract().map_err(|error: PyErr| named_error(parameter.name(), error, value.py()))?;
+            model = model.with(parameter, value).map_err(Failure::from)?;
         }
-        Ok(Self(model))
+        match model.amplitude() > 0.0 && !is_told {
+            true => Err(without_restitution().into()),
+            false => Ok(Self(model)),
+        }
     }
 
     /// All breathers of a family, or of an impact word.
@@ -189,7 +201,7 @@ impl PyModel {
             Some(amplitude) => write!(text, ", amplitude={}", Short(amplitude)),
             None => write!(text, ", force={}", self.force().__repr__()),
         };
-        if model.restitution() != 1.0 {
+        if model.restitution() != 1.0 || model.amplitude() > 0.0 {
             let _ = write!(text, ", restitution={}", Short(model.restitution()));
         }
         text + ")"
@@ -198,26 +210,10 @@ impl PyModel {
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
         (self.chain(), self.0.omega(), self.0.asymmetry(), self.force(), self.0.restitution()).into_pyobject(py)?.hash()
     }
-
-    #[allow(clippy::type_complexity, reason = "what pickle asks for: a callable and its arguments")]
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PyChain, f64, f64, PyForce, f64))> {
-        let model = &self.0;
-        let parts = (self.chain(), model.omega(), model.asymmetry(), self.force(), model.restitution());
-        Ok((py.import("vibrochain._vibrochain")?.getattr("_model")?, parts))
-    }
 }
 
-/// A model from its parts in order, as pickles have them.
-#[pyfunction]
-#[pyo3(name = "_model")]
-pub(crate) fn model(
-    chain: PyRef<'_, PyChain>,
-    omega: f64,
-    asymmetry: f64,
-    force: PyRef<'_, PyForce>,
-    restitution: f64,
-) -> PyResult<PyModel> {
-    PyModel::new(chain, omega, asymmetry, None, Some(force), restitution)
+fn without_restitution() -> Failure {
+    Failure::request("restitution is missing: a force needs restitution")
 }
 
 /// The word of that text, the smallest that says the same of the model.

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use numpy::{AllowTypeChange, IntoPyArray, IxDyn, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{IntoPyArray, IxDyn, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PySequence;
+use serde::{Deserialize, Serialize};
 use vibrochain_breather::{Family, Finder, Hit, Impact, Motion, Orbit, Word, admissibility, condition};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Barrier, MAX_SITES, Short};
@@ -14,10 +15,11 @@ use vibrochain_maps::scene::tolerance_from;
 use crate::answers::{PyAdmissibility, PyCondition, PyStability, PyVerdict};
 use crate::call::{call, long};
 use crate::failure::{Failure, named, whole};
+use crate::lengths::{items, numbers, room};
 use crate::params::PyModel;
 
-/// The most numbers of one array: 8 GB.
-pub(crate) const MOST_NUMBERS: usize = 1_000_000_000;
+/// The most impacts that an orbit is polished with: Newton's matrix of twice as many rows takes 32 MB.
+const MOST_HITS: usize = 1000;
 
 /// One impact of an orbit.
 ///
@@ -29,7 +31,7 @@ pub(crate) const MOST_NUMBERS: usize = 1_000_000_000;
 /// >>> second
 /// Impact(site=0, barrier='lower', time=1, impulse=4, velocity_before=-2, velocity_after=2)
 #[pyclass(frozen, eq, name = "Impact", module = "vibrochain")]
-#[derive(PartialEq)]
+#[derive(PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyImpact {
     impact: Impact,
     site: usize,
@@ -118,8 +120,21 @@ impl PyImpact {
 /// >>> [impact.barrier for impact in orbit.impacts]
 /// ['upper', 'lower']
 #[pyclass(frozen, eq, name = "Orbit", module = "vibrochain")]
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Orbit", into = "Orbit")]
 pub(crate) struct PyOrbit(pub(crate) Arc<Orbit>);
+
+impl From<Orbit> for PyOrbit {
+    fn from(orbit: Orbit) -> Self {
+        Self::new(orbit)
+    }
+}
+
+impl From<PyOrbit> for Orbit {
+    fn from(PyOrbit(orbit): PyOrbit) -> Self {
+        Arc::unwrap_or_clone(orbit)
+    }
+}
 
 impl PyOrbit {
     pub(crate) fn new(orbit: Orbit) -> Self {
@@ -171,16 +186,17 @@ impl PyOrbit {
     fn near(
         py: Python<'_>,
         model: PyRef<'_, PyModel>,
-        impacts: Vec<(usize, String, f64, f64)>,
+        impacts: &Bound<'_, PyAny>,
         psi: f64,
         force_periods: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let periods = force_periods.map_or(Ok(1), |value| whole("force_periods", value, 1, i64::from(u16::MAX)))?;
         let barriers = [Barrier::Lower, Barrier::Upper].map(|barrier| (barrier.name(), barrier));
-        let hit = |(site, barrier, time, impulse): &(usize, String, f64, f64)| {
-            Ok(Hit::new(*site, named("barrier", barrier, barriers)?, *time, *impulse))
+        let hit = |impact: &Bound<'_, PyAny>| {
+            let (site, barrier, time, impulse): (usize, String, f64, f64) = impact.extract()?;
+            Ok(Hit::new(site, named("barrier", &barrier, barriers)?, time, impulse))
         };
-        let hits = impacts.iter().map(hit).collect::<Result<Vec<_>, Failure>>()?;
+        let hits = items("impacts", impacts, MOST_HITS)?.iter().map(hit).collect::<PyResult<Vec<_>>>()?;
         let model = model.0;
         call(py, &model.clone(), move || {
             let rough = Orbit::from_impulses(&model, periods as u32, psi, &hits)?;
@@ -274,10 +290,10 @@ impl PyOrbit {
     fn displacement<'py>(
         &self,
         py: Python<'py>,
-        t: PyArrayLikeDyn<'py, f64, AllowTypeChange>,
+        t: &Bound<'py, PyAny>,
         sites: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.trajectory(py, &t, sites, Part::Displacement)
+        self.trajectory(py, t, sites, Part::Displacement)
     }
 
     /// Velocities of masses at given times; at an impact those just after it.
@@ -306,10 +322,10 @@ impl PyOrbit {
     fn velocity<'py>(
         &self,
         py: Python<'py>,
-        t: PyArrayLikeDyn<'py, f64, AllowTypeChange>,
+        t: &Bound<'py, PyAny>,
         sites: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.trajectory(py, &t, sites, Part::Velocity)
+        self.trajectory(py, t, sites, Part::Velocity)
     }
 
     /// Whether the orbit is physical: every impact from inside, every mass inside its gap otherwise.
@@ -328,7 +344,7 @@ impl PyOrbit {
     fn admissibility(&self, py: Python<'_>) -> PyResult<PyAdmissibility> {
         let orbit = self.0.clone();
         let layout = orbit.model().chain().layout();
-        Ok(PyAdmissibility::new(call(py, self.0.model(), move || admissibility(&orbit))?, layout))
+        Ok(PyAdmissibility::new(&call(py, self.0.model(), move || admissibility(&orbit))?, layout))
     }
 
     /// How far the orbit can be trusted: distances to resonance, grazing and folds, and the errors that follow.
@@ -384,7 +400,8 @@ impl PyOrbit {
         let orbit = self.0.clone();
         let answer = call(py, self.0.model(), move || stability(&orbit, tolerance))?;
         let multipliers = answer.multipliers.into_pyarray(py).unbind();
-        Bound::new(py, PyClassInitializer::from(PyVerdict(answer.verdict)).add_subclass(PyStability { multipliers }))
+        let verdict = PyVerdict::from(&answer.verdict);
+        Bound::new(py, PyClassInitializer::from(verdict).add_subclass(PyStability { multipliers }))
     }
 
     fn __str__(&self) -> String {
@@ -401,10 +418,11 @@ impl PyOrbit {
     fn trajectory<'py>(
         &self,
         py: Python<'py>,
-        t: &PyArrayLikeDyn<'py, f64, AllowTypeChange>,
+        t: &Bound<'py, PyAny>,
         sites: Option<&Bound<'py, PyAny>>,
         part: Part,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let t = numbers("t", t)?.try_readonly()?;
         let mut shape = t.shape().to_vec();
         let mut times = room(Some(t.len()))?;
         times.extend(t.as_array().iter().copied());
@@ -455,22 +473,7 @@ fn sites(sites: &Bound<'_, PyAny>, masses: usize, shape: &mut Vec<usize>) -> PyR
     if !is_list {
         return Ok(vec![one(sites)?]);
     }
-    let list = sites.try_iter()?.map(|site| one(&site?)).collect::<PyResult<Vec<_>>>()?;
+    let list = items("sites", sites, MAX_SITES)?.iter().map(one).collect::<PyResult<Vec<_>>>()?;
     shape.push(list.len());
     Ok(list)
-}
-
-/// Room for so many numbers.
-pub(crate) fn room<T>(count: Option<usize>) -> Result<Vec<T>, Failure> {
-    let mut values = Vec::new();
-    match count {
-        Some(count) if count <= MOST_NUMBERS && values.try_reserve_exact(count).is_ok() => Ok(values),
-        _ => {
-            let message = format!(
-                "an array of {} numbers does not fit: give fewer times or sites, at most {MOST_NUMBERS} numbers in all",
-                count.map_or_else(|| "too many".to_owned(), |count| count.to_string())
-            );
-            Err(Failure::TooLarge(message))
-        }
-    }
 }

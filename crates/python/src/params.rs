@@ -4,9 +4,13 @@ use std::fmt::Write as _;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use vibrochain_lattice::{Chain, Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Model, Parameter, Short};
+use serde::{Deserialize, Serialize};
+use vibrochain_lattice::{
+    Chain, Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_HARMONICS, MAX_SITES, Model, Parameter, Short,
+};
 
 use crate::failure::{Failure, named, whole};
+use crate::lengths::items;
 
 fn ends(what: &str, name: &str) -> Result<Ends, Failure> {
     named(what, name, Ends::ALL.map(|ends| (ends.name(), ends)))
@@ -47,7 +51,7 @@ pub(crate) fn parameter(what: &str, name: &str) -> Result<Parameter, Failure> {
 /// >>> vc.Chain(11, 0.2, 0.1, ends="free", layers=2, gamma3=0.05).masses
 /// 22
 #[pyclass(frozen, eq, name = "Chain", module = "vibrochain")]
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyChain(pub(crate) Chain);
 
 #[pymethods]
@@ -149,43 +153,10 @@ impl PyChain {
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.parts(py)?.hash()
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
-        Ok((py.import("vibrochain._vibrochain")?.getattr("_chain")?, self.parts(py)?))
-    }
-}
-
-impl PyChain {
-    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let chain = &self.0;
-        (
-            chain.length(),
-            chain.gamma1(),
-            chain.gamma2(),
-            chain.ends().name(),
-            chain.layers(),
-            chain.gamma3(),
-            self.layer_ends(),
-        )
-            .into_pyobject(py)
+        let rows = (chain.length(), chain.ends().name(), chain.layers(), self.layer_ends());
+        (rows, chain.gamma1(), chain.gamma2(), chain.gamma3()).into_pyobject(py)?.hash()
     }
-}
-
-/// A chain from its parts in order, as pickles have them.
-#[pyfunction]
-#[pyo3(name = "_chain")]
-pub(crate) fn chain(
-    sites: &Bound<'_, PyAny>,
-    gamma1: f64,
-    gamma2: f64,
-    ends: &str,
-    layers: &Bound<'_, PyAny>,
-    gamma3: f64,
-    layer_ends: &str,
-) -> PyResult<PyChain> {
-    PyChain::new(sites, gamma1, gamma2, ends, Some(layers), gamma3, layer_ends)
 }
 
 /// A periodic force of several odd harmonics, the sum of A_j cos(j omega (t + psi) + theta_j).
@@ -210,14 +181,15 @@ pub(crate) fn chain(
 /// >>> model.force == force
 /// True
 #[pyclass(frozen, eq, name = "Force", module = "vibrochain")]
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyForce(pub(crate) Force);
 
 #[pymethods]
 impl PyForce {
     #[new]
-    fn new(harmonics: Vec<Bound<'_, PyTuple>>) -> PyResult<Self> {
-        let harmonic = |part: &Bound<'_, PyTuple>| {
+    fn new(harmonics: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let harmonic = |part: &Bound<'_, PyAny>| {
+            let part = part.cast::<PyTuple>()?;
             let number = whole("harmonic", &part.get_item(0)?, 1, i64::from(MAX_HARMONIC))? as u32;
             let (amplitude, phase) = match part.len() {
                 2 => (part.get_item(1)?.extract()?, 0.0),
@@ -231,6 +203,7 @@ impl PyForce {
             };
             Ok::<_, PyErr>(Harmonic { number, amplitude, phase })
         };
+        let harmonics = items("harmonics", harmonics, MAX_HARMONICS)?;
         let harmonics = harmonics.iter().map(harmonic).collect::<PyResult<Vec<_>>>()?;
         Ok(Self(Force::new(&harmonics).map_err(Failure::from)?))
     }
@@ -266,11 +239,6 @@ impl PyForce {
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
         PyTuple::new(py, self.harmonics())?.hash()
     }
-
-    #[allow(clippy::type_complexity, reason = "what pickle asks for: a callable and its arguments")]
-    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (Vec<(u32, f64, f64)>,)) {
-        (py.get_type::<Self>().into_any(), (self.harmonics(),))
-    }
 }
 
 /// A chain with its barriers, its force and its law of impact.
@@ -291,7 +259,7 @@ impl PyForce {
 /// force : Force, optional
 ///     Instead of `amplitude`: a force of several harmonics.
 /// restitution : float
-///     Coefficient e of restitution, above 0 and up to 1.
+///     Coefficient e of restitution, above 0 and up to 1. A force needs one; without a force it is 1 unless it is given.
 ///
 /// Raises
 /// ------
@@ -310,6 +278,10 @@ impl PyForce {
 /// Traceback (most recent call last):
 ///     ...
 /// vibrochain._errors.RequestError: asymmetry = 1.4 is out of range: give a number from 0 up to but not including 1
+/// >>> vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.5, asymmetry=0.4, amplitude=0.1)
+/// Traceback (most recent call last):
+///     ...
+/// vibrochain._errors.RequestError: restitution is missing: a force needs restitution
 #[pyclass(frozen, eq, name = "Model", module = "vibrochain")]
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyModel(pub(crate) Model);

@@ -2,16 +2,17 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use numpy::IntoPyArray;
+use numpy::{IntoPyArray, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Report, Simulation, State, Time};
+use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Report, Simulation, State, StateError, Time};
 use vibrochain_fate::Start;
 use vibrochain_lattice::{Barrier, Layout, Model, Short};
 
 use crate::call::long;
 use crate::failure::{Failure, whole};
-use crate::orbits::{PyOrbit, room};
+use crate::lengths::room;
+use crate::orbits::PyOrbit;
 use crate::params::PyModel;
 
 /// The most events that are kept: some gigabytes.
@@ -194,14 +195,25 @@ pub(crate) fn _simulate<'py>(
     py: Python<'py>,
     model: PyRef<'_, PyModel>,
     start: f64,
-    state: (Vec<f64>, Vec<f64>),
+    state: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
     psi: f64,
     periods: Option<f64>,
     samples: &Bound<'py, PyAny>,
-    times: Option<Vec<f64>>,
+    times: Option<PyReadonlyArray1<'py, f64>>,
     max_impacts: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let model = model.0;
+    let sites = model.chain().sites();
+    // An array can be longer than its memory: lengths before copies.
+    let one_a_mass = |name, values: &PyReadonlyArray1<'_, f64>| match values.len() {
+        found if found == sites => Ok(values.as_array().to_vec()),
+        found => Err(Failure::from(StateError::Length { name, found, sites })),
+    };
+    let state = (one_a_mass("displacement", &state.0)?, one_a_mass("velocity", &state.1)?);
+    if let Some(times) = &times {
+        room::<f64>(times.len().checked_mul(sites))?;
+    }
+    let times = times.map(|times| times.as_array().to_vec());
     let samples = whole("samples", samples, 0, 1_000_000)? as u64;
     let most = max_impacts.map(|most| whole("max_impacts", most, 0, i64::MAX)).transpose()?;
     let (looks, end) = looks(&model, start, periods, samples, times)?;

@@ -101,7 +101,10 @@ fn too_large(cells: u64) -> Failure {
 pub(crate) fn scene(text: Option<&str>, path: &Path) -> Result<Scene, Failure> {
     Ok(match text {
         Some(text) => Scene::parse(path, text)?,
-        None => Scene::read(path)?,
+        None => {
+            Failure::unless_there(path)?;
+            Scene::read(path)?
+        }
     })
 }
 
@@ -173,13 +176,15 @@ pub(crate) fn _sweep<'py>(
 pub(crate) fn grid(map: &Bound<'_, PyDict>, scene: &Scene) -> PyResult<()> {
     let py = map.py();
     map.set_item("scene", parts(scene))?;
+    map.set_item("caption", (scene.heading(), scene.fixed(), scene.criterion()))?;
     let axes: Vec<_> = scene
         .axes
         .iter()
         .rev()
         .map(|axis| {
             let values: Vec<f64> = (0..axis.points()).map(|i| axis.value(i)).collect();
-            (axis.parameter.name(), values.into_pyarray(py))
+            let parameter = axis.parameter;
+            (parameter.name(), values.into_pyarray(py), format!("{} {}", parameter.meaning(), parameter.symbol()))
         })
         .collect();
     map.set_item("axes", axes)?;

@@ -2,6 +2,7 @@
 
 import json
 import math
+import warnings
 
 import pytest
 
@@ -23,6 +24,8 @@ def test_notebook(path, monkeypatch):
     cells = ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
     assert len(cells) >= 4 and all(not cell.get("outputs") for cell in notebook["cells"])
     names = {}
+    # What warns in a notebook warns every reader.
+    warnings.simplefilter("error", UserWarning)
     for number, cell in enumerate(cells, 1):
         exec(compile(cell, f"{path.name}, code cell {number}", "exec"), names)
     if path.stem == "first_map":

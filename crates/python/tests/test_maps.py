@@ -1,7 +1,9 @@
 """Maps as arrays: whose memory they are, what is missing, what they are handed on to."""
 
 import builtins
+import errno
 import json
+import re
 import subprocess
 import sys
 
@@ -9,6 +11,9 @@ import numpy as np
 import pytest
 
 import vibrochain as vc
+from vibrochain import _map
+
+from conftest import ROOT
 
 
 def scene(x=40, y=30, **compute):
@@ -101,8 +106,10 @@ def test_a_scene_that_is_wrong_is_told_where():
             vc.sweep(cells, threads=threads)
     with pytest.raises(vc.TooLargeError, match="is too large for memory, the limit is 100000000"):
         vc.sweep("scenes/three-parameters.toml")
-    with pytest.raises(vc.RequestError, match="No such file"):
-        vc.sweep("scenes/none.toml")
+    for ask in [vc.sweep, vc.curves, vc.fate, vc.read_scene]:
+        with pytest.raises(FileNotFoundError, match="there is no such file: 'scenes/none.toml'") as error:
+            ask("scenes/none.toml")
+        assert error.value.filename == "scenes/none.toml" and error.value.errno == errno.ENOENT
 
 
 def test_numbers_of_numpy_make_a_scene():
@@ -144,8 +151,18 @@ def test_plot(table, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "Agg")
     pytest.importorskip("matplotlib", reason="matplotlib is not installed: pictures are not tested here")
     ax = table.plot()
-    assert {text.get_text() for text in ax.get_legend().get_texts()} == set(table.classes)
-    assert ax.get_title() == "Conservative breathers"
+    mechanisms = set(table.codes("mechanism")[1])
+    assert {text.get_text() for text in ax.get_legend().get_texts()} == set(table.classes) | mechanisms and len(mechanisms) == 3
+    heading, *caption = ax.get_title().split("\n")
+    assert heading == "Conservative breathers" and " ".join(caption) == (
+        "21 masses (N = 20), γ₁ = 0.2, a = 0.4, double-sided and single-sided breathers, stable: no |μ| above 1 by more than rounding"
+    )
+    # Textures lie where stability is lost in their ways; Neimark-Sacker has none.
+    assert sorted(hatch for mesh in ax.collections[1:] for hatch in mesh.hatches) == ["...", "///"]
+    # The legend is off the data, and in the picture.
+    ax.figure.canvas.draw()
+    legend, data = ax.get_legend().get_window_extent(), ax.get_window_extent()
+    assert legend.x0 > data.x1 and legend.x1 < ax.figure.bbox.x1 + 1
     # Each colour where its class is.
     mesh = ax.collections[0]
     mesh.update_scalarmappable()
@@ -158,9 +175,9 @@ def test_plot(table, monkeypatch):
     del given["sweep"]["y"]
     given["model"]["gamma2"] = 0.1
     curve = vc.sweep(given)
-    assert curve.shape == (40,) and curve.plot("margin").get_ylabel() == "margin"
+    assert curve.shape == (40,) and curve.plot("margin").get_ylabel() == "margin, the smallest distance to a barrier"
     ax = curve.plot()
-    assert ax.get_ylabel() == "spectral_radius"
+    assert ax.get_ylabel() == "largest |μ|"
     drawn = {line.get_label(): line for line in ax.get_lines() if not line.get_label().startswith("_")}
     assert set(drawn) == set(curve.classes) - {"none"} and {"stable-double", "unstable-double"} <= set(drawn)
     for name, line in drawn.items():
@@ -204,7 +221,7 @@ def test_plot_of_a_slice():
     ax = table.plot("margin", slice={"asymmetry": 0.1})
     shown = ax.collections[0].get_array().reshape(5, 7)
     assert np.array_equal(np.ma.filled(shown, np.nan), table["margin"][1], equal_nan=True)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("omega", "gamma2") and "asymmetry = 0.1" in ax.get_title()
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("frequency ω", "coupling stiffness γ₂") and " a = 0.1," in ax.get_title()
     # Lists are drawn in the order of their values.
     ax = table.plot("margin", slice={"omega": 3, "gamma2": 0.15})
     [line] = [line for line in ax.get_lines() if line.get_label() == "stable-double"]
@@ -217,6 +234,20 @@ def test_plot_of_a_slice():
     ]:
         with pytest.raises(vc.RequestError, match=told):
             table.plot(slice=wrong)
+
+
+def test_colours_are_those_of_the_programs_pictures():
+    """One colour means one thing: of classes in maps, and of families in curves."""
+    code = (ROOT / "crates/plot/src/palette.rs").read_text()
+    compared = 0
+    for classes, colour in re.findall(r"\(Self::Colour, Some\((.*?)\)\) => \[(.*?)\]", code):
+        for name in re.findall(r"Class::(\w+)", classes):
+            name = re.sub(r"(?<=[a-z])(?=[A-Z])", "-", name).lower()
+            assert ", ".join(map(str, _map._COLOURS[name])) == colour, name
+            compared += 1
+    assert compared == len(_map._COLOURS) == 10
+    for family, colour in _map._LINES.items():
+        assert colour == "#" + bytes(_map._COLOURS[f"stable-{family}"]).hex()
 
 
 @pytest.mark.parametrize("package, method", [("pandas", "to_pandas"), ("xarray", "to_xarray"), ("matplotlib", "plot")])

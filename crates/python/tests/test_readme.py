@@ -24,7 +24,7 @@ def test_both_documents_show_the_same():
     assert lines_of("README.md") == lines_of("docs/python.md")
 
 
-def test_the_five_lines_of_the_readme(monkeypatch):
+def test_the_five_lines_of_the_readme(monkeypatch, tmp_path):
     import vibrochain as vc
 
     lines = lines_of("README.md")
@@ -32,7 +32,7 @@ def test_the_five_lines_of_the_readme(monkeypatch):
     assert len(lines) == 6 and all(ast.parse(line).body for line in lines)
     last = lines.pop()
     told, picture = last.split("; ")
-    assert picture == "table.plot()"
+    assert picture == 'table.plot().figure.savefig("map.png")'
     names = {}
     exec("\n".join([*lines, told]), names)
 
@@ -53,12 +53,15 @@ def test_the_five_lines_of_the_readme(monkeypatch):
     from matplotlib import pyplot
 
     pyplot.close("all")
+    monkeypatch.chdir(tmp_path)
     exec(picture, names)
+    assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")
     [number] = pyplot.get_fignums()
     figure = pyplot.figure(number)
     [ax] = figure.axes
-    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("omega", "gamma2", "Conservative breathers")
-    assert {text.get_text() for text in ax.get_legend().get_texts()} == set(table.classes)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("frequency ω", "coupling stiffness γ₂")
+    assert ax.get_title().startswith("Conservative breathers\n21 masses (N = 20), γ₁ = 0.2, a = 0.4")
+    assert {text.get_text() for text in ax.get_legend().get_texts()} >= set(table.classes)
     # The picture itself: a map of many colours and not an empty frame.
     figure.canvas.draw()
     pixels = np.asarray(figure.canvas.buffer_rgba())

@@ -7,6 +7,7 @@ import pytest
 
 import vibrochain as vc
 
+from conftest import ROOT
 from models import random_models
 
 
@@ -37,8 +38,8 @@ def test_a_parameter_out_of_range_is_told_with_value_range_and_remedy():
         (lambda: vc.Model(chain, 0.0, 0.1), "omega = 0 is out of range"),
         (lambda: vc.Model(chain, 1.0, 1.0), "asymmetry = 1 is out of range"),
         (lambda: vc.Model(chain, 1.0, 0.1, restitution=0), "restitution = 0 is out of range"),
-        (lambda: vc.Model(chain, 1.0, 0.1, amplitude=-1), "amplitude = -1 is out of range"),
-        (lambda: vc.Model(chain, 1.0, 0.1, amplitude=1, force=vc.Force([(3, 1)])), "remove one of the two"),
+        (lambda: vc.Model(chain, 1.0, 0.1, amplitude=-1, restitution=1), "amplitude = -1 is out of range"),
+        (lambda: vc.Model(chain, 1.0, 0.1, amplitude=1, force=vc.Force([(3, 1)]), restitution=1), "remove one of the two"),
         (lambda: vc.Model(chain, 1.0, 0.1).replace(gamma=1), 'parameter = "gamma" is unknown'),
         (lambda: vc.Force([(2, 0.1)]), "harmonic = 2 is out of range: give an odd number"),
         (lambda: vc.Force([(1,)]), "a harmonic has 1 parts"),
@@ -51,10 +52,44 @@ def test_a_parameter_out_of_range_is_told_with_value_range_and_remedy():
         assert isinstance(error.value, ValueError) and isinstance(error.value, vc.VibrochainError)
 
 
-@pytest.mark.parametrize("make", [lambda: vc.Chain("5", 1, 1), lambda: vc.Chain(5.5, 1, 1), lambda: vc.Chain(5, "a", 1)])
-def test_what_is_no_number_is_a_type_error(make):
-    with pytest.raises(TypeError):
+@pytest.mark.parametrize(
+    "make, told",
+    [
+        (lambda: vc.Chain("5", 1, 1), "sites = '5' is no whole number: give one from 1 to 10000000"),
+        (lambda: vc.Chain(21.5, 1, 1), "sites = 21.5 is no whole number: give one from 1 to 10000000"),
+        (lambda: vc.Chain(5, 1, 1, layers=2.0), "layers = 2.0 is no whole number"),
+        (lambda: vc.Chain(5, "a", 1), "argument 'gamma1': must be real number"),
+        (lambda: vc.Force([(1.5, 0.1)]), "harmonic = 1.5 is no whole number"),
+    ],
+)
+def test_what_is_no_number_is_a_type_error_that_names_the_argument(make, told):
+    with pytest.raises(TypeError) as error:
         make()
+    assert told in str(error.value)
+
+
+def test_a_force_needs_restitution():
+    """As the command line and scenes have it: e = 1 is a choice under a force, and none without."""
+    chain = vc.Chain(21, 0.2, 0.1)
+    free = vc.Model(chain, 1.5, 0.4)
+    for make in [
+        lambda: vc.Model(chain, 1.5, 0.4, amplitude=0.1),
+        lambda: vc.Model(chain, 1.5, 0.4, amplitude=0.0),
+        lambda: vc.Model(chain, 1.5, 0.4, force=vc.Force([(3, 0.1)])),
+        lambda: free.replace(amplitude=0.1),
+    ]:
+        with pytest.raises(vc.RequestError, match="^restitution is missing: a force needs restitution$"):
+            make()
+    elastic = vc.Model(chain, 1.5, 0.4, amplitude=0.1, restitution=1)
+    assert elastic.replace(amplitude=0.2).restitution == 1 and free.replace(amplitude=0.1, restitution=1) == elastic
+    assert free.restitution == 1 and "restitution=1" in repr(elastic) and "restitution" not in repr(free)
+    lossy = vc.Model(chain, 1.5, 0.4, restitution=0.9)
+    assert lossy.replace(amplitude=0.1).restitution == 0.9
+
+
+def test_the_version_is_that_of_the_project():
+    manifest = (ROOT / "Cargo.toml").read_text()
+    assert f'[workspace.package]\nversion = "{vc.__version__}"\n' in manifest
 
 
 def test_a_resonance_is_an_error_of_its_own():

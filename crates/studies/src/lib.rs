@@ -1,15 +1,15 @@
 //! The parts of the program `studies`, for its tests: what vibrochain is checked by. See `studies --help`.
-//!
-//! | module | holds |
-//! |---|---|
-//! | `program`, `args` | the whole program as a function, its command line |
-//! | `figures` | every figure of the paper, with the numbers behind it |
-//! | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
-//! | `validate` | closed forms against simulation |
-//! | `stripes` | width and growth of stripes of instability against a law |
-//! | `refinement` | maps that are refined against all cells of their finest grid |
-//! | `accuracy` | error against run time |
-//! | `loops` | inner loops, for a tool that counts their instructions |
+
+// | file | holds |
+// |---|---|
+// | `program`, `args` | the whole program as a function, its command line |
+// | `figures` | every figure of the paper, with the numbers behind it |
+// | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
+// | `validate` | closed forms against simulation |
+// | `stripes` | width and growth of stripes of instability against a law |
+// | `refinement` | maps that are refined against all cells of their finest grid |
+// | `accuracy` | error against run time |
+// | `loops` | inner loops, for a tool that counts their instructions |
 
 pub mod accuracy;
 pub mod args;

@@ -4,12 +4,12 @@
 //! the plainest formulas there are and without sharing code with them: only parameters come in (taken as exact), and an
 //! `f64` orbit or multiplier as a starting point. No layer that computes depends on this crate.
 //!
-//! | module | holds |
+//! | name | what it is |
 //! |---|---|
-//! | `real`, `operators`, `complex` | [`Real`], [`Complex`]: numbers that carry their precision |
-//! | `direction`, `kernel` | [`Kernel`]: the periodic impulse response between any two masses, plain modal sum |
-//! | `orbit`, `conditions` | [`TrueOrbit`]: the conditions at the impacts by Newton's method |
-//! | `spectrum`, `secular` | [`TrueSpectrum`]: multipliers from the secular determinant |
+//! | [`Real`], [`Complex`] | numbers that carry their precision |
+//! | [`Kernel`] | the periodic impulse response between any two masses, plain modal sum |
+//! | [`TrueOrbit`] | the conditions at the impacts by Newton's method |
+//! | [`TrueSpectrum`] | multipliers from the secular determinant |
 //!
 //! Dimensionless throughout, see `vibrochain-lattice`.
 

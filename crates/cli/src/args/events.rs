@@ -98,6 +98,7 @@ pub enum QuantityName {
     /// Smallest distance of any mass to a barrier.
     Margin,
     /// Largest modulus of the multipliers.
+    #[value(name = "spectral_radius", alias = "spectral-radius")]
     SpectralRadius,
 }
 

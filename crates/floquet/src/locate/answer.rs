@@ -82,10 +82,16 @@ impl Search {
 
 /// What shows the event at the point found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Evidence {
     /// The multiplier that meets the circle, as computed at the point.
-    Multiplier(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complex"))] Complex<f64>),
+    Multiplier(
+        #[cfg_attr(
+            feature = "serde",
+            serde(serialize_with = "crate::plain::complex", deserialize_with = "crate::plain::read_complex")
+        )]
+        Complex<f64>,
+    ),
     /// The mass that touches a barrier, and when.
     Touch(Approach),
     /// Index of the impact whose velocity vanishes.

@@ -1,5 +1,7 @@
 //! A tree of boxes over pieces of curves: which of them may meet a box.
 
+use serde::{Deserialize, Serialize};
+
 /// Left, bottom, right, top.
 pub(crate) type Bounds = [f64; 4];
 
@@ -13,9 +15,22 @@ pub(crate) fn bounds([a, b]: [[f64; 2]; 2], air: f64) -> Bounds {
 
 /// Boxes in levels, each a box of eight below it. Pieces of a curve follow one another in space as in number, so that no sorting
 /// is needed.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(from = "Vec<Bounds>", into = "Vec<Bounds>")]
 pub(crate) struct BoxTree {
     levels: Vec<Vec<Bounds>>,
+}
+
+impl From<Vec<Bounds>> for BoxTree {
+    fn from(leaves: Vec<Bounds>) -> Self {
+        Self::new(leaves)
+    }
+}
+
+impl From<BoxTree> for Vec<Bounds> {
+    fn from(mut tree: BoxTree) -> Self {
+        tree.levels.swap_remove(0)
+    }
 }
 
 impl BoxTree {

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::regions::boxes::{BoxTree, bounds};
 use crate::regions::noding::{GRID, Node, place};
 use crate::regions::smooth::Place;
@@ -9,7 +11,7 @@ use crate::regions::subdivision::{OUTSIDE, Subdivision};
 use crate::regions::window::Window;
 
 /// Faces joined where what lives there is the same on both sides.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Region<T> {
     /// What lives there.
     pub class: T,
@@ -21,7 +23,7 @@ pub struct Region<T> {
 }
 
 /// How much of the window a class takes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Area<T> {
     /// What lives there.
     pub class: T,
@@ -32,7 +34,7 @@ pub struct Area<T> {
 }
 
 /// A face in which points differ: a border is missing.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Unexplained<T> {
     /// Its area, as a part of the window.
     pub share: f64,
@@ -43,7 +45,7 @@ pub struct Unexplained<T> {
 }
 
 /// A part of a border.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
     /// Its points in parts of the window.
     pub points: Vec<[f64; 2]>,
@@ -52,7 +54,7 @@ pub struct Part {
 }
 
 /// A piece of a border between two regions.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Wall {
     ends: [Node; 2],
     /// Regions on its left and on its right.
@@ -74,7 +76,7 @@ struct Wall {
 /// assert!((area.share * whole - std::f64::consts::PI).abs() < area.error * whole);
 /// # Ok::<(), vibrochain_maps::error::MapError>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Regions<T> {
     window: Window,
     regions: Vec<Region<T>>,

@@ -1,10 +1,12 @@
 //! The window of a map: parameters as parts of the unit square, and back.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::MapError;
 use crate::scene::{Axis, Scene, Values};
 
 /// One side of a window, as the picture of a map shows it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 enum Side {
     Linear {
         from: f64,
@@ -47,7 +49,7 @@ impl Side {
 
 /// The rectangle of parameters that a map shows. Lengths and areas in it are parts of the window as it is drawn: on a logarithmic
 /// axis those of the logarithm.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     sides: [Side; 2],
 }

@@ -260,6 +260,22 @@ impl Scene {
         self.title.clone().unwrap_or(kind)
     }
 
+    /// "21 masses (N = 20), γ₁ = 0.2, …": what is fixed.
+    pub fn fixed(&self) -> String {
+        let layout = self.base.layout;
+        let mut text = layout.to_string();
+        for &parameter in Parameter::of(self.base.layout.layers) {
+            let swept = self.sweeps(parameter);
+            let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
+            if let (Parameter::Amplitude, Some(force)) = (parameter, &self.base.force) {
+                text += &format!(", force {force}");
+            } else if !(swept || forced && self.is_conservative()) {
+                text += &format!(", {} = {}", parameter.symbol(), self.base.get(parameter));
+            }
+        }
+        text
+    }
+
     /// What was looked for, and what counts as stable: "double-sided and single-sided breathers, stable: no |μ| above 1 by more than rounding".
     pub fn criterion(&self) -> String {
         let names: Vec<String> = self.task.family_names().collect();

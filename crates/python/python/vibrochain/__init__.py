@@ -35,6 +35,7 @@ from ._vibrochain import (
     Orbit,
     Stability,
     Verdict,
+    __version__,
     branch,
     curve,
     locate,

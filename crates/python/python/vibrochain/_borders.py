@@ -43,6 +43,8 @@ def curves(
 
     Raises
     ------
+    FileNotFoundError
+        If there is no such file.
     RequestError
         For a scene that is wrong, without two equally spaced axes, or for a tolerance out of range.
     KeyboardInterrupt

@@ -96,6 +96,8 @@ def fate(
 
     Raises
     ------
+    FileNotFoundError
+        If there is no such file.
     RequestError
         For a scene that is wrong, or a value out of range.
     TooLargeError

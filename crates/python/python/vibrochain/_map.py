@@ -7,6 +7,7 @@ import importlib
 import json
 import os
 import sys
+import textwrap
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
@@ -32,12 +33,29 @@ _COLOURS = {
     "unstable-single": (250, 224, 120),
     "stable-word": (0, 110, 84),
     "word": (0, 110, 84),
-    "unstable-word": (226, 160, 196),
+    "unstable-word": (235, 168, 204),
 }
 _UNKNOWN = (204, 121, 167)
 
-# Of lines, a colour each family, as in mapgen's pictures.
-_LINES = {"double": "#103262", "single": "#ec8a3c", "word": "#00785a"}
+# Of lines, each family that of its stable class. (Tests hold all colours against mapgen's.)
+_LINES = {"double": "#103262", "single": "#2e86ab", "word": "#006e54"}
+
+# How stability is lost, as textures.
+_HATCHES = {"neimark-sacker": "", "period-doubling": "///", "plus-one": "...", "pitchfork": "||"}
+
+# What mapgen's pictures call columns of numbers.
+_LABELS = {
+    "spectral_radius": "largest |μ|",
+    "margin": "margin, the smallest distance to a barrier",
+    "impulse": "strongest impulse |P|",
+    "solutions": "physical breathers",
+}
+
+# Letters of a caption in a line.
+_CAPTION = 72
+
+# The most numbers of an array in a scene: more cells than any sweep in memory has.
+_MOST = 10_000_000
 
 # A growth below this is none; growths are drawn by logarithms where the largest is so many times the smallest.
 _LEAST_GROWTH = 1e-8
@@ -64,6 +82,8 @@ def read_scene(path: str | os.PathLike[str]) -> dict[str, Any]:
 
     Raises
     ------
+    FileNotFoundError
+        If there is no such file.
     RequestError
         For a file that cannot be read or is no scene; the message points at the line.
 
@@ -87,6 +107,8 @@ def _as_text(scene: dict[str, Any]) -> str:
     def plain(value: Any) -> Any:
         # Numbers and arrays of NumPy.
         if hasattr(value, "tolist"):
+            if np.size(value) > _MOST:
+                raise RequestError(f"scene: an array of {np.size(value)} numbers is too long: give at most {_MOST}")
             return value.tolist()
         raise RequestError(f"scene: {value!r} cannot be part of one: give numbers, texts, lists and dictionaries")
 
@@ -121,6 +143,8 @@ def sweep(
 
     Raises
     ------
+    FileNotFoundError
+        If there is no such file.
     RequestError
         For a scene that is wrong, where the message points at the line; for one that is refined, whose leaves are no array:
         ``mapgen sweep`` writes them as a table.
@@ -175,7 +199,9 @@ class _Table:
 
     def __init__(self, parts: dict[str, Any]) -> None:
         self.scene: dict[str, Any] = json.loads(parts["scene"])
-        self.coords: dict[str, NDArray[np.float64]] = dict(parts["axes"])
+        self.coords: dict[str, NDArray[np.float64]] = {name: values for name, values, _ in parts["axes"]}
+        self._labels: dict[str, str] = {name: label for name, _, label in parts["axes"]}
+        self._caption: tuple[str, str, str] = parts["caption"]
         self.dims = tuple(self.coords)
         self.shape = tuple(len(values) for values in self.coords.values())
         self._places: dict[str, float] = dict(parts["parameters"])
@@ -353,6 +379,10 @@ class Map(_Table):
     def plot(self, color: str = "class", ax: Axes | None = None, *, slice: Mapping[str, float] | None = None) -> Axes:
         """Draws the map: coloured by class, or by a column of numbers. A sweep over one parameter is curves.
 
+        How stability is lost is a texture over the classes, all that is fixed stands below the title, and the legend beside the
+        axes. In a script the picture must be saved or shown: ``table.plot().figure.savefig("map.png")``, or
+        ``matplotlib.pyplot.show()``.
+
         Over one parameter stable breathers are solid lines, unstable ones dashed, with gaps where none is; there is a colour for each
         family.
 
@@ -385,10 +415,10 @@ class Map(_Table):
         >>> table = vc.sweep(scene)
         >>> ax = table.plot()  # doctest: +MATPLOTLIB
         >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
-        ('omega', 'gamma2')
+        ('frequency ω', 'coupling stiffness γ₂')
         >>> ax = table.plot("margin", slice={"gamma2": 0.1})  # doctest: +MATPLOTLIB
         >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
-        ('omega', 'margin')
+        ('frequency ω', 'margin, the smallest distance to a barrier')
         """
         _needed("matplotlib", "plot")
         from matplotlib import pyplot
@@ -403,20 +433,27 @@ class Map(_Table):
             known = ", ".join(["class", *self._numbers])
             raise RequestError(f"{color!r} cannot be drawn: give one of {known}")
         if ax is None:
-            _, ax = pyplot.subplots()
-        ax.set_xlabel(dims[-1])
-        fixed = ", ".join(f"{name} = {self.coords[name][at]:g}" for name, at in zip(self.dims, where) if name not in dims)
-        ax.set_title(", ".join(part for part in (self.scene.get("title", ""), fixed) if part))
-        codes, words = self._words["class"]
+            # Room is made for what stands beside the axes.
+            _, ax = pyplot.subplots(layout="constrained")
+        ax.set_xlabel(self._labels[dims[-1]])
+        heading, fixed, criterion = self._caption
+        symbols = {name: label.split()[-1] for name, label in self._labels.items()}
+        at = [f"{symbols[name]} = {self.coords[name][at]:g}" for name, at in zip(self.dims, where) if name not in dims]
+        caption = textwrap.fill(", ".join(part for part in (fixed, *at, criterion) if part), _CAPTION)
+        ax.set_title(f"{heading}\n{caption}", fontsize="medium")
         if len(dims) == 1:
             self._curves(ax, dims[0], where, color)
         else:
-            ax.set_ylabel(dims[0])
+            ax.set_ylabel(self._labels[dims[0]])
             y, x = (self.coords[name] for name in dims)
+            # Lists in the order of their values.
+            order = np.ix_(np.argsort(y), np.argsort(x))
+            y, x = np.sort(y), np.sort(x)
             if color == "class":
-                _classes(ax, x, y, codes[where], words)
+                (classes, words), (codes, mechanisms) = self._words["class"], self._words["mechanism"]
+                _classes(ax, x, y, (classes[where][order], words), (codes[where][order], mechanisms))
             else:
-                self._colours(ax, x, y, color, where)
+                self._colours(ax, x, y, color, self["class"][where][order], self._numbers[color][where][order].astype(float))
         return ax
 
     def _where(self, fixed: Mapping[str, float]) -> tuple[int | builtins.slice, ...]:
@@ -426,10 +463,12 @@ class Map(_Table):
             raise RequestError(f"slice: {unknown[0]!r} is no axis of this map: give one of {', '.join(self.dims)}")
         return tuple(_place(name, self.coords[name], fixed[name]) if name in fixed else builtins.slice(None) for name in self.dims)
 
-    def _colours(self, ax: Axes, x: NDArray[Any], y: NDArray[Any], color: str, where: tuple[Any, ...]) -> None:
+    def _colours(
+        self, ax: Axes, x: NDArray[Any], y: NDArray[Any], color: str, classes: NDArray[Any], values: NDArray[Any]
+    ) -> None:
         from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 
-        values, label, norm = self._numbers[color][where].astype(float), color, None
+        label, norm = _LABELS.get(color, color), None
         growth = values - 1.0
         there = growth[growth >= _LEAST_GROWTH]
         if color == "spectral_radius" and there.size and there.max() >= _DECADES * there.min():
@@ -438,9 +477,9 @@ class Map(_Table):
             ends = 10.0**low, 10.0 ** max(high, low + 1)
             none = growth < ends[0]
             ax.pcolormesh(x, y, np.ma.masked_where(~none, none), cmap=ListedColormap(["#d7d7d7"]), shading="nearest")
-            values, label, norm = np.ma.masked_where(none, growth), f"spectral_radius - 1 (grey: less than {ends[0]:g})", LogNorm(*ends)
+            values, label, norm = np.ma.masked_where(none, growth), f"growth |μ| − 1 a period (grey: less than {ends[0]:g})", LogNorm(*ends)
         elif color == "solutions":
-            values[self["class"][where] == "none"] = np.nan
+            values[classes == "none"] = np.nan
             most = max(int(np.nanmax(values, initial=1)), 1)
             norm = BoundaryNorm(np.arange(0.5, most + 1), 256) if most < 10 else None
         mesh = ax.pcolormesh(x, y, values, cmap="viridis", norm=norm, shading="nearest")
@@ -452,7 +491,7 @@ class Map(_Table):
     def _curves(self, ax: Axes, dim: str, where: tuple[Any, ...], color: str) -> None:
         if color == "class":
             color = next((name for name, values in self._numbers.items() if not np.isnan(values[where]).all()), "margin")
-        ax.set_ylabel(color)
+        ax.set_ylabel(_LABELS.get(color, color))
         place = self.coords[dim]
         order = np.argsort(place)
         values, classes = self._numbers[color][where][order].astype(float), self["class"][where][order]
@@ -473,7 +512,7 @@ class Map(_Table):
             [line] = ax.plot(place, shown, style, color=_LINES.get(family, "grey"), label=name or "unknown")
             ax.plot(place[alone], shown[alone], ".", color=line.get_color(), markersize=3)
         if ax.get_legend_handles_labels()[1]:
-            ax.legend(fontsize="small")
+            ax.legend(**_BESIDE)
 
 
 def _axes(scene: dict[str, Any]) -> list[dict[str, Any]]:
@@ -491,16 +530,35 @@ def _place(name: str, values: NDArray[np.float64], wanted: float) -> int:
     raise RequestError(f"slice: {name} = {wanted} is none of its {len(values)} values: next to it are {near}")
 
 
-def _classes(ax: Axes, x: NDArray[Any], y: NDArray[Any], codes: NDArray[np.int8], words: tuple[str, ...]) -> None:
+# A column of codes, and their words.
+_Codes = tuple[NDArray[np.int8], tuple[str, ...]]
+
+# Legends stand beside the axes, where no data are.
+_BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.02, 1.0), "borderaxespad": 0.0, "fontsize": "small"}
+
+
+def _classes(ax: Axes, x: NDArray[Any], y: NDArray[Any], classes: _Codes, mechanisms: _Codes) -> None:
+    from matplotlib import rc_context
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    names = [*words, "unknown"]
+    (codes, words), names = classes, [*classes[1], "unknown"]
     colours = [(r / 255, g / 255, b / 255) for r, g, b in (_COLOURS.get(name, _UNKNOWN) for name in names)]
     shown = np.where(codes < 0, len(words), codes)
     ax.pcolormesh(x, y, shown, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) - 0.5, shading="nearest")
     there = [i for i in range(len(names)) if (shown == i).any()]
-    ax.legend(handles=[Patch(facecolor=colours[i], edgecolor="grey", label=names[i]) for i in there], fontsize="small")
+    legend = [Patch(facecolor=colours[i], edgecolor="grey", label=names[i]) for i in there]
+    with rc_context({"hatch.color": (0.0, 0.0, 0.0, 0.5), "hatch.linewidth": 0.5}):
+        for code, name in enumerate(mechanisms[1]):
+            lost = mechanisms[0] == code
+            if not lost.any():
+                continue
+            hatch = _HATCHES[name]
+            legend.append(Patch(facecolor="#e1e1e1", edgecolor="grey", hatch=hatch, label=name))
+            # A map of one row or column has no areas.
+            if hatch and min(lost.shape) > 1:
+                ax.contourf(x, y, lost.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch])
+    ax.legend(handles=legend, **_BESIDE)
 
 
 def _needed(package: str, method: str) -> Any:

@@ -141,19 +141,20 @@ def simulate(
         model = start.model
         time, u, v, psi = _vibrochain._start(start)
         if perturbation is not None:
-            du, dv = (np.asarray(change, dtype=float) for change in perturbation)
-            u, v = np.broadcast_to(u + du, u.shape), np.broadcast_to(v + dv, v.shape)
+            du, dv = (_vibrochain._numbers("perturbation", change) for change in perturbation)
+            u, v = u + np.broadcast_to(du, u.shape), v + np.broadcast_to(dv, v.shape)
     elif isinstance(start, Model):
         if displacement is None or velocity is None:
             raise RequestError("a run from a Model needs a state: give displacement and velocity, one number a mass in each")
         if perturbation is not None:
             raise RequestError("perturbation is of a run from an Orbit: add it to displacement and velocity")
         model, time = start, 0.0
-        u, v = (np.asarray(part, dtype=float).reshape(-1) for part in (displacement, velocity))
+        u = _vibrochain._numbers("displacement", displacement).reshape(-1)
+        v = _vibrochain._numbers("velocity", velocity).reshape(-1)
     else:
         raise TypeError(f"start is {start!r}: give an Orbit or a Model")
     if times is not None:
         if periods is not None or samples:
             raise RequestError("times are given, and periods or samples as well: give either")
-        times = np.asarray(times, dtype=float).reshape(-1)
+        times = _vibrochain._numbers("times", times).reshape(-1)
     return Run(_vibrochain._simulate(model, time, (u, v), float(psi), periods, samples, times, max_impacts))

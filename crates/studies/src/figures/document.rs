@@ -27,7 +27,9 @@ impl Document {
             "# The figures of the paper\n\n\
              Made by `studies figures --out {} --document {}{only}`, mapgen {VERSION}; words and numbers below come from the \
              same run. `--only 9` makes one figure; `--scenes DIR` takes the scenes from a folder, such as \
-             `scenes/figures`, instead of those built in. Each figure is written as PNG, SVG and CSV.\n\n\
+             `scenes/figures`, instead of those built in. Each figure is written as PNG, SVG and CSV. Numbers are \
+             those of the paper's labels, which leave out 14: figure 14 in print, the last one, is labelled 15 and is 15a to 15d \
+             here.\n\n\
              Impulses are signed and whole (the paper's 2p₁, −2p₂); margin is the smallest distance of any mass to a \
              barrier at a turning point; |μ| is the spectral radius, per period of the orbit. Of several solutions the one \
              with the smallest spectral radius is shown unless all are.",
