@@ -18,9 +18,6 @@ const GREY: usize = 5;
 /// More events than this have small marks.
 const CROWD: usize = 40;
 
-/// Multipliers drawn by logarithms leave the picture here.
-const HIGHEST: f64 = 1e5;
-
 /// The picture of a table: a panel a quantity, with `all` also what is not physical.
 pub(crate) fn picture(table: &Table, free: Parameter, shown: &[QuantityName], all: bool) -> Curves {
     let panes: Vec<Pane> = shown.iter().map(|quantity| pane(*quantity, all, free, table)).collect();
@@ -51,8 +48,8 @@ fn values(quantity: QuantityName, row: &Row, force_periods: u32) -> Vec<f64> {
     }
 }
 
-/// How an orbit is drawn.
-#[derive(Clone, Copy, PartialEq, Eq)]
+/// How an orbit is drawn, the best first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Stable,
     Unstable,
@@ -80,19 +77,20 @@ fn branches(table: &Table) -> impl Iterator<Item = Branch<'_>> {
     table.about.branches.iter().zip(&table.branches).map(|(about, rows)| Branch { about, rows })
 }
 
-/// What the branches of a generation are called.
+/// What the branches of a generation are called: those that bifurcate from the primary branch are secondary ones, and so on.
 fn title(generation: u32, branches: &[Branch<'_>], taken: &[Series]) -> String {
-    let origin = if generation < 2 { "it" } else { "these" };
+    let order = match generation {
+        0 => "primary branch".to_owned(),
+        1 => "secondary branch".to_owned(),
+        2 => "tertiary branch".to_owned(),
+        _ => format!("branch of generation {generation}"),
+    };
     match branches {
         [branch] => {
             let name = &branch.about.name;
-            if taken.iter().any(|series| series.name == *name) {
-                format!("{name}, leaves {origin}")
-            } else {
-                name.clone()
-            }
+            if taken.iter().any(|series| series.name == *name) { format!("{name}, {order}") } else { name.clone() }
         }
-        branches => format!("{} branches that leave {origin}", branches.len()),
+        branches => format!("{} {}", branches.len(), order.replace("branch", "branches")),
     }
 }
 
@@ -129,10 +127,6 @@ fn pane(quantity: QuantityName, all: bool, free: Parameter, table: &Table) -> Pa
         QuantityName::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
         _ => (Scale::Linear, Vec::new()),
     };
-    if matches!(scale, Scale::Logarithmic) {
-        let points = series.iter_mut().flat_map(|series| &mut series.points);
-        points.filter(|point| point.1 > HIGHEST).for_each(|point| point.1 = f64::NAN);
-    }
     Pane {
         caption: String::new(),
         x: format!("{} {}", free.meaning(), free.symbol()),
@@ -197,7 +191,8 @@ fn curves(quantity: QuantityName, colour: usize, branch: Branch<'_>, all: bool) 
     let kinds: Vec<Option<Kind>> = passed
         .windows(2)
         .map(|pair| {
-            last = pair[1].kind.or(pair[0].kind).or(last);
+            // Between two kinds without an event that was asked for, nobody knows where the better one ends.
+            last = pair[0].kind.max(pair[1].kind).or(last);
             last
         })
         .collect();

@@ -23,6 +23,17 @@ mod with_plot {
     /// The most points of a diagram that are drawn: dozens for every pixel.
     const MOST_POINTS: usize = 2_000_000;
 
+    /// What legends call the ends, in the order of [`End::NAMES`].
+    const WORDS: [&str; End::NAMES.len()] = [
+        "stays on the breather",
+        "another periodic motion",
+        "quiet, no impacts",
+        "chaos",
+        "quasi-periodic",
+        "other",
+        "incomplete run",
+    ];
+
     /// Values along an axis up to which each has a mark of its own.
     const MARKED: u64 = 40;
 
@@ -73,7 +84,7 @@ mod with_plot {
                 mark: if scene.cells() > MARKED { Mark::None } else { Mark::Small(colour) },
                 points: Vec::new(),
             };
-            let shares = End::NAMES.iter().enumerate().map(share).collect();
+            let shares = WORDS.iter().enumerate().map(share).collect();
             Self { files, cells: Vec::new(), shares, points: Vec::new(), axis, is_diagram }
         }
 
@@ -126,7 +137,7 @@ mod with_plot {
             let runs = if !self.is_diagram && starts == 1 { "run" } else { "runs" };
             let caption = format!("{what} of {each}{runs} of {periods} periods, perturbed by {}", Short(size));
             let Some(axis) = &self.axis else {
-                let picture = EndsPicture { scene, caption, names: &End::NAMES, cells: &self.cells };
+                let picture = EndsPicture { scene, caption, names: &WORDS, cells: &self.cells };
                 return self.files.draw(|page| ends_picture(&picture, page));
             };
             for series in &mut self.shares {

@@ -365,9 +365,15 @@ fn a_picture_is_as_wide_and_as_fine_as_its_page() {
     assert!(svg.contains("width=\"325.039\"") && svg.contains("pixelated"));
     let (([width, _], dots), _) = drawn("--width 100mm --dpi 254");
     assert_eq!((width, dots), (1000, 10_000));
+    // A width on paper is for print: letters of 8 points as they are in a column, no pixels of a screen.
+    let size = |svg: &str| svg.split("scale(").nth(1).unwrap().split(')').next().unwrap().parse::<f64>().unwrap();
+    let column = size(&svg);
+    let (([width, _], dots), svg) = drawn("--width 86mm");
+    assert_eq!((width, dots), (1016, 11_811));
+    assert!((size(&svg) / column - 8.0 / 7.5).abs() < 1e-3, "{column} {}", size(&svg));
+    assert_eq!(drawn("--width 325px").0.1, 3780);
     let (([wide, high], _), small) = drawn("");
     let (([same, higher], _), large) = drawn("--font-size 16");
-    let size = |svg: &str| svg.split("scale(").nth(1).unwrap().split(')').next().unwrap().parse::<f64>().unwrap();
     assert!((size(&large) / size(&small) - 16.0 / 11.25).abs() < 1e-3 && same > wide && higher > high);
     for (flags, told) in [
         ("--width 86", "no unit: give a number with its unit"),

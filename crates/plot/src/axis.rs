@@ -19,8 +19,28 @@ pub(crate) enum Scale {
     Powers,
     /// Decimal logarithms, with ticks at whole decades alone.
     Decades,
+    /// Distances from 1 by [`decades_from_one`].
+    AboutOne(f64),
     /// Places 0, 1, … of a list of values.
     List(Vec<f64>),
+}
+
+impl Scale {
+    /// Where a number lies along a vertical axis.
+    pub(crate) fn place(&self, number: f64) -> f64 {
+        match self {
+            Self::Decades => number.log10(),
+            Self::AboutOne(least) => decades_from_one(number, *least),
+            Self::Numbers | Self::Powers | Self::List(_) => number,
+        }
+    }
+}
+
+/// How many decades a number is away from 1, of which the first ends at the distance `least`: nearly so for greater distances, and in
+/// proportion to smaller ones.
+fn decades_from_one(number: f64, least: f64) -> f64 {
+    // asinh x is ln 2x for large x: a decade each from 1 on.
+    (5.0 * (number - 1.0) / least).asinh() / std::f64::consts::LN_10
 }
 
 /// An axis from one end to the other.
@@ -83,6 +103,10 @@ impl Axis {
                 let whole = inside.filter(|decade| decade.rem_euclid(stride) == 0).map(f64::from);
                 whole.map(|decade| (decade, power_of_ten(decade))).collect()
             }
+            Scale::AboutOne(least) => {
+                let numbers = about_one(*least, |number| (start..=end).contains(&self.scale.place(number)), most);
+                numbers.into_iter().map(|number| (self.scale.place(number), modulus_tick(number))).collect()
+            }
             Scale::List(values) => {
                 let stride = values.len().div_ceil(most.max(1)).max(1);
                 let places = values.iter().enumerate().step_by(stride);
@@ -138,6 +162,29 @@ fn logarithms(start: f64, end: f64, most: usize) -> Vec<f64> {
     }
     let numbers = round_numbers(10f64.powf(start), 10f64.powf(end), most);
     numbers.into_iter().filter(|number| *number > 0.0).map(f64::log10).filter(inside).collect()
+}
+
+/// At most about so many numbers that are on an axis of distances from 1, a decade or several apart: 1, 1.01, 1.1, 2, 10, 100 and so on,
+/// and 0.99, 0.9, 0 below it.
+fn about_one(least: f64, inside: impl Fn(f64) -> bool, most: usize) -> Vec<f64> {
+    let first = least.log10().round() as i32;
+    // By division below 1: 1 + 1/100 is closer to 1.01 than 1 + 10⁻² by powers.
+    let distance = |decade: i32| if decade < 0 { 1.0 / 10f64.powi(-decade) } else { 10f64.powi(decade) };
+    let above = |decade: i32| if decade > 0 { distance(decade) } else { 1.0 + distance(decade) };
+    let above: Vec<f64> = (first..=LAST_DECADE).map(above).filter(|number| inside(*number)).collect();
+    let below: Vec<f64> = (first..=0).map(|decade| 1.0 - distance(decade)).filter(|number| inside(*number)).collect();
+    let stride = (above.len() + below.len() + 1).div_ceil(most.max(1)).max(1);
+    // 1 itself is always there.
+    let every = |side: Vec<f64>| side.into_iter().skip(stride - 1).step_by(stride);
+    every(below).chain(Some(1.0).filter(|one| inside(*one))).chain(every(above)).collect()
+}
+
+/// Axes of multipliers end below this power of ten: what grows faster leaves the picture.
+const LAST_DECADE: i32 = 6;
+
+/// A modulus: powers of ten from 1000 on, plain numbers below.
+fn modulus_tick(number: f64) -> String {
+    if number >= 1e3 { power_of_ten(number.log10()) } else { tick(number) }
 }
 
 /// Where the first value of a swept axis lies on the picture, and the distance of neighbours: their logarithms where the ratio is
@@ -322,6 +369,24 @@ mod tests {
         assert_eq!(decades.part(-8.5), 0.5);
         assert_eq!(places(&Axis::decades([-3.0].into_iter()), 3), [-4.0, -3.0, -2.0]);
         assert_eq!(Axis::decades(std::iter::empty()).range, -2.0..0.0);
+    }
+
+    #[test]
+    fn distances_from_one_have_a_tick_a_decade_and_1_is_one_of_them() {
+        let axis = |least: f64, from: f64, to: f64| {
+            let scale = Scale::AboutOne(least);
+            Axis { range: scale.place(from)..scale.place(to), scale }
+        };
+        let words = |axis: &Axis, most| axis.ticks(most).into_iter().map(|tick| tick.1).collect::<Vec<_>>();
+        let wide = axis(1e-2, 0.5, 5e4);
+        assert_eq!(words(&wide, 10), ["0.99", "0.9", "1", "1.01", "1.1", "2", "10", "100", "10³", "10⁴"]);
+        assert_eq!(words(&wide, 5), ["0.9", "1", "1.1", "10", "10³"]);
+        assert_eq!(words(&axis(1e-3, 1.0, 1.5), 10), ["1", "1.001", "1.01", "1.1"]);
+        // Steps between ticks above 1 are those of a decade, within a tenth; 1 lies at 0, and 0 is on the axis.
+        let places: Vec<f64> = axis(1e-3, 1.0, 2e4).ticks(20).into_iter().map(|tick| tick.0).collect();
+        assert!(places.len() == 9 && places[0] == 0.0);
+        assert!(places.windows(2).all(|pair| (pair[1] - pair[0] - 1.0).abs() < 0.1), "{places:?}");
+        assert!(Scale::AboutOne(0.1).place(0.0) > -3.0 && Scale::AboutOne(0.1).place(0.0) < -1.0);
     }
 
     #[test]

@@ -65,20 +65,25 @@ pub enum Scale {
     Between(Range<f64>),
     /// Logarithmic; values that are not positive are left out.
     Logarithmic,
+    /// Of moduli of multipliers: by the logarithm of their distance from 1, of which this much is a decade's step away from 1, and
+    /// linear next to 1.
+    AboutOne(f64),
 }
 
 impl Scale {
-    /// The scale of multipliers: linear about 1, where stability changes, if most of what is unstable is not far from there. Next to a
-    /// grazing impact they grow without bound; such ends leave the picture.
+    /// The scale of multipliers: linear about 1, where stability changes, if most of what is unstable is not far from there and of
+    /// two orders at most; otherwise by the logarithm of the distance from 1. Next to a grazing impact they grow without bound; such ends leave the
+    /// picture.
     pub fn about_one(series: &[Series]) -> Self {
         let points = series.iter().flat_map(|series| &series.points);
         let mut drawn: Vec<f64> = points.map(|point| point.1).filter(|value| value.is_finite()).collect();
         drawn.sort_by(f64::total_cmp);
         let unstable = &drawn[drawn.partition_point(|value| *value <= 1.0 + LEAST / 100.0)..];
         let Some(least) = drawn.first() else { return Self::Linear };
-        let most = unstable.get(unstable.len() * MOST_OF_IT / 100).copied().unwrap_or(1.0);
-        if most > FAR {
-            return Self::Logarithmic;
+        let share = |hundredths: usize| unstable.get(unstable.len() * hundredths / 100).copied().unwrap_or(1.0);
+        let (most, weak) = (share(MOST_OF_IT), share(WEAK) - 1.0);
+        if most > FAR || most - 1.0 > ORDERS * weak {
+            return Self::AboutOne(10f64.powf(weak.log10().floor()).min(COARSEST));
         }
         let (low, highest) = (least.min(1.0), drawn.last().copied().unwrap_or(most));
         let top = highest.min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
@@ -133,6 +138,12 @@ pub struct Series {
 /// 1 as these are, and at least so far; otherwise by logarithms.
 const MOST_OF_IT: usize = 80;
 const FAR: f64 = 5.0;
+/// And where this many in a hundred are less than so many times closer to 1: on a linear axis a hundredth of its height is a line on
+/// that of 1.
+const WEAK: usize = 10;
+const ORDERS: f64 = 100.0;
+/// The largest step next to 1 of an axis by logarithms: a growth of a tenth a period is never next to none.
+const COARSEST: f64 = 0.1;
 const ROOM: f64 = 2.0;
 const LEAST: f64 = 0.01;
 
@@ -158,6 +169,20 @@ mod tests {
             Scale::Between(ends) => ends,
             other => panic!("{other:?}"),
         }
+    }
+
+    /// Stripes that grow by a thousandth beside a branch that ends in a grazing impact: neither flattens the other.
+    #[test]
+    fn growths_of_several_orders_are_drawn_by_logarithms() {
+        let scale = |heights: &[f64]| {
+            let points = heights.iter().enumerate().map(|(i, y)| (i as f64, *y)).collect();
+            let (name, stroke, mark) = (String::new(), Stroke::Solid(1), Mark::None);
+            Scale::about_one(&[Series { name, colour: 0, stroke, mark, points }])
+        };
+        assert_eq!(scale(&[1.0, 1.0, 1.003, 1.004, 1.8, 2.5, 3.0, 2.0]), Scale::AboutOne(1e-3));
+        assert_eq!(scale(&[0.9, 20.0, 300.0, 1e4]), Scale::AboutOne(COARSEST));
+        assert!(matches!(scale(&[1.0, 1.002, 1.01, 1.03]), Scale::Between(_)));
+        assert!(matches!(scale(&[0.5, 0.9, 1.0]), Scale::Between(_)));
     }
 
     #[test]

@@ -2,16 +2,16 @@
 
 use std::sync::OnceLock;
 
-use rustybuzz::ttf_parser::{GlyphId, OutlineBuilder};
-use rustybuzz::{Face, UnicodeBuffer};
+use harfrust::font::glyph::outline::{DrawMemory, DrawOptions, PathSink};
+use harfrust::{Buffer, Font, GlyphId, ShapeOptions, ShaperFont, shape};
 
 /// DejaVu Sans has the Greek letters, subscripts and dots of the model's symbols; its licence lies beside it.
 const FONT: &[u8] = include_bytes!("../assets/DejaVuSans.ttf");
 
-fn face() -> Option<&'static Face<'static>> {
-    static FACE: OnceLock<Option<Face<'static>>> = OnceLock::new();
+fn font() -> Option<&'static Font> {
+    static READ: OnceLock<Option<Font>> = OnceLock::new();
     // The font is part of the program: that it can be read is checked by the tests.
-    FACE.get_or_init(|| Face::from_slice(FONT, 0)).as_ref()
+    READ.get_or_init(|| Font::new(FONT, 0)).as_ref()
 }
 
 /// A letter of a text.
@@ -33,15 +33,17 @@ pub(crate) struct Setting {
 
 /// Sets a text in one line.
 pub(crate) fn set(text: &str) -> Setting {
-    let Some(face) = face() else { return Setting::default() };
-    let em = f64::from(face.units_per_em());
-    let mut buffer = UnicodeBuffer::new();
+    let Some(font) = font() else { return Setting::default() };
+    let em = f64::from(font.units_per_em());
+    let mut buffer = Buffer::new();
     // A control character has no letter.
     buffer.push_str(&text.replace(char::is_control, " "));
     buffer.guess_segment_properties();
-    let glyphs = rustybuzz::shape(face, &[], buffer);
+    if shape(&ShaperFont::new(font), &mut buffer, ShapeOptions::new()).is_err() {
+        return Setting::default();
+    }
     let mut setting = Setting::default();
-    for (info, place) in glyphs.glyph_infos().iter().zip(glyphs.glyph_positions()) {
+    for (info, place) in buffer.glyph_infos().iter().zip(buffer.glyph_positions()) {
         let at = [setting.width + f64::from(place.x_offset) / em, f64::from(place.y_offset) / em];
         // Numbers of letters have sixteen bits in every font of this kind.
         setting.letters.push(Letter { glyph: info.glyph_id as u16, at });
@@ -57,9 +59,11 @@ pub(crate) fn width(text: &str) -> f64 {
 
 /// The outline of a letter in em, upwards from where it stands, told to `pen`.
 pub(crate) fn outline(glyph: u16, pen: &mut impl Pen) {
-    let Some(face) = face() else { return };
-    let em = 1.0 / f64::from(face.units_per_em());
-    face.outline_glyph(GlyphId(glyph), &mut Scaled { pen, em, last: [0.0; 2] });
+    let Some(font) = font() else { return };
+    let em = 1.0 / f64::from(font.units_per_em());
+    let Some(found) = font.outline_glyphs().get(GlyphId::from(glyph)) else { return };
+    // It fails for broken outlines alone: those of this font are drawn by a test.
+    let _ = found.draw(&DrawOptions::new(), DrawMemory::Scratch, &mut Scaled { pen, em, last: [0.0; 2] });
 }
 
 /// What follows an outline.
@@ -83,7 +87,7 @@ impl<P: Pen> Scaled<'_, P> {
     }
 }
 
-impl<P: Pen> OutlineBuilder for Scaled<'_, P> {
+impl<P: Pen> PathSink for Scaled<'_, P> {
     fn move_to(&mut self, x: f32, y: f32) {
         self.last = self.at(x, y);
         self.pen.start(self.last);

@@ -54,7 +54,7 @@ impl Entry<'_> {
                 drawing.words(text, [x + (SAMPLE[0] + BESIDE) * em, middle], TEXT * em, BLACK);
             }
             Self::Stroke(colour, dash, text) => {
-                let mut line = Line::new(*colour, page.px(if dash.is_some() { 1.2 } else { 2.0 }));
+                let mut line = Line::new(*colour, page.px(if dash.is_some() { 1.4 } else { 2.0 }));
                 line.dash = dash.map(|dash| dash.map(|part| page.px(part)));
                 drawing.line(vec![[x, middle], [x + SAMPLE[0] * em, middle]], line);
                 drawing.words(text, [x + (SAMPLE[0] + BESIDE) * em, middle], TEXT * em, BLACK);

@@ -109,7 +109,7 @@ pub(crate) fn draw_lines(
             let y = y + 2.0 * high;
             let bounds = [x - half, y - high, x + half, y + high];
             let free = taken.iter().all(|other| apart(bounds, *other, 3.0 * times));
-            (holds(corners, bounds) && free && lone(bounds, own, &points)).then_some(bounds)
+            (holds(corners, bounds, 3.0 * times) && free && lone(bounds, own, &points)).then_some(bounds)
         });
         let Some(bounds) = place else { continue };
         taken.push(bounds);
@@ -120,8 +120,9 @@ pub(crate) fn draw_lines(
     }
 }
 
-fn holds([[left, top], [right, bottom]]: [Place; 2], bounds: Bounds) -> bool {
-    bounds[0] > left && bounds[1] > top && bounds[2] < right && bounds[3] < bottom
+/// Within the map, and off its frame.
+fn holds([[left, top], [right, bottom]]: [Place; 2], bounds: Bounds, air: f64) -> bool {
+    bounds[0] > left + air && bounds[1] > top + air && bounds[2] < right - air && bounds[3] < bottom - air
 }
 
 fn length(points: &[Place]) -> f64 {

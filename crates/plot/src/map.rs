@@ -5,17 +5,15 @@ use std::ops::Range;
 use vibrochain_maps::scene::{Axis, Scene};
 
 use crate::axis::spanned;
-use crate::drawing::Rgb;
 use crate::format::PlotError;
-use crate::key::Entry;
 pub use crate::lines::MapLine;
 use crate::lines::{draw_lines, key};
 use crate::page::Page;
-use crate::palette::{BORDERS, Palette};
+use crate::palette::Palette;
 use crate::raster::Raster;
-use crate::sheet::{Sheet, draw_borders};
+use crate::sheet::Sheet;
 use crate::shown::{Shown, places, sharing};
-use crate::strokes::thinned;
+use crate::strokes::Borders;
 
 /// What is drawn.
 #[derive(Debug)]
@@ -70,27 +68,19 @@ pub fn map_with_lines(
         sheet.entries.extend(bar.entries(palette));
         sheet.bar = Some((bar, palette));
     }
-    let kinds = kinds(picture.borders);
-    if !kinds.is_empty() {
-        sheet.entries.push(Entry::Heading("borders".to_owned()));
+    let part = parts(&spans);
+    let mut borders = Vec::new();
+    for border in picture.borders.iter().filter(|border| !border.points.is_empty()) {
+        Borders::add(&mut borders, &border.kind, border.points.iter().copied().map(&part).collect(), &border.title);
     }
-    sheet.entries.extend(kinds.iter().map(|(kind, colour)| Entry::Stroke(*colour, None, (*kind).to_owned())));
+    sheet.tell_borders(&borders);
     sheet.entries.extend(key(lines));
     let placed = sheet.placed(cells.places(), page.into());
     let raster = Raster::of(cells.places(), &placed, &|place, at, each| cells.colours(place, at, palette, bar, each));
     sheet.bytes(&placed, Vec::new(), |drawing| {
-        let (corners, part) = (placed.corners(), parts(&spans));
+        let corners = placed.corners();
         drawing.image(corners, raster.size, raster.rgb.clone());
-        drawing.clipped(corners, |drawing| {
-            for (kind, colour) in &kinds {
-                let of_kind = picture.borders.iter().filter(|border| border.kind == *kind);
-                let line = |border: &MapBorder| {
-                    thinned(&border.points.iter().map(|point| placed.within(part(*point))).collect::<Vec<_>>())
-                };
-                let lines: Vec<_> = of_kind.map(|border| (line(border), border.title.as_str())).collect();
-                draw_borders(drawing, *colour, &lines, &placed.page);
-            }
-        });
+        drawing.clipped(corners, |drawing| Borders::draw(&borders, drawing, |at| placed.within(at), &placed.page));
         draw_lines(drawing, &placed, &raster, lines, &part);
     })
 }
@@ -105,15 +95,4 @@ fn parts([x, y]: &[Range<f64>; 2]) -> impl Fn([f64; 2]) -> [f64; 2] + use<> {
 /// What a map spans of an axis: a cell covers half a step on either side of its value, and places are whole.
 pub(crate) fn span(axis: &Axis) -> Range<f64> {
     spanned(axis, places(axis) * sharing(axis), 0.5)
-}
-
-/// Kinds of borders and their colours.
-fn kinds(borders: &[MapBorder]) -> Vec<(&str, Rgb)> {
-    let mut kinds: Vec<(&str, Rgb)> = Vec::new();
-    for border in borders.iter().filter(|border| !border.points.is_empty()) {
-        if kinds.iter().all(|(kind, _)| *kind != border.kind) {
-            kinds.push((&border.kind, BORDERS[kinds.len() % BORDERS.len()]));
-        }
-    }
-    kinds
 }

@@ -3,13 +3,13 @@
 use vibrochain_maps::cell::{Cell, Class};
 use vibrochain_maps::scene::{Axis, Scene};
 
-use crate::axis::{place, power_of_ten};
+use crate::axis::place;
 use crate::classes::{UNKNOWN, class_words};
 use crate::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 use crate::format::PlotError;
 use crate::page::Page;
 use crate::panels::curves_picture;
-use crate::quantity::{LEAST_GROWTH, Quantity, span_decades};
+use crate::quantity::Quantity;
 use crate::sheet::about;
 
 /// What is drawn.
@@ -76,28 +76,15 @@ fn ordered<'a>(axis: &Axis, cells: &'a [Cell]) -> Vec<(f64, &'a Cell)> {
 }
 
 fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
-    let numbers: Vec<Option<f64>> = cells.iter().map(|(_, cell)| quantity.of(cell)).collect();
-    let growths = || numbers.iter().flatten().map(|radius| radius - 1.0).filter(|growth| *growth >= LEAST_GROWTH);
-    let logarithmic = quantity == Quantity::SpectralRadius && span_decades(growths());
-    let (heights, y, foot) = if logarithmic {
-        // What does not grow has no logarithm: it stands at a decade below all that does.
-        let decade = (growths().fold(f64::INFINITY, f64::min).log10() - 0.1).floor();
-        let foot = 10f64.powf(decade);
-        let heights = numbers.iter().map(|number| number.map(|radius| (radius - 1.0).max(foot))).collect();
-        (heights, format!("growth |μ| − 1 a period ({}: less)", power_of_ten(decade)), Some(foot))
-    } else {
-        (numbers, quantity.label().to_owned(), None)
+    // Where stability changes the largest multiplier is 1.
+    let change = (quantity == Quantity::SpectralRadius).then_some(1.0);
+    let drawn = |(place, cell): &(f64, &Cell)| Drawn {
+        place: *place,
+        class: cell.class,
+        solutions: cell.solutions,
+        height: quantity.of(cell),
     };
-    let points: Vec<Drawn> = cells
-        .iter()
-        .zip(&heights)
-        .map(|((place, cell), height)| Drawn {
-            place: *place,
-            class: cell.class,
-            solutions: cell.solutions,
-            height: *height,
-        })
-        .collect();
+    let points: Vec<Drawn> = cells.iter().map(drawn).collect();
     let mut series = Vec::new();
     let all = || cells.iter().filter_map(|(_, cell)| cell.class);
     for class in Class::ALL.into_iter().filter(|class| *class != Class::None).map(Some).chain([None]) {
@@ -105,10 +92,10 @@ fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
         let (colour, stroke) = look(class);
         if named {
             let name = if class.is_some() { class_words(class, all) } else { "class not known" };
-            let points = line(&points, class, foot);
+            let points = line(&points, class, change);
             series.push(Series { name: name.to_owned(), colour, stroke, mark: Mark::None, points });
         }
-        let lone = lone(&points, class, foot);
+        let lone = lone(&points, class);
         if !lone.is_empty() {
             let (name, mark) = (String::new(), Mark::Small(0));
             series.push(Series { name, colour, stroke: Stroke::None, mark, points: lone });
@@ -116,13 +103,12 @@ fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
     }
     series.extend(missing(&points));
     let (scale, levels) = match quantity {
-        Quantity::SpectralRadius if logarithmic => (Scale::Logarithmic, Vec::new()),
         Quantity::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
         _ => (Scale::Linear, Vec::new()),
     };
     let ends = cells.first().zip(cells.last()).filter(|(first, last)| first.0 < last.0);
     let x_range = ends.map(|(first, last)| first.0..last.0);
-    Pane { y, x_range, scale, levels, series, ..Pane::over(axis) }
+    Pane { y: quantity.label().to_owned(), x_range, scale, levels, series, ..Pane::over(axis) }
 }
 
 /// A cell in a panel.
@@ -136,45 +122,43 @@ struct Drawn {
 }
 
 /// Where the line from one cell to the next ends to be drawn as the first one; nowhere if no line joins them: breathers of two
-/// families are two orbits, where there is one more or less another one may give the class, and no logarithm leads to the foot of an
-/// axis that has one.
-fn joined(from: &Drawn, to: &Drawn, foot: Option<f64>) -> Option<(f64, f64)> {
-    let (low, high) = (from.height?, to.height?);
-    let at_foot = |height: f64| Some(height) == foot;
-    let alike = look(from.class).0 == look(to.class).0 && from.solutions == to.solutions;
-    if !alike || at_foot(low) != at_foot(high) {
+/// families are two orbits, and where there is one more or less another one may give the class. Between a stable and an unstable one the
+/// line passes `change`, if that is known, or else the mean.
+fn joined(from: &Drawn, to: &Drawn, change: Option<f64>) -> Option<(f64, f64)> {
+    let (one, other) = (from.height?, to.height?);
+    if look(from.class).0 != look(to.class).0 || from.solutions != to.solutions {
         return None;
     }
     if from.class == to.class {
-        return Some((to.place, high));
+        return Some((to.place, other));
     }
     // Stability changes in between, nobody knows where.
-    let middle = if foot.is_some() { (low * high).sqrt() } else { 0.5 * (low + high) };
-    Some((0.5 * (from.place + to.place), middle))
+    let height = change.map_or(0.5 * (one + other), |change| change.clamp(one.min(other), one.max(other)));
+    Some((0.5 * (from.place + to.place), height))
 }
 
 /// The line through the cells of a class, with breaks.
-fn line(cells: &[Drawn], class: Option<Class>, foot: Option<f64>) -> Vec<(f64, f64)> {
+fn line(cells: &[Drawn], class: Option<Class>, change: Option<f64>) -> Vec<(f64, f64)> {
     let mut line: Vec<(f64, f64)> = Vec::new();
     for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.class == class) {
         let Some(height) = cell.height else { continue };
         let before = i.checked_sub(1).and_then(|i| cells.get(i));
-        let reached = before.and_then(|before| joined(before, cell, foot));
+        let reached = before.and_then(|before| joined(before, cell, change));
         if reached.is_none() || before.is_some_and(|before| before.class != class) {
             line.push((f64::NAN, f64::NAN));
             line.extend(reached);
         }
         line.push((cell.place, height));
         let behind = cells.get(i + 1).filter(|behind| behind.class != class);
-        line.extend(behind.and_then(|behind| joined(cell, behind, foot)));
+        line.extend(behind.and_then(|behind| joined(cell, behind, change)));
     }
     line
 }
 
 /// Cells of a class that no line reaches.
-fn lone(cells: &[Drawn], class: Option<Class>, foot: Option<f64>) -> Vec<(f64, f64)> {
+fn lone(cells: &[Drawn], class: Option<Class>) -> Vec<(f64, f64)> {
     let meets = |i: usize, j: Option<usize>| {
-        j.and_then(|j| cells.get(j)).is_some_and(|other| joined(&cells[i], other, foot).is_some())
+        j.and_then(|j| cells.get(j)).is_some_and(|other| joined(&cells[i], other, None).is_some())
     };
     let alone = |i: &usize| cells[*i].class == class && !meets(*i, i.checked_sub(1)) && !meets(*i, Some(i + 1));
     (0..cells.len()).filter(alone).filter_map(|i| Some((cells[i].place, cells[i].height?))).collect()
@@ -244,14 +228,10 @@ mod tests {
         assert_eq!(pieces(&line(&cells, stable, None)), [[(0.0, 1.0), (1.0, 2.0), (1.5, 3.0)]]);
         assert_eq!(pieces(&line(&cells, unstable, None)), [vec![(1.5, 3.0), (2.0, 4.0)], vec![(4.0, 3.0)]]);
         assert_eq!(pieces(&line(&cells, single, None)), [[(5.0, 1.0), (6.0, 1.5)]]);
-        // By logarithms halfway is the geometric mean.
-        let [half] = pieces(&line(&cells, stable, Some(0.5))).try_into().unwrap();
-        assert!((half[2].1 - 8f64.sqrt()).abs() < 1e-15);
-        assert_eq!((lone(&cells, unstable, None), lone(&cells, stable, None)), (vec![(4.0, 3.0)], vec![]));
-        // No line leads to the foot of a logarithmic axis.
-        assert_eq!(pieces(&line(&cells, stable, Some(1.0)))[1], [(1.0, 2.0), (1.5, 8f64.sqrt())]);
-        assert_eq!(lone(&cells, stable, Some(1.0)), [(0.0, 1.0)]);
-        assert_eq!(lone(&cells, single, Some(1.0)), [(5.0, 1.0), (6.0, 1.5)]);
+        // What is known of the change is kept, as far as it lies between.
+        let changing = |at: f64| pieces(&line(&cells, stable, Some(at)))[0][2];
+        assert_eq!([changing(2.5), changing(1.0), changing(9.0)], [(1.5, 2.5), (1.5, 2.0), (1.5, 4.0)]);
+        assert_eq!((lone(&cells, unstable), lone(&cells, stable)), (vec![(4.0, 3.0)], vec![]));
         // One more breather may be another one.
         let mut more = cells[..2].to_vec();
         more[1].solutions = 2;
@@ -278,17 +258,20 @@ mod tests {
     }
 
     #[test]
-    fn growths_over_decades_are_drawn_by_their_logarithms_and_none_at_their_foot() {
+    fn growths_over_decades_are_drawn_by_logarithms_and_what_is_stable_at_1() {
         let scene = scene("from = 1, to = 2, points = 5");
         let cells: Vec<Cell> = [1.0, 1.0 + 3e-4, 1.02, 3.0, 0.9]
             .map(|radius| cell(if radius > 1.0 { Class::UnstableDouble } else { Class::StableDouble }, radius))
             .to_vec();
         let drawn = pane(Quantity::SpectralRadius, &scene.axes[0], &ordered(&scene.axes[0], &cells));
-        assert_eq!((drawn.scale, drawn.y.as_str()), (Scale::Logarithmic, "growth |μ| − 1 a period (10⁻⁴: less)"));
+        assert_eq!((drawn.scale.clone(), drawn.y.as_str()), (Scale::AboutOne(1e-4), "largest |μ|"));
+        assert_eq!(drawn.levels, [1.0]);
         let named = |name: &str| drawn.series.iter().find(|series| series.name == name).unwrap();
         let (stable, unstable) = (named("stable double-sided"), named("unstable double-sided"));
-        assert_eq!((stable.points[1], stable.points.last().unwrap()), ((1.0, 1e-4), &(2.0, 1e-4)));
-        assert!(unstable.points.len() > 3 && unstable.points.iter().all(|point| point.0.is_nan() || point.1 > 2e-4));
+        // No height that is none of a cell's: it changes at 1.
+        assert_eq!(pieces(&stable.points), [[(1.0, 1.0), (1.125, 1.0)], [(1.875, 1.0), (2.0, 0.9)]]);
+        let heights: Vec<f64> = pieces(&unstable.points)[0].iter().map(|point| point.1).collect();
+        assert_eq!(heights, [1.0, 1.0 + 3e-4, 1.02, 3.0, 1.0]);
         assert_eq!((stable.stroke, unstable.stroke), (Stroke::Solid(3), Stroke::Dashed(2)));
         let few = &cells[1..2];
         let drawn = pane(Quantity::SpectralRadius, &scene.axes[0], &ordered(&scene.axes[0], few));

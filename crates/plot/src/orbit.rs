@@ -25,7 +25,7 @@ pub struct OrbitPanels {
     pub x: &'static str,
     /// Displacements by site at each instant of impacts.
     pub profiles: Vec<Profile>,
-    /// The impacting masses over one period, each with its site: (t/T, v).
+    /// The impacting masses over one period, each with its site: (t/T, u).
     pub traces: Vec<(usize, Vec<(f64, f64)>)>,
     /// Positions of the two barriers.
     pub barriers: (f64, f64),

@@ -40,8 +40,12 @@ impl From<Format> for Page {
     }
 }
 
+/// Dots of an inch and points of letters on paper, where nothing else is asked for.
+const PRINT_DPI: f64 = 300.0;
+const PRINT_POINTS: f64 = 8.0;
+
 /// What pages are for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Purpose {
     /// A screen: each picture has its own width.
     Screen,
@@ -49,6 +53,8 @@ pub enum Purpose {
     Column,
     /// The width of a page, 178 mm, letters of 8 points, 600 dpi.
     Page,
+    /// Paper, so many millimetres wide: letters of 8 points, 300 dpi.
+    Paper(f64),
     /// A slide of 1280 × 720 units, letters that the last row reads.
     Slide,
 }
@@ -57,16 +63,17 @@ impl Purpose {
     /// The page for it.
     pub fn page(self, format: Format) -> Page {
         let page = Page::from(format);
-        let print = |millimetres: f64, points: f64| Page {
+        let print = |millimetres: f64, points: f64, dpi: f64| Page {
             width: Some(millimetres * MILLIMETRE),
-            dpi: 600.0,
+            dpi,
             font: points * POINT,
             ..page
         };
         match self {
             Self::Screen => page,
-            Self::Column => print(86.0, 7.5),
-            Self::Page => print(178.0, 8.0),
+            Self::Column => print(86.0, 7.5, 600.0),
+            Self::Page => print(178.0, 8.0, 600.0),
+            Self::Paper(millimetres) => print(millimetres, PRINT_POINTS, PRINT_DPI),
             Self::Slide => Page { width: Some(1280.0), dpi: 2.0 * INCH, font: 20.0, ..page },
         }
     }
@@ -124,5 +131,8 @@ mod tests {
         assert!((page.snap(100.03) * page.scale()).fract().abs() < 1e-9);
         assert!(page.holds([325.0, 40_000.0]).unwrap_err().0.contains("600"));
         assert!(page.holds([325.0, 4000.0]).is_ok());
+        let paper = Purpose::Paper(86.0).page(Format::Png);
+        assert_eq!((paper.width, paper.dpi), (page.width, 300.0));
+        assert!((paper.font / 96.0 * 72.0 - 8.0).abs() < 1e-12);
     }
 }

@@ -115,9 +115,9 @@ fn shaded(colour: Rgb, marked: bool) -> Rgb {
 pub const LINES: [Rgb; 6] =
     [[16, 50, 98], [46, 134, 171], [0, 110, 84], [116, 197, 242], [120, 24, 144], [157, 157, 157]];
 
-/// Colours of borders of regions, in order of use: none is a class's, and all show on any. Apart for colour-blind eyes and in grey.
-pub const BORDERS: [Rgb; 6] =
-    [[0, 0, 0], [218, 34, 42], [0, 186, 116], [147, 33, 166], [23, 207, 227], [136, 136, 136]];
+/// Colours of borders of regions, in order of use: none is a class's, no two are of one hue, and all show on white, which is drawn under
+/// them. Apart for colour-blind eyes and in grey.
+pub const BORDERS: [Rgb; 6] = [[0, 0, 0], [222, 36, 36], [0, 160, 84], [120, 40, 190], [255, 125, 205], [80, 52, 10]];
 
 #[cfg(test)]
 mod tests {
@@ -154,6 +154,16 @@ mod tests {
         assert_eq!(families, LINES[..3]);
         let unstable = [Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord].map(class);
         assert!(LINES.iter().all(|line| !unstable.contains(line)));
+    }
+
+    #[test]
+    fn no_two_borders_are_of_one_hue() {
+        let seen = BORDERS.map(|colour| lab(colour, Sight::All));
+        let hues = seen.iter().filter(|[_, a, b]| a.hypot(*b) > 20.0).map(|[_, a, b]| b.atan2(*a).to_degrees());
+        let mut hues: Vec<f64> = hues.collect();
+        hues.sort_by(f64::total_cmp);
+        let round = hues.iter().zip(hues.iter().skip(1).copied().chain([hues[0] + 360.0]));
+        assert!(hues.len() == 5 && round.clone().all(|(one, next)| next - one > 25.0), "{hues:?}");
     }
 
     /// What is not known is told from all classes by its texture, which no mechanism has.

@@ -11,6 +11,9 @@ use crate::page::Page;
 use crate::palette::LINES;
 use crate::strokes::thinned;
 
+/// Multipliers beyond this leave the picture: next to a grazing impact they grow without bound.
+const HIGHEST: f64 = 1e5;
+
 /// Dashes and gaps of lines, on a screen.
 const DASH: [f64; 2] = [8.0, 5.0];
 
@@ -45,6 +48,11 @@ pub(crate) fn axes(pane: &Pane) -> (Axis, Axis) {
     let y = match &pane.scale {
         Scale::Logarithmic => Axis::decades(visible.filter(|y| *y > 0.0 && y.is_finite()).map(f64::log10)),
         Scale::Between(range) => Axis::numbers(range.clone()),
+        Scale::AboutOne(least) => {
+            let scale = Along::AboutOne(*least);
+            let seen = visible.chain(pane.levels.iter().copied()).filter(|y| *y <= HIGHEST);
+            Axis { range: padded(seen.map(|y| scale.place(y))), scale }
+        }
         Scale::Linear => Axis::numbers(padded(visible.chain(pane.levels.iter().copied()))),
     };
     let scale = if pane.x_log { Along::Powers } else { Along::Numbers };
@@ -84,15 +92,13 @@ impl Pane {
             }
         }
         frame.grid(drawing, page);
-        let logarithmic = frame.y.scale == Along::Decades;
-        for &level in self.levels.iter().filter(|level| !logarithmic || **level > 0.0) {
-            let level = if logarithmic { level.log10() } else { level };
+        for level in self.levels.iter().map(|level| frame.y.scale.place(*level)) {
             if (0.0..=1.0).contains(&frame.y.part(level)) {
                 frame.level(drawing, level, page);
             }
         }
         let place = |&(x, y): &(f64, f64)| {
-            let y = if logarithmic { y.log10() } else { y };
+            let y = frame.y.scale.place(y);
             (x.is_finite() && y.is_finite()).then(|| frame.place((x, y)))
         };
         // Half a mark beyond the edge is seen, its points are not beyond.

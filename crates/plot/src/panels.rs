@@ -249,7 +249,7 @@ mod tests {
     }
 
     fn pane(scale: Scale, series: Vec<Series>) -> Pane {
-        let (caption, x, y) = ("caption".to_owned(), "ω".to_owned(), "v₀".to_owned());
+        let (caption, x, y) = ("caption".to_owned(), "ω".to_owned(), "u₀".to_owned());
         Pane { caption, x, y, x_range: None, x_log: false, scale, levels: vec![0.5], round: false, series }
     }
 

@@ -8,7 +8,7 @@ use crate::axis::{Axis, Scale, power_of_ten, round_numbers, tick};
 use crate::palette::Palette;
 
 /// A growth below this is none: multipliers that meet are known to the root of the rounding.
-pub(crate) const LEAST_GROWTH: f64 = 1e-8;
+const LEAST_GROWTH: f64 = 1e-8;
 
 /// Growths whose largest is so many times the smallest span decades: on a linear scale most of them would be zero.
 const DECADES: f64 = 100.0;
@@ -133,7 +133,7 @@ pub enum Shade {
 }
 
 /// Whether growths span decades, those that are none left out.
-pub(crate) fn span_decades(growths: impl Iterator<Item = f64>) -> bool {
+fn span_decades(growths: impl Iterator<Item = f64>) -> bool {
     let (least, most) = ends(growths.filter(|growth| *growth >= LEAST_GROWTH));
     most >= DECADES * least
 }

@@ -7,13 +7,13 @@ use vibrochain_maps::scene::Scene;
 use crate::axis::spanned;
 use crate::classes::{class_words, loss};
 use crate::coverage::Coverage;
-use crate::drawing::{Fill, Line, Pattern, Place, Rgb, Shape, sides};
+use crate::drawing::{Fill, Pattern, Place, Rgb, Shape, sides};
 use crate::format::{Format, PlotError};
-use crate::key::{Entry, texture};
+use crate::key::texture;
 use crate::page::Page;
-use crate::palette::{BORDERS, Palette, Tile};
+use crate::palette::{Palette, Tile};
 use crate::sheet::Sheet;
-use crate::strokes::{Stroke, thinned};
+use crate::strokes::{Borders, thinned};
 
 /// What is drawn.
 #[derive(Debug)]
@@ -31,9 +31,6 @@ pub struct RegionsPicture<'a> {
 
 /// The map is as if it had so many cells along each axis: a square.
 const SIDE: usize = 100;
-
-/// Width of borders on a screen.
-const STROKE: f64 = 1.0;
 
 /// All textures come again after so many pixels.
 const TEXTURE: u32 = 12;
@@ -54,13 +51,10 @@ pub fn regions_picture(picture: &RegionsPicture<'_>, page: impl Into<Page>) -> R
             tiles.push(region.class);
         }
     }
-    let strokes = strokes(picture);
+    let borders = borders(picture);
     let mut sheet = Sheet::new(picture.scene, axes, spans);
     sheet.tell_classes(&tiles, picture.palette);
-    if !strokes.is_empty() {
-        sheet.entries.push(Entry::Heading("borders".to_owned()));
-    }
-    sheet.entries.extend(strokes.iter().map(|stroke| Entry::Stroke(stroke.colour, None, stroke.kind.to_owned())));
+    sheet.tell_borders(&borders);
     let placed = sheet.placed([SIDE; 2], page);
     let corners = placed.corners();
     let (fills, patterns) = fills(picture.palette, &tiles);
@@ -84,34 +78,19 @@ pub fn regions_picture(picture: &RegionsPicture<'_>, page: impl Into<Page>) -> R
                 drawing.shape(Shape { outlines, closed: true, fill, line: None, title });
             }
         }
-        drawing.clipped(corners, |drawing| {
-            for stroke in &strokes {
-                let line =
-                    |line: &Vec<Place>| thinned(&line.iter().map(|place| placed.within(*place)).collect::<Vec<_>>());
-                let outlines = stroke.lines.iter().map(line).collect();
-                let line = Some(Line::new(stroke.colour, page.px(STROKE)));
-                drawing.shape(Shape { outlines, line, ..Shape::default() });
-            }
-        });
+        drawing.clipped(corners, |drawing| Borders::draw(&borders, drawing, |at| placed.within(at), &page));
     })
 }
 
 /// The lines of borders that separate something, as parts of the map from its upper left corner.
-fn strokes<'a>(picture: &RegionsPicture<'a>) -> Vec<Stroke<'a>> {
-    let mut strokes: Vec<Stroke<'a>> = Vec::new();
+fn borders<'a>(picture: &RegionsPicture<'a>) -> Vec<Borders<'a>> {
+    let mut all = Vec::new();
     for (border, &kind) in picture.borders.iter().enumerate().take(picture.regions.borders()) {
-        let parts = picture.regions.border(border).iter().filter(|part| part.separates);
-        let lines: Vec<Vec<Place>> =
-            parts.map(|part| part.points.iter().map(|[x, y]| [*x, 1.0 - y]).collect()).collect();
-        if kind.is_empty() || lines.is_empty() {
-            continue;
-        }
-        match strokes.iter_mut().find(|stroke| stroke.kind == kind) {
-            Some(stroke) => stroke.lines.extend(lines),
-            None => strokes.push(Stroke { kind, colour: BORDERS[strokes.len() % BORDERS.len()], lines }),
+        for part in picture.regions.border(border).iter().filter(|part| part.separates && !kind.is_empty()) {
+            Borders::add(&mut all, kind, part.points.iter().map(|[x, y]| [*x, 1.0 - y]).collect(), "");
         }
     }
-    strokes
+    all
 }
 
 /// The pixels of the map, of which so many make one of a texture: of each the mean of what lies in it, by area.

@@ -9,13 +9,14 @@ use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 use crate::axis::{Axis, label};
 use crate::canvas::render;
 use crate::classes::{class_words, loss};
-use crate::drawing::{BLACK, DIM, Drawing, Line, Pattern, Place, Shape};
+use crate::drawing::{BLACK, DIM, Drawing, Pattern, Place};
 use crate::format::PlotError;
 use crate::frame::{Frame, below, left_of};
 use crate::key::{Entry, draw_flow, draw_list, flow, list_height, list_width};
 use crate::page::Page;
 use crate::palette::{Palette, Tile, sample};
 use crate::quantity::Bar;
+use crate::strokes::Borders;
 use crate::words::{CAPTION, EDGE, Heading};
 
 /// About this wide and high the map itself becomes on a screen.
@@ -98,6 +99,15 @@ impl<'a> Sheet<'a> {
         }
     }
 
+    /// Adds entries for kinds of borders.
+    pub(crate) fn tell_borders(&mut self, all: &[Borders<'_>]) {
+        if !all.is_empty() {
+            self.entries.push(Entry::Heading("borders".to_owned()));
+        }
+        let entry = |borders: &Borders<'_>| Entry::Stroke(borders.colour, borders.dash, borders.kind.to_owned());
+        self.entries.extend(all.iter().map(entry));
+    }
+
     /// Finds a place for a map of so many cells along its axes: each cell the same whole number of pixels as far as the page has
     /// that many.
     pub(crate) fn placed(&self, cells: [usize; 2], page: Page) -> Placed {
@@ -174,21 +184,5 @@ impl<'a> Sheet<'a> {
             }
         }
         render(&drawing, page)
-    }
-}
-
-/// Width of a border, and of the light line under it that sets it off from dark cells; and how much of that is seen.
-const BORDER: f64 = 0.9;
-const HALO: f64 = 2.2;
-const FAINT: f64 = 0.5;
-
-/// Draws lines of one kind over a map, each with what it is when one hovers over it.
-pub(crate) fn draw_borders(drawing: &mut Drawing, colour: [u8; 3], lines: &[(Vec<Place>, &str)], page: &Page) {
-    let outlines = lines.iter().map(|(line, _)| line.clone()).collect();
-    let under = Line { opacity: FAINT, ..Line::new([255; 3], page.px(HALO)) };
-    drawing.shape(Shape { outlines, line: Some(under), ..Shape::default() });
-    for (line, title) in lines {
-        let (outlines, title) = (vec![line.clone()], (*title).to_owned());
-        drawing.shape(Shape { outlines, line: Some(Line::new(colour, page.px(BORDER))), title, ..Shape::default() });
     }
 }

@@ -20,7 +20,7 @@ pub(crate) const BAR: f64 = 9.6;
 /// What no mass has been simulated for.
 const NOTHING: Rgb = [225, 225, 225];
 
-/// Blue below the middle of the gap, white at it, vermilion above; in grey the sign is lost, the size is not.
+/// Blue below rest, white at it, vermilion above; in grey the sign is lost, the size is not.
 fn diverging(x: f64) -> Rgb {
     let (x, end) = (x.clamp(-1.0, 1.0), if x < 0.0 { [16.0, 50.0, 98.0] } else { [176.0, 58.0, 0.0] });
     end.map(|c| (255.0 + (c - 255.0) * x.abs()) as u8)
@@ -117,8 +117,8 @@ impl Panel<'_> {
 
     fn raster(&self, [w, h]: [u32; 2]) -> Vec<u8> {
         let Field { shown, columns: values, spacing, covered, .. } = self.field;
-        // What is white, and what has full colour.
-        let middle = if *shown == Shown::Displacement { 0.5 * (self.barriers.0 + self.barriers.1) } else { 0.0 };
+        // Rest is white, and what is as far from it as the farther barrier has full colour.
+        let full = if *shown == Shown::Displacement { self.farther() } else { 1.0 };
         let mut pixels = Vec::with_capacity(3 * (w * h) as usize);
         for py in 0..h {
             for px in 0..w {
@@ -129,10 +129,15 @@ impl Panel<'_> {
                 // The largest offset is on top.
                 let value =
                     column.and_then(|column| column.get(column.len() - 1 - py as usize * column.len() / h as usize));
-                pixels.extend(value.map_or(NOTHING, |u| diverging(u - middle)));
+                pixels.extend(value.map_or(NOTHING, |u| diverging(u / full)));
             }
         }
         pixels
+    }
+
+    /// The distance of the farther barrier from rest.
+    fn farther(&self) -> f64 {
+        self.barriers.0.abs().max(self.barriers.1.abs())
     }
 
     /// What the colours mean, from a place down.
@@ -141,12 +146,19 @@ impl Panel<'_> {
         let names = self.names();
         let height = (13.0 * em).min(room - 1.4 * em * names.len() as f64).max(4.0 * em);
         let right = x + 1.2 * em;
-        let displacement = self.field.shown == Shown::Displacement;
-        let depth = if displacement { 2.0 } else { 1.0 };
-        let colour = |part: f64| diverging(1.0 - depth * (1.0 - part));
+        // From barrier to barrier, with rest between.
+        let (ends, middle, full) = match self.field.shown {
+            Shown::Displacement => ([lower, upper], 0.0, self.farther()),
+            Shown::Amplitude => ([0.0, 1.0], 0.5, 1.0),
+        };
+        let length = ends[1] - ends[0];
+        let colour = |part: f64| diverging((ends[0] + part * length) / full);
         colour_bar(drawing, [[x, top], [right, top + height]], colour, page);
-        let ends = if displacement { [upper, 0.5 * (lower + upper), lower] } else { [1.0, 0.5, 0.0] };
-        for (label, part) in ends.into_iter().zip([0.04, 0.5, 0.96]) {
+        // Words at the ends stand within the bar; that of rest gives way where a barrier is next to it.
+        let place = |value: f64| (ends[1] - value) / length;
+        let room = 1.2 * TICK * em / height;
+        let between = Some((middle, place(middle))).filter(|(_, part)| (room..=1.0 - room).contains(part));
+        for (label, part) in [(ends[1], 0.04), (ends[0], 0.96)].into_iter().chain(between) {
             drawing.words(&tick(label), [right + 0.5 * em, top + part * height], TICK * em, BLACK);
         }
         for (i, line) in names.iter().enumerate() {
@@ -168,5 +180,26 @@ impl Panel<'_> {
             lines.extend([format!("largest of {masses}"), "masses".to_owned()]);
         }
         lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With barriers at −0.6 and 1.4 a mass at rest is white, not one in the middle of the gap; equal distances from rest have equal
+    /// strength.
+    #[test]
+    fn rest_is_white_and_the_farther_barrier_has_full_colour() {
+        let columns = vec![vec![0.0, 1.4, 0.4, -0.4]];
+        let shown = Shown::Displacement;
+        let field = Field { shown, sites: 4, lowest: 0, length: 4, columns, spacing: 1.0, covered: 1.0 };
+        let panel = Panel { field: &field, barriers: (-0.6, 1.4), periods: 1.0, x: "", impacts: &[] };
+        let pixels = panel.raster([1, 4]);
+        let [low, some, full, rest] = [0, 1, 2, 3].map(|row| [0, 1, 2].map(|k| pixels[3 * row + k]));
+        assert_eq!((rest, full), ([255; 3], diverging(1.0)));
+        let depth = |colour: Rgb, end: Rgb| f64::from(255 - colour[0]) / f64::from(255 - end[0]);
+        assert!((depth(low, diverging(-1.0)) - 0.4 / 1.4).abs() < 0.01, "{low:?}");
+        assert!((depth(some, diverging(1.0)) - 0.4 / 1.4).abs() < 0.02, "{some:?}");
     }
 }

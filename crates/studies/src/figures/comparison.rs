@@ -114,7 +114,7 @@ pub(super) fn draw(
     let window = |caption: &str, window: Window| Pane {
         caption: caption.to_owned(),
         x: "time, in periods of the force".to_owned(),
-        y: "impacting mass v₀".to_owned(),
+        y: "impacting mass u₀".to_owned(),
         x_range: Some(window.simulated.first().map_or(0.0, |p| p.0)..window.simulated.last().map_or(1.0, |p| p.0)),
         x_log: false,
         scale: Scale::Linear,

@@ -46,7 +46,7 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
                 panes.push(Pane {
                     caption: instant,
                     x: "site n, from the impacting mass".to_owned(),
-                    y: "displacement vₙ".to_owned(),
+                    y: "displacement uₙ".to_owned(),
                     x_range: None,
                     x_log: false,
                     scale: Scale::Linear,

@@ -51,7 +51,7 @@ pub(super) fn draw(
     }
     let mut findings = vec![lines.join("\n")];
     let whole = Some(0.0..1.0);
-    let first = pane("the impacting mass over a period", "time t/T", "impacting mass v₀", Scale::Linear, traces);
+    let first = pane("the impacting mass over a period", "time t/T", "impacting mass u₀", Scale::Linear, traces);
     let mut panes = vec![Pane { x_range: whole.clone(), ..first }];
     let mut more = Vec::new();
     if scene.family == Family::DoubleSided {
@@ -64,7 +64,7 @@ pub(super) fn draw(
     }
     let (series, table, found) = branches(point, scene.family, over, stop)?;
     let name = format!("{} {}", over.0.meaning(), over.0.symbol());
-    panes.push(pane("solutions and their stability", &name, "second impact φ/T", Scale::Linear, series));
+    panes.push(pane("solutions and their stability", &name, "first impulse |P₁|", Scale::Linear, series));
     more.push(("-branches", table));
     findings.extend(found);
     let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (480, 460), ..Curves::default() };
@@ -106,7 +106,7 @@ fn asymmetry(model: &Model, solved: &[Solved]) -> Result<(Vec<Series>, Vec<u8>),
 /// Series of the panel, its table, and findings.
 type Branches = (Vec<Series>, Vec<u8>, Vec<String>);
 
-/// φ of all physical solutions over a parameter.
+/// First impulses of all physical solutions over a parameter: φ is the same for all symmetric ones.
 fn branches(
     point: &Point,
     family: Family,
@@ -116,7 +116,7 @@ fn branches(
     let at = |value: f64| -> Result<Vec<Solved>, CliError> {
         physical(&point.with(parameter, value).model().map_err(|error| CliError::Request(error.to_string()))?, family)
     };
-    let mut sheet = Sheet::new(&["verdict", parameter.name(), "phi", "spectral_radius"])?;
+    let mut sheet = Sheet::new(&["verdict", parameter.name(), "phi", "spectral_radius", "impulse"])?;
     let (mut stable, mut unstable, mut findings) = (Vec::new(), Vec::new(), Vec::new());
     let mut previous: Option<(f64, usize)> = None;
     for i in 0..count {
@@ -129,8 +129,9 @@ fn branches(
             let verdict = solved.stability.verdict;
             let time = solved.orbit.impacts().last().map_or(0.0, |impact| impact.time);
             let word = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }, |m| m.name());
-            sheet.row(&[word], &[value, time, verdict.spectral_radius])?;
-            if verdict.stable { &mut stable } else { &mut unstable }.push((value, time / solved.orbit.period()));
+            let impulse = solved.orbit.impacts().first().map_or(f64::NAN, |impact| impact.impulse);
+            sheet.row(&[word], &[value, time, verdict.spectral_radius, impulse])?;
+            if verdict.stable { &mut stable } else { &mut unstable }.push((value, impulse.abs()));
         }
         if let Some((earlier, before)) = previous
             && before != solved.len()
@@ -153,6 +154,7 @@ fn branches(
         let name = name.to_owned();
         Series { name, colour, stroke: Stroke::None, mark, points }
     };
-    let all = vec![series("stable", 0, Mark::Filled(0), stable), series("unstable", 1, Mark::Hollow(3), unstable)];
+    // The later ones lie on top.
+    let all = vec![series("unstable", 1, Mark::Small(3), unstable), series("stable", 0, Mark::Small(0), stable)];
     Ok((all, sheet.bytes()?, findings))
 }

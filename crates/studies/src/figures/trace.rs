@@ -66,7 +66,7 @@ pub(super) fn draw(scene: &LineScene) -> Result<Drawn, CliError> {
     let pane = Pane {
         caption: String::new(),
         x: "time t/T".to_owned(),
-        y: "impacting mass v₀".to_owned(),
+        y: "impacting mass u₀".to_owned(),
         x_range: Some(0.0..1.0),
         x_log: false,
         scale: Scale::Linear,

@@ -50,7 +50,7 @@ fn every_line_figure_writes_its_three_files_and_nothing_else() {
     for id in 1..=8 {
         assert!(fs::read(desk.path().join(format!("figure-{id}.png"))).unwrap().starts_with(b"\x89PNG"));
         let svg = fs::read_to_string(desk.path().join(format!("figure-{id}.svg"))).unwrap();
-        assert!(svg.contains("<svg") && (svg.contains("displacement vₙ") || svg.contains("impacting mass v₀")));
+        assert!(svg.contains("<svg") && (svg.contains("displacement uₙ") || svg.contains("impacting mass u₀")));
         // What its curves have in common is in the title.
         let fixed = if id <= 4 { ["γ₁ = 0.2", "γ₂ = 0.1", "ω = "] } else { ["γ₁ = 0.2", "A = 0", "e = 0.9"] };
         assert!(fixed.iter().all(|part| svg.contains(part)), "figure {id}");
