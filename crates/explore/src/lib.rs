@@ -10,13 +10,14 @@
 //! | `token`, `guard` | who may ask |
 //! | `work` | computations: so many at a time, so many in wait, ended when nobody waits for them any more |
 //! | `answers`, `route` | from a request to its answer |
-//! | `server` | connections |
+//! | `connection`, `server` | connections |
 //!
 //! A tile `z/x/y` is [`CELLS`] by `CELLS` cells of a plane of two parameters; at z = 0 one tile is the window of a scene, and each
 //! further z halves it. Its cells are those of the scene that [`View::tile`] hands out, computed as a sweep computes them.
 
 mod answers;
 mod colours;
+mod connection;
 mod guard;
 mod page;
 mod refusal;
@@ -29,6 +30,7 @@ mod view;
 mod work;
 
 pub use answers::Answers;
+pub use guard::port_will_do;
 pub use refusal::Refusal;
 pub use server::Explorer;
 pub use tile::{BYTES, compute};
