@@ -67,10 +67,12 @@ def rectangle(browser, name="cells"):
 
 def loads(browser, explorer):
     browser.open(explorer.address)
+    browser.until("!document.getElementById('busy').hidden && document.getElementById('busy').textContent.startsWith('computing, ')", "the sign of computing")
     browser.until("window.explorer !== undefined && explorer.map.firstMap !== null", "the first map")
     first = browser.run("explorer.map.firstMap")
     browser.until(IDLE, "all tiles")
     whole = browser.run("performance.now()")
+    browser.until("document.getElementById('busy').hidden", "the end of that sign")
     load = os.getloadavg()[0]
     tell(f"first map {first:.0f} ms after the page was asked for, every pixel with its own cell after {whole:.0f} ms (two threads; load of the machine {load:.1f})")
     browser.until(f"{TEXT.format('cell')}.startsWith('Under the cross: ω')", "the cell that is spoken")
@@ -199,15 +201,16 @@ def keys_suffice(browser, explorer):
     browser.until("window.explorer !== undefined && explorer.map.firstMap !== null", "the first map")
 
     def tab_to(name):
-        for _ in range(80):
+        for stops in range(80):
             if browser.run(f"document.activeElement?.id === '{name}'"):
                 outline = browser.run("getComputedStyle(document.activeElement).outlineStyle")
                 assert outline != "none", f"{name}: focus is not seen"
-                return
+                return stops
             browser.key("Tab")
         raise AssertionError(f"{name} is not reached by Tab")
 
-    tab_to("map")
+    stops = tab_to("map")
+    assert stops <= 6, f"the map is stop {stops}"
     before = browser.run("[explorer.state.u, explorer.state.v, explorer.state.zoom]")
     for key in ["ArrowRight", "ArrowDown", "+", "+"]:
         browser.key(key)
@@ -240,7 +243,13 @@ def keys_suffice(browser, explorer):
     browser.key("Enter")
     browser.until("document.getElementById('wrong').textContent.includes('asymmetry = 1.5 is out of range')", "what is wrong")
     assert browser.run("explorer.state.scene.model.asymmetry") == 0.5
-    tell("keys alone: moved, zoomed, looked at an orbit, ran it, changed a parameter, was told of a wrong one")
+    # It stays in its field, and Undo puts back what the map shows.
+    assert browser.run("document.getElementById('value-asymmetry').value") == "1.5"
+    tab_to("restore")
+    browser.key("Enter")
+    assert browser.run("document.getElementById('value-asymmetry').value") == "0.5"
+    assert browser.run(TEXT.format("wrong")) == ""
+    tell(f"keys alone: to the map in {stops} steps; moved, zoomed, looked at an orbit, ran it, changed a parameter, was told of a wrong one")
 
 
 def unnamed(browser):
@@ -284,6 +293,101 @@ def fingers(browser):
     browser.run("document.getElementById('leave').click()")
     browser.call("Emulation.setTouchEmulationEnabled", enabled=False)
     tell(f"two fingers zoom (by {2**zoom:.1f}), one moves, a tap looks at a point")
+
+
+def nonsense_is_told(browser):
+    """What is typed and is no number is told as the program tells it of a scene, and stays in its field; nothing is taken up of it."""
+    told_of = 0
+    before = browser.run("JSON.stringify(explorer.state.scene)")
+    for field, typed, told in [
+        ("value-asymmetry", "x", 'asymmetry = "x" is not a number'),
+        ("value-gamma1", "", 'gamma1 = "" is not a number'),
+        ("value-sites", "21.5", "sites = 21.5 is not a whole number"),
+        ("threshold", "1%", 'threshold = "1%" is not a number'),
+        ("x-from", "0,4", 'from = "0,4" is not a number'),
+        ("x-to", "-1", "is not a range: give finite values with from < to"),
+        ("words", "0+9", "`9` is not an impact"),
+    ]:
+        browser.run(f"""(() => {{ const field = document.getElementById('{field}'); field.value = {json.dumps(typed)};
+            field.dispatchEvent(new Event('change', {{ bubbles: true }})); }})()""")
+        browser.until(f"{TEXT.format('wrong')}.includes({json.dumps(told)})", f"{told}, instead of {browser.run(TEXT.format('wrong'))}")
+        assert browser.run(f"document.getElementById('{field}').value") == typed
+        assert browser.run(f"document.getElementById('{field}').getAttribute('aria-invalid')") == "true"
+        told_of += 1
+        # Another field that is right does not wipe it.
+        if field == "threshold":
+            browser.run("document.querySelector('#families input[value=single-sided]').click()")
+            time.sleep(0.4)
+            assert browser.run(f"document.getElementById('{field}').value") == typed
+        assert browser.run("JSON.stringify(explorer.state.scene)") == before
+        browser.run("document.getElementById('restore').click()")
+        assert browser.run(f"document.getElementById('{field}').value") != typed
+    assert told_of == 7
+    tell(f"{told_of} kinds of nonsense in fields are told in the program's words, and wiped by nobody but Undo")
+
+
+def clicks_open_what_is_told(browser):
+    """A click opens the very point that the text under the map names, whatever the length of that text: the map does not move."""
+    clicks = 0
+    for width, height in [(1400, 900), (1300, 800)]:
+        browser.size(width, height)
+        for panel in [False, True]:
+            browser.run("document.getElementById('leave').click(); explorer.map.whole()")
+            if panel:
+                browser.run("explorer.map.choose(0.5, 0.5)")
+                browser.until("!document.getElementById('pointbody').hidden", "an orbit")
+            time.sleep(0.3)
+            browser.until(IDLE, "the whole map")
+            left, top, across, up = rectangle(browser)
+            random.seed(width)
+            for _ in range(8):
+                x, y = (int(start + (0.02 + 0.96 * random.random()) * side) for start, side in [(left, across), (top, up)])
+                browser.mouse("mouseMoved", x, y)
+                browser.until(f"{TEXT.format('under')}.startsWith('Under the pointer: ω')", "what is under the pointer")
+                told_at = browser.run(TEXT.format("under"))
+                assert rectangle(browser) == [left, top, across, up], (told_at, rectangle(browser))
+                browser.click(x, y)
+                at = browser.run("explorer.state.at")
+                assert told_at.startswith(f"Under the pointer: ω = {at[0]}, γ₂ = {at[1]}: "), (told_at, at)
+                clicks += 1
+                if not panel:
+                    # The panel makes the map narrower: what is under the pointer is told anew.
+                    browser.until(f"{TEXT.format('under')} !== {json.dumps(told_at)}", "what is under the pointer now")
+                    browser.run("document.getElementById('leave').click()")
+                    browser.until(f"document.getElementById('cells').getBoundingClientRect().width === {across}", "the map alone")
+    browser.run("document.getElementById('leave').click()")
+    browser.size(1400, 900)
+    assert clicks == 32
+    tell(f"{clicks} clicks at two sizes open the point that the text names, and no text moves the map")
+
+
+def small_screens(browser):
+    """On a small screen what is opened comes into sight; axes have two numbers at least."""
+    inside = "(() => {{ const r = document.getElementById('{}').getBoundingClientRect(); return r.top >= 0 && r.bottom <= innerHeight && r.height > 0; }})()"
+    for width, height in [(800, 600), (375, 667), (320, 568)]:
+        browser.size(width, height, mobile=width < 500)
+        browser.run("scrollTo(0, 0); explorer.map.whole()")
+        browser.until(IDLE, "the whole map")
+        numbers = browser.run("[...document.querySelectorAll('#over text')].map((text) => text.textContent).filter((text) => /^[0-9.]+$/.test(text)).length")
+        assert numbers >= 4, (width, numbers)
+        left, top, across, up = rectangle(browser)
+        assert top + up < height, "the map is not in sight"
+        browser.click(left + 0.6 * across, top + 0.6 * up)
+        browser.until("!document.getElementById('pointbody').hidden", "the orbit")
+        assert browser.run(inside.format("pointname")) and browser.run(inside.format("chain")), f"{width} by {height}: the point is out of sight"
+        shoot(browser, f"point-{width}")
+        browser.run("document.getElementById('leave').click()")
+        assert browser.run("(() => { const r = document.getElementById('map').getBoundingClientRect(); return r.top > -20 && r.top < innerHeight / 2; })()")
+        browser.run("scrollTo(0, 0); document.getElementById('takealong').click()")
+        for name in ["command", "scene"]:
+            browser.run(f"document.querySelector('[data-take={name}]').click()")
+            browser.until("!document.getElementById('taken').hidden", name)
+            assert all(browser.run(inside.format(part)) for part in ["text", "copy", "untake"]), f"{width} by {height}: {name} is out of sight"
+        shoot(browser, f"take-{width}")
+        browser.run("document.getElementById('untake').click()")
+        assert browser.run("document.documentElement.scrollWidth") <= width, f"wider than {width}"
+    browser.size(1400, 900)
+    tell("800 by 600, 375 by 667, 320 by 568: point, command and scene come into sight, axes have their numbers")
 
 
 def follows(browser):
@@ -394,6 +498,8 @@ def overlays(browser):
     assert count > 5, count
     time.sleep(0.2)
     shoot(browser, "borders")
+    words = browser.run("[...document.querySelectorAll('#linekey li')].map((item) => item.textContent)")
+    assert len(words) > 2 and "Neimark–Sacker" in words, words
     browser.run("document.getElementById('curves').click()")
     browser.run("document.getElementById('stripes').click()")
     browser.until("explorer.state.over.includes('stripes')", "stripes", patience=240)
@@ -412,6 +518,8 @@ def colours_by_numbers(browser):
     seen = 0
     for color in ["spectral_radius", "margin", "solutions"]:
         browser.run(f"(() => {{ const select = document.getElementById('color'); select.value = '{color}'; select.dispatchEvent(new Event('change')); }})()")
+        time.sleep(0.1)
+        tall = rectangle(browser)[3]
         browser.until(f"explorer.map.scale.is?.color === '{color}' && !document.getElementById('scale').hidden", "a scale")
         browser.until(IDLE, "all tiles")
         time.sleep(0.3)
@@ -448,6 +556,7 @@ def colours_by_numbers(browser):
             assert rgb in near, (color, text, rgb, near)
             seen += 1
         shoot(browser, f"by-{color}")
+        assert rectangle(browser)[3] == tall, "the key of the scale has moved the map"
     browser.run("(() => { const select = document.getElementById('color'); select.value = 'class'; select.dispatchEvent(new Event('change')); })()")
     browser.until("document.getElementById('scale').hidden", "classes")
     assert seen > 500, seen
@@ -455,10 +564,12 @@ def colours_by_numbers(browser):
 
 
 def takes_along(browser):
+    browser.run("document.getElementById('takealong').click()")
     begins = {"scene": "[", "command": "mapgen sweep view.toml", "python": "import vibrochain", "svg": "<svg", "csv": "gamma2,omega,class", "address": "http://127.0.0.1:"}
     for name, begin in begins.items():
         browser.run(f"document.querySelector('[data-take={name}]').click()")
         browser.until(f"document.getElementById('text').value.startsWith({json.dumps(begin)})", name)
+    browser.run("document.getElementById('untake').click()")
     tell("scene, command, Python, SVG, CSV and address can be taken along")
 
 
@@ -472,14 +583,17 @@ try:
     orbits_are_printed(browser)
     unnamed(browser)
     keys_suffice(browser, explorer)
+    nonsense_is_told(browser)
     dresses(browser)
+    clicks_open_what_is_told(browser)
+    small_screens(browser)
     fingers(browser)
     takes_along(browser)
     colours_by_numbers(browser)
     overlays(browser)
     survives(browser, explorer)
     follows(browser)
-    # What is refused is told to people, and the browser's console has it, too: the one wrong value that was typed.
+    # What is refused is told to people, and the browser's console has it, too: the wrong values that were typed.
     complaints = [text for text in browser.complaints() if not ("400" in text and text.rstrip().endswith("/view"))]
     assert not complaints, complaints
     hosts = browser.hosts()

@@ -74,7 +74,7 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
             Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
         }
         #[cfg(feature = "explore")]
-        Command::Explore(args) => crate::explore::run(args, run, console),
+        Command::Explore(args) => crate::explore::run(args, console),
         #[cfg(not(feature = "explore"))]
         Command::Explore(_) => Err(CliError::Request(
             "this build serves no page: build with the feature `explore`, as in cargo run --locked --release --features explore -- explore".to_owned(),

@@ -1,10 +1,12 @@
 //! `mapgen explore`: who may ask, and that what is answered is what the program prints.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
+use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
+use std::path::Path;
 use std::process::{Child, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::Mechanism;
@@ -13,6 +15,16 @@ use vibrochain_testkit::{Cells, Desk, written};
 
 /// How long an answer may take on a machine that is busy with other tests.
 const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Waits until something is so.
+#[track_caller]
+fn until(what: &str, is: impl Fn() -> bool) {
+    let begun = Instant::now();
+    while !is() {
+        assert!(begun.elapsed() < PATIENCE, "in vain waited for: {what}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
 
 /// The explorer at work.
 struct Served {
@@ -73,8 +85,10 @@ fn read(stream: &mut TcpStream) -> Option<Answer> {
 impl Served {
     fn new(line: &str) -> Self {
         let desk = Desk::new();
+        fs::create_dir(desk.path("tmp")).unwrap();
+        let mut command = desk.command(&format!("explore{line}"));
         let mut child =
-            desk.command(&format!("explore{line}")).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+            command.env("TMPDIR", desk.path("tmp")).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut address = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
         let rest = address.trim().strip_prefix("http://127.0.0.1:").unwrap();
@@ -109,6 +123,25 @@ impl Served {
 
     fn post(&self, name: &str, body: &Value) -> Answer {
         self.raw(&self.request("POST", name, "", &body.to_string()))
+    }
+
+    /// Sends a question, and does not wait for its answer.
+    fn ask(&self, name: &str, body: &Value) -> TcpStream {
+        let mut stream = self.connect();
+        stream.write_all(self.request("POST", name, "", &body.to_string()).as_bytes()).unwrap();
+        stream
+    }
+
+    /// Whether anything that computes has files.
+    fn has_files(&self) -> bool {
+        let own: Vec<_> = fs::read_dir(self.desk.path("tmp")).unwrap().map(|one| one.unwrap().path()).collect();
+        assert_eq!(own.len(), 1, "{own:?}");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            assert_eq!(fs::metadata(&own[0]).unwrap().permissions().mode() & 0o7777, 0o700);
+        }
+        fs::read_dir(&own[0]).unwrap().count() > 0
     }
 
     /// Still there, and not only on the connection that has been ill-treated.
@@ -166,6 +199,15 @@ fn nobody_is_served_who_does_not_show_the_token_or_comes_from_elsewhere() {
     assert_eq!(ask("GET", &home, &format!("{host}\r\nOrigin: http://127.0.0.1:{port}")).code, 200);
     for method in ["PUT", "DELETE", "OPTIONS", "TRACE", "PATCH"] {
         ask(method, &home, &host).refused(405);
+    }
+    // Who is refused so leaves the place to others: the connection ends, and what else was asked on it is not looked at.
+    for wrong in [host.clone(), "Host: example.org".to_owned()] {
+        let mut stream = served.connect();
+        let request = format!("GET / HTTP/1.1\r\n{wrong}\r\n\r\n");
+        stream.write_all(request.repeat(2).as_bytes()).unwrap();
+        let answer = read(&mut stream).unwrap();
+        assert!([403, 421].contains(&answer.code) && answer.head.contains("connection: close"), "{answer:?}");
+        assert!(read(&mut stream).is_none());
     }
     // Elsewhere on this machine nothing listens.
     if let Some(address) = own_address() {
@@ -257,6 +299,20 @@ fn what_is_no_question_is_refused_by_what_is_wrong_with_it() {
         (point("double-sided", json!({ "model": { "sites": 6 } })), "--gamma1"),
         (point("double-sided", json!({ "model": { "sites": 6, "scene": "/etc/passwd" } })), "model has no scene"),
         (point("double-sided", json!({ "model": { "sites": 100_000 } })), "give at most 1001"),
+        // Neither a text nor a fraction passes by the limits of numbers.
+        (point("double-sided", json!({ "model": { "sites": "100000" } })), "sites = \"100000\" is no whole number"),
+        (point("double-sided", json!({ "model": { "sites": 100_000.0 } })), "sites = 100000.0 is no whole number"),
+        (point("double-sided", json!({ "model": { "sites": 3, "layers": "9999" } })), "layers = \"9999\" is no whole"),
+        (point("double-sided", json!({ "model": { "sites": 3, "layers": 999 } })), "give at most 1001"),
+        (
+            point("double-sided", json!({ "model": { "sites": 6, "omega": "1.5" } })),
+            "omega = \"1.5\" is a text: give a number, without quotes",
+        ),
+        (point("double-sided", json!({ "model": { "sites": 6, "ends": 1 } })), "ends = 1 is no value of it"),
+        (
+            point("double-sided", json!({ "model": { "sites": 1000 }, "samples": 30_000 })),
+            "samples = 30000 is too many for a page: give at most 75",
+        ),
         (point("double-sided", json!({ "out": "elsewhere.csv" })), "unknown field"),
     ] {
         let message = served.post("orbit", &asked).refused(400);
@@ -362,7 +418,7 @@ fn a_tile_is_to_the_bit_what_a_sweep_of_its_range_computes() {
                 let own = &mut range["sweep"][axis];
                 (own["from"], own["to"], own["points"]) = (at(0.0).into(), at(63.0).into(), SIDE.into());
             }
-            std::fs::write(served.desk.path("tile.json"), range.to_string()).unwrap();
+            fs::write(served.desk.path("tile.json"), range.to_string()).unwrap();
             served.desk.run("sweep tile.json --out tile.csv --quiet").with(0, &[]);
             let text = String::from_utf8(served.desk.read("tile.csv")).unwrap();
             let mut lines = text.lines();
@@ -414,7 +470,7 @@ fn numbers_have_the_colours_of_a_sweep() {
             own["sweep"][axis]["to"] = at(63.0).into();
             own["sweep"][axis]["points"] = SIDE.into();
         }
-        std::fs::write(served.desk.path("own.json"), own.to_string()).unwrap();
+        fs::write(served.desk.path("own.json"), own.to_string()).unwrap();
         for color in ["spectral_radius", "margin", "solutions"] {
             let line = format!("sweep own.json --out own.csv --png own.png --svg own.svg --color {color} --quiet");
             served.desk.run(&line).with(0, &[]);
@@ -580,7 +636,7 @@ fn lines_pictures_and_tables_are_those_of_the_program() {
     for (axis, points) in [("x", 30), ("y", 20)] {
         scene["sweep"][axis]["points"] = points.into();
     }
-    std::fs::write(served.desk.path("own.json"), scene.to_string()).unwrap();
+    fs::write(served.desk.path("own.json"), scene.to_string()).unwrap();
     let sweep = served.post("sweep", &json!({ "scene": scene })).json();
     served.desk.run("sweep own.json --out own.csv --svg own.svg --quiet").with(0, &[]);
     assert_eq!(sweep["files"]["map.csv"].as_str().unwrap().as_bytes(), served.desk.read("own.csv"));
@@ -592,7 +648,7 @@ fn lines_pictures_and_tables_are_those_of_the_program() {
     assert!(served.post("sweep", &json!({ "scene": scene, "color": "hue" })).refused(400).contains("hue"));
 
     let texts = served.post("texts", &json!({ "scene": scene })).json();
-    std::fs::write(served.desk.path("view.toml"), texts["scene"].as_str().unwrap()).unwrap();
+    fs::write(served.desk.path("view.toml"), texts["scene"].as_str().unwrap()).unwrap();
     served.desk.shell(texts["command"].as_str().unwrap()).with(0, &[]);
     assert_eq!(served.desk.read("map.csv"), served.desk.read("own.csv"));
     assert!(texts["python"].as_str().unwrap().contains("vc.sweep(\"view.toml\")"));
@@ -661,6 +717,8 @@ fn thousands_of_requests_at_once_are_answered_or_refused() {
             // Answered one after the other: those that are served leave their places to those that wait.
             let answer = read(stream).unwrap();
             let _ = stream.shutdown(std::net::Shutdown::Both);
+            let later = ["retry-after: 1", "connection: close"].map(|line| answer.head.contains(line));
+            assert_eq!(later, [answer.code == 503, [403, 503].contains(&answer.code)], "{answer:?}");
             *counts.entry(answer.code).or_insert(0) += 1;
         }
     }
@@ -689,14 +747,57 @@ fn what_nobody_waits_for_any_more_is_not_computed() {
         drop(asked);
     }
     assert_eq!(served.post("tile", &json!({ "scene": scene(), "z": 0, "x": 0, "y": 0 })).code, 200);
-    // Of borders, too, in whatever they are.
-    for _ in 0..3 {
-        let mut stream = served.connect();
-        let body = json!({ "scene": slow, "tolerance": 1e-9, "places": 0 }).to_string();
-        stream.write_all(served.request("POST", "curves", "", &body).as_bytes()).unwrap();
-    }
-    let asked = json!({ "model": model(MODEL), "which": "double-sided", "samples": 4 });
-    assert_eq!(served.post("orbit", &asked).code, 200);
+    served.is_alive();
+}
+
+/// Borders of so many masses take minutes.
+fn slow_borders() -> Value {
+    let mut slow = scene();
+    slow["model"]["sites"] = 1001.into();
+    json!({ "scene": slow, "tolerance": 1e-9, "places": 0 })
+}
+
+#[test]
+fn borders_keep_no_point_waiting_and_end_when_nobody_waits_for_them() {
+    let served = Served::new("");
+    let point = json!({ "model": model(MODEL), "which": "double-sided", "samples": 4 });
+    let mut under_way: Vec<TcpStream> = (0..2).map(|_| served.ask("curves", &slow_borders())).collect();
+    until("borders under way", || served.has_files());
+    assert_eq!(served.post("orbit", &point).code, 200);
+    // A newer one takes the place of the oldest, which is told so.
+    under_way.push(served.ask("curves", &slow_borders()));
+    let told = read(&mut under_way[0]).unwrap().refused(409);
+    assert!(told.starts_with("a newer request has taken its place"), "{told}");
+    // Left by all who have asked, they end, and leave no file.
+    drop(under_way);
+    until("the end of all borders", || !served.has_files());
+    let quick = json!({ "scene": scene(), "tolerance": 1e-3, "places": 0 });
+    assert_eq!(served.post("curves", &quick).code, 200);
+    assert!(!served.has_files());
+}
+
+/// More connections than are served at a time, none of which asks, or none of which reads what it has asked for.
+#[test]
+fn the_owner_is_served_whoever_keeps_connections() {
+    let served = Served::new("");
+    let many = 400;
+    let silent: Vec<TcpStream> = (0..many).map(|_| served.connect()).collect();
+    served.is_alive();
+    assert_eq!(silent.len(), many);
+    drop(silent);
+    let pages = served.request("GET", "map.js", "", "").repeat(200);
+    let unread: Vec<TcpStream> = (0..many)
+        .map(|_| {
+            let mut stream = served.connect();
+            // As much as fits; the other side stops to read where its answers are not read.
+            stream.set_nonblocking(true).unwrap();
+            let _ = stream.write(pages.as_bytes());
+            stream
+        })
+        .collect();
+    served.is_alive();
+    assert_eq!(unread.len(), many);
+    assert_eq!(served.post("tile", &json!({ "scene": scene(), "z": 0, "x": 0, "y": 0 })).code, 200);
 }
 
 #[test]
@@ -735,13 +836,19 @@ fn it_ends_well_by_ctrl_c_and_says_why_it_cannot_begin() {
     desk.run("explore scene.toml").with(2, &["scene.toml: a map to fly over has two axes"]);
     desk.run("explore none.toml").with(2, &["none.toml"]);
     desk.run("explore --port 65536").with(2, &["--port", "too large"]);
+    // An address that no browser opens as it is printed is not printed.
+    desk.run("explore --port 80").with(2, &["--port 80 is that of HTTP itself", "give one from 1024"]);
+    desk.run("explore --port 6000").with(2, &["--port 6000 is one that browsers refuse"]);
     let served = Served::new("");
     desk.run(&format!("explore --port {}", served.port)).with(1, &[&format!("cannot serve on port {}", served.port)]);
     if vibrochain_testkit::interrupts_are_ignored() {
         return;
     }
     // With work under way, and a connection that is kept open.
-    let mut child = desk.command("explore --port 0").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    fs::create_dir(desk.path("tmp")).unwrap();
+    let mut command = desk.command("explore --port 0");
+    let mut child =
+        command.env("TMPDIR", desk.path("tmp")).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut address = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
     let rest = address.trim().strip_prefix("http://").unwrap();
@@ -749,8 +856,18 @@ fn it_ends_well_by_ctrl_c_and_says_why_it_cannot_begin() {
     let mut stream = TcpStream::connect(host).unwrap();
     let mut slow = scene();
     slow["model"]["sites"] = 1001.into();
-    let body = json!({ "scene": slow, "z": 6, "x": 30, "y": 10 }).to_string();
-    let request = format!("POST /{path}tile HTTP/1.1\r\nHost: {host}\r\nContent-Length: {}\r\n\r\n{body}", body.len());
-    stream.write_all(request.as_bytes()).unwrap();
+    let tile = json!({ "scene": slow, "z": 6, "x": 30, "y": 10 });
+    let mut second = TcpStream::connect(host).unwrap();
+    for (stream, name, body) in [(&mut stream, "tile", tile), (&mut second, "curves", slow_borders())] {
+        let body = body.to_string();
+        let head = format!("POST /{path}{name} HTTP/1.1\r\nHost: {host}\r\nContent-Length: {}", body.len());
+        stream.write_all(format!("{head}\r\n\r\n{body}").as_bytes()).unwrap();
+    }
+    // One folder of all, in it that of the borders, in that their scene.
+    let entries = |folder: &Path| -> Vec<_> { fs::read_dir(folder).unwrap().map(|one| one.unwrap().path()).collect() };
+    until("borders under way", || {
+        entries(&desk.path("tmp")).iter().any(|own| entries(own).iter().any(|one| one.join("view.toml").exists()))
+    });
     vibrochain_testkit::signal(child, "INT").with(0, &["open this address in a browser"]);
+    assert_eq!(entries(&desk.path("tmp")).len(), 0);
 }

@@ -10,8 +10,15 @@ const RANGES = {
   amplitude: [0, 1, 0.005], restitution: [0.05, 1, 0.01], sites: [1, 101, 1],
 };
 const ORDER = ["sites", "gamma1", "gamma2", "gamma3", "omega", "asymmetry", "amplitude", "restitution"];
-const FAMILIES = ["double-sided", "double-sided-symmetric", "single-sided"];
+const FAMILIES = {
+  "double-sided": "hits both barriers once a period",
+  "double-sided-symmetric": "the same; without force only the one whose two flights are equal, φ = T/2: quicker",
+  "single-sided": "hits one barrier once a period",
+};
 const PAUSE = 120; // milliseconds after which what is typed is asked for
+
+// What is typed: a number if it is one; else as it is, so that the program says what is wrong with it.
+const typed = (text) => (text.trim() !== "" && Number.isFinite(Number(text)) ? Number(text) : text.trim());
 
 export class Controls {
   constructor(changed) {
@@ -19,6 +26,11 @@ export class Controls {
     this.form = $("model");
     this.wrong = $("wrong");
     this.form.addEventListener("submit", (event) => event.preventDefault());
+    $("restore").addEventListener("click", () => {
+      this.asked = null;
+      this.accepted();
+      this.build();
+    });
   }
 
   // Fields for what the scene has.
@@ -38,7 +50,7 @@ export class Controls {
       select.addEventListener("change", () => this.turn(name, select.value));
       const field = (end) => {
         const input = element("input", { type: "text", inputmode: "decimal", id: `${name}-${end}`, value: String(axis[end]), "aria-label": `${NAMES[axis.parameter]} ${end}` });
-        input.addEventListener("change", () => this.edit((scene) => { scene.sweep[name][end] = Number(input.value); }, input));
+        input.addEventListener("change", () => this.edit((scene) => { scene.sweep[name][end] = typed(input.value); }, input));
         return input;
       };
       return [
@@ -48,22 +60,23 @@ export class Controls {
     }));
     const swept = axes().map((axis) => axis.parameter);
     section("values", ...ORDER.filter((name) => name in model && !swept.includes(name) && typeof model[name] === "number").map((name) => this.row(name)));
-    const rows = FAMILIES.map((name) => {
+    const rows = Object.entries(FAMILIES).map(([name, meaning]) => {
       const box = element("input", { type: "checkbox", value: name });
       box.checked = compute.families.includes(name);
       box.addEventListener("change", () => this.families(box));
-      return element("label", { class: "choice" }, box, ` ${name}`);
+      return element("label", { class: "choice" }, box, ` ${name}`, element("small", {}, meaning));
     });
-    const words = element("input", { type: "text", id: "words", value: compute.families.filter((name) => !FAMILIES.includes(name)).join("; "), placeholder: "0+3+,0-3-", "aria-describedby": "wordhelp" });
+    const words = element("input", { type: "text", id: "words", value: compute.families.filter((name) => !(name in FAMILIES)).join("; "), placeholder: "0+3+,0-3-", "aria-describedby": "wordhelp" });
     words.addEventListener("change", () => this.families(words));
-    const threshold = element("input", { type: "text", inputmode: "decimal", id: "threshold", value: compute.threshold ?? "", placeholder: "strict" });
+    const threshold = element("input", { type: "text", inputmode: "decimal", id: "threshold", value: compute.threshold ?? "", placeholder: "strict", "aria-describedby": "growthhelp" });
     threshold.addEventListener("change", () => this.edit((scene) => {
-      scene.compute.threshold = threshold.value.trim() === "" ? null : Number(threshold.value);
+      scene.compute.threshold = threshold.value.trim() === "" ? null : typed(threshold.value);
     }, threshold));
     section("families", ...rows,
       element("div", { class: "row" }, element("label", { for: "words" }, "words"), words),
       element("p", { class: "quiet", id: "wordhelp" }, "Impact words, with ; between them: 0+3+,0-3- hits masses 0 and 3 together, up and down."),
-      element("div", { class: "row" }, element("label", { for: "threshold" }, "growth allowed"), threshold));
+      element("div", { class: "row" }, element("label", { for: "threshold" }, "growth allowed"), threshold),
+      element("p", { class: "quiet", id: "growthhelp" }, unbroken("Still stable: |μ| up to 1 + this a period, as 0.01. Empty: none beyond rounding.")));
     $("heading").textContent = unbroken(state.heading ?? "");
   }
 
@@ -73,7 +86,7 @@ export class Controls {
     const field = element("input", { type: "text", inputmode: "decimal", id: `value-${name}`, value: String(now) });
     const slider = element("input", { type: "range", min: least, max: most, step, "aria-label": NAMES[name] });
     slider.value = now;
-    const set = (text, input) => this.edit((scene) => { scene.model[name] = Number(text); }, input, true);
+    const set = (text, input) => this.edit((scene) => { scene.model[name] = typed(text); }, input, true);
     field.addEventListener("change", () => { slider.value = field.value; set(field.value, field); });
     slider.addEventListener("input", () => { field.value = slider.value; set(slider.value, field); });
     return element("div", { class: "row" }, element("label", { for: `value-${name}` }, NAMES[name]), field, slider);
@@ -128,17 +141,23 @@ export class Controls {
       }
     } catch (error) {
       if (gone(error)) return;
-      this.asked = null;
+      // What is asked stays so, and stands in its field, until it is mended or given up.
       this.wrong.textContent = error.message;
+      $("restore").hidden = false;
       source?.setAttribute("aria-invalid", "true");
     }
   }
 
+  accepted() {
+    this.wrong.textContent = "";
+    $("restore").hidden = true;
+    for (const input of this.form.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
+  }
+
   async take(scene, signal) {
     const view = await post("view", { scene }, signal);
-    this.asked = null;
-    this.wrong.textContent = "";
-    for (const input of this.form.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
+    if (this.asked === scene) this.asked = null;
+    this.accepted();
     state.scene = view.scene;
     state.heading = view.heading;
     state.conservative = view.conservative;

@@ -90,6 +90,7 @@ async function begin() {
   const show = async () => {
     const { at, which, number, run, over } = state;
     state.at = null;
+    controls.asked = null;
     try {
       await controls.take(state.scene);
     } catch (error) {

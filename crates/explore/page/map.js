@@ -10,6 +10,7 @@ const COARSER = 3; // levels by which the first look at a place is coarser: a 64
 const FARTHEST = -1;
 const CLICK = 4; // pixels that a hand may shake
 const MOST_PIXELS = 4e6; // of the canvas: a larger screen shows each cell as several
+const SOON = 200; // milliseconds after which computing is worth a word
 const PAUSE = 350; // milliseconds of rest before the cell under the cross is spoken
 
 export class MapView {
@@ -26,6 +27,8 @@ export class MapView {
     this.deepest = 0;
     this.lines = [];
     this.scale = null; // of numbers, where they colour the map
+    this.pointer = null; // where the mouse is, over the map
+    this.begun = null; // since when cells are computed
     this.firstMap = null; // when every pixel of the map first had a cell
     this.table();
     this.listen();
@@ -200,6 +203,8 @@ export class MapView {
       }
     }
     this.paint.putImageData(this.image, 0, 0);
+    this.tellBusy();
+    this.tellUnder();
     if (missing === 0 && this.firstMap === null) this.firstMap = performance.now();
     this.drawOver();
   }
@@ -309,6 +314,25 @@ export class MapView {
     return `${LETTERS[x.parameter]} = ${one}, ${LETTERS[y.parameter]} = ${other}: ${text}`;
   }
 
+  // What is under the pointer now: it, the map or what is known of the cell may have changed.
+  tellUnder() {
+    const cell = this.pointer ? this.cell(...this.under(this.pointer)) : null;
+    const text = cell ? `Under the pointer: ${this.told(cell)}` : this.hint;
+    if ($("under").textContent !== text) $("under").textContent = text;
+  }
+
+  // That cells are computed, where it takes long enough to be seen.
+  tellBusy() {
+    const { busy } = this.tiles;
+    this.box.setAttribute("aria-busy", String(busy > 0));
+    if (busy === 0) this.begun = null;
+    this.begun ??= busy > 0 ? performance.now() : null;
+    const shown = this.begun !== null && performance.now() - this.begun > SOON;
+    $("busy").hidden = !shown;
+    if (shown) $("busy").textContent = `computing, ${busy} ${busy === 1 ? "tile" : "tiles"} to come`;
+    else if (busy > 0) setTimeout(() => this.redraw(), SOON);
+  }
+
   speak() {
     const cell = this.cell(state.u, state.v);
     if (cell?.text === "computing") { // it will be there soon
@@ -370,13 +394,15 @@ export class MapView {
       if (down.size === 0) travelled = 0;
       down.set(event.pointerId, { x: event.clientX, y: event.clientY });
     });
+    this.box.addEventListener("pointerleave", () => {
+      this.pointer = null;
+      this.tellUnder();
+    });
     this.box.addEventListener("pointermove", (event) => {
+      this.pointer = event.pointerType === "mouse" ? { clientX: event.clientX, clientY: event.clientY } : null;
+      this.tellUnder();
       const held = down.get(event.pointerId);
-      if (!held) {
-        const cell = event.pointerType === "mouse" ? this.cell(...this.under(event)) : null;
-        $("under").textContent = cell ? `Under the pointer: ${this.told(cell)}` : this.hint;
-        return;
-      }
+      if (!held) return;
       const before = down.size === 2 ? spread() : 0;
       const [dx, dy] = [event.clientX - held.x, event.clientY - held.y];
       travelled += Math.abs(dx) + Math.abs(dy);
@@ -427,5 +453,6 @@ export const className = (name) => {
   const breathers = { double: "double-sided", single: "single-sided", word: "of the words", none: "no breather" }[sides];
   return stability ? `${stability} ${breathers}` : breathers;
 };
+// Of mechanisms, and of borders, which have more names than these.
 export const mechanismName = (name) =>
-  ({ "plus-one": "through +1", pitchfork: "pitchfork", "period-doubling": "period doubling", "neimark-sacker": "Neimark–Sacker" })[name] ?? name;
+  ({ "plus-one": "through +1", "neimark-sacker": "Neimark–Sacker" })[name] ?? name.replaceAll("-", " ");

@@ -3,6 +3,7 @@
 import { gone, post } from "./ask.js";
 import { table } from "./chart.js";
 import { $ } from "./dom.js";
+import { mechanismName } from "./map.js";
 import { toValue } from "./plane.js";
 import { limits, remember, state } from "./state.js";
 
@@ -90,7 +91,7 @@ export class Overlays {
 function borders({ borders: list }, colours) {
   const kinds = [...new Set(list.map((border) => border.event))];
   const colour = (event) => colours[kinds.indexOf(event) % colours.length];
-  return list.map(({ event, points }) => ({ points: points.map((point) => point.values), kind: colour(event), name: event.replaceAll("-", " ") }));
+  return list.map(({ event, points }) => ({ points: points.map((point) => point.values), kind: colour(event), name: mechanismName(event) }));
 }
 
 // The table has a point a row of the map; a line that skips rows, or leaps, is two.

@@ -31,15 +31,19 @@ export function level(zoom, pixels, deepest) {
   return Math.max(0, Math.min(deepest, Math.floor(zoom + Math.log2(pixels / CELLS) + 0.5)));
 }
 
-// Round numbers between two, about `count` of them.
+// Round numbers between two, about `count` of them, and two at least: one alone is no scale.
 export function ticks(from, to, count) {
   const rough = (to - from) / count;
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((n) => n * power).find((s) => s >= rough * 0.999) ?? 10 * power;
-  const list = [];
-  const first = Math.ceil(from / step - 1e-9);
-  for (let k = 0; k < 50 && (first + k) * step <= to + 1e-9 * step; k += 1) list.push((first + k) * step);
-  return { step, list };
+  const within = (step) => {
+    const first = Math.ceil(from / step - 1e-9);
+    const list = [];
+    for (let k = 0; k < 50 && (first + k) * step <= to + 1e-9 * step; k += 1) list.push((first + k) * step);
+    return { step, list };
+  };
+  const steps = [10, 5, 2, 1, 0.5, 0.2].map((n) => n * power);
+  const start = steps.findLastIndex((step) => step >= rough * 0.999);
+  return steps.slice(Math.max(0, start)).map(within).find(({ list }) => list.length > 1) ?? within(steps.at(-1));
 }
 
 // How ticks are written: by digits, or, where these would be too many, as what comes on top of one of them.

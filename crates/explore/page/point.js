@@ -72,7 +72,12 @@ export class Point {
     $("pointname").textContent = `${LETTERS[x.parameter]} = ${at[0]}, ${LETTERS[y.parameter]} = ${at[1]}`;
     // A point that follows a slider is not announced anew at each of its steps.
     if (focus) $("pointnote").textContent = "computing";
-    if (focus) $("pointname").focus({ preventScroll: true });
+    if (focus) {
+      // On a small screen it stands below the map, out of sight.
+      const { top, bottom } = $("pointname").getBoundingClientRect();
+      if (top < 0 || bottom > 0.6 * window.innerHeight) this.box.scrollIntoView({ block: "start" });
+      $("pointname").focus({ preventScroll: true });
+    }
     this.changed();
     const { families, threshold } = state.scene.compute;
     const list = [];

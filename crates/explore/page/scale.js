@@ -29,6 +29,8 @@ export class Scale {
   show() {
     if (state.color === "spectral_radius" && !state.scene.compute.stability) state.color = "class";
     this.select.value = state.color;
+    // Room for the key, which comes later, so that the map does not move then.
+    $("colours").classList.toggle("numbers", state.color !== "class");
     for (const option of this.select.options) option.disabled = option.value === "spectral_radius" && !state.scene.compute.stability;
     if (state.color === "class") this.is = null;
     this.paint();

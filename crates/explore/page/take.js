@@ -16,7 +16,8 @@ export function takeAlong(map) {
     $("textname").textContent = name;
     $("text").value = text.length > 100000 ? `${text.slice(0, 100000)}\n… ${text.length} characters in all` : text;
     Object.assign($("save"), { href: url, download: file });
-    $("takenote").textContent = `${name}: ${text.length} characters`;
+    $("text").rows = Math.min(20, Math.max(3, text.split("\n", 20).length + 1));
+    $("takenote").textContent = `${text.length} characters`;
   };
   const scene = () => {
     const ratio = map.height / map.width;
@@ -25,26 +26,34 @@ export function takeAlong(map) {
   };
   let controller = null;
   const does = {
-    scene: async (signal) => offer("Scene", (await post("texts", { scene: scene() }, signal)).scene, "view.toml", "application/toml"),
-    command: async (signal) => offer("Command, with the scene as view.toml", (await post("texts", { scene: scene() }, signal)).command, "view.sh", "text/x-sh"),
-    python: async (signal) => offer("Python, with the scene as view.toml", (await post("texts", { scene: scene() }, signal)).python, "view.py", "text/x-python"),
+    scene: async (signal) => offer("Scene, as view.toml", (await post("texts", { scene: scene() }, signal)).scene, "view.toml", "application/toml"),
+    command: async (signal) => offer("Command; save the scene as view.toml first", (await post("texts", { scene: scene() }, signal)).command, "view.sh", "text/x-sh"),
+    python: async (signal) => offer("Python; save the scene as view.toml first", (await post("texts", { scene: scene() }, signal)).python, "view.py", "text/x-python"),
     svg: async (signal) => offer("Picture of what is seen", (await picture(signal)).files["map.svg"], "view.svg", "image/svg+xml"),
     csv: async (signal) => offer("Table of what is seen", (await picture(signal)).files["map.csv"], "view.csv", "text/csv"),
     address: async () => offer("Address: with its token it leads here, what follows # leads to this view from any other", `${location.href.split("#")[0]}${address()}`, "address.txt", "text/plain"),
   };
   const picture = (signal) => post("sweep", { scene: scene(), curves: state.over.includes("curves"), ...(state.color === "class" ? {} : { color: state.color }) }, signal);
-  for (const button of $("take").querySelectorAll("button")) {
-    button.addEventListener("click", async () => {
-      controller?.abort();
-      controller = new AbortController();
-      $("takenote").textContent = "computing";
-      try {
-        await does[button.dataset.take](controller.signal);
-      } catch (error) {
-        if (!gone(error)) $("takenote").textContent = error.message;
-      }
-    });
-  }
+  const buttons = [...$("take").querySelectorAll("[data-take]")];
+  const take = async (name) => {
+    controller?.abort();
+    controller = new AbortController();
+    for (const button of buttons) button.setAttribute("aria-pressed", String(button.dataset.take === name));
+    $("taken").hidden = true;
+    $("takenote").textContent = "computing";
+    try {
+      await does[name](controller.signal);
+    } catch (error) {
+      if (!gone(error)) $("takenote").textContent = error.message;
+    }
+  };
+  for (const button of buttons) button.addEventListener("click", () => take(button.dataset.take));
+  $("takealong").addEventListener("click", () => {
+    $("take").showModal();
+    take("command");
+  });
+  $("untake").addEventListener("click", () => $("take").close());
+  $("take").addEventListener("close", () => controller?.abort());
   $("copy").addEventListener("click", async () => {
     $("text").select();
     try {

@@ -76,12 +76,12 @@ export class Tiles {
       const bytes = await post("tile", { scene, z, x, y }, controller.signal);
       if (this.scene !== scene) return;
       this.keep(key, new Tile(bytes));
-      this.changed();
     } catch (error) {
       if (!gone(error) && this.scene === scene) this.failed(error);
     } finally {
       if (this.pending.get(key) === controller) this.pending.delete(key);
       this.next();
+      this.changed();
     }
   }
 

@@ -1,6 +1,5 @@
 //! What the page asks for besides tiles.
 
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use serde_json::Value;
@@ -12,9 +11,12 @@ pub trait Answers: Send + Sync {
     /// What the page begins with: `scene`, as [`View::value`](crate::View::value) has it, and whatever else it shows.
     fn start(&self) -> Value;
 
+    /// Whether a question may take minutes. A new one of these waits for no other: the oldest is ended for it.
+    fn is_long(&self, question: &str) -> bool;
+
     /// The answer to a question, by its name. It ends early, with any refusal, once `stop` is raised: nobody waits for it any more.
     ///
     /// # Errors
     /// [`Refusal`], 404 for a question that is not known.
-    fn answer(&self, question: &str, asked: &Value, stop: &Arc<AtomicBool>) -> Result<Value, Refusal>;
+    fn answer(&self, question: &str, asked: &Value, stop: &AtomicBool) -> Result<Value, Refusal>;
 }

@@ -10,6 +10,25 @@ use crate::token::Token;
 /// What the browser says of who has asked.
 const SITE: &str = "sec-fetch-site";
 
+/// Ports from 1024 that browsers never connect to, by the Fetch standard's list of blocked ports.
+const BLOCKED: [u16; 19] =
+    [1719, 1720, 1723, 2049, 3659, 4045, 4190, 5060, 5061, 6000, 6566, 6665, 6666, 6667, 6668, 6669, 6679, 6697, 10080];
+
+/// Refuses a port whose address no browser would open as it is printed.
+///
+/// # Errors
+/// [`Refusal`] with the reason, and what to give.
+pub fn port_will_do(port: u16) -> Result<(), Refusal> {
+    let reason = match port {
+        0 => return Ok(()),
+        80 => "is that of HTTP itself, which browsers leave out of the address",
+        1..1024 => "is the system's, and browsers refuse many of these",
+        port if BLOCKED.contains(&port) => "is one that browsers refuse",
+        _ => return Ok(()),
+    };
+    Err(Refusal::wrong(format!("--port {port} {reason}: give one from 1024 that is free, as 8080, or 0 for any")))
+}
+
 /// Whom requests must be addressed to.
 #[derive(Debug, Clone)]
 pub(crate) struct Guard {
@@ -76,6 +95,18 @@ mod tests {
             headers.append(name, HeaderValue::from_str(value).unwrap());
         }
         guard.admit(&method, path, &headers).map(str::to_owned).map_err(|refusal| refusal.code)
+    }
+
+    #[test]
+    fn a_port_whose_address_would_not_open_is_refused() {
+        for port in [0, 1024, 8080, 32768, u16::MAX] {
+            assert_eq!(port_will_do(port), Ok(()), "{port}");
+        }
+        for (port, told) in [(80, "HTTP itself"), (1, "the system's"), (443, "the system's"), (6667, "browsers refuse")]
+        {
+            let message = port_will_do(port).unwrap_err().message;
+            assert!(message.contains(told) && message.contains("from 1024"), "{message}");
+        }
     }
 
     #[test]

@@ -13,10 +13,11 @@
 // | `token`, `guard` | who may ask |
 // | `work` | computations: so many at a time, so many in wait, ended when nobody waits for them any more |
 // | `answers`, `route` | from a request to its answer |
-// | `server` | connections |
+// | `connection`, `server` | connections |
 
 mod answers;
 mod colours;
+mod connection;
 mod guard;
 mod page;
 mod refusal;
@@ -29,6 +30,7 @@ mod view;
 mod work;
 
 pub use answers::Answers;
+pub use guard::port_will_do;
 pub use refusal::Refusal;
 pub use server::Explorer;
 pub use tile::{BYTES, compute};

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use http_body_util::{BodyExt, Full, LengthLimitError, Limited};
 use hyper::body::{Body, Bytes};
-use hyper::header::{CONTENT_TYPE, HeaderName, HeaderValue};
+use hyper::header::{CONNECTION, CONTENT_TYPE, HeaderName, HeaderValue, RETRY_AFTER};
 use hyper::{Method, Request, Response, StatusCode};
 use rayon::ThreadPool;
 use serde::Deserialize;
@@ -15,6 +15,7 @@ use tokio::time::timeout;
 
 use crate::answers::Answers;
 use crate::colours;
+use crate::connection::Connection;
 use crate::guard::Guard;
 use crate::page::file;
 use crate::refusal::Refusal;
@@ -29,12 +30,19 @@ const MOST_ASKED: usize = 64 << 10;
 /// How long a request may take to arrive.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Tiles that may wait: several screens.
-const TILES: usize = 256;
+/// Tiles that may wait, fewer than there are connections: what is too much is told so at once. The page asks for five at a time.
+const TILES: usize = 128;
 
 /// Answers that are computed at a time, and that may wait.
 const RUNNING: usize = 2;
 const ANSWERS: usize = 16;
+
+/// The same for those that may take minutes. They have places of their own, so that none of them keeps a point waiting.
+const LONG: usize = 2;
+const LONG_ANSWERS: usize = 4;
+
+/// Seconds after which to ask again where too many wait.
+const LATER: &str = "1";
 
 /// Nothing but this page's own files is loaded, by whatever it shows; nobody frames it; and it tells nobody its address.
 const HEADERS: [(HeaderName, &str); 6] = [
@@ -60,6 +68,7 @@ pub(crate) struct Desk {
     pub(crate) pool: Arc<ThreadPool>,
     pub(crate) tiles: Work,
     pub(crate) questions: Work,
+    pub(crate) long: Work,
 }
 
 /// A tile, as it is asked for.
@@ -90,16 +99,17 @@ struct ViewAsked {
 impl Desk {
     pub(crate) fn new(guard: Guard, answers: Arc<dyn Answers>, pool: ThreadPool) -> Self {
         let tiles = Work::new(pool.current_num_threads(), TILES);
-        Self { guard, answers, pool: Arc::new(pool), tiles, questions: Work::new(RUNNING, ANSWERS) }
+        let (questions, long) = (Work::new(RUNNING, ANSWERS), Work::newest_first(LONG, LONG_ANSWERS));
+        Self { guard, answers, pool: Arc::new(pool), tiles, questions, long }
     }
 
-    /// Answers a request, whatever it is.
-    pub(crate) async fn respond<B>(&self, request: Request<B>) -> Response<Full<Bytes>>
+    /// Answers a request, whatever it is. `connection` is told when work on it begins and ends.
+    pub(crate) async fn respond<B>(&self, request: Request<B>, connection: &Connection) -> Response<Full<Bytes>>
     where
         B: Body<Data = Bytes>,
         B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
-        let (code, kind, bytes) = match self.answer(request).await {
+        let (code, kind, bytes) = match self.answer(request, connection).await {
             Ok((kind, bytes)) => (200, kind, bytes),
             Err(refusal) => (refusal.code, JSON, json!({ "error": refusal.message }).to_string().into()),
         };
@@ -110,10 +120,17 @@ impl Desk {
         for (name, value) in HEADERS {
             headers.insert(name, HeaderValue::from_static(value));
         }
+        if code == 503 {
+            headers.insert(RETRY_AFTER, HeaderValue::from_static(LATER));
+        }
+        // Whoever may not ask, or too much, leaves the place to others; who asked for a wrong value asks again.
+        if !matches!(code, 200 | 400 | 404 | 409 | 422 | 500) {
+            headers.insert(CONNECTION, HeaderValue::from_static("close"));
+        }
         response
     }
 
-    async fn answer<B>(&self, request: Request<B>) -> Result<(&'static str, Bytes), Refusal>
+    async fn answer<B>(&self, request: Request<B>, connection: &Connection) -> Result<(&'static str, Bytes), Refusal>
     where
         B: Body<Data = Bytes>,
         B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
@@ -135,12 +152,13 @@ impl Desk {
             };
         }
         let asked = asked(body).await?;
+        let _at_work = connection.at_work();
         match name.as_str() {
             "tile" => {
                 let TileAsked { scene, z, x, y } = of(asked)?;
                 let (pool, tile) = (Arc::clone(&self.pool), View::read(&scene)?.tile(z, x, y)?);
                 let given_up = || Refusal::new(503, "nobody waits for this tile any more");
-                let job = move |stop: &Arc<AtomicBool>| tile::compute(&tile, &pool, stop).ok_or_else(given_up);
+                let job = move |stop: &AtomicBool| tile::compute(&tile, &pool, stop).ok_or_else(given_up);
                 Ok((NUMBERS, self.tiles.run(job).await?.into()))
             }
             "scale" => {
@@ -148,8 +166,7 @@ impl Desk {
                 let (pool, view) = (Arc::clone(&self.pool), View::read(&scene)?);
                 let quantity = scale::asked(view.scene(), &color)?;
                 let given_up = || Refusal::new(503, "nobody waits for this scale any more");
-                let job =
-                    move |stop: &Arc<AtomicBool>| scale::of(view.scene(), quantity, &pool, stop).ok_or_else(given_up);
+                let job = move |stop: &AtomicBool| scale::of(view.scene(), quantity, &pool, stop).ok_or_else(given_up);
                 Ok((JSON, self.tiles.run(job).await?.to_string().into()))
             }
             "view" => {
@@ -167,7 +184,8 @@ impl Desk {
             }
             _ => {
                 let answers = Arc::clone(&self.answers);
-                let value = self.questions.run(move |stop| answers.answer(&name, &asked, stop)).await?;
+                let queue = if answers.is_long(&name) { &self.long } else { &self.questions };
+                let value = queue.run(move |stop| answers.answer(&name, &asked, stop)).await?;
                 Ok((JSON, value.to_string().into()))
             }
         }

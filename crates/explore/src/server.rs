@@ -1,4 +1,4 @@
-//! Connections: on this machine alone, so many at a time, none for ever.
+//! Connections: on this machine alone, so many at a time, none that is silent for ever.
 
 use std::convert::Infallible;
 use std::io;
@@ -13,10 +13,11 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use rayon::ThreadPool;
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::runtime::{Builder, Runtime};
-use tokio::sync::Semaphore;
+use tokio::task::{AbortHandle, yield_now};
 use tokio::time::{sleep, timeout};
 
 use crate::answers::Answers;
+use crate::connection::Connection;
 use crate::guard::Guard;
 use crate::route::Desk;
 use crate::token::Token;
@@ -25,11 +26,12 @@ use crate::token::Token;
 const CONNECTIONS: usize = 256;
 const WAITING: u32 = 1024;
 
-/// How long a connection may be silent, or take for the head of a request.
-const SILENCE: Duration = Duration::from_secs(10);
+/// How long a connection may take for the head of a request.
+const HEAD: Duration = Duration::from_secs(10);
 
-/// How long a connection is kept, and then how long what is under way may take: a client that reads no answers is left.
-const LIFE: Duration = Duration::from_secs(900);
+/// How long a connection may be silent, whatever it waits for: that it asks, or that it reads its answer. Longer than a head or a body may
+/// take, which are refused with a word.
+const SILENCE: Duration = Duration::from_secs(15);
 
 /// The most bytes of a request's head, and of what is read at once.
 const BUFFER: usize = 16 << 10;
@@ -37,8 +39,9 @@ const BUFFER: usize = 16 << 10;
 /// Threads that wait for computations: never more than are allowed at a time, which is at most a thread of the pool each.
 const BLOCKING: usize = 2048;
 
-/// How often the flag that ends it is looked at, and how long to wait where the system has no descriptors left.
+/// How often the flag that ends it is looked at, and how long to wait where no place is free.
 const LOOK: Duration = Duration::from_millis(50);
+const PAUSE: Duration = Duration::from_millis(5);
 
 /// How long computations may take to end with the server.
 const FAREWELL: Duration = Duration::from_secs(5);
@@ -82,37 +85,77 @@ impl Explorer {
         let Self { runtime, listener, guard } = self;
         let desk = Arc::new(Desk::new(guard, answers, pool));
         runtime.block_on(async {
-            let places = Arc::new(Semaphore::new(CONNECTIONS));
+            let mut places = Places::default();
             while !stop.load(Ordering::Relaxed) {
-                let Ok(Ok(place)) = timeout(LOOK, Arc::clone(&places).acquire_owned()).await else { continue };
+                if !places.have_room() {
+                    sleep(PAUSE).await;
+                    continue;
+                }
                 match timeout(LOOK, listener.accept()).await {
                     Ok(Ok((stream, _))) => {
-                        let desk = Arc::clone(&desk);
-                        tokio::spawn(async move {
-                            connection(stream, &desk).await;
-                            drop(place);
-                        });
+                        let (desk, one) = (Arc::clone(&desk), Arc::new(Connection::new()));
+                        let own = Arc::clone(&one);
+                        let task = tokio::spawn(async move { serve(stream, &desk, &own).await });
+                        places.0.push((task.abort_handle(), one));
+                        // What it asks is looked at before the next one is taken up, which may want its place.
+                        yield_now().await;
                     }
                     // No descriptors left, or a connection that has gone already.
-                    Ok(Err(_)) => sleep(LOOK).await,
+                    Ok(Err(_)) => {
+                        places.give_way();
+                        sleep(LOOK).await;
+                    }
                     Err(_) => {}
                 }
             }
+            // Connections are dropped, which stops what they wait for. Those that are told so go when they are looked at next.
+            for (task, _) in &places.0 {
+                task.abort();
+            }
+            while places.0.iter().any(|(task, _)| !task.is_finished()) {
+                yield_now().await;
+            }
         });
-        // Connections are dropped, which stops what they wait for.
         runtime.shutdown_timeout(FAREWELL);
     }
 }
 
-async fn connection(stream: TcpStream, desk: &Desk) {
+/// The connections there are.
+#[derive(Default)]
+struct Places(Vec<(AbortHandle, Arc<Connection>)>);
+
+impl Places {
+    /// Whether there is room for one more, if need be in the place of one that is silent.
+    fn have_room(&mut self) -> bool {
+        self.0.retain(|(task, one)| {
+            if one.silent() > Some(SILENCE) {
+                task.abort();
+            }
+            !task.is_finished()
+        });
+        self.0.len() < CONNECTIONS || self.give_way()
+    }
+
+    /// Leaves the connection that has been idle for longest.
+    fn give_way(&mut self) -> bool {
+        let idle = self.0.iter().enumerate().filter_map(|(i, (_, one))| Some((one.idle()?, i)));
+        let Some((_, longest)) = idle.max() else { return false };
+        self.0.swap_remove(longest).0.abort();
+        true
+    }
+}
+
+async fn serve(stream: TcpStream, desk: &Desk, connection: &Connection) {
     // Answers are written whole: there is nothing to wait for.
     let _ = stream.set_nodelay(true);
-    let service = service_fn(|request| async { Ok::<_, Infallible>(desk.respond(request).await) });
+    let service = service_fn(|request| async {
+        connection.heard();
+        let response = desk.respond(request, connection).await;
+        connection.heard();
+        Ok::<_, Infallible>(response)
+    });
     let mut http = http1::Builder::new();
-    http.timer(TokioTimer::new()).header_read_timeout(SILENCE).max_buf_size(BUFFER);
-    let mut connection = std::pin::pin!(http.serve_connection(TokioIo::new(stream), service));
-    if timeout(LIFE, connection.as_mut()).await.is_err() {
-        connection.as_mut().graceful_shutdown();
-        let _ = timeout(LIFE, connection).await;
-    }
+    http.timer(TokioTimer::new()).header_read_timeout(HEAD).max_buf_size(BUFFER);
+    // A connection that ends badly has been left by the other side.
+    let _ = http.serve_connection(TokioIo::new(stream), service).await;
 }

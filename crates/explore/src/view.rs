@@ -30,11 +30,20 @@ const BESIDE: i64 = 1;
 /// which nothing can be stopped.
 pub const MOST_DENSE: usize = 201;
 
-/// Refuses more masses than can be looked at with these words.
+/// The most words: a cell searches for each of them, and is not left before its end.
+const MOST_WORDS: usize = 32;
+
+/// Refuses more masses than can be looked at with these words, and more words than that.
 ///
 /// # Errors
 /// [`Refusal`] with the most there may be.
 pub fn fits(sites: usize, words: &[Word]) -> Result<(), Refusal> {
+    if words.len() > MOST_WORDS {
+        return Err(Refusal::wrong(format!(
+            "{} words are too many to look at: give at most {MOST_WORDS}",
+            words.len()
+        )));
+    }
     let is_dense = |word: &Word| word.letters().any(|letter| word.letters().any(|other| other.site != letter.site));
     let (most, with) =
         if words.iter().any(is_dense) { (MOST_DENSE, ", with a word of several sites,") } else { (MOST_SITES, "") };
@@ -79,8 +88,11 @@ impl View {
         if !scene.is_object() {
             return Err(Refusal::wrong("scene is missing: give an object with model, sweep and compute"));
         }
+        if let Some(key) = nothing(scene, &mut String::new()) {
+            return Err(Refusal::wrong(format!("{key} is null: give a value")));
+        }
         let parsed = Scene::parse(Path::new("scene"), &scene.to_string());
-        Self::of(&parsed.map_err(|error| Refusal::wrong(first_line(&error.to_string())))?)
+        Self::of(&parsed.map_err(|error| Refusal::wrong(told(&error.to_string())))?)
     }
 
     /// The view of a scene: over its first two axes, others at their first value.
@@ -168,11 +180,40 @@ fn part([from, to]: [f64; 2], z: u32, number: i64) -> Values {
     Values::Linear { from: at(0.0), to: at(cells - 1.0), points: CELLS }
 }
 
-/// A message without its place in a file that nobody has seen.
-fn first_line(message: &str) -> String {
-    let line = message.lines().next().unwrap_or_default();
+/// The path of a value that is null, which a number becomes in a browser that is none. The threshold may be.
+fn nothing(value: &Value, path: &mut String) -> Option<String> {
+    let parts: Vec<(String, &Value)> = match value {
+        Value::Null if path != "compute.threshold" => return Some(path.clone()),
+        Value::Object(parts) => parts.iter().map(|(key, part)| (key.clone(), part)).collect(),
+        Value::Array(parts) => parts.iter().enumerate().map(|(i, part)| (i.to_string(), part)).collect(),
+        _ => return None,
+    };
+    parts.iter().find_map(|(key, part)| {
+        let before = path.len();
+        *path += if before == 0 { "" } else { "." };
+        *path += key;
+        let found = nothing(part, path);
+        path.truncate(before);
+        found
+    })
+}
+
+/// A message without its place in a file that nobody has seen. What stands there is said instead where the message does not name it: the
+/// line below it is `4 | asymmetry = "x"`.
+fn told(message: &str) -> String {
+    let mut lines = message.lines();
+    let line = lines.next().unwrap_or_default();
     let place = line.find(": ").filter(|at| line[..*at].starts_with("scene:"));
-    place.map_or(line, |at| &line[at + 2..]).to_owned()
+    let line = place.map_or(line, |at| &line[at + 2..]).trim_start_matches("manifest scene: ");
+    let given = lines.next().and_then(|line| line.split_once(" | ")).map(|(_, given)| given);
+    let unnamed = ["string ", "floating point ", "integer ", "boolean "].iter().any(|kind| line.starts_with(kind));
+    match (given.filter(|given| unnamed && given.contains(" = ")), line.rfind(" is not ")) {
+        (Some(given), Some(at)) if line.ends_with(" a number") => {
+            format!("{given}{}: give one such as 0.2 or 1e-3", &line[at..])
+        }
+        (Some(given), Some(at)) => format!("{given}{}", &line[at..]),
+        _ => line.to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -247,6 +288,21 @@ mod tests {
         assert_eq!(with("/model/sites", 1002.into()), "sites = 1002 is out of range: give at most 1001 to look at");
         assert!(with("/model/asymmetry", 1.5.into()).starts_with("asymmetry = 1.5 is out of range"));
         assert!(with("/sweep/x/from", (3.0 - 1e-14).into()).contains("too narrow"));
+        // What is typed into a field that wants a number.
+        for (pointer, typed, told) in [
+            ("/model/asymmetry", json!("abc"), "asymmetry = \"abc\" is not a number: give one such as 0.2 or 1e-3"),
+            ("/compute/threshold", json!("1%"), "threshold = \"1%\" is not a number: give one such as 0.2 or 1e-3"),
+            ("/sweep/x/from", json!("0,4"), "from = \"0,4\" is not a number: give one such as 0.2 or 1e-3"),
+            ("/model/sites", json!(""), "sites = \"\" is not a whole number"),
+            ("/model/sites", json!(21.5), "sites = 21.5 is not a whole number"),
+            ("/sweep/x/from", Value::Null, "sweep.x.from is null: give a value"),
+            ("/model/sites", Value::Null, "model.sites is null: give a value"),
+        ] {
+            assert_eq!(with(pointer, typed), told);
+        }
+        let words = vec!["0+,0-".parse::<Word>().unwrap(); 33];
+        assert_eq!(fits(5, &words).unwrap_err().message, "33 words are too many to look at: give at most 32");
+        assert_eq!(fits(5, &words[1..]), Ok(()));
         assert!(View::read(&Value::Null).unwrap_err().message.contains("scene is missing"));
     }
 }

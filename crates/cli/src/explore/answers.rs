@@ -1,14 +1,14 @@
 //! What the page of `mapgen explore` asks besides tiles: this program is run for it, with flags made of what was asked, and what it prints and
 //! writes is handed over as it is.
 
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
-use super::line::{Line, Runs};
+use super::line::{Line, Setting};
 use super::texts::{of_map, of_point, toml_of};
 use vibrochain_breather::Word;
 use vibrochain_explore::{Answers, Refusal, View, fits};
@@ -30,11 +30,13 @@ const MOST_PLACES: u64 = 100_000;
 pub(crate) struct Program {
     /// What the page begins with.
     pub(crate) view: View,
-    /// The whole program.
-    pub(crate) runs: Runs,
-    /// Threads, if their number was asked for.
-    pub(crate) threads: Option<usize>,
+    /// How it is run.
+    pub(crate) setting: Setting,
 }
+
+/// How long an answer about a point may take, and one about a window.
+const LONG: Duration = Duration::from_secs(60);
+const LONGEST: Duration = Duration::from_secs(600);
 
 /// A point and its breathers.
 #[derive(Deserialize)]
@@ -82,7 +84,11 @@ impl Answers for Program {
         json!({ "scene": self.view.value(), "version": VERSION })
     }
 
-    fn answer(&self, question: &str, asked: &Value, stop: &Arc<AtomicBool>) -> Result<Value, Refusal> {
+    fn is_long(&self, question: &str) -> bool {
+        ["curves", "stripes", "sweep"].contains(&question)
+    }
+
+    fn answer(&self, question: &str, asked: &Value, stop: &AtomicBool) -> Result<Value, Refusal> {
         let line = match question {
             "orbit" => orbit(&read(asked)?)?,
             "simulate" => simulate(&read(asked)?)?,
@@ -92,7 +98,8 @@ impl Answers for Program {
             "texts" => return of_map(&window(&read(asked)?)?),
             _ => return Err(Refusal::new(404, "there is no such question")),
         };
-        let mut answer = line.run(self.runs, self.threads, stop)?;
+        let limit = if self.is_long(question) { LONGEST } else { LONG };
+        let mut answer = line.run(&self.setting, limit, stop)?;
         if question == "orbit" {
             let Point { model, which, .. } = read(asked)?;
             let count = answer["answer"]["solutions"].as_array().map_or(0, Vec::len);
@@ -122,25 +129,30 @@ const MODEL: [&str; 12] = [
     "restitution",
 ];
 
+/// Those whose values are words; others are numbers, and a text in their place would pass by what is asked of numbers here.
+const WORDS: [&str; 2] = ["ends", "layer_ends"];
+
 /// The flags of a model.
 fn with_model(mut line: Line, model: &Map<String, Value>, words: &[Word]) -> Result<Line, Refusal> {
     if let Some(key) = model.keys().find(|key| !MODEL.contains(&key.as_str())) {
         return Err(Refusal::wrong(format!("model has no {key}: it has {}", MODEL.join(", "))));
     }
-    let masses = ["sites", "layers"].map(|key| model.get(key).and_then(Value::as_u64).unwrap_or(1));
-    let masses = masses[0].saturating_mul(masses[1]);
-    fits(usize::try_from(masses).unwrap_or(usize::MAX), words)?;
+    fits(masses(model)?, words)?;
     for key in MODEL {
         let flag = key.replace('_', "-");
         line = match model.get(key) {
             None => line,
             Some(Value::Array(harmonics)) if key == "force" => line.flag(&flag, force(harmonics)?),
-            Some(Value::Number(number)) => match (number.as_u64(), number.as_f64()) {
+            Some(Value::Number(number)) if !WORDS.contains(&key) => match (number.as_u64(), number.as_f64()) {
                 (Some(whole), _) => line.flag(&flag, whole),
                 (None, Some(value)) => line.flag(&flag, Number(value)),
                 (None, None) => return Err(Refusal::wrong(format!("{key} = {number} is out of range"))),
             },
-            Some(Value::String(text)) => line.flag(&flag, text),
+            Some(Value::String(text)) if WORDS.contains(&key) => line.flag(&flag, text),
+            Some(Value::String(_)) if key != "force" => {
+                let text = &model[key];
+                return Err(Refusal::wrong(format!("{key} = {text} is a text: give a number, without quotes")));
+            }
             Some(other) => return Err(Refusal::wrong(format!("{key} = {other} is no value of it"))),
         };
     }
@@ -178,15 +190,24 @@ fn name(which: &str) -> &str {
     if which == SYMMETRIC { "double-sided" } else { which }
 }
 
-fn masses(model: &Map<String, Value>) -> f64 {
-    ["sites", "layers"].map(|key| model.get(key).and_then(Value::as_f64).unwrap_or(1.0)).iter().product()
+/// How many masses a model has, of which the program refuses what is missing.
+fn masses(model: &Map<String, Value>) -> Result<usize, Refusal> {
+    let mut masses = 1_usize;
+    for key in ["sites", "layers"] {
+        let Some(given) = model.get(key) else { continue };
+        let whole = given.as_u64().and_then(|number| usize::try_from(number).ok());
+        let whole =
+            whole.ok_or_else(|| Refusal::wrong(format!("{key} = {given} is no whole number: give one from 1")))?;
+        masses = masses.saturating_mul(whole);
+    }
+    Ok(masses)
 }
 
 /// Refuses tables that are too long for a page: so many samples in each of so many periods.
 fn is_short(point: &Point, periods: f64) -> Result<(), Refusal> {
-    let most = (0.5 * MOST_NUMBERS / (masses(&point.model) * periods)).floor();
-    // Also where there is no limit, as periods are no number.
-    if point.samples as f64 <= most {
+    let most = (0.5 * MOST_NUMBERS / (masses(&point.model)? as f64 * periods)).floor();
+    // Also where there is no limit, as nothing is sampled; periods below 0 are refused by the program.
+    if point.samples as f64 <= most || periods < 0.0 {
         return Ok(());
     }
     let samples = point.samples;

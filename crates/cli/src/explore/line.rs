@@ -2,19 +2,15 @@
 
 use std::ffi::OsString;
 use std::fs;
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 use tempfile::TempDir;
 
-use crate::console::Console;
-use crate::error::CliError;
 use vibrochain_explore::Refusal;
-
-/// A program as a function of its arguments, its own name first.
-pub(crate) type Runs = fn(Vec<OsString>, &mut Console<'_>) -> Result<(), CliError>;
 
 /// A command line, and files beside it.
 pub(super) struct Line {
@@ -76,32 +72,44 @@ impl Line {
         format!("mapgen {}", words.join(" "))
     }
 
-    /// Runs the program with it: what it has printed, as JSON where it is that, and the files it has written.
-    pub(super) fn run(&self, program: Runs, threads: Option<usize>, stop: &Arc<AtomicBool>) -> Result<Value, Refusal> {
-        let broken = |error: &std::io::Error| Refusal::new(500, format!("no place for files: {error}"));
-        let folder = TempDir::new().map_err(|error| broken(&error))?;
+    /// Runs the program with it: what it has printed, as JSON where it is that, and the files it has written. It runs as a process of its
+    /// own, so that it can be ended at any moment, wherever it computes, and takes its memory along.
+    pub(super) fn run(&self, setting: &Setting, limit: Duration, stop: &AtomicBool) -> Result<Value, Refusal> {
+        let broken = |error: std::io::Error| Refusal::new(500, format!("no place for files: {error}"));
+        let folder = tempfile::tempdir_in(setting.folder.path()).map_err(broken)?;
         let path = |name: &str| folder.path().join(name);
         if let Some(scene) = &self.scene {
-            fs::write(path(VIEW), scene).map_err(|error| broken(&error))?;
+            fs::write(path(VIEW), scene).map_err(broken)?;
         }
         let word = |word: &Word| match word {
             Word::Plain(text) => OsString::from(text),
             Word::File(name) => path(name).into(),
         };
-        let arguments: Vec<OsString> = std::iter::once("mapgen".into()).chain(self.words.iter().map(word)).collect();
-        let (mut out, mut err) = (Vec::new(), Vec::new());
-        let interrupt = || Ok(Arc::clone(stop));
-        let mut console = Console { threads, ..Console::new(&mut out, &mut err, &interrupt) };
+        // Into files: nobody needs to empty a pipe while it runs. Their names are none that a line has.
+        let [out, err] = ["standard-output", "standard-error"].map(path);
+        let (into_out, into_err) = (fs::File::create(&out).map_err(broken)?, fs::File::create(&err).map_err(broken)?);
+        let mut command = Command::new(&setting.program);
+        command.args(self.words.iter().map(word)).stdin(Stdio::null()).stdout(into_out).stderr(into_err);
         // --threads is a flag of every command; it would be the program's own otherwise.
-        let threads = threads.map(|threads| OsString::from(format!("--threads={threads}")));
-        let told = program(arguments.into_iter().chain(threads).collect(), &mut console);
-        let text = String::from_utf8_lossy(&out).into_owned();
-        let remarks = clean(&String::from_utf8_lossy(&err), folder.path());
-        match told {
-            Ok(()) | Err(CliError::Unread) => {}
-            // What was answered before it failed is an answer: an orbit without stability, a run that ends in a cascade.
-            Err(ref error) if text.starts_with('{') && !matches!(error, CliError::Paused(_)) => {}
-            Err(error) => return Err(refusal(&error, folder.path())),
+        command.args(setting.threads.map(|threads| format!("--threads={threads}")));
+        let status = ended(command, folder.path(), limit, stop).map_err(|early| self.refused(early, limit))?;
+        let text = |path| fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(broken);
+        let (text, told) = (text(out)?, clean(&text(err)?, folder.path()));
+        // The last words of a program that fails.
+        let (remarks, error) = told.rfind("error: ").map_or((told.as_str(), ""), |at| told.split_at(at));
+        // What was answered before it failed is an answer: an orbit without stability, a run that ends in a cascade.
+        if !status.success() && !text.starts_with('{') {
+            let code = match status.code() {
+                Some(2) => 400,
+                Some(3) => 422,
+                Some(130) => 503,
+                _ => 500,
+            };
+            // How the command is called is of no help on a page.
+            let message = error.strip_prefix("error: ").unwrap_or(&told);
+            let message =
+                ["\n\nUsage:", "\n\nFor more"].iter().fold(message, |text, end| text.split(end).next().unwrap_or(text));
+            return Err(Refusal::new(code, message.trim_end()));
         }
         let answer = serde_json::from_str(&text).unwrap_or_else(|_| Value::from(clean(&text, folder.path())));
         let mut files = Map::new();
@@ -114,21 +122,99 @@ impl Line {
         }
         Ok(json!({ "command": self.shown(), "answer": answer, "files": files, "remarks": remarks }))
     }
+
+    fn refused(&self, early: Early, limit: Duration) -> Refusal {
+        let advice = format!("ask for less, or run it in a terminal: {}", self.shown());
+        match early {
+            Early::Stopped => Refusal::new(503, "nobody waits for this answer any more"),
+            Early::Late => Refusal::new(500, format!("not done after {} s: {advice}", limit.as_secs())),
+            Early::Large => Refusal::new(500, format!("it writes more than {MOST_BYTES} bytes: {advice}")),
+            Early::Failed(error) => Refusal::new(500, format!("the program does not run: {error}")),
+        }
+    }
+}
+
+/// What all lines have in common.
+pub(crate) struct Setting {
+    /// The program that they are lines of.
+    program: PathBuf,
+    /// Threads, if their number was asked for.
+    threads: Option<usize>,
+    /// Where each has a folder of its own: nobody else may look into it, and it goes when the explorer ends.
+    folder: TempDir,
+}
+
+impl Setting {
+    /// This program, and a new folder.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub(crate) fn new(threads: Option<usize>) -> std::io::Result<Self> {
+        let mut folder = tempfile::Builder::new();
+        folder.prefix("mapgen-explore-");
+        #[cfg(unix)]
+        folder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+        Ok(Self { program: own_program()?, threads, folder: folder.tempdir()? })
+    }
+}
+
+/// This program. Linux leads to it even after a new one has been installed in its place.
+fn own_program() -> std::io::Result<PathBuf> {
+    if cfg!(target_os = "linux") { Ok("/proc/self/exe".into()) } else { std::env::current_exe() }
+}
+
+/// Why a program was ended.
+enum Early {
+    Stopped,
+    Late,
+    Large,
+    Failed(std::io::Error),
+}
+
+/// The most bytes that a line may write: five times what the largest table that is asked for has.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// How often a program is looked at that runs: at first often, as most answers take milliseconds.
+const LOOKS: [Duration; 2] = [Duration::from_micros(500), Duration::from_millis(20)];
+
+/// Runs a program to its end, or ends it: once `stop` is raised, after `limit`, or when what it writes into `folder` is too much.
+fn ended(mut command: Command, folder: &Path, limit: Duration, stop: &AtomicBool) -> Result<ExitStatus, Early> {
+    let started = Instant::now();
+    let mut child = command.spawn().map_err(Early::Failed)?;
+    let mut look = LOOKS[0];
+    let early = loop {
+        match child.try_wait() {
+            Ok(Some(status)) => return Ok(status),
+            Ok(None) => {}
+            Err(error) => break Early::Failed(error),
+        }
+        if stop.load(Ordering::Relaxed) {
+            break Early::Stopped;
+        }
+        if started.elapsed() > limit {
+            break Early::Late;
+        }
+        if bytes(folder) > MOST_BYTES {
+            break Early::Large;
+        }
+        std::thread::sleep(look);
+        look = (2 * look).min(LOOKS[1]);
+    };
+    // It may have ended by itself meanwhile.
+    let _ = child.kill();
+    let _ = child.wait();
+    Err(early)
+}
+
+/// Bytes of the files in a folder.
+fn bytes(folder: &Path) -> u64 {
+    let size = |entry: fs::DirEntry| entry.metadata().map_or(0, |data| data.len());
+    fs::read_dir(folder).map_or(0, |entries| entries.flatten().map(size).sum())
 }
 
 /// A text without the folder in it, of which nobody has heard.
 fn clean(text: &str, folder: &Path) -> String {
     text.replace(&format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR), "")
-}
-
-fn refusal(error: &CliError, folder: &Path) -> Refusal {
-    let code = match error.exit_code() {
-        2 => 400,
-        3 => 422,
-        130 => 503,
-        _ => 500,
-    };
-    Refusal::new(code, clean(&error.to_string(), folder))
 }
 
 /// A word for a shell.
@@ -138,5 +224,53 @@ fn quoted(text: &str) -> String {
         text.to_owned()
     } else {
         format!("'{}'", text.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+    use std::sync::Arc;
+
+    use super::*;
+
+    fn setting(program: &str) -> Setting {
+        Setting { program: program.into(), ..Setting::new(None).unwrap() }
+    }
+
+    const LONG: Duration = Duration::from_secs(600);
+
+    #[test]
+    fn a_line_ends_at_its_limit_when_told_and_when_it_writes_too_much() {
+        let told = |program: &str, line: Line, limit: Duration, stop: &AtomicBool| {
+            let setting = setting(program);
+            let refusal = line.run(&setting, limit, stop).unwrap_err();
+            // Nothing of it is left.
+            assert_eq!(fs::read_dir(setting.folder.path()).unwrap().count(), 0);
+            refusal
+        };
+        let never = AtomicBool::new(false);
+        let late = told("sleep", Line::new("1000"), Duration::ZERO, &never);
+        assert_eq!(late.message, "not done after 0 s: ask for less, or run it in a terminal: mapgen 1000");
+        let large = told("yes", Line::new("a"), LONG, &never);
+        assert!(large.message.starts_with("it writes more than 67108864 bytes: ask for less"), "{large}");
+        let stop = Arc::new(AtomicBool::new(false));
+        let raised = Arc::clone(&stop);
+        let raises = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(30));
+            raised.store(true, Ordering::Relaxed);
+        });
+        assert_eq!(told("sleep", Line::new("1000"), LONG, &stop).code, 503);
+        raises.join().unwrap();
+        assert!(told("no such program", Line::new(""), LONG, &never).message.contains("does not run"));
+    }
+
+    #[test]
+    fn nobody_else_sees_the_folder_and_it_goes() {
+        let setting = setting("true");
+        let folder = setting.folder.path().to_owned();
+        assert_eq!(fs::metadata(&folder).unwrap().permissions().mode() & 0o7777, 0o700);
+        drop(setting);
+        assert!(!folder.exists());
     }
 }

@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `answers` | what the page asks besides tiles |
-//! | `line` | command lines of this program, run for it |
+//! | `line` | command lines of this program, each run for it as a process of its own |
 //! | `texts` | what it shows leads on to: scene, command, Python |
 
 mod answers;
@@ -17,17 +17,19 @@ use crate::args::ExploreArgs;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::explore::answers::Program;
-use crate::explore::line::Runs;
+use crate::explore::line::Setting;
 use crate::setup_command::SCENE;
 use crate::threads::threads;
-use vibrochain_explore::{Explorer, View};
+use vibrochain_explore::{Explorer, View, port_will_do};
 use vibrochain_maps::scene::Scene;
 
-/// Runs the subcommand: until Ctrl-C, which is how it ends well. What the page asks is asked of `program`, with other flags.
+/// Runs the subcommand: until Ctrl-C, which is how it ends well.
 ///
 /// # Errors
-/// [`CliError::Request`] for a scene that cannot be flown over; [`CliError::Computation`] for a port that is taken.
-pub(crate) fn run(args: &ExploreArgs, program: Runs, console: &mut Console<'_>) -> Result<(), CliError> {
+/// [`CliError::Request`] for a scene that cannot be flown over, and a port that no browser opens; [`CliError::Computation`] for a port that is
+/// taken.
+pub(crate) fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    port_will_do(args.port).map_err(|refusal| CliError::Request(refusal.message))?;
     let scene = match &args.scene {
         Some(path) => Scene::read(path)?,
         None => Scene::parse(Path::new("scene"), SCENE)?,
@@ -43,9 +45,10 @@ pub(crate) fn run(args: &ExploreArgs, program: Runs, console: &mut Console<'_>) 
     let pool = threads(console.threads)?;
     let explorer = Explorer::open(args.port)
         .map_err(|error| CliError::Computation(format!("cannot serve on port {}: {error}", args.port)))?;
+    let setting = Setting::new(console.threads)
+        .map_err(|error| CliError::Computation(format!("no folder for temporary files: {error}")))?;
     console.print(&format!("{}\n", explorer.address()))?;
     console.summary("open this address in a browser on this machine; Ctrl-C ends the explorer");
-    let program = Program { view, runs: program, threads: console.threads };
-    explorer.serve(Arc::new(program), pool, &stop);
+    explorer.serve(Arc::new(Program { view, setting }), pool, &stop);
     Ok(())
 }
