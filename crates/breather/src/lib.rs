@@ -28,7 +28,6 @@
 //! | `beside` | [`Limit`]: what becomes of orbits at a resonance |
 //! | `branching` | [`Branch::leaving`]: the orbits that branch off |
 //! | `enclosure`, `roots` | all zeros of a function, with proof |
-//! | `stop` | a flag that ends long searches |
 //! | `patch`, `planar_roots` | all zeros of two functions in the plane, with proof |
 //!
 //! With the feature `serde` values are written by the names of `mapgen orbit --json`; those that hold nothing derived are read, too.
@@ -97,7 +96,6 @@ mod rises;
 mod roots;
 mod side_by_side;
 mod sketch;
-mod stop;
 mod surface;
 mod symmetries;
 mod two_impacts;

@@ -140,7 +140,7 @@ impl Desk {
                 let TileAsked { scene, z, x, y } = of(asked)?;
                 let (pool, tile) = (Arc::clone(&self.pool), View::read(&scene)?.tile(z, x, y)?);
                 let given_up = || Refusal::new(503, "nobody waits for this tile any more");
-                let job = move |stop: &Arc<AtomicBool>| tile::compute(&tile, &pool, stop).ok_or_else(given_up);
+                let job = move |stop: &Arc<AtomicBool>| tile::compute(&tile, &pool, &stop.into()).ok_or_else(given_up);
                 Ok((NUMBERS, self.tiles.run(job).await?.into()))
             }
             "scale" => {
@@ -149,7 +149,7 @@ impl Desk {
                 let quantity = scale::asked(view.scene(), &color)?;
                 let given_up = || Refusal::new(503, "nobody waits for this scale any more");
                 let job =
-                    move |stop: &Arc<AtomicBool>| scale::of(view.scene(), quantity, &pool, stop).ok_or_else(given_up);
+                    move |stop: &Arc<AtomicBool>| scale::of(view.scene(), quantity, &pool, &stop.into()).ok_or_else(given_up);
                 Ok((JSON, self.tiles.run(job).await?.to_string().into()))
             }
             "view" => {

@@ -33,6 +33,7 @@
 //! | `sensitivity` | condition of the impulse response |
 //! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
 //! | `propagator` | [`Propagator`]: exact free flight |
+//! | `stop` | [`Stop`]: ends long work early |
 //!
 //! With the feature `serde` values are written and read by the names of `mapgen`'s JSON, and what is out of range is refused.
 //!
@@ -67,6 +68,7 @@ mod sines;
 mod small;
 mod spectrum;
 mod steady;
+mod stop;
 mod transform;
 
 pub use decay::{Decay, decay, far_field, far_motion, harmonic_response};
@@ -83,3 +85,4 @@ pub use shapes::Shapes;
 pub use small::{sinc, sine_over};
 pub use spectrum::Spectrum;
 pub use steady::Steady;
+pub use stop::{Stop, Stopped};

@@ -12,6 +12,7 @@ use tempfile::TempDir;
 use crate::console::Console;
 use crate::error::CliError;
 use vibrochain_explore::Refusal;
+use vibrochain_lattice::Stop;
 
 /// A program as a function of its arguments, its own name first.
 pub(crate) type Runs = fn(Vec<OsString>, &mut Console<'_>) -> Result<(), CliError>;
@@ -90,7 +91,7 @@ impl Line {
         };
         let arguments: Vec<OsString> = std::iter::once("mapgen".into()).chain(self.words.iter().map(word)).collect();
         let (mut out, mut err) = (Vec::new(), Vec::new());
-        let interrupt = || Ok(Arc::clone(stop));
+        let interrupt = || Ok(Stop::from(stop));
         let mut console = Console { threads, ..Console::new(&mut out, &mut err, &interrupt) };
         // --threads is a flag of every command; it would be the program's own otherwise.
         let threads = threads.map(|threads| OsString::from(format!("--threads={threads}")));
