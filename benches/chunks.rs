@@ -12,10 +12,10 @@ use std::hint::black_box;
 use std::io::{Write, sink, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use vibrochain_cli::console::{Console, ctrl_c};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job, blocks};
@@ -26,7 +26,7 @@ const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/conservative-n2
 /// Computes all cells and hands the text of their rows to `take`.
 fn rows(scene: &Scene, threads: usize, mut take: impl FnMut(&[u8])) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let job = Job { scene, pool: &pool, stop: &AtomicBool::new(false) };
+    let job = Job { scene, pool: &pool, stop: &Stop::default() };
     take(header(scene).as_bytes());
     let (whole, writer) = (0..scene.cells(), RowWriter::new(scene, false));
     let ended = blocks(

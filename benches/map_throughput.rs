@@ -6,10 +6,9 @@
 use std::f64::consts::PI;
 use std::hint::black_box;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use vibrochain::lattice::{Chain, Spectrum};
+use vibrochain::lattice::{Chain, Spectrum, Stop};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, sweep};
 
@@ -50,7 +49,7 @@ fn maps(criterion: &mut Criterion) {
                         let ended = sweep(
                             &scene,
                             &pool,
-                            &AtomicBool::new(false),
+                            &Stop::default(),
                             |_| {},
                             |_, cells| {
                                 black_box(cells);

@@ -4,7 +4,7 @@
 //! does in a period of the word it does there several times over, by the clock of its own. Under a force the families have all its
 //! orbits of one period of the force, and of two; each may be repeated, and begin in whichever period.
 
-use vibrochain_lattice::{Barrier, Chain, Model};
+use vibrochain_lattice::{Barrier, Chain, Model, Stop};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found, Wanted};
@@ -26,11 +26,12 @@ pub(crate) struct Alone {
     pub(crate) later: u32,
 }
 
-/// All orbits, or why there are none.
-type Orbits = Result<Result<Vec<Alone>, NoBreather>, BreatherError>;
-
 /// Those of a mass without force and losses that hits these barriers, in turn, in a period of the word.
-pub(crate) fn without_force(model: &Model, barriers: &[Barrier]) -> Orbits {
+pub(crate) fn without_force(
+    model: &Model,
+    barriers: &[Barrier],
+    stop: &Stop,
+) -> Result<Result<Vec<Alone>, NoBreather>, BreatherError> {
     let n = barriers.len();
     let in_turns = n.is_multiple_of(2) && (0..n).all(|i| barriers[i] != barriers[(i + 1) % n]);
     let base: &[Barrier] = match barriers.first() {
@@ -43,7 +44,7 @@ pub(crate) fn without_force(model: &Model, barriers: &[Barrier]) -> Orbits {
     let model = Model::conservative(chain, model.omega() * repeats as f64, model.asymmetry())?;
     let word = Word::new(base.iter().map(|&barrier| vec![Letter::new(0, barrier)]).collect())?;
     let mut found = Found::default();
-    Finder::new(1).find_word(&model, &word, Wanted::Symmetric, &mut found)?;
+    Finder::new(1).until(stop).find_word(&model, &word, Wanted::Symmetric, &mut found)?;
     let of = |orbit: &Orbit| Alone {
         beats: (0..repeats)
             .flat_map(|again| {
@@ -59,20 +60,27 @@ pub(crate) fn without_force(model: &Model, barriers: &[Barrier]) -> Orbits {
     Ok(if list.is_empty() { Err(NoBreather::NoStart) } else { Ok(list) })
 }
 
-/// Those of a mass under the model's force that hits these barriers, in turn, in so many periods of it.
-pub(crate) fn under_force(model: &Model, barriers: &[Barrier], periods: u32) -> Orbits {
+/// Those of a mass under the model's force that hits these barriers, in turn, in so many periods of it, and at how many places of the
+/// search others may be missing; or why there are none.
+pub(crate) fn under_force(
+    model: &Model,
+    barriers: &[Barrier],
+    periods: u32,
+    stop: &Stop,
+) -> Result<Result<(Vec<Alone>, usize), NoBreather>, BreatherError> {
     let chain = Chain::new(1, model.chain().gamma1(), 0.0)?;
     let model = Model::with_force(chain, model.omega(), model.asymmetry(), model.force(), model.restitution())?;
     let n = barriers.len();
-    let mut list = Vec::new();
+    let (mut list, mut open) = (Vec::new(), 0);
     let mut why = None;
     for repeats in (1..=periods).filter(|&part| periods.is_multiple_of(part) && n.is_multiple_of(part as usize)) {
         let (own, base) = (periods / repeats, n / repeats as usize);
         if (0..n).any(|i| barriers[i] != barriers[(i + base) % n]) {
             continue;
         }
-        match in_periods(&model, &barriers[..base], own)? {
-            Ok(orbits) => {
+        match in_periods(&model, &barriers[..base], own, stop)? {
+            Ok((orbits, missing)) => {
+                open += missing;
                 for (beats, later) in orbits.iter().flat_map(|beats| (0..own).map(move |later| (beats, later))) {
                     let at = |clock: f64, again: u32| {
                         (clock + f64::from(later + again * own)).rem_euclid(f64::from(periods)) / f64::from(periods)
@@ -87,15 +95,18 @@ pub(crate) fn under_force(model: &Model, barriers: &[Barrier], periods: u32) -> 
             Err(reason) => why = why.filter(|why| matches!(why, NoBreather::NotSearched(_))).or(Some(reason)),
         }
     }
-    Ok(if list.is_empty() { Err(why.unwrap_or(NoBreather::NoStart)) } else { Ok(list) })
+    // What was not searched to its end is not shown to be empty.
+    Ok(if list.is_empty() && open == 0 { Err(why.unwrap_or(NoBreather::NoStart)) } else { Ok((list, open)) })
 }
 
-/// Those of a mass alone that do not repeat sooner than after `own` periods of the force: their hits by its clock, in its periods.
+/// Those of a mass alone that do not repeat sooner than after `own` periods of the force: their hits by its clock, in its periods; and
+/// at how many places others may be missing.
 fn in_periods(
     model: &Model,
     barriers: &[Barrier],
     own: u32,
-) -> Result<Result<Vec<Vec<Beat>>, NoBreather>, BreatherError> {
+    stop: &Stop,
+) -> Result<Result<(Vec<Vec<Beat>>, usize), NoBreather>, BreatherError> {
     let family = match (barriers, own) {
         ([Barrier::Lower], 1) => Some(Family::SingleSided),
         ([first, second], 1) if first != second => Some(Family::DoubleSided),
@@ -103,7 +114,7 @@ fn in_periods(
         ([_], _) => None,
         _ => return Ok(Err(NoBreather::NotSearched(Unsearched::ManyImpacts))),
     };
-    let mut finder = Finder::new(1);
+    let mut finder = Finder::new(1).until(stop);
     let clock = |time: f64| (time / model.period()).rem_euclid(f64::from(own));
     if let Some(family) = family {
         let mut found = Found::default();
@@ -115,7 +126,8 @@ fn in_periods(
             let beat = |impact: &Impact| (impact.barrier, clock(impact.time + orbit.psi_or_zero()), impact.impulse);
             orbit.impacts().iter().map(beat).collect()
         };
-        return Ok(Ok(found.orbits.iter().map(of).collect()));
+        let (unresolved, exhausted) = found.completeness.open();
+        return Ok(Ok((found.orbits.iter().map(of).collect(), unresolved + exhausted)));
     }
     if model.force().cosine_amplitude().is_none() {
         return Ok(Err(NoBreather::NotSearched(Unsearched::UpperHarmonics)));
@@ -127,6 +139,6 @@ fn in_periods(
         let of = |draft: &crate::orbit::Draft| -> Vec<Beat> {
             draft.impacts.iter().map(|hit| (hit.barrier, clock(draft.psi), hit.impulse)).collect()
         };
-        drafts.iter().map(of).collect()
+        (drafts.iter().map(of).collect(), 0)
     }))
 }

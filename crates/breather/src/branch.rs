@@ -15,7 +15,7 @@
 //! that breaks the symmetry. There the curve is followed among symmetric orbits alone ([`Reduction`]), so that it passes
 //! through regularly, while the determinant of all equations tells of the pitchfork.
 
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Stop};
 
 use crate::corrector::Continuation;
 use crate::error::BranchError;
@@ -130,6 +130,13 @@ impl Branch {
         Ok(Self { equations: Continuation::new(orbit, &[(free, unit)], unknowns, reduction)? })
     }
 
+    /// The same branch, along which no step is made once `stop` is raised.
+    #[must_use]
+    pub fn until(mut self, stop: &Stop) -> Self {
+        self.equations.finder = self.equations.finder.until(stop);
+        self
+    }
+
     /// Orbits assembled so far: the cost.
     pub fn evaluations(&self) -> usize {
         self.equations.evaluations
@@ -154,6 +161,17 @@ impl Branch {
     pub(crate) fn of_symmetric(orbit: &Orbit, free: Parameter, unit: f64) -> Result<Self, BranchError> {
         let unknowns = Unknowns::of(orbit);
         Self::with(orbit, (free, unit), unknowns, Reduction::of_word(orbit, &unknowns))
+    }
+
+    /// The same point, with impulses measured by what they are there from here on: of a branch along which they grow without bound,
+    /// equal steps are then equal factors, where they would be equal differences for ever.
+    pub(crate) fn rescaled(&mut self, point: BranchPoint) -> BranchPoint {
+        let before = self.equations.units.clone();
+        self.equations.rescale(&point.orbit);
+        let own = before.iter().zip(&self.equations.units);
+        let tangent: Vector = point.tangent.iter().zip(own).map(|(x, (before, now))| x * before / now).collect();
+        let norm = dot(&tangent, &tangent).sqrt();
+        BranchPoint { tangent: tangent.iter().map(|x| x / norm).collect(), ..point }
     }
 
     /// The orbit of the branch at the parameter of the one it was made with, which is only near it.

@@ -95,7 +95,8 @@ pub enum Completeness {
     Followed {
         /// Combinations of orbits of the masses alone that were followed.
         starts: usize,
-        /// Combinations, of phases as well, that were not tried, because there are too many.
+        /// Combinations, of phases as well, that were not tried, because there are too many or they take too much work, and branches
+        /// that were not followed to an event that ends them.
         left: usize,
     },
     /// There may be more orbits than the list holds: at the places told, or one is beyond the range of numbers.

@@ -43,6 +43,11 @@ pub(crate) struct Continuation {
     pub(crate) evaluations: usize,
 }
 
+/// What changes of impulses are compared to: an impact that grazes leaves the others, or what a mass of the ring's own speed would have.
+fn impulse_unit(orbit: &Orbit) -> f64 {
+    orbit.strength().max(0.1 * orbit.model().omega())
+}
+
 /// The equations and their derivatives at a point.
 pub(crate) struct Evaluation {
     pub(crate) orbit: Orbit,
@@ -68,9 +73,7 @@ impl Continuation {
         let model = orbit.model();
         let mut finder = Finder::new(model.chain().sites());
         finder.prepare(model, orbit.frequency())?;
-        let largest = orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
-        // An impact that grazes leaves the others, or what a mass of the ring's own speed would have.
-        let mut full_units = unknowns.units(orbit, &finder.response, largest.max(0.1 * model.omega()));
+        let mut full_units = unknowns.units(orbit, &finder.response, impulse_unit(orbit));
         for place in unknowns.times().chain(unknowns.psi()) {
             full_units[place] = model.period() / std::f64::consts::TAU;
         }
@@ -84,6 +87,16 @@ impl Continuation {
         let (origin, template) = (orbit.clone(), Template::of(orbit));
         let free = free.iter().map(|(parameter, _)| *parameter).collect();
         Ok(Self { finder, origin, free, template, fractions, unknowns, reduction, full_units, units, evaluations: 0 })
+    }
+
+    /// Measures impulses, and what they hold up, by those of `orbit` from here on.
+    pub(crate) fn rescale(&mut self, orbit: &Orbit) {
+        let own = self.unknowns.units(orbit, &self.finder.response, impulse_unit(orbit));
+        let which = ..=self.unknowns.impacts;
+        self.full_units[which].copy_from_slice(&own[which]);
+        for i in 0..self.reduction.size() {
+            self.units[i] = self.full_units[self.reduction.leading(i)];
+        }
     }
 
     /// Where an orbit of the origin's word stands.

@@ -17,8 +17,19 @@ pub enum End {
     },
     /// A harmonic of the orbit meets a mode.
     Resonance(Resonance),
+    /// Impulses grow beyond any bound: the barrier is out of reach of what they drive, as where χ₂ of the masses that hit vanishes.
+    Unbounded,
     /// It could not be followed farther.
     Lost,
+    /// The search had no more work to spend on it.
+    Unfinished,
+}
+
+impl End {
+    /// Whether this is what ends the branch, and not the search: beyond it there is none.
+    pub(crate) fn is_known(&self) -> bool {
+        !matches!(self, Self::Lost | Self::Unfinished)
+    }
 }
 
 /// Where a branch that was followed from masses without coupling ended.
@@ -40,7 +51,9 @@ impl fmt::Display for Ended {
             End::Fold => write!(f, "a fold")?,
             End::Grazing { site } => write!(f, "a grazing impact of site {site}")?,
             End::Resonance(resonance) => write!(f, "resonance of mode {}", resonance.mode)?,
+            End::Unbounded => write!(f, "impulses that grow without bound")?,
             End::Lost => write!(f, "an event that could not be told")?,
+            End::Unfinished => write!(f, "the limit on the work of one search, before any event")?,
         }
         write!(f, " at {} = {}", self.coupling, self.value)
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use thiserror::Error;
-use vibrochain_lattice::{ParameterError, Resonance, Short};
+use vibrochain_lattice::{ParameterError, Resonance, Short, Stopped};
 
 use crate::word::WordError;
 
@@ -46,9 +46,15 @@ pub enum BreatherError {
         /// The largest violation left.
         violation: f64,
     },
-    /// The flag of [`Finder::until`](crate::Finder::until) was raised.
+    /// The [`Stop`](vibrochain_lattice::Stop) of [`Finder::until`](crate::Finder::until) was raised.
     #[error("stopped before all orbits were found")]
     Stopped,
+}
+
+impl From<Stopped> for BreatherError {
+    fn from(Stopped: Stopped) -> Self {
+        Self::Stopped
+    }
 }
 
 /// What keeps a word from being searched for.

@@ -1,10 +1,7 @@
 //! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
 //! same, the impulse response as long as chain and frequency do, and all scratch space.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
-use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum, Wave};
+use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum, Stop, Wave};
 
 use crate::admissibility::Admissibility;
 use crate::completeness::{Completeness, Proof};
@@ -19,7 +16,6 @@ use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::radiation::Radiation;
 use crate::rises::Rises;
 use crate::roots::Zeros;
-use crate::stop::Stop;
 use crate::watch::{Depth, Watch};
 use crate::word::Word;
 use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_places, forced_single};
@@ -116,12 +112,17 @@ impl Finder {
         }
     }
 
-    /// The same finder, whose searches end with [`BreatherError::Stopped`] soon after `flag` is raised.
+    /// The same finder, all of whose work ends with [`BreatherError::Stopped`] soon after `stop` is raised.
     #[must_use]
-    pub fn until(mut self, flag: Arc<AtomicBool>) -> Self {
-        self.stop = Stop::at(flag);
+    pub fn until(mut self, stop: &Stop) -> Self {
+        self.stop = stop.clone();
         (self.zeros.stop, self.plane.stop) = (self.stop.clone(), self.stop.clone());
         self
+    }
+
+    /// What ends its work early. Whoever works for long on its orbits looks at it, too.
+    pub fn stop(&self) -> &Stop {
+        &self.stop
     }
 
     /// Spectrum and impulse response of the model's chain for impulses of frequency `omega`.
@@ -131,6 +132,7 @@ impl Finder {
 
     /// The same, from the view of another site.
     fn prepare_at(&mut self, model: &Model, omega: f64, home: usize) -> Result<(), BreatherError> {
+        self.stop.heard()?;
         let chain = model.chain();
         match &mut self.spectrum {
             Some(spectrum) if spectrum.chain() == chain => {}

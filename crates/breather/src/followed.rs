@@ -1,13 +1,12 @@
 //! A branch of a word, followed in the coupling from where it is weak or none to the model's: in γ₂ and, where there are layers, then in
 //! γ₃, until there or the event that ends it.
 
-use vibrochain_lattice::{Model, Parameter};
+use vibrochain_lattice::{Model, Parameter, Stop};
 
 use crate::branch::{Branch, BranchPoint};
 use crate::ended::{End, Ended};
 use crate::error::{BranchError, BreatherError};
 use crate::orbit::{Hit, Orbit};
-use crate::stop::Stop;
 
 /// What couples masses, in the order in which it is raised.
 const COUPLINGS: [Parameter; 2] = [Parameter::Gamma2, Parameter::Gamma3];
@@ -26,6 +25,39 @@ const ASIDE: f64 = 0.3;
 const AHEAD: f64 = 0.1;
 const FINE: f64 = 1e-5;
 
+/// Impulses so many times those at the start grow without bound: beyond, rounding of the kernels, so many times as large, hides the
+/// small sum of them that is left. With e < 1 they stay below some 2/(1 − e) times those at the start, so that a branch is followed
+/// through such a place up to e = 1 − 1e-6.
+const UNBOUNDED: f64 = 1e7;
+
+/// Impulses are measured anew once they have changed by this factor.
+const RESCALED: f64 = 2.0;
+
+/// Orbits assembled in one search, times their masses: some seconds. A branch on a ring of 21 masses takes 1e4.
+const MOST_WORK: u64 = 20_000_000;
+
+/// What following may cost in one search, and what ends it early.
+#[derive(Debug)]
+pub(crate) struct Effort {
+    stop: Stop,
+    left: u64,
+}
+
+impl Effort {
+    pub(crate) fn until(stop: &Stop) -> Self {
+        Self { stop: stop.clone(), left: MOST_WORK }
+    }
+
+    pub(crate) fn is_spent(&self) -> bool {
+        self.left == 0
+    }
+
+    /// Takes what a branch has cost.
+    fn pay(&mut self, evaluations: usize, model: &Model) {
+        self.left = self.left.saturating_sub((evaluations * model.chain().sites()) as u64);
+    }
+}
+
 /// A model with this part of all couplings.
 pub(crate) fn with_part(model: &Model, part: f64) -> Result<Model, BreatherError> {
     let weaker = |model: Model, &coupling: &Parameter| model.with(coupling, part * model.get(coupling));
@@ -38,44 +70,50 @@ pub(crate) fn follow_from(
     rough: &Orbit,
     part: f64,
     model: &Model,
-    stop: &Stop,
+    effort: &mut Effort,
 ) -> Result<Result<Orbit, Ended>, BreatherError> {
     let both = COUPLINGS.iter().all(|&coupling| model.get(coupling) > 0.0);
     let coupling = COUPLINGS.into_iter().find(|&coupling| model.get(coupling) > 0.0).unwrap_or(Parameter::Gamma2);
     let ended = |part: f64, by: End| Ok(Err(Ended { coupling, value: part * model.get(coupling), by }));
-    let near = |orbit: &Orbit, part: f64, reach: f64| -> Result<Option<Orbit>, BreatherError> {
+    let near = |orbit: &Orbit, part: f64, reach: f64, effort: &mut Effort| -> Result<Option<Orbit>, BreatherError> {
+        effort.stop.heard()?;
         let model = with_part(model, part)?;
         let hits: Vec<Hit> = orbit.impacts().iter().map(Hit::from).collect();
         // What is in the way of one step is none for a shorter one.
         let Ok(rough) = Orbit::from_impulses(&model, 1, 0.0, &hits) else { return Ok(None) };
-        let branch = Branch::of_symmetric(&rough, coupling, model.get(coupling));
-        Ok(branch.and_then(|mut branch| branch.nearby(reach)).ok())
+        let Ok(mut branch) = Branch::of_symmetric(&rough, coupling, model.get(coupling)) else { return Ok(None) };
+        let there = branch.nearby(reach).ok();
+        effort.pay(branch.evaluations(), &model);
+        Ok(there)
     };
-    let Some(mut orbit) = near(rough, part, ASIDE)? else { return ended(part, End::Lost) };
+    let Some(mut orbit) = near(rough, part, ASIDE, effort)? else { return ended(part, End::Lost) };
     if !both {
-        return follow(&orbit, model, stop);
+        return follow(&orbit, model, effort);
     }
-    let (mut part, mut step) = (part, LONGEST);
+    let (first, mut part, mut step) = (orbit.strength(), part, LONGEST);
     while part < 1.0 {
-        stop.heard()?;
         let next = (part + step).min(1.0);
-        let there = near(&orbit, next, AHEAD)?;
+        let there = near(&orbit, next, AHEAD, effort)?;
         let turned = there.as_ref().and_then(outward);
         match (there, turned) {
             (Some(there), None) => (orbit, part, step) = (there, next, (1.5 * step).min(LONGEST)),
+            _ if effort.is_spent() => return ended(part, End::Unfinished),
             _ if step > FINE => step *= 0.5,
             (_, Some(site)) => return ended(part, End::Grazing { site }),
             (None, None) => return ended(part, End::Lost),
+        }
+        if orbit.strength() > UNBOUNDED * first {
+            return ended(part, End::Unbounded);
         }
     }
     Ok(Ok(orbit))
 }
 
 /// Follows an orbit of weaker coupling to the model's.
-pub(crate) fn follow(start: &Orbit, model: &Model, stop: &Stop) -> Result<Result<Orbit, Ended>, BreatherError> {
+pub(crate) fn follow(start: &Orbit, model: &Model, effort: &mut Effort) -> Result<Result<Orbit, Ended>, BreatherError> {
     let mut orbit = start.clone();
     for coupling in COUPLINGS {
-        match follow_in(&orbit, coupling, model.get(coupling), stop)? {
+        match follow_in(&orbit, coupling, model.get(coupling), effort)? {
             Ok(there) => orbit = there,
             ended => return Ok(ended),
         }
@@ -88,7 +126,7 @@ fn follow_in(
     start: &Orbit,
     coupling: Parameter,
     target: f64,
-    stop: &Stop,
+    effort: &mut Effort,
 ) -> Result<Result<Orbit, Ended>, BreatherError> {
     if target == start.model().get(coupling) {
         return Ok(Ok(start.clone()));
@@ -99,19 +137,24 @@ fn follow_in(
         _ => ended(0.0, End::Lost),
     };
     let mut along = match Branch::of_symmetric(start, coupling, target) {
-        Ok(along) => along,
+        Ok(along) => along.until(&effort.stop),
         Err(error) => return branch(error),
     };
     let mut point = match along.start() {
         Ok(point) => point,
         Err(error) => return branch(error),
     };
-    let mut step = LONGEST;
+    let (first, mut unit, mut step, mut paid) = (start.strength(), start.strength(), LONGEST, 0);
     loop {
-        stop.heard()?;
+        effort.pay(along.evaluations() - paid, start.model());
+        paid = along.evaluations();
+        if effort.is_spent() {
+            return ended(point.value(), End::Unfinished);
+        }
         let left = (target - point.value()) / target;
         let there = left <= step * point.heading();
         let mut next = if there { along.at(&point, target) } else { along.step(&point, step) };
+        effort.stop.heard()?;
         if next.is_err() && step >= SHORTEST {
             step *= 0.5;
             continue;
@@ -141,12 +184,27 @@ fn follow_in(
             let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
             return ended(there, by);
         }
+        let strength = next.orbit().strength();
+        if strength > UNBOUNDED * first {
+            // With losses they are bounded, and the branch goes on where rounding hides it.
+            let elastic = start.model().loss() == 0.0;
+            return ended(pole(&point, &next), if elastic { End::Unbounded } else { End::Lost });
+        }
         if there && next.value() == target {
             return Ok(Ok(next.orbit().clone()));
         }
         point = next;
+        if !(unit / RESCALED..=unit * RESCALED).contains(&strength) {
+            (point, unit) = (along.rescaled(point), strength);
+        }
         step = (1.5 * step).min(LONGEST);
     }
+}
+
+/// Where impulses are infinite that grow between the two points as near a simple pole.
+fn pole(from: &BranchPoint, to: &BranchPoint) -> f64 {
+    let (before, now) = (from.orbit().strength(), to.orbit().strength());
+    to.value() + (to.value() - from.value()) * before / (now - before)
 }
 
 /// The mass whose impact has lost its velocity.

@@ -13,18 +13,17 @@
 //! are symmetric in time leave zeros where their impacts mirror each other, which are exact; others are found by Newton's method from a
 //! grid of phases.
 
-use vibrochain_lattice::{ImpulseResponse, Model};
+use vibrochain_lattice::{ImpulseResponse, Model, Stop};
 
 use crate::alone::{self, Alone, Beat};
 use crate::completeness::Completeness;
 use crate::enumeration::combinations;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found};
-use crate::followed::{follow_from, with_part};
+use crate::followed::{Effort, follow_from, with_part};
 use crate::linear::{Matrix, Vector, zeros};
 use crate::orbit::Hit;
 use crate::side_by_side::{list, orbit_of, side_by_side};
-use crate::stop::Stop;
 use crate::uncoupled::{MOST_STARTS, outcome, parts};
 use crate::word::Word;
 
@@ -59,7 +58,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
     };
     for (_, barriers) in &parts {
         if reason.is_none() {
-            match alone::without_force(model, barriers)? {
+            match alone::without_force(model, barriers, &finder.stop)? {
                 Ok(list) => solutions.push(list),
                 Err(none) => reason = Some(none),
             }
@@ -70,8 +69,13 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
         return Ok(());
     }
     let all = solutions.iter().fold(1_usize, |product, list| product.saturating_mul(list.len()));
-    let (mut starts, mut left, mut felt) = (0, all.saturating_sub(MOST_STARTS), false);
+    let (mut starts, mut left, mut felt) = (0, all, false);
+    let mut effort = Effort::until(&finder.stop);
     for choice in combinations(solutions.iter().map(Vec::len).collect()).take(MOST_STARTS) {
+        if effort.is_spent() {
+            break;
+        }
+        left -= 1;
         let masses: Vec<(usize, &Alone)> =
             choice.iter().zip(&solutions).zip(&parts).map(|((&i, list), (site, _))| (*site, &list[i])).collect();
         let Some(AtRest { weak, part, phases, untried }) = at_rest(finder, model, &masses)? else { continue };
@@ -91,8 +95,12 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
             }
             seen.push(hits.clone());
             let Some(start) = orbit_of(&weak, 1, 0.0, hits)? else { continue };
+            if effort.is_spent() {
+                left += 1;
+                continue;
+            }
             starts += 1;
-            let ended = follow_from(&start, part, model, &finder.stop)?;
+            let ended = follow_from(&start, part, model, &mut effort)?;
             list(ended, found);
         }
     }

@@ -87,7 +87,6 @@ mod rises;
 mod roots;
 mod side_by_side;
 mod sketch;
-mod stop;
 mod surface;
 mod symmetries;
 mod two_impacts;

@@ -264,6 +264,11 @@ impl Orbit {
         self.impacts.iter().map(|impact| impact.impulse).max_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
+    /// The size of the largest impulse; 0 without impacts.
+    pub fn strength(&self) -> f64 {
+        self.strongest_impulse().map_or(0.0, f64::abs)
+    }
+
     /// The site that takes all impacts, if there is only one.
     pub fn impact_site(&self) -> Option<usize> {
         match self.sources.as_slice() {

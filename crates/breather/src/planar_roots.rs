@@ -13,8 +13,9 @@
 //! Where neither is decided the rectangle shrinks to that enclosure or is halved across its more curved direction. What
 //! rounding blurs before it is decided is a double zero, or two closer than can be told apart: unresolved.
 
+use vibrochain_lattice::Stop;
+
 use crate::patch::Patch;
-use crate::stop::Stop;
 
 /// Two functions with enclosures, which may be written down in several ways.
 pub(crate) trait Planar {

@@ -6,11 +6,11 @@
 //! unresolved, not dropped.
 
 use smallvec::SmallVec;
+use vibrochain_lattice::Stop;
 use wide::f64x4;
 
 use crate::enclosure::{Dual, Enclosure};
 use crate::lanes::{LANES, Lane};
-use crate::stop::Stop;
 
 /// How far function and derivative stay away from 0 on an interval: neither has a zero there where this is positive.
 #[derive(Debug, Clone, Copy)]

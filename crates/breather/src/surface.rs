@@ -9,7 +9,7 @@
 //!
 //! which stays regular where the surface folds over the plane of the parameters, and where two folds meet in a cusp.
 
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Stop};
 
 use crate::branch::CHORD;
 use crate::corrector::Continuation;
@@ -97,6 +97,13 @@ impl Surface {
         let unknowns = Unknowns::of(orbit);
         let reduction = Reduction::of(orbit, &free.map(|(parameter, _)| parameter), &unknowns);
         Ok(Self { equations: Continuation::new(orbit, &free, unknowns, reduction)? })
+    }
+
+    /// The same surface, on which no step is made once `stop` is raised.
+    #[must_use]
+    pub fn until(mut self, stop: &Stop) -> Self {
+        self.equations.finder = self.equations.finder.until(stop);
+        self
     }
 
     /// Orbits assembled so far: the cost.

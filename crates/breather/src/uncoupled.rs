@@ -10,7 +10,7 @@ use crate::completeness::Completeness;
 use crate::enumeration::combinations;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::finder::{Finder, Found};
-use crate::followed::{follow, with_part};
+use crate::followed::{Effort, follow, with_part};
 use crate::side_by_side::{list, orbit_of, side_by_side};
 use crate::word::Word;
 
@@ -46,10 +46,13 @@ pub(crate) fn find(
         return Ok(());
     }
     let parts = parts(word);
-    let mut solutions = Vec::new();
+    let (mut solutions, mut missing) = (Vec::new(), 0);
     for (_, barriers) in &parts {
-        match alone::under_force(model, barriers, periods)? {
-            Ok(list) => solutions.push(list),
+        match alone::under_force(model, barriers, periods, &finder.stop)? {
+            Ok((list, open)) => {
+                solutions.push(list);
+                missing += open;
+            }
             Err(reason) => {
                 found.completeness = Completeness::None { reason, by: None };
                 return Ok(());
@@ -58,9 +61,13 @@ pub(crate) fn find(
     }
     let uncoupled = with_part(model, 0.0)?;
     let product = solutions.iter().try_fold(1_usize, |product, list| product.checked_mul(list.len()));
-    let all = product.unwrap_or(usize::MAX);
-    let mut starts = 0;
+    let (mut starts, mut left) = (0, product.unwrap_or(usize::MAX));
+    let mut effort = Effort::until(&finder.stop);
     for choice in combinations(solutions.iter().map(Vec::len).collect()).take(MOST_STARTS) {
+        if effort.is_spent() {
+            break;
+        }
+        left -= 1;
         let chosen: Vec<&Alone> = choice.iter().zip(&solutions).map(|(&i, list)| &list[i]).collect();
         if !is_first(&chosen, periods) {
             continue;
@@ -71,16 +78,18 @@ pub(crate) fn find(
         let psi = first * f64::from(periods) * model.period();
         if let Some(start) = orbit_of(&uncoupled, periods, psi, hits)? {
             starts += 1;
-            list(follow(&start, model, &finder.stop)?, found);
+            list(follow(&start, model, &mut effort)?, found);
         }
     }
-    found.completeness = outcome(found, starts, all.saturating_sub(MOST_STARTS));
+    found.completeness = outcome(found, starts, left.saturating_add(missing));
     Ok(())
 }
 
-/// What is known of a list that so many starts have led to.
+/// What is known of a list that so many starts have led to, while so many others were left.
 pub(crate) fn outcome(found: &Found, starts: usize, left: usize) -> Completeness {
-    if found.orbits.is_empty() {
+    let left = left.saturating_add(found.ended.iter().filter(|ended| !ended.by.is_known()).count());
+    // A branch that was lost, or left for want of work, may lead here.
+    if found.orbits.is_empty() && left == 0 {
         let reason = if starts == 0 { NoBreather::NoStart } else { NoBreather::BranchesEnded };
         Completeness::None { reason, by: None }
     } else {

@@ -1,10 +1,10 @@
 //! All borders of a scene, with a bar that tells how far the search is.
 
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
 
 use indicatif::ProgressBar;
 use rayon::ThreadPool;
+use vibrochain_lattice::Stop;
 use vibrochain_maps::borders::{Asked, Borders, Stage};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::regions::Regions;
@@ -22,7 +22,7 @@ pub(crate) struct BorderSearch<'a> {
     /// Whether points of codimension two are wanted.
     pub(crate) special: bool,
     /// Raised to end it.
-    pub(crate) stop: &'a AtomicBool,
+    pub(crate) stop: &'a Stop,
     /// Whether a bar is drawn.
     pub(crate) progress: bool,
 }

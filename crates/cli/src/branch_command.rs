@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use vibrochain_breather::Orbit;
 use vibrochain_floquet::{
-    Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Origin, Station, diagram,
+    Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Origin, Station, diagram_until,
 };
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -38,10 +38,11 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
     ];
     let taken = distinct(&args.along.reads(), &files)?;
     nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
     let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
-    let start = start(&args.along, console)?;
+    let start = start(&args.along, &stop, console)?;
     if args.plot.is_some() && args.show.contains(&QuantityName::Psi) && start.orbit.model().is_conservative() {
         let message =
             "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral-radius";
@@ -56,7 +57,7 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
     }
     course.generations = if args.switch { args.generations } else { 0 };
     course.tolerance = start.chosen.tolerance(args.threshold)?;
-    let diagram = diagram(&start.orbit, &course)?;
+    let diagram = diagram_until(&start.orbit, &course, &stop)?;
     let text = if args.json {
         format!("{:#}\n", as_json(&start, &course, &diagram))
     } else {

@@ -2,10 +2,10 @@
 //! share the work.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use rayon::ThreadPool;
+use vibrochain_lattice::Stop;
 use vibrochain_maps::files::{Destination, promises_folder, settle_names};
 use vibrochain_maps::manifest::Effort;
 use vibrochain_maps::summary::Summary;
@@ -27,7 +27,7 @@ pub(crate) struct ChunkedRun<'a, C> {
     pub(crate) content: &'a C,
     pub(crate) plan: &'a Plan,
     pub(crate) pool: &'a ThreadPool,
-    pub(crate) stop: &'a AtomicBool,
+    pub(crate) stop: &'a Stop,
     /// Whether chunks that are there are to be taken up.
     pub(crate) resume: bool,
     /// Steps of a cell, and what they are called.

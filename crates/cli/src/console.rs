@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
 use crate::error::CliError;
+use vibrochain_lattice::Stop;
 use vibrochain_maps::files::halt_on;
 use vibrochain_maps::text::printable;
 
@@ -21,8 +22,8 @@ pub struct Console<'a> {
     pub quiet: bool,
     /// Threads to compute on, if their number was asked for.
     pub threads: Option<usize>,
-    /// Hands out the flag that tells long work to stop. Asked only by commands that look at it.
-    pub interrupt: &'a dyn Fn() -> Result<Arc<AtomicBool>, CliError>,
+    /// Hands out what tells long work to stop. Asked only by commands that look at it, before they begin a file.
+    pub interrupt: &'a dyn Fn() -> Result<Stop, CliError>,
 }
 
 impl fmt::Debug for Console<'_> {
@@ -36,7 +37,7 @@ impl<'a> Console<'a> {
     pub fn new(
         out: &'a mut dyn Write,
         err: &'a mut dyn Write,
-        interrupt: &'a dyn Fn() -> Result<Arc<AtomicBool>, CliError>,
+        interrupt: &'a dyn Fn() -> Result<Stop, CliError>,
     ) -> Self {
         Self { out, err, progress: false, quiet: false, threads: None, interrupt }
     }
@@ -91,21 +92,22 @@ pub(crate) fn nothing_else(json: bool, taken: bool) -> Result<(), CliError> {
 }
 
 /// Raised by signals; or why it cannot be.
-static FLAG: OnceLock<Result<Arc<AtomicBool>, String>> = OnceLock::new();
+static STOP: OnceLock<Result<Stop, String>> = OnceLock::new();
 
-/// The flag that Ctrl-C, SIGTERM and SIGHUP raise. A process has one handler of signals, so it has one such flag: the first
+/// What Ctrl-C, SIGTERM and SIGHUP raise. A process has one handler of signals, so it has one such request to stop: the first
 /// call installs it, later ones hand out the same. A signal that is ignored already, as SIGHUP under `nohup`, stays so.
 ///
 /// # Errors
 /// [`CliError::Computation`] if the handler cannot be installed.
-pub fn ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
-    let flag = FLAG.get_or_init(|| {
+pub fn ctrl_c() -> Result<Stop, CliError> {
+    let stop = STOP.get_or_init(|| {
         let flag = Arc::new(AtomicBool::new(false));
         let installed = listen(&flag);
-        halt_on(&flag);
-        installed.map(|()| flag).map_err(|error| format!("cannot listen for Ctrl-C: {error}"))
+        let stop = Stop::from(&flag);
+        halt_on(&stop);
+        installed.map(|()| stop).map_err(|error| format!("cannot listen for Ctrl-C: {error}"))
     });
-    flag.clone().map_err(CliError::Computation)
+    stop.clone().map_err(CliError::Computation)
 }
 
 #[cfg(unix)]
@@ -150,7 +152,7 @@ mod tests {
     #[test]
     fn one_process_may_run_many_commands() {
         let (first, second) = (ctrl_c().unwrap(), ctrl_c().unwrap());
-        assert!(Arc::ptr_eq(&first, &second) && !first.load(std::sync::atomic::Ordering::Relaxed));
+        assert!(!first.is_raised() && !second.is_raised());
     }
 
     #[cfg(unix)]

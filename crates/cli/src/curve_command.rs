@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_floquet::{CurvePoint, EventCurve, Located, Search, SpecialPoint, Window, curve, locate};
+use vibrochain_floquet::{
+    CurvePoint, EventCurve, Located, Search, SpecialPoint, Walk, Window, curve_along, locate_until,
+};
 use vibrochain_lattice::{Parameter, Short};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -46,19 +48,20 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     if first == second {
         return Err(CliError::Request(format!("--free and --and are both {}: give two parameters", first.name())));
     }
+    let stop = (console.interrupt)()?;
     let header = header([first.name(), second.name()]);
     let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
-    let start = start(&args.along, console)?;
+    let start = start(&args.along, &stop, console)?;
     let window = window(args, &start)?;
     let search = Search { event: event(args.event), free: first, from: window.from[0], to: window.to[0] };
-    let answer = locate(&start.orbit, &search)?;
+    let answer = locate_until(&start.orbit, &search, &stop)?;
     let mut curves = Curves { window, list: Vec::new() };
     for located in &answer.located {
         if !curves.holds(located, args.tolerance) {
-            let curve = curve(&located.orbit, located.event, located.evidence, &window, args.tolerance)?;
-            curves.list.push(curve);
+            let walk = Walk { stop: stop.clone(), ..Walk::new(window, args.tolerance) };
+            curves.list.push(curve_along(&located.orbit, located.event, located.evidence, &walk)?);
         }
     }
     let text = if args.json {

@@ -42,12 +42,12 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
         _ => ["x", "y"],
     };
     let header = ["border", "family", "event", names[0], names[1], "error", "stripe", "half_width"];
+    let stop = (console.interrupt)()?;
     // Destinations first: an impossible one should not cost a computation.
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
     let header = ["border", "family", "event", "special", names[0], names[1], "error"];
     let points = args.points.as_deref().map(|path| CsvFile::create("--points", path, header)).transpose()?;
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
-    let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let started = Instant::now();
     let (tolerance, places) = (args.tolerance, args.places);

@@ -156,8 +156,8 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
 fn cells(args: &DrawArgs, table: TableRows, source: &Path, console: &mut Console<'_>) -> Result<String, CliError> {
     let scene = Scene::read(source)?;
     let pool = threads(console.threads)?;
-    let mut pictures = Pictures::plan(&args.pictures, &scene)?;
     let stop = (console.interrupt)()?;
+    let mut pictures = Pictures::plan(&args.pictures, &scene)?;
     pictures.begin();
     let summary = table.cells(&Cells, &scene, &mut |number, cell| pictures.cell(number, cell))?;
     let told = pictures.find_borders(&pool, &stop, console.progress)?;

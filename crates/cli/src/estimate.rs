@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
+use vibrochain_lattice::Stop;
 
 use crate::error::CliError;
 use crate::report::grid;
@@ -36,10 +36,10 @@ fn place(i: u64) -> f64 {
     ((i as f64 + 0.5) * GOLDEN).fract()
 }
 
-fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
+fn sample(plan: &Plan, stop: &Stop) -> Result<Sample, CliError> {
     let scene = &plan.scene;
     let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not estimate: {error}"));
-    let mut worker = Worker::new(scene.base.sites());
+    let mut worker = Worker::new(scene.base.sites()).until(stop);
     let mut table = Table::new(scene);
     let wanted = SAMPLE.min(plan.cells());
     // The first cell fills the work space: it is computed once more.
@@ -50,7 +50,7 @@ fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
     let begun = Instant::now();
     let (mut seconds, mut cells) = (0.0, 0);
     while cells < wanted && (cells == 0 || begun.elapsed() < PATIENCE) {
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_raised() {
             return Err(CliError::Interrupted);
         }
         let number = (place(cells) * plan.cells() as f64) as u64;
@@ -68,7 +68,7 @@ fn sample(plan: &Plan, stop: &AtomicBool) -> Result<Sample, CliError> {
 }
 
 /// How many rows a cell has on the average, from some of them.
-fn rows_per_cell(plan: &Plan, pool: &ThreadPool, stop: &AtomicBool) -> Result<f64, CliError> {
+fn rows_per_cell(plan: &Plan, pool: &ThreadPool, stop: &Stop) -> Result<f64, CliError> {
     let job = Job { scene: &plan.scene, pool, stop };
     let part = |i: u64| {
         let number = (place(i) * plan.cells() as f64) as u64;
@@ -97,7 +97,7 @@ fn rows_per_cell(plan: &Plan, pool: &ThreadPool, stop: &AtomicBool) -> Result<f6
 ///
 /// # Errors
 /// [`CliError::Interrupted`].
-pub(crate) fn estimate(plan: &Plan, shard: Shard, pool: &ThreadPool, stop: &AtomicBool) -> Result<String, CliError> {
+pub(crate) fn estimate(plan: &Plan, shard: Shard, pool: &ThreadPool, stop: &Stop) -> Result<String, CliError> {
     let threads = pool.current_num_threads();
     let sample = sample(plan, stop)?;
     let rows = match plan.scene.refine {

@@ -1,10 +1,10 @@
 //! `mapgen fate`: many perturbed runs from the breathers of a scene, and what they end in.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use rayon::ThreadPool;
 use vibrochain_fate::{CellFates, Diagram, Ensemble, Fates, From, MAX_POINTS};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::error::MapError;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -172,6 +172,7 @@ impl Ends<'_> {
             let pool = threads(console.threads.or(given))?;
             return self.chunked(&pool, &stop, console.threads).shard("--csv", folder, shard, console);
         }
+        let stop = (console.interrupt)()?;
         let files = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
         let mut seen = Seen::new(&plan.scene, &fates.ensemble, files)?;
         // Destinations first: an impossible one should not cost a computation.
@@ -179,7 +180,6 @@ impl Ends<'_> {
             drop(fates.create(out, &plan.scene, 1)?);
         }
         let manifest = Manifest::create(beside(args.csv.as_deref())?.as_deref())?;
-        let stop = (console.interrupt)()?;
         let pool = threads(console.threads)?;
         let run = self.chunked(&pool, &stop, console.threads);
         // Two kinds of lines on one terminal are none.
@@ -224,12 +224,7 @@ impl Ends<'_> {
     }
 
     /// `threads` as asked for.
-    fn chunked<'a>(
-        &'a self,
-        pool: &'a ThreadPool,
-        stop: &'a AtomicBool,
-        threads: Option<usize>,
-    ) -> ChunkedRun<'a, Fates> {
+    fn chunked<'a>(&'a self, pool: &'a ThreadPool, stop: &'a Stop, threads: Option<usize>) -> ChunkedRun<'a, Fates> {
         let Self { args, plan, fates, .. } = *self;
         let again = self.again(threads);
         let steps = (args.starts, "runs");
@@ -274,10 +269,10 @@ fn diagram(
     let columns = |name: &'static str| sites.iter().map(move |site| format!("{name}_{site}"));
     let header = [axis.parameter.name().to_owned(), "period".to_owned()];
     let header = header.into_iter().chain(columns("displacement")).chain(columns("velocity"));
+    let stop = (console.interrupt)()?;
     let mut file = CsvFile::create("--diagram", path, header)?;
     let manifest = Manifest::create(beside(Some(path))?.as_deref())?;
     let mut plot = Plot::of_diagram(PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?, scene);
-    let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let bar = counter(scene.cells(), 0, "cells", console.progress && !taken);
     let job = Job { scene, pool: &pool, stop: &stop };

@@ -4,8 +4,10 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate};
-use vibrochain_lattice::{Model, Parameter, Short};
+use vibrochain_floquet::{
+    Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate_until,
+};
+use vibrochain_lattice::{Model, Parameter, Short, Stop};
 
 use crate::args::{AlongArgs, EventName, LocateArgs};
 use crate::console::{Console, nothing_else};
@@ -51,12 +53,13 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let taken = distinct(&args.along.reads(), &[("--csv", args.csv.as_deref())])?;
     nothing_else(args.json, taken)?;
     let header = HEADER.map(|name| if name == FREE { args.along.free.name() } else { name });
+    let stop = (console.interrupt)()?;
     let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
-    let start = start(&args.along, console)?;
+    let start = start(&args.along, &stop, console)?;
     let mut search = Search::new(&start.orbit, event(args.event), args.along.free);
     let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
     (search.from, search.to) = (from.unwrap_or(search.from), to.unwrap_or(search.to));
-    let answer = locate(&start.orbit, &search)?;
+    let answer = locate_until(&start.orbit, &search, &stop)?;
     let text = if args.json {
         format!("{:#}\n", as_json(&start, &search, &answer))
     } else {
@@ -111,7 +114,7 @@ fn around(free: Parameter, range: [Option<f64>; 2], model: &Model) -> Result<(),
 }
 
 /// The solution asked for, physical or not; otherwise the first physical one.
-pub(crate) fn start(args: &AlongArgs, console: &mut Console<'_>) -> Result<Start, CliError> {
+pub(crate) fn start(args: &AlongArgs, stop: &Stop, console: &mut Console<'_>) -> Result<Start, CliError> {
     let chosen = chosen(&args.model, console)?;
     let which = which::wanted(&args.which, chosen.scene.as_ref())?;
     let (model, free) = (&chosen.model, args.free);
@@ -121,7 +124,7 @@ pub(crate) fn start(args: &AlongArgs, console: &mut Console<'_>) -> Result<Start
         model.with(free, value).map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
     }
     around(free, range(&chosen, free, [args.from, args.to]), model)?;
-    let mut finder = Finder::new(model.chain().sites());
+    let mut finder = Finder::new(model.chain().sites()).until(stop);
     let (_, found) = which::find(&which, model, &mut finder, None)?;
     let count = found.orbits.len();
     if let Some(reason) = found.completeness.reason() {

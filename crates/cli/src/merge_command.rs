@@ -1,13 +1,11 @@
 //! `mapgen merge`: a folder of chunks → table, manifest, pictures.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_fate::Fates;
-use vibrochain_lattice::Short;
+use vibrochain_lattice::{Short, Stop};
 
 use crate::args::MergeArgs;
 use crate::chunked_run::quoted;
@@ -102,7 +100,7 @@ fn apart(args: &MergeArgs, manifest_file: Option<&Path>) -> Result<bool, CliErro
     Ok(taken)
 }
 
-/// The table of all chunks, what they add up to, and the flag that tells to stop.
+/// The table of all chunks, what they add up to, and what tells to stop.
 fn assembled<C: Content>(
     content: &C,
     args: &MergeArgs,
@@ -110,9 +108,9 @@ fn assembled<C: Content>(
     pool: &ThreadPool,
     watcher: &mut dyn Watcher<C::Item>,
     console: &Console<'_>,
-) -> Result<(TableFile, Summary, Arc<AtomicBool>), CliError> {
-    let mut assembly = Assembly::begin(content, plan, &args.out, pool.current_num_threads(), watcher)?;
+) -> Result<(TableFile, Summary, Stop), CliError> {
     let stop = (console.interrupt)()?;
+    let mut assembly = Assembly::begin(content, plan, &args.out, pool.current_num_threads(), watcher)?;
     let check = |chunk| Store::check(content, &args.folder, plan, chunk, &stop).err().map(|fault| (chunk, fault));
     let faults: Vec<(u64, Fault)> = pool.install(|| (0..plan.chunks()).into_par_iter().filter_map(check).collect());
     if faults.iter().any(|(_, fault)| matches!(fault, Fault::Stopped)) {

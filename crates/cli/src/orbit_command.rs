@@ -1,11 +1,9 @@
 //! `mapgen orbit`: all breathers of a family at one point.
 
 use std::fmt::Write as _;
-use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
+use vibrochain_breather::{BreatherError, Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
 use vibrochain_lattice::{Ends, Model};
 
@@ -45,18 +43,14 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         ],
     )?;
     nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let trajectory = OrbitTrajectory::open(args, &model)?;
     let plot = Plot::open(args)?;
-    let stop = (console.interrupt)()?;
-    let mut finder = Finder::new(model.chain().sites()).until(Arc::clone(&stop));
+    let mut finder = Finder::new(model.chain().sites()).until(&stop);
     let (name, mut found) = which::find(&which, &model, &mut finder, Some(console))?;
     let mut solutions = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {
-        // Each takes long where masses are many.
-        if stop.load(Ordering::Relaxed) {
-            return Err(CliError::Interrupted);
-        }
         // Of a large lattice the check gives back what the condition needs.
         let condition = finder.condition(&orbit)?;
         let admissibility = finder.admissibility(&orbit)?;
@@ -65,6 +59,8 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         let leading = multipliers.as_ref().ok().map(|all| all.verdict).filter(|v| v.mechanism.is_some());
         let modes = OrbitModes::of(&orbit, &mut finder, leading.map(|verdict| verdict.leading), args.json);
         let phases = drifting(&orbit, &mut finder, leading)?;
+        // Stability that was stopped is not told as one that could not be computed.
+        stop.heard().map_err(BreatherError::from)?;
         solutions.push(Solution { orbit, admissibility, condition, multipliers, modes, phases });
     }
     let text = if args.json {

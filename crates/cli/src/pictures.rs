@@ -8,9 +8,9 @@ pub(crate) use without_pictures::Pictures;
 #[cfg(feature = "plot")]
 mod with_pictures {
     use std::path::PathBuf;
-    use std::sync::atomic::AtomicBool;
 
     use rayon::ThreadPool;
+    use vibrochain_lattice::Stop;
     use vibrochain_maps::borders::{Border, Borders};
     use vibrochain_maps::cell::Cell;
     use vibrochain_maps::scene::{Scene, Slice};
@@ -142,7 +142,7 @@ mod with_pictures {
         pub(crate) fn find_borders(
             &mut self,
             pool: &ThreadPool,
-            stop: &AtomicBool,
+            stop: &Stop,
             progress: bool,
         ) -> Result<String, CliError> {
             if !self.curves {
@@ -221,9 +221,8 @@ mod with_pictures {
 
 #[cfg(not(feature = "plot"))]
 mod without_pictures {
-    use std::sync::atomic::AtomicBool;
-
     use rayon::ThreadPool;
+    use vibrochain_lattice::Stop;
     use vibrochain_maps::cell::Cell;
     use vibrochain_maps::scene::Scene;
     use vibrochain_maps::sweep::Watcher;
@@ -240,7 +239,7 @@ mod without_pictures {
             PictureFiles::asked(wanted).map(|_| Self)
         }
 
-        pub(crate) fn find_borders(&mut self, _: &ThreadPool, _: &AtomicBool, _: bool) -> Result<String, CliError> {
+        pub(crate) fn find_borders(&mut self, _: &ThreadPool, _: &Stop, _: bool) -> Result<String, CliError> {
             Ok(String::new())
         }
 

@@ -1,13 +1,12 @@
 //! `mapgen simulate`: an event-driven run from an orbit or from any state.
 
 use std::fmt::Write as _;
-use std::sync::atomic::Ordering;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Tolerance, stability};
-use vibrochain_lattice::Short;
+use vibrochain_lattice::{Short, Stop};
 
 use crate::animate::Film;
 use crate::args::{Direction, SimulateArgs};
@@ -67,7 +66,8 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         ],
     )?;
     nothing_else(args.json, taken)?;
-    let (start, orbit) = starting_point(args, &chosen, console)?;
+    let stop = (console.interrupt)()?;
+    let (start, orbit) = starting_point(args, &chosen, &stop, console)?;
     let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
     let end = Time::new(&model, periods.trunc() as u64, periods.fract());
@@ -87,7 +87,6 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut section = Section::open(args, &model, orbit.as_ref(), &start)?;
     let mut plot = Plot::open(args, &model, orbit.as_ref(), &start)?;
     let mut film = Film::open(args, &model, orbit.as_ref())?;
-    let stop = (console.interrupt)()?;
 
     // Samples if somebody wants them, the last one at the end; otherwise the end alone.
     let samples = if trajectory.is_some() || plot.is_wanted() || film.is_wanted() { args.samples } else { 0 };
@@ -133,7 +132,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
             let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
             let limits = Limits { until: look.or(Some(time)), impacts: left, flights: portion, ..Limits::default() };
             report = simulation.run(&limits, |event| observe(event, &mut impacts, &mut section, &mut plot, &mut film));
-            stopped = stop.load(Ordering::Relaxed);
+            stopped = stop.is_raised();
             pace.see(&report, console);
             if let (Some(_), Outcome::TimeReached, Some(section)) = (look, report.outcome, &mut section) {
                 section.look(&simulation)?;
@@ -179,13 +178,14 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
 fn starting_point(
     args: &SimulateArgs,
     chosen: &Chosen,
+    stop: &Stop,
     console: &mut Console<'_>,
 ) -> Result<(Start, Option<Orbit>), CliError> {
     if let Some(path) = &args.state {
         return Ok((start::read(path, args.psi)?, None));
     }
     let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
-    let mut finder = Finder::new(model.chain().sites());
+    let mut finder = Finder::new(model.chain().sites()).until(stop);
     let (_, mut found) = which::find(&which, model, &mut finder, Some(console))?;
     let count = found.orbits.len();
     let mut taken = None;

@@ -1,11 +1,10 @@
 //! `mapgen sweep`: scene → plan → chunks → files → summary.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use clap::ValueEnum;
 use rayon::ThreadPool;
-use vibrochain_lattice::Short;
+use vibrochain_lattice::{Short, Stop};
 
 use crate::args::{ColorName, SweepArgs};
 use crate::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
@@ -63,7 +62,7 @@ struct Sweep<'a> {
 
 impl Sweep<'_> {
     /// `threads` as asked for.
-    fn run<'a>(&'a self, stop: &'a AtomicBool, threads: Option<usize>) -> ChunkedRun<'a, Cells> {
+    fn run<'a>(&'a self, stop: &'a Stop, threads: Option<usize>) -> ChunkedRun<'a, Cells> {
         let (plan, pool, resume) = (self.plan, self.pool, self.args.resume);
         ChunkedRun { content: &Cells, plan, pool, stop, resume, steps: (1, "cells"), again: self.command(threads) }
     }
@@ -80,11 +79,11 @@ impl Sweep<'_> {
         let taken = distinct(&[("the scene", Some(&self.args.scene))], &outputs)?;
         nothing_else(self.args.json, taken)?;
         Form::of(out)?;
+        let stop = (console.interrupt)()?;
         // Destinations first: an impossible one should not cost a computation.
         drop(TableFile::create(out, scene, 1)?);
         Output::create(&manifest_file)?;
         let mut pictures = Pictures::plan(wanted, scene)?;
-        let stop = (console.interrupt)()?;
         let run = self.run(&stop, console.threads);
         let gathered = run.gather(out, &parts, &mut pictures, console)?;
         let (summary, effort) = (gathered.summary.clone(), gathered.effort);
@@ -110,8 +109,8 @@ impl Sweep<'_> {
         let [png, svg, pdf] = wanted.files();
         let taken = distinct(&[("the scene", Some(&self.args.scene))], &[("--out", Some(out)), png, svg, pdf])?;
         nothing_else(self.args.json, taken)?;
-        let mut pictures = Pictures::plan(wanted, scene)?;
         let stop = (console.interrupt)()?;
+        let mut pictures = Pictures::plan(wanted, scene)?;
         // Two kinds of lines on one terminal are none.
         let bar = console.progress && !taken;
         let (table, summary, effort) = self.run(&stop, console.threads).stream(out, &mut pictures, bar)?;

@@ -1,12 +1,11 @@
 //! `mapgen words`: words of two instants on a few sites, each of which hits as a family does, whose orbits live at a point.
 
 use std::fmt::Write as _;
-use std::sync::atomic::Ordering;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{BreatherError, Family, Finder, Found, Obstruction, Wanted, Word};
 use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict};
-use vibrochain_lattice::{Layout, Model, Parameter};
+use vibrochain_lattice::{Layout, Model, Parameter, Stop};
 
 use crate::args::{SiteFamily, WordsArgs};
 use crate::console::{Console, nothing_else};
@@ -74,6 +73,7 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let tolerance = chosen.tolerance(args.threshold)?;
     let taken = distinct(&[("--scene", args.model.scene.as_deref())], &[("--csv", args.csv.as_deref())])?;
     nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
     let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
     let words = Word::enumerate(&model, args.sites_used, args.reach, &families)
         .map_err(|error| CliError::Request(error.to_string()))?;
@@ -81,12 +81,10 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         let message = "--from-zero follows words without force and losses; under a force the search does, and `mapgen orbit --word` tells what ends each branch";
         return Err(CliError::Request(message.to_owned()));
     }
-    let stop = (console.interrupt)()?;
-    let uninterrupted = || if stop.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) };
     if args.from_zero {
-        return console.answer(&fates(&model, &words, uninterrupted)?, taken);
+        return console.answer(&fates(&model, &words, &stop)?, taken);
     }
-    let rows = rows(&model, &words, tolerance, uninterrupted)?;
+    let rows = rows(&model, &words, tolerance, &stop)?;
     let answer = if args.json { as_json(&model, &words, &rows, args.all) } else { text(&words, &rows, args.all) };
     console.answer(&answer, taken)?;
     if let Some(mut file) = file {
@@ -126,17 +124,11 @@ fn families(args: &WordsArgs, layout: &Layout) -> Result<Vec<Family>, CliError> 
 }
 
 /// The orbits of all words, each with what is known of it.
-fn rows(
-    model: &Model,
-    words: &[Word],
-    tolerance: Tolerance,
-    uninterrupted: impl Fn() -> Result<(), CliError>,
-) -> Result<Vec<Row>, CliError> {
-    let mut finder = Finder::new(model.chain().sites());
+fn rows(model: &Model, words: &[Word], tolerance: Tolerance, stop: &Stop) -> Result<Vec<Row>, CliError> {
+    let mut finder = Finder::new(model.chain().sites()).until(stop);
     let (mut analyser, mut found) = (Analyser::default(), Found::default());
     let mut rows = Vec::new();
     for word in words {
-        uninterrupted()?;
         finder.find_word(model, word, Wanted::All, &mut found)?;
         for (i, orbit) in found.orbits.iter().enumerate() {
             let admissibility = finder.admissibility(orbit)?;
@@ -158,11 +150,10 @@ fn rows(
 }
 
 /// How far each word is physical, one a line.
-fn fates(model: &Model, words: &[Word], uninterrupted: impl Fn() -> Result<(), CliError>) -> Result<String, CliError> {
-    let mut finder = Finder::new(model.chain().sites());
+fn fates(model: &Model, words: &[Word], stop: &Stop) -> Result<String, CliError> {
+    let mut finder = Finder::new(model.chain().sites()).until(stop);
     let mut fates = Vec::new();
     for word in words {
-        uninterrupted()?;
         fates.push(format!("{word}  {}", fate(&mut finder, model, word)?));
     }
     Ok(format!("{}\n{} words up to symmetry\n", fates.join("\n"), words.len()))

@@ -3,6 +3,7 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
+use std::fmt::Display;
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -79,14 +80,15 @@ fn killed_at_a_thousand_random_moments_it_ends_in_the_same_bytes() {
     killed_at_random(1000, 11);
 }
 
-/// Runs with a fault at the `number`-th call of this name that a thread makes, where the machine lets us do so: nothing
-/// otherwise.
-fn faulty(desk: &Desk, line: &str, call: &str, fault: &str, number: usize) -> Option<Ran> {
+/// Runs with a fault at calls of this name, by the number that they have for a thread (`3`, or `3+` for all from there on), where the
+/// machine lets us do so: nothing otherwise. A run that does not end is killed after half a minute.
+fn faulty(desk: &Desk, line: &str, call: &str, fault: &str, number: impl Display) -> Option<Ran> {
     let injection = format!("inject=?{call}:{fault}:when={number}");
     let trace = ["-f", "-qqq", "-o", "/dev/null", "-e", &format!("trace=?{call}"), "-e", &injection];
     let program = assert_cmd::cargo::cargo_bin("mapgen");
-    let ran =
-        Command::new("strace").args(trace).arg(program).args(line.split(' ')).current_dir(desk.path(".")).output();
+    let mut command = Command::new("timeout");
+    command.args(["-s", "KILL", "30", "strace"]).args(trace).arg(program).args(line.split(' '));
+    let ran = command.current_dir(desk.path(".")).output();
     let ran: Ran = match ran {
         Ok(output) => output.into(),
         Err(error) => {
@@ -94,7 +96,7 @@ fn faulty(desk: &Desk, line: &str, call: &str, fault: &str, number: usize) -> Op
             return None;
         }
     };
-    if ran.err.contains("strace:") {
+    if ran.err.contains("strace:") || ran.err.contains("timeout:") {
         eprintln!("skipped: strace may not trace here ({})", ran.err.trim());
         return None;
     }
@@ -197,6 +199,32 @@ fn a_sweep_that_is_told_an_error_ends_in_the_same_bytes() {
 #[ignore = "half a minute: cargo test --workspace --test kills -- --ignored slow"]
 fn slow_a_sweep_that_is_told_any_error_ends_in_the_same_bytes() {
     sweep_told_an_error(Numbers::Many);
+}
+
+/// What the loader of the program is told comes first: it may not begin at all.
+#[test]
+fn a_folder_that_cannot_be_closed_is_no_panic() {
+    let mut done = 0;
+    for number in 3..=30 {
+        let desk = Desk::with_scene(SMALL);
+        let Some(ran) = faulty(&desk, SWEEP, "close", "error=EIO", number) else { return };
+        assert!(matches!(ran.code, Some(0..=2)) && !ran.err.contains("panicked"), "{number}: {ran:?}");
+        done += u32::from(ran.code == Some(0));
+    }
+    assert!(done > 10, "{done}");
+}
+
+/// A stale mount tells nothing of any file, for as long as the program asks.
+#[test]
+fn a_file_system_that_tells_nothing_is_an_error_and_no_loop() {
+    let mut told = 0;
+    for number in 1..=16 {
+        let desk = Desk::with_scene(SMALL);
+        let Some(ran) = faulty(&desk, SWEEP, "statx", "error=ESTALE", format!("{number}+")) else { return };
+        assert!(matches!(ran.code, Some(0..=2)) && !ran.err.contains("panicked"), "{number}: {ran:?}");
+        told += u32::from(ran.code != Some(0));
+    }
+    assert!(told > 3, "{told}");
 }
 
 #[test]

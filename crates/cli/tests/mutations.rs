@@ -19,8 +19,7 @@ use std::ffi::OsString;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use tempfile::TempDir;
 use vibrochain_breather::{Family, Word};
@@ -29,7 +28,7 @@ use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
 use vibrochain_cli::model;
 use vibrochain_cli::program;
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Model, Stop};
 use vibrochain_maps::scene::Scene;
 
 use judge::{Outcome, complaints, file_complaints};
@@ -422,9 +421,8 @@ fn fastest(path: &Path) -> f64 {
 
 /// Runs the program in this process.
 fn mapgen(line: &[OsString], stopped: bool) -> Outcome {
-    let flag = Arc::new(AtomicBool::new(stopped));
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let interrupt = move || Ok(Arc::clone(&flag));
+    let interrupt = move || Ok(Stop::when(move || stopped));
     let mut console = Console::new(&mut out, &mut err, &interrupt);
     let result = program::run(line.iter().cloned(), &mut console);
     let (code, message) = match &result {

@@ -3,19 +3,17 @@
 
 use std::fs;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory;
 use tempfile::TempDir;
 use vibrochain_cli::args::{Cli, read};
 use vibrochain_cli::console::Console;
 use vibrochain_cli::program;
+use vibrochain_lattice::Stop;
 
 /// Exit code, standard output and standard error of a line, run in this process; `stopped` as if Ctrl-C had been pressed.
 fn told(line: &str, stopped: bool) -> (u8, String, String) {
-    let flag = Arc::new(AtomicBool::new(stopped));
-    let interrupt = move || Ok(Arc::clone(&flag));
+    let interrupt = move || Ok(Stop::when(move || stopped));
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut console = Console::new(&mut out, &mut err, &interrupt);
     let result = program::run(line.split_whitespace().map(Into::into), &mut console);

@@ -1,8 +1,7 @@
 //! What the page asks for besides tiles.
 
-use std::sync::atomic::AtomicBool;
-
 use serde_json::Value;
+use vibrochain_lattice::Stop;
 
 use crate::refusal::Refusal;
 
@@ -18,5 +17,5 @@ pub trait Answers: Send + Sync {
     ///
     /// # Errors
     /// [`Refusal`], 404 for a question that is not known.
-    fn answer(&self, question: &str, asked: &Value, stop: &AtomicBool) -> Result<Value, Refusal>;
+    fn answer(&self, question: &str, asked: &Value, stop: &Stop) -> Result<Value, Refusal>;
 }

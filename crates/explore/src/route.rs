@@ -1,7 +1,6 @@
 //! From a request to its answer.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use http_body_util::{BodyExt, Full, LengthLimitError, Limited};
@@ -12,6 +11,7 @@ use rayon::ThreadPool;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use tokio::time::timeout;
+use vibrochain_lattice::Stop;
 
 use crate::answers::Answers;
 use crate::colours;
@@ -158,7 +158,7 @@ impl Desk {
                 let TileAsked { scene, z, x, y } = of(asked)?;
                 let (pool, tile) = (Arc::clone(&self.pool), View::read(&scene)?.tile(z, x, y)?);
                 let given_up = || Refusal::new(503, "nobody waits for this tile any more");
-                let job = move |stop: &AtomicBool| tile::compute(&tile, &pool, stop).ok_or_else(given_up);
+                let job = move |stop: &Stop| tile::compute(&tile, &pool, stop).ok_or_else(given_up);
                 Ok((NUMBERS, self.tiles.run(job).await?.into()))
             }
             "scale" => {
@@ -166,7 +166,7 @@ impl Desk {
                 let (pool, view) = (Arc::clone(&self.pool), View::read(&scene)?);
                 let quantity = scale::asked(view.scene(), &color)?;
                 let given_up = || Refusal::new(503, "nobody waits for this scale any more");
-                let job = move |stop: &AtomicBool| scale::of(view.scene(), quantity, &pool, stop).ok_or_else(given_up);
+                let job = move |stop: &Stop| scale::of(view.scene(), quantity, &pool, stop).ok_or_else(given_up);
                 Ok((JSON, self.tiles.run(job).await?.to_string().into()))
             }
             "view" => {

@@ -1,10 +1,10 @@
 //! How the numbers of a map become colours: as a sweep of what is seen has them.
 
 use std::convert::Infallible;
-use std::sync::atomic::AtomicBool;
 
 use rayon::ThreadPool;
 use serde_json::{Value, json};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, sweep};
 use vibrochain_plot::{NumberScale, Quantity, Shade, number_scale};
@@ -31,7 +31,7 @@ pub(crate) fn asked(scene: &Scene, name: &str) -> Result<Quantity, Refusal> {
 }
 
 /// The scale of a scene's cells. `None` if `stop` was raised.
-pub(crate) fn of(scene: &Scene, quantity: Quantity, pool: &ThreadPool, stop: &AtomicBool) -> Option<Value> {
+pub(crate) fn of(scene: &Scene, quantity: Quantity, pool: &ThreadPool, stop: &Stop) -> Option<Value> {
     let mut shades: Vec<Shade> = Vec::new();
     let ended = sweep(
         scene,

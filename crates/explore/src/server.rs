@@ -4,7 +4,6 @@ use std::convert::Infallible;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use hyper::server::conn::http1;
@@ -15,6 +14,7 @@ use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::runtime::{Builder, Runtime};
 use tokio::task::{AbortHandle, yield_now};
 use tokio::time::{sleep, timeout};
+use vibrochain_lattice::Stop;
 
 use crate::answers::Answers;
 use crate::connection::Connection;
@@ -81,12 +81,12 @@ impl Explorer {
     }
 
     /// Serves until `stop` is raised. Tiles are computed on `pool`.
-    pub fn serve(self, answers: Arc<dyn Answers>, pool: ThreadPool, stop: &AtomicBool) {
+    pub fn serve(self, answers: Arc<dyn Answers>, pool: ThreadPool, stop: &Stop) {
         let Self { runtime, listener, guard } = self;
         let desk = Arc::new(Desk::new(guard, answers, pool));
         runtime.block_on(async {
             let mut places = Places::default();
-            while !stop.load(Ordering::Relaxed) {
+            while !stop.is_raised() {
                 if !places.have_room() {
                     sleep(PAUSE).await;
                     continue;

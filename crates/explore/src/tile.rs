@@ -1,10 +1,9 @@
 //! The cells of a tile, as bytes.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use rayon::ThreadPool;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use vibrochain_floquet::Mechanism;
+use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Class, Status, Worker};
 use vibrochain_maps::scene::Scene;
 
@@ -26,14 +25,13 @@ const OUTSIDE: u8 = NONE;
 /// margin as numbers of 8 bytes, the last byte first in rank (not a number where a cell has none); class, mechanism and status, each by its place in the list of
 /// all; the number of solutions, up to 255. A status of 255 is a point with a parameter out of range. `None` if `stop` was raised.
 #[must_use]
-pub fn compute(scene: &Scene, pool: &ThreadPool, stop: &AtomicBool) -> Option<Vec<u8>> {
+pub fn compute(scene: &Scene, pool: &ThreadPool, stop: &Stop) -> Option<Vec<u8>> {
     let row = |worker: &mut Worker, row: usize| -> Option<Vec<Option<Cell>>> {
         let cell = |number: usize| {
-            if stop.load(Ordering::Relaxed) {
-                return None;
-            }
             let model = scene.point(number as u64).model();
-            Some(model.ok().map(|model| worker.cell(&model, &scene.task)))
+            let cell = model.ok().map(|model| worker.cell(&model, &scene.task));
+            // One that was stopped is none.
+            (!stop.is_raised()).then_some(cell)
         };
         (row * CELLS..(row + 1) * CELLS).map(cell).collect()
     };
@@ -41,7 +39,7 @@ pub fn compute(scene: &Scene, pool: &ThreadPool, stop: &AtomicBool) -> Option<Ve
         (0..CELLS)
             .into_par_iter()
             .with_min_len(8)
-            .map_init(|| Worker::new(scene.base.sites()), |worker, number| row(worker, number))
+            .map_init(|| Worker::new(scene.base.sites()).until(stop), |worker, number| row(worker, number))
             .collect()
     });
     Some(bytes(&rows?.concat()))

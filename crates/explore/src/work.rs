@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
+use vibrochain_lattice::Stop;
 
 use crate::refusal::Refusal;
 
@@ -70,7 +71,7 @@ impl Work {
     /// [`Refusal`]: 503 where too many wait, 409 where a newer one took the place, 500 where a computation has ended without an answer.
     pub(crate) async fn run<T: Send + 'static>(
         &self,
-        job: impl FnOnce(&AtomicBool) -> Result<T, Refusal> + Send + 'static,
+        job: impl FnOnce(&Stop) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         let place = Place(Arc::clone(&self.waiting));
         if self.waiting.fetch_add(1, Ordering::Relaxed) >= self.most {
@@ -87,7 +88,7 @@ impl Work {
         let done = spawn_blocking(move || {
             // Kept until the work has really ended: what was dropped still uses its thread until it has seen the flag.
             let _kept = (permit, place, listed);
-            job(&stop)
+            job(&Stop::from(&stop))
         });
         let result = done.await.map_err(|_| lost())?;
         drop(raise);
@@ -128,8 +129,8 @@ mod tests {
     }
 
     /// A job that ends when it is told to, and not before.
-    fn until_stopped(stop: &AtomicBool) -> Result<(), Refusal> {
-        while !stop.load(Ordering::Relaxed) {
+    fn until_stopped(stop: &Stop) -> Result<(), Refusal> {
+        while !stop.is_raised() {
             std::thread::yield_now();
         }
         Ok(())

@@ -1,11 +1,9 @@
 //! Bifurcation diagrams by simulation: along one parameter, where runs are once a period when they have had time to settle.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::Orbit;
 use vibrochain_eventsim::{Outcome, Simulation};
-use vibrochain_lattice::{Barrier, Model};
+use vibrochain_lattice::{Barrier, Model, Stop};
 use vibrochain_maps::cell::Worker;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job};
@@ -109,14 +107,14 @@ impl Diagram<'_> {
     }
 
     /// One run. `None` if stopped.
-    fn column(&self, number: u64, carried: Option<State>, stop: &AtomicBool) -> Option<(Column, State)> {
-        if stop.load(Ordering::Relaxed) {
+    fn column(&self, number: u64, carried: Option<State>, stop: &Stop) -> Option<(Column, State)> {
+        if stop.is_raised() {
             return None;
         }
         let model = self.scene.point(number).model().ok()?;
         let (u, v, psi) = match carried {
             Some((u, v, psi)) => (within(u, &model), v, psi),
-            None => self.start(number, &model),
+            None => self.start(number, &model, stop),
         };
         let incomplete = |points| Column { number, points, complete: false };
         let Ok(mut simulation) = Simulation::new(&model, psi, &u, &v) else {
@@ -125,7 +123,7 @@ impl Diagram<'_> {
         let (sites, strobe) = (self.sites(), Strobe::new(&model, psi, 0.0));
         let (mut points, first) = (Vec::new(), self.ensemble.periods.saturating_sub(self.points));
         for period in 0..self.ensemble.periods {
-            if stop.load(Ordering::Relaxed) {
+            if stop.is_raised() {
                 return None;
             }
             // A whole period at a time before the first point, so that nothing takes long to be stopped.
@@ -144,10 +142,10 @@ impl Diagram<'_> {
     }
 
     /// The breather that gives the cell its class, perturbed; where there is none, rest.
-    fn start(&self, number: u64, model: &Model) -> State {
+    fn start(&self, number: u64, model: &Model, stop: &Stop) -> State {
         let sites = model.chain().sites();
         let mut best: Option<Orbit> = None;
-        Worker::new(sites).examine(model, &self.scene.task, |orbit, better| {
+        Worker::new(sites).until(stop).examine(model, &self.scene.task, |orbit, better| {
             if better {
                 best = Some(orbit.clone());
             }

@@ -9,12 +9,11 @@
 //! Where many multipliers have nearly the same modulus, as where a force drives a breather that radiates, no direction settles in any
 //! reasonable time. Then all directions ride along at once, and the multipliers are those of what a period makes of them.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use thiserror::Error;
 use vibrochain_breather::{BreatherError, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, StateError, TangentError, Tangents, Time};
 use vibrochain_floquet::{Square, eigenvalues};
+use vibrochain_lattice::Stop;
 
 use crate::start::Start;
 
@@ -74,17 +73,17 @@ pub enum Unmeasured {
 /// [`Unmeasured`].
 ///
 /// ```
-/// use std::sync::atomic::AtomicBool;
+/// use vibrochain_lattice::Stop;
 /// use vibrochain_breather::{Family, breathers};
 /// use vibrochain_fate::measure;
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
 /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
-/// let measured = measure(orbit, 1000, &AtomicBool::new(false))?;
+/// let measured = measure(orbit, 1000, &Stop::default())?;
 /// assert!((measured.value - 2.797574412183362_f64.ln() / orbit.period()).abs() < 1e-9, "{measured:?}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn measure(orbit: &Orbit, periods: u64, stop: &AtomicBool) -> Result<Measured, Unmeasured> {
+pub fn measure(orbit: &Orbit, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
     let model = orbit.model();
     let start = Start::on(orbit)?;
     let mut tangents = Tangents::random(model, 1, 1)?;
@@ -100,7 +99,7 @@ pub fn measure(orbit: &Orbit, periods: u64, stop: &AtomicBool) -> Result<Measure
             (run, since, grown) = (start.simulation(model)?, 0, 0.0);
         }
         since += 1;
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_raised() {
             return Err(Unmeasured::Stopped);
         }
         let before = run.work().impacts;

@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use rayon::iter::{IntoParallelRefIterator, ParallelBridge, ParallelIterator};
-use vibrochain_breather::{Orbit, Word};
-use vibrochain_floquet::{Tolerance, stability};
+use vibrochain_breather::{Finder, Orbit, Word};
+use vibrochain_floquet::{Analyser, Tolerance};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Worker};
 use vibrochain_maps::point::Point;
 use vibrochain_maps::summary::Summary;
@@ -273,7 +274,7 @@ fn of_block<E>(
     tick: &(impl Fn(u64) + Sync),
     mut sink: impl FnMut(&Place, CellFates) -> Result<(), E>,
 ) -> Ended<E, ()> {
-    let worker = || Worker::new(job.scene.base.sites());
+    let worker = || Worker::new(job.scene.base.sites()).until(job.stop);
     let find = |worker: &mut Worker, place: &Place| {
         let found = find(job, from, place.cell, worker)?;
         if found.departures.is_empty() {
@@ -297,7 +298,7 @@ fn of_block<E>(
         let start = match work {
             Work::Measure => {
                 let measured = measure(departure.home.orbit(), MEASURED, job.stop).ok();
-                return (!job.stop.load(Ordering::Relaxed)).then_some(Done::Measured(measured));
+                return (!job.stop.is_raised()).then_some(Done::Measured(measured));
             }
             Work::Run(start) => start,
         };
@@ -355,9 +356,6 @@ fn collect<E>(
 
 /// What lives in a cell, and whence runs start. `None` if stopped.
 fn find(job: &Job<'_>, from: From, number: u64, worker: &mut Worker) -> Option<Found> {
-    if job.stop.load(Ordering::Relaxed) {
-        return None;
-    }
     // The scene's corners were checked, so that every point between is a valid model.
     let model = job.scene.point(number).model().ok()?;
     let (mut orbits, mut count): (Vec<(u32, Orbit)>, _) = (Vec::new(), 0);
@@ -371,16 +369,18 @@ fn find(job: &Job<'_>, from: From, number: u64, worker: &mut Worker) -> Option<F
         }
     });
     let tolerance = job.scene.task.tolerance;
-    let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance));
+    let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance, job.stop));
     let asked = |(_, unstable): &(Departure, bool)| from != From::Unstable || *unstable;
     let departures = departures.filter(asked).map(|(departure, _)| departure).collect();
-    Some(Found { cell, departures })
+    // What was stopped is not known.
+    (!job.stop.is_raised()).then_some(Found { cell, departures })
 }
 
 /// Whence runs start, and whether the breather is unstable, as the scene counts it.
-fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance) -> Option<(Departure, bool)> {
+fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance, stop: &Stop) -> Option<(Departure, bool)> {
     let home = Home::of(orbit).ok()?;
-    let known = stability(orbit, tolerance).ok();
+    let mut finder = Finder::new(orbit.model().chain().sites()).until(stop);
+    let known = Analyser::default().stability(orbit, &mut finder, tolerance).ok();
     let unstable = known.as_ref().is_some_and(|known| !known.verdict.stable && !known.verdict.marginal);
     let spectral_radius = known.as_ref().map(|known| known.verdict.spectral_radius);
     let predicted = known.filter(|known| !known.multipliers.is_empty()).map(|known| {

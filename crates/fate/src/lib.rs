@@ -15,7 +15,7 @@
 //! | [`Fates`] | all that is asked of a scene, as chunks and tables have it |
 //!
 //! ```
-//! use std::sync::atomic::AtomicBool;
+//! use vibrochain_lattice::Stop;
 //! use vibrochain_breather::{Family, breathers};
 //! use vibrochain_fate::{End, Ensemble, Home};
 //! use vibrochain_lattice::{Chain, Model};
@@ -25,7 +25,7 @@
 //! let ensemble = Ensemble { periods: 200, ..Ensemble::default() };
 //! let orbits = breathers(&model, Family::DoubleSided)?.orbits;
 //! let runs = orbits.iter().map(|orbit| {
-//!     let run = Home::of(orbit)?.run(&ensemble, 1, &AtomicBool::new(false));
+//!     let run = Home::of(orbit)?.run(&ensemble, 1, &Stop::default());
 //!     Ok(run.map(|fate| fate.left))
 //! });
 //! let left: Vec<_> = runs.collect::<Result<_, vibrochain_breather::BreatherError>>()?;

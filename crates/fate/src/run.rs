@@ -1,9 +1,8 @@
 //! One run from a perturbed breather: how it ends, and when it leaves.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use vibrochain_breather::{BreatherError, Orbit};
 use vibrochain_eventsim::{Event, Exponent, Growth, Limits, MAX_FLIGHTS, Outcome, Simulation, Tangents, Time};
+use vibrochain_lattice::Stop;
 
 use crate::end::End;
 use crate::ensemble::Ensemble;
@@ -64,7 +63,7 @@ impl Home {
 
     /// Runs from a perturbation drawn from `seed`. `None` if the stop flag is raised.
     #[must_use]
-    pub fn run(&self, ensemble: &Ensemble, seed: u64, stop: &AtomicBool) -> Option<Fate> {
+    pub fn run(&self, ensemble: &Ensemble, seed: u64, stop: &Stop) -> Option<Fate> {
         let model = self.orbit.model();
         let mut start = self.start.clone();
         start.perturb_at_random(model, ensemble.size, seed);
@@ -134,13 +133,13 @@ pub(crate) fn reach(
     simulation: &mut Simulation,
     mut tangents: Option<&mut Tangents>,
     until: Time,
-    stop: &AtomicBool,
+    stop: &Stop,
     mut observe: impl FnMut(&Event),
 ) -> Option<Outcome> {
     let portion = Limits::portion(simulation.model().chain().sites());
     let limits = Limits { flights: portion, ..Limits::until(until) };
     loop {
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_raised() {
             return None;
         }
         let report = match &mut tangents {

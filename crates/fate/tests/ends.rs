@@ -2,13 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use vibrochain_breather::{Family, Orbit, admissibility, breathers};
 use vibrochain_eventsim::{Limits, Simulation, Time};
 use vibrochain_fate::{CellFates, Column, Diagram, End, Ensemble, Fates, From, Home, fates, table};
 use vibrochain_floquet::{Tolerance, stability};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, Model, Stop};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Content, Ended, Job, ReadRows};
@@ -20,7 +21,7 @@ fn physical(model: &Model, family: Family) -> Vec<Orbit> {
 }
 
 fn run(orbit: &Orbit, ensemble: &Ensemble, seed: u64) -> vibrochain_fate::Fate {
-    Home::of(orbit).unwrap().run(ensemble, seed, &AtomicBool::new(false)).unwrap()
+    Home::of(orbit).unwrap().run(ensemble, seed, &Stop::default()).unwrap()
 }
 
 fn default_model() -> Model {
@@ -105,7 +106,7 @@ fn scene(text: &str) -> Scene {
 
 fn all(threads: usize, ensemble: &Ensemble, from: From, text: &str) -> Vec<CellFates> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let (scene, stop) = (scene(text), AtomicBool::new(false));
+    let (scene, stop) = (scene(text), Stop::default());
     let mut cells = Vec::new();
     let job = Job { scene: &scene, pool: &pool, stop: &stop };
     let ended = fates(
@@ -171,14 +172,15 @@ fn from_every_breather_start_as_many_as_there_are_and_from_the_unstable_ones_few
 #[test]
 fn a_flag_that_is_raised_ends_it_with_whole_cells() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let (scene, stop) = (scene(SCENE), AtomicBool::new(false));
+    let (scene, flag) = (scene(SCENE), Arc::new(AtomicBool::new(false)));
+    let stop = Stop::from(&flag);
     let job = Job { scene: &scene, pool: &pool, stop: &stop };
     let ensemble = Ensemble { starts: 3, periods: 200, ..Ensemble::default() };
     let mut cells = Vec::new();
     let runs = std::sync::atomic::AtomicU64::new(0);
     let tick = |count| {
         if runs.fetch_add(count, Ordering::Relaxed) >= 6 {
-            stop.store(true, Ordering::Relaxed);
+            flag.store(true, Ordering::Relaxed);
         }
     };
     let ended = fates(&job, &ensemble, From::Class, tick, |cell| {
@@ -259,7 +261,7 @@ fn settings_are_text_that_reads_back() {
 
 fn columns(threads: usize, carry: bool, text: &str) -> Vec<Column> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let (scene, stop) = (scene(text), AtomicBool::new(false));
+    let (scene, stop) = (scene(text), Stop::default());
     let ensemble = Ensemble { periods: 400, ..Ensemble::default() };
     let diagram = Diagram { scene: &scene, ensemble: &ensemble, points: 8, carry };
     assert_eq!(diagram.sites(), [0]);

@@ -1,13 +1,11 @@
 //! Tangent vectors of the simulation, and exponents measured by them, against multipliers, which share no code with them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use std::sync::atomic::AtomicBool;
-
 use vibrochain_breather::{Family, Motion, Orbit, admissibility, breathers};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Tangents, Time};
 use vibrochain_fate::{Start, measure};
 use vibrochain_floquet::{Tolerance, full_monodromy, stability};
-use vibrochain_lattice::{Chain, Model, Propagator, Spectrum};
+use vibrochain_lattice::{Chain, Model, Propagator, Spectrum, Stop};
 
 fn forced(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitution]: [f64; 6]) -> Model {
     Model::forced(Chain::new(sites, gamma1, gamma2).unwrap(), omega, asymmetry, amplitude, restitution).unwrap()
@@ -131,7 +129,7 @@ fn exponents_measured_along_breathers_are_those_of_their_multipliers() {
     let orbits = orbits();
     let (mut settled, mut worst) = (0, 0.0_f64);
     for orbit in &orbits {
-        let measured = measure(orbit, 2000, &AtomicBool::new(false)).unwrap();
+        let measured = measure(orbit, 2000, &Stop::default()).unwrap();
         let difference = (measured.value - predicted(orbit)).abs();
         // More than a few periods: by one direction that settled.
         settled += usize::from(measured.periods > 2 && measured.periods < 2000);

@@ -76,7 +76,7 @@ pub use eigenvectors::{FloquetMode, leading_modes};
 pub use error::FloquetError;
 pub use locate::{
     Answer, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError,
-    Located, Origin, Search, Station, Unresolved, diagram, diagram_while, is_physical_about, locate, locate_while,
+    Located, Origin, Search, Station, Unresolved, diagram, diagram_until, is_physical_about, locate, locate_until,
 };
 pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use multipliers::{felt_modes, odd_multipliers, sort_multipliers};

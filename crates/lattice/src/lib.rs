@@ -31,6 +31,7 @@
 //! | [`ImpulseResponse`] | the periodic impulse response K_n(t) in closed form |
 //! | [`Decay`] | harmonic response, far field in full relative accuracy |
 //! | [`Propagator`] | exact free flight |
+//! | [`Stop`] | ends long work early |
 //!
 //! With the feature `serde` values are written and read by the names of `mapgen`'s JSON, and what is out of range is refused.
 //!
@@ -65,6 +66,7 @@ mod sines;
 mod small;
 mod spectrum;
 mod steady;
+mod stop;
 mod transform;
 
 pub use decay::{Decay, decay, far_field, far_motion, harmonic_response};
@@ -81,3 +83,4 @@ pub use shapes::Shapes;
 pub use small::{sinc, sine_over};
 pub use spectrum::Spectrum;
 pub use steady::Steady;
+pub use stop::{Stop, Stopped};

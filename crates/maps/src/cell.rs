@@ -6,7 +6,7 @@ use vibrochain_breather::{
     BreatherError, Completeness, Family, Finder, Found, NoBreather, Orbit, Sketched, Wanted, Word,
 };
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Model, Stop};
 
 use crate::extent::Extent;
 
@@ -324,6 +324,13 @@ impl Worker {
             found: Found::default(),
             modes: DressedModes::default(),
         }
+    }
+
+    /// The same worker, whose work ends soon after `stop` is raised: a cell computed then, or next, is none.
+    #[must_use]
+    pub fn until(mut self, stop: &Stop) -> Self {
+        self.finder = self.finder.until(stop);
+        self
     }
 
     /// Computes one cell.

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fastrand::Rng;
@@ -36,7 +37,7 @@ fn borders(scene: &Scene) -> (Borders, Regions<Option<Class>>) {
 }
 
 fn searched(scene: &Scene, places: usize) -> (Borders, Regions<Option<Class>>) {
-    let stop = AtomicBool::new(false);
+    let stop = Stop::default();
     let asked = Asked { tolerance: TOLERANCE, places, special: false, stop: &stop, told: &|_, _, _, _| {} };
     Borders::of_scene(scene, &asked).unwrap()
 }
@@ -185,12 +186,12 @@ fn axes_may_be_exchanged() {
 #[test]
 fn a_search_that_is_stopped_says_so() {
     let scene = scene(6, "", BOTH, [60, 45]);
-    let stop = AtomicBool::new(false);
     for last in [Stage::Changes, Stage::Faces] {
-        stop.store(false, Ordering::Relaxed);
+        let flag = Arc::new(AtomicBool::new(false));
+        let stop = Stop::from(&flag);
         let told = |_: &str, stage: Stage, done: usize, _: usize| {
             if stage == last && (done > 0 || stage == Stage::Faces) {
-                stop.store(true, Ordering::Relaxed);
+                flag.store(true, Ordering::Relaxed);
             }
         };
         let asked = Asked { tolerance: TOLERANCE, places: PLACES, special: false, stop: &stop, told: &told };
@@ -201,7 +202,7 @@ fn a_search_that_is_stopped_says_so() {
 
 #[test]
 fn windows_without_borders_to_follow_are_refused() {
-    let stop = AtomicBool::new(false);
+    let stop = Stop::default();
     let refused = |text: &str, tolerance: f64| {
         let scene = Scene::parse(Path::new("scene.toml"), text).unwrap();
         let asked = Asked { tolerance, places: 1000, special: false, stop: &stop, told: &|_, _, _, _| {} };

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::{Deserialize, Serialize};
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Stop};
 use vibrochain_maps::borders::{Asked, Border, Borders};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::regions::Regions;
@@ -182,7 +182,7 @@ pub(crate) fn _curves(
     let told = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
     let work = {
         let told = told.clone();
-        move |stop: &AtomicBool| -> Result<_, Failure> {
+        move |stop: &Stop| -> Result<_, Failure> {
             let tell = |done: usize, all: usize| {
                 told[0].store(done as u64, Ordering::Relaxed);
                 told[1].store(all as u64, Ordering::Relaxed);

@@ -1,12 +1,10 @@
 //! Branches of breathers as one parameter varies, and the diagrams they make.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
-use vibrochain_floquet::{Course, Event, FollowedBranch, Mechanism, Station, diagram_while};
-use vibrochain_lattice::Parameter;
+use vibrochain_floquet::{Course, Event, FollowedBranch, Mechanism, Station, diagram_until};
+use vibrochain_lattice::{Parameter, Stop};
 use vibrochain_maps::scene::tolerance_from;
 
 use crate::call::long;
@@ -227,7 +225,7 @@ pub(crate) fn branch(
     if let Some(threshold) = threshold {
         course.tolerance = tolerance_from(threshold).map_err(Failure::Request)?;
     }
-    let follow = move |stop: &AtomicBool| diagram_while(&orbit, &course, &|| !stop.load(Ordering::Relaxed));
+    let follow = move |stop: &Stop| diagram_until(&orbit, &course, stop);
     let answer = long(py, |_| Ok(()), follow)?;
     // An origin is always an event.
     let value = |branch: usize, station: usize| match answer.branches.get(branch)?.stations.get(station)? {

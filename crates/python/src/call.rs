@@ -7,7 +7,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use pyo3::prelude::*;
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Model, Stop};
 
 use crate::failure::Failure;
 
@@ -19,7 +19,7 @@ const LOOK: Duration = Duration::from_millis(50);
 pub(crate) fn long<T, E>(
     py: Python<'_>,
     mut look: impl FnMut(Python<'_>) -> PyResult<()>,
-    work: impl FnOnce(&AtomicBool) -> Result<T, E> + Send + 'static,
+    work: impl FnOnce(&Stop) -> Result<T, E> + Send + 'static,
 ) -> PyResult<T>
 where
     T: Send + 'static,
@@ -27,7 +27,7 @@ where
 {
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut receiver) = channel();
-    let flag = stop.clone();
+    let flag = Stop::from(&stop);
     // Who has been interrupted does not listen.
     let job = move || drop(sender.send(caught(|| work(&flag))));
     std::thread::Builder::new()

@@ -1,12 +1,10 @@
 //! Curves of events as two parameters vary.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibrochain_floquet::{CurvePoint, Event, EventCurve, Search, Walk, Window, curve_along};
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Stop};
 
 use crate::call::long;
 use crate::events::PyLocated;
@@ -161,10 +159,8 @@ pub(crate) fn curve(
         from: [from_.unwrap_or(usual[0].from), and_from.unwrap_or(usual[1].from)],
         to: [to.unwrap_or(usual[0].to), and_to.unwrap_or(usual[1].to)],
     };
-    let follow = move |stop: &AtomicBool| {
-        // Whoever has raised it does not see how far the curve has come.
-        let until = |_: [f64; 2], _: Option<bool>| stop.load(Ordering::Relaxed);
-        curve_along(&orbit, event, evidence, &Walk { until: &until, ..Walk::new(window, tolerance) })
+    let follow = move |stop: &Stop| {
+        curve_along(&orbit, event, evidence, &Walk { stop: stop.clone(), ..Walk::new(window, tolerance) })
     };
     Ok(PyEventCurve::new(long(py, |_| Ok(()), follow)?, free))
 }

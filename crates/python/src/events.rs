@@ -1,13 +1,11 @@
 //! Events on the branch of a breather as one parameter varies.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use pyo3::prelude::*;
 use pyo3::types::PyComplex;
 use serde::{Deserialize, Serialize};
 use vibrochain_breather::Approach;
-use vibrochain_floquet::{BranchedOrbit, Branching, DiagramPoint, End, Event, Evidence, Located, Search, locate_while};
-use vibrochain_lattice::Parameter;
+use vibrochain_floquet::{BranchedOrbit, Branching, DiagramPoint, End, Event, Evidence, Located, Search, locate_until};
+use vibrochain_lattice::{Parameter, Stop};
 
 use crate::answers::PyVerdict;
 use crate::call::long;
@@ -259,7 +257,7 @@ pub(crate) fn locate(
     let (orbit, event, free) = (orbit.0.clone(), self::event(event)?, parameter("free", free)?);
     let usual = Search::new(&orbit, event, free);
     let search = Search { from: from_.unwrap_or(usual.from), to: to.unwrap_or(usual.to), ..usual };
-    let find = move |stop: &AtomicBool| locate_while(&orbit, &search, &|| !stop.load(Ordering::Relaxed));
+    let find = move |stop: &Stop| locate_until(&orbit, &search, stop);
     let answer = long(py, |_| Ok(()), find)?;
     Ok(PyEvents {
         points: answer.located.into_iter().map(|located| PyLocated::new(located, free)).collect(),

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use vibrochain_fate::{BreatherFates, CellFates, End, Ensemble, From, fates};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::Status;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job};
@@ -72,7 +73,7 @@ pub(crate) fn _fate<'py>(
     let done = Arc::new(AtomicU64::new(0));
     let work = {
         let (scene, done) = (scene.clone(), done.clone());
-        move |stop: &AtomicBool| compute(&scene, &ensemble, from, count, &done, stop)
+        move |stop: &Stop| compute(&scene, &ensemble, from, count, &done, stop)
     };
     let look = |_: Python<'_>| match progress {
         Some(progress) => progress.call1((done.load(Ordering::Relaxed), cells * starts)).map(drop),
@@ -100,7 +101,7 @@ fn compute(
     from: From,
     threads: usize,
     done: &AtomicU64,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Vec<CellFates>, Failure> {
     let pool = pool(threads)?;
     let tick = |runs| {

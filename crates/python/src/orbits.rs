@@ -1,7 +1,6 @@
 //! Breathers: their impacts, their motion.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{IntoPyArray, IxDyn, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -9,7 +8,7 @@ use pyo3::types::PySequence;
 use serde::{Deserialize, Serialize};
 use vibrochain_breather::{Family, Finder, Hit, Impact, Motion, Orbit, Word, admissibility, condition};
 use vibrochain_floquet::{Tolerance, stability};
-use vibrochain_lattice::{Barrier, MAX_SITES, Short};
+use vibrochain_lattice::{Barrier, MAX_SITES, Short, Stop};
 use vibrochain_maps::scene::tolerance_from;
 
 use crate::answers::{PyAdmissibility, PyCondition, PyStability, PyVerdict};
@@ -436,10 +435,10 @@ impl PyOrbit {
         }
         let mut values = room(shape.iter().try_fold(1, |count: usize, &length| count.checked_mul(length)))?;
         let orbit = self.0.clone();
-        let work = move |stop: &AtomicBool| {
+        let work = move |stop: &Stop| {
             let mut motion = Motion::of(&orbit)?;
             for time in times {
-                if stop.load(Ordering::Relaxed) {
+                if stop.is_raised() {
                     break;
                 }
                 match (&sites, part) {
@@ -457,7 +456,7 @@ impl PyOrbit {
             Ok::<_, Failure>(values)
         };
         let values = match shape.iter().product::<usize>() {
-            0..=10_000 => call(py, self.0.model(), move || work(&AtomicBool::new(false)))?,
+            0..=10_000 => call(py, self.0.model(), move || work(&Stop::default()))?,
             _ => long(py, |_| Ok(()), work)?,
         };
         values.into_pyarray(py).reshape(IxDyn(&shape))

@@ -1,13 +1,11 @@
 //! Event-driven runs.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use numpy::{IntoPyArray, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Report, Simulation, State, StateError, Time};
 use vibrochain_fate::Start;
-use vibrochain_lattice::{Barrier, Layout, Model, Short};
+use vibrochain_lattice::{Barrier, Layout, Model, Short, Stop};
 
 use crate::call::long;
 use crate::failure::{Failure, whole};
@@ -87,7 +85,7 @@ struct Recorded {
 }
 
 impl Course {
-    fn run(self, stop: &AtomicBool) -> Result<Recorded, Failure> {
+    fn run(self, stop: &Stop) -> Result<Recorded, Failure> {
         let Self { model, start, state: (displacement, velocity), psi, looks, end, impacts } = self;
         let mut simulation = Simulation::new(&model, psi, &displacement, &velocity)?;
         let windows = simulation.least_windows(end);
@@ -119,7 +117,7 @@ impl Course {
                         "a run of more than {MOST_EVENTS} events does not fit into memory: give fewer periods, or max_impacts"
                     )));
                 }
-                if told.outcome != Outcome::WorkLimit || stop.load(Ordering::Relaxed) {
+                if told.outcome != Outcome::WorkLimit || stop.is_raised() {
                     break told;
                 }
             };

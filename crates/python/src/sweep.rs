@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::available_parallelism;
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Class, Status};
 use vibrochain_maps::manifest::scene_parts;
 use vibrochain_maps::scene::Scene;
@@ -151,7 +152,7 @@ pub(crate) fn _sweep<'py>(
     let done = Arc::new(AtomicU64::new(0));
     let work = {
         let (scene, done) = (scene.clone(), done.clone());
-        move |stop: &AtomicBool| compute(&scene, count, &done, stop)
+        move |stop: &Stop| compute(&scene, count, &done, stop)
     };
     let look = |_: Python<'_>| match progress {
         Some(progress) => progress.call1((done.load(Ordering::Relaxed), cells)).map(drop),
@@ -207,12 +208,7 @@ pub(crate) fn pool(threads: usize) -> Result<ThreadPool, Failure> {
 }
 
 /// All cells, on threads of their own.
-fn compute(
-    scene: &Scene,
-    threads: usize,
-    done: &AtomicU64,
-    stop: &AtomicBool,
-) -> Result<(Vec<Growing>, Summary), Failure> {
+fn compute(scene: &Scene, threads: usize, done: &AtomicU64, stop: &Stop) -> Result<(Vec<Growing>, Summary), Failure> {
     let pool = pool(threads)?;
     let mut growing = columns(scene)
         .map(|column| Growing::new(column, scene.cells() as usize))

@@ -4,7 +4,6 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use rayon::ThreadPool;
 use vibrochain_floquet::Mechanism;
@@ -16,6 +15,7 @@ use crate::args::RefinementArgs;
 use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
 use vibrochain_cli::threads::threads;
+use vibrochain_lattice::Stop;
 
 /// The most cells of a finest grid: six bytes each are kept.
 const MOST_CELLS: u64 = 400_000_000;
@@ -60,7 +60,7 @@ pub struct Missed {
 ///
 /// # Errors
 /// [`CliError::Request`] for a scene that is not refined or whose finest grid is too large; [`CliError::Interrupted`].
-pub fn missed(scene: &Scene, pool: &ThreadPool, stop: &AtomicBool) -> Result<Missed, CliError> {
+pub fn missed(scene: &Scene, pool: &ThreadPool, stop: &Stop) -> Result<Missed, CliError> {
     let Some(Refine { depth }) = scene.refine else {
         return Err(CliError::Request("the scene is not refined: add refine = { depth = 5 } to [sweep]".to_owned()));
     };

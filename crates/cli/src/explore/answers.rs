@@ -1,7 +1,6 @@
 //! What the page of `mapgen explore` asks besides tiles: this program is run for it, with flags made of what was asked, and what it prints and
 //! writes is handed over as it is.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use serde::Deserialize;
@@ -12,6 +11,7 @@ use super::line::{Line, Setting};
 use super::texts::{of_map, of_point, toml_of};
 use vibrochain_breather::Word;
 use vibrochain_explore::{Answers, Refusal, View, fits};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::SYMMETRIC;
 use vibrochain_maps::manifest::VERSION;
 use vibrochain_maps::numbers::{Number, plain};
@@ -88,7 +88,7 @@ impl Answers for Program {
         ["curves", "stripes", "sweep"].contains(&question)
     }
 
-    fn answer(&self, question: &str, asked: &Value, stop: &AtomicBool) -> Result<Value, Refusal> {
+    fn answer(&self, question: &str, asked: &Value, stop: &Stop) -> Result<Value, Refusal> {
         let line = match question {
             "orbit" => orbit(&read(asked)?)?,
             "simulate" => simulate(&read(asked)?)?,

@@ -4,13 +4,13 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 use tempfile::TempDir;
 
 use vibrochain_explore::Refusal;
+use vibrochain_lattice::Stop;
 
 /// A command line, and files beside it.
 pub(super) struct Line {
@@ -74,7 +74,7 @@ impl Line {
 
     /// Runs the program with it: what it has printed, as JSON where it is that, and the files it has written. It runs as a process of its
     /// own, so that it can be ended at any moment, wherever it computes, and takes its memory along.
-    pub(super) fn run(&self, setting: &Setting, limit: Duration, stop: &AtomicBool) -> Result<Value, Refusal> {
+    pub(super) fn run(&self, setting: &Setting, limit: Duration, stop: &Stop) -> Result<Value, Refusal> {
         let broken = |error: std::io::Error| Refusal::new(500, format!("no place for files: {error}"));
         let folder = tempfile::tempdir_in(setting.folder.path()).map_err(broken)?;
         let path = |name: &str| folder.path().join(name);
@@ -178,7 +178,7 @@ const MOST_BYTES: u64 = 64 << 20;
 const LOOKS: [Duration; 2] = [Duration::from_micros(500), Duration::from_millis(20)];
 
 /// Runs a program to its end, or ends it: once `stop` is raised, after `limit`, or when what it writes into `folder` is too much.
-fn ended(mut command: Command, folder: &Path, limit: Duration, stop: &AtomicBool) -> Result<ExitStatus, Early> {
+fn ended(mut command: Command, folder: &Path, limit: Duration, stop: &Stop) -> Result<ExitStatus, Early> {
     let started = Instant::now();
     let mut child = command.spawn().map_err(Early::Failed)?;
     let mut look = LOOKS[0];
@@ -188,7 +188,7 @@ fn ended(mut command: Command, folder: &Path, limit: Duration, stop: &AtomicBool
             Ok(None) => {}
             Err(error) => break Early::Failed(error),
         }
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_raised() {
             break Early::Stopped;
         }
         if started.elapsed() > limit {
@@ -231,6 +231,7 @@ fn quoted(text: &str) -> String {
 mod tests {
     use std::os::unix::fs::PermissionsExt;
     use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     use super::*;
 
@@ -242,14 +243,14 @@ mod tests {
 
     #[test]
     fn a_line_ends_at_its_limit_when_told_and_when_it_writes_too_much() {
-        let told = |program: &str, line: Line, limit: Duration, stop: &AtomicBool| {
+        let told = |program: &str, line: Line, limit: Duration, stop: &Stop| {
             let setting = setting(program);
             let refusal = line.run(&setting, limit, stop).unwrap_err();
             // Nothing of it is left.
             assert_eq!(fs::read_dir(setting.folder.path()).unwrap().count(), 0);
             refusal
         };
-        let never = AtomicBool::new(false);
+        let never = Stop::default();
         let late = told("sleep", Line::new("1000"), Duration::ZERO, &never);
         assert_eq!(late.message, "not done after 0 s: ask for less, or run it in a terminal: mapgen 1000");
         let large = told("yes", Line::new("a"), LONG, &never);
@@ -260,7 +261,7 @@ mod tests {
             std::thread::sleep(Duration::from_millis(30));
             raised.store(true, Ordering::Relaxed);
         });
-        assert_eq!(told("sleep", Line::new("1000"), LONG, &stop).code, 503);
+        assert_eq!(told("sleep", Line::new("1000"), LONG, &Stop::from(&stop)).code, 503);
         raises.join().unwrap();
         assert!(told("no such program", Line::new(""), LONG, &never).message.contains("does not run"));
     }

@@ -1,9 +1,9 @@
 //! The cells of the map under the lines: computed as `mapgen sweep` does, or read from its table.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use rayon::ThreadPool;
+use vibrochain_lattice::Stop;
 
 use crate::error::CliError;
 use crate::stripes::request::Request;
@@ -20,7 +20,7 @@ pub(super) fn cells(
     request: &Request,
     table: Option<&Path>,
     pool: &ThreadPool,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Vec<Tile>, CliError> {
     match table {
         Some(path) => read(request, path),

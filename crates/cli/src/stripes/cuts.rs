@@ -2,10 +2,9 @@
 //! that would hit or pass a mass, or lies under another family's, and its multipliers go on. So a run is carried on, both ways,
 //! for as long as there is a multiplier of its kind, and its line may be out there.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, felt_modes};
+use vibrochain_lattice::Stop;
 
 use crate::stripes::request::{Request, family};
 use vibrochain_maps::cell::Class;
@@ -78,19 +77,12 @@ pub(super) struct Carrier {
 }
 
 impl Carrier {
-    pub(super) fn new(sites: usize) -> Self {
-        Self { finder: Finder::new(sites), found: Found::default(), analyser: Analyser::default() }
+    pub(super) fn new(sites: usize, stop: &Stop) -> Self {
+        Self { finder: Finder::new(sites).until(stop), found: Found::default(), analyser: Analyser::default() }
     }
 
     /// All runs in one row; `None` if stopped.
-    pub(super) fn cuts(
-        &mut self,
-        request: &Request,
-        tiles: &[Tile],
-        row: usize,
-        of: Family,
-        stop: &AtomicBool,
-    ) -> Option<Vec<Cut>> {
+    pub(super) fn cuts(&mut self, request: &Request, tiles: &[Tile], row: usize, of: Family) -> Option<Vec<Cut>> {
         let columns = request.omega.points;
         let group = |column: usize| {
             let tile = tiles.get(request.cell(row, column)).filter(|tile| family(tile) == Some(of))?;
@@ -103,18 +95,16 @@ impl Carrier {
             let last = first + run.len() - 1;
             if let Some(group) = run.first().copied().flatten() {
                 let (mut from, mut to) = (first, last);
-                let going = || !stop.load(Ordering::Relaxed);
-                while from > 0 && going() && self.goes_on(request, row, (from, from - 1), of, group) {
+                while from > 0 && self.goes_on(request, row, (from, from - 1), of, group) {
                     from -= 1;
                 }
-                while to + 1 < columns && going() && self.goes_on(request, row, (to, to + 1), of, group) {
+                while to + 1 < columns && self.goes_on(request, row, (to, to + 1), of, group) {
                     to += 1;
                 }
                 cuts.push(Cut { double: of == Family::DoubleSided, group, row, first, last, from, to });
             }
-            if stop.load(Ordering::Relaxed) {
-                return None;
-            }
+            // A run that was stopped ends short.
+            self.finder.stop().heard().ok()?;
             first = last + 1;
         }
         Some(cuts)

@@ -2,12 +2,13 @@
 //! with a breather of one family, the number (Ω̃_k ± Ω̃_l)/ω passes a whole one.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{DressedModes, Passing, felt_modes, passings};
+use vibrochain_lattice::Stop;
 
 use crate::error::CliError;
 use crate::stripes::cuts::{Carrier, Cut};
@@ -76,19 +77,19 @@ const FAMILIES: [Family; 2] = [Family::DoubleSided, Family::SingleSided];
 ///
 /// # Errors
 /// [`CliError::Interrupted`]; [`CliError::Computation`] for more lines than can be held.
-pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &AtomicBool) -> Result<Rows, CliError> {
+pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &Stop) -> Result<Rows, CliError> {
     let met = AtomicU64::new(0);
     let rows: Result<Vec<Rows>, CliError> = pool.install(|| {
         (0..request.gamma2.points)
             .into_par_iter()
             .map_init(
                 || Worker {
-                    carrier: Carrier::new(request.scene.base.sites()),
-                    finder: Finder::new(request.scene.base.sites()),
+                    carrier: Carrier::new(request.scene.base.sites(), stop),
+                    finder: Finder::new(request.scene.base.sites()).until(stop),
                     found: Found::default(),
                     modes: DressedModes::default(),
                 },
-                |worker, row| worker.row(request, tiles, row, &met, stop),
+                |worker, row| worker.row(request, tiles, row, &met),
             )
             .collect()
     });
@@ -111,14 +112,7 @@ struct Worker {
 
 impl Worker {
     /// One row; `met` counts the crossings of all.
-    fn row(
-        &mut self,
-        request: &Request,
-        tiles: &[Tile],
-        row: usize,
-        met: &AtomicU64,
-        stop: &AtomicBool,
-    ) -> Result<Rows, CliError> {
+    fn row(&mut self, request: &Request, tiles: &[Tile], row: usize, met: &AtomicU64) -> Result<Rows, CliError> {
         let mut all = Rows { bare: bare(request, row), ..Rows::default() };
         let symmetric = request.scene.base.get(Parameter::Asymmetry) == 0.0;
         let columns = request.omega.points;
@@ -130,16 +124,13 @@ impl Worker {
             let beside: Vec<bool> =
                 (0..columns).map(|column| (column.saturating_sub(1)..=(column + 1).min(columns - 1)).any(is)).collect();
             let mut wanted = beside.clone();
-            let cuts = self.carrier.cuts(request, tiles, row, of, stop).ok_or(CliError::Interrupted)?;
+            let cuts = self.carrier.cuts(request, tiles, row, of).ok_or(CliError::Interrupted)?;
             for cut in &cuts {
                 wanted[cut.from..=cut.to].fill(true);
             }
             all.cuts.extend(cuts);
             last.clear();
             for column in 0..columns {
-                if stop.load(Ordering::Relaxed) {
-                    return Err(CliError::Interrupted);
-                }
                 here.clear();
                 if wanted[column] {
                     let cell = request.cell(row, column);
@@ -147,6 +138,8 @@ impl Worker {
                         all.growing.push(cell);
                     }
                 }
+                // A cell that was stopped has no modes.
+                self.finder.stop().heard().map_err(|_| CliError::Interrupted)?;
                 let beyond = !(beside[column] && column > 0 && beside[column - 1]);
                 let before = all.crossings.len();
                 passings(&last, &here, double && symmetric, |Passing { modes: (k, l), harmonic, sum, part }| {

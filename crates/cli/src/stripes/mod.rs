@@ -62,12 +62,12 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     if let Some(table) = &args.csv {
         promises("--csv", table, "a table as plain CSV", &["csv"])?;
     }
+    let stop = (console.interrupt)()?;
     // Destinations first: an impossible one should not cost a computation.
     let picture = PictureFiles::one("--plot", Some(&args.plot), &args.page)?;
     let csv = args.csv.as_deref().map(Output::create).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let widths = args.widths.as_deref().map(|path| CsvFile::create("--widths", path, HEADER)).transpose()?;
-    let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let tiles = cells(&request, args.map.as_deref(), &pool, &stop)?;
     let rows = rows(&request, &tiles, &pool, &stop)?;

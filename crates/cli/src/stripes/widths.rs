@@ -1,13 +1,13 @@
 //! The table of stripes: where each begins and ends in each row of the map, and how strong it is.
 
 use std::fmt::Write as _;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::ProgressBar;
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use vibrochain_breather::Family;
+use vibrochain_breather::{BreatherError, Family};
 use vibrochain_floquet::{NoStripe, Stripe, StripeEnd, StripeFinder, StripeLine, StripeRow};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::point::Parameter;
@@ -102,7 +102,7 @@ pub(super) fn write(
     mut table: CsvFile,
     request: &Request,
     pool: &ThreadPool,
-    stop: &AtomicBool,
+    stop: &Stop,
     bar: &ProgressBar,
 ) -> Result<String, CliError> {
     let mut all: Vec<Summary> = Vec::new();
@@ -140,21 +140,20 @@ pub(super) fn write(
     Ok(text(&all))
 }
 
-fn of_row(request: &Request, row: usize, stop: &AtomicBool) -> Result<Vec<(Family, StripeRow)>, CliError> {
+fn of_row(request: &Request, row: usize, stop: &Stop) -> Result<Vec<(Family, StripeRow)>, CliError> {
     let ends = [0, request.omega.points - 1].map(|column| request.omega.value(column as f64));
     let points = ((ends[1] - ends[0]).abs() * DENSITY) as usize + IN_A_CELL * request.omega.points;
     let Ok(model) = request.scene.point(request.cell(row, 0) as u64).model() else { return Ok(Vec::new()) };
-    let mut finder = StripeFinder::default();
+    let mut finder = StripeFinder::until(stop);
     let mut found = Vec::new();
     for family in request.scene.task.families.iter().copied() {
         if !matches!(family, Family::DoubleSided | Family::SingleSided) {
             continue;
         }
         let line = StripeLine { model, family, free: Parameter::Omega };
-        let going = || !stop.load(Ordering::Relaxed);
-        match finder.along_while(&line, (ends[0].min(ends[1]), ends[0].max(ends[1])), points, going) {
-            Ok(Some(stripes)) => found.push((family, stripes)),
-            Ok(None) => return Err(CliError::Interrupted),
+        match finder.along(&line, (ends[0].min(ends[1]), ends[0].max(ends[1])), points) {
+            Ok(stripes) => found.push((family, stripes)),
+            Err(NoStripe::Breather(BreatherError::Stopped)) => return Err(CliError::Interrupted),
             Err(error @ (NoStripe::Parameter(_) | NoStripe::NotConservative)) => {
                 return Err(CliError::Request(error.to_string()));
             }

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use thiserror::Error;
-use vibrochain_breather::{BranchError, Orbit};
-use vibrochain_lattice::{Model, Parameter, Resonance, Short};
+use vibrochain_breather::{BranchError, BreatherError, Orbit};
+use vibrochain_lattice::{Model, Parameter, Resonance, Short, Stop, Stopped};
 
 use crate::error::FloquetError;
 use crate::locate::{Event, Evidence};
@@ -44,7 +44,7 @@ impl Window {
 }
 
 /// How a curve is followed.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 #[must_use]
 pub struct Walk<'a> {
     /// Where to.
@@ -55,12 +55,14 @@ pub struct Walk<'a> {
     pub special: bool,
     /// Told of each point its values and whether the orbit there is physical: whether the curve need go no farther.
     pub until: &'a dyn Fn([f64; 2], Option<bool>) -> bool,
+    /// Ends the work, looked at before every orbit and every eigenvalue problem: there is no curve then.
+    pub stop: Stop,
 }
 
 impl Walk<'_> {
     /// Through the whole window, with all points of codimension two.
     pub fn new(window: Window, tolerance: f64) -> Self {
-        Self { window, tolerance, special: true, until: &|_, _| false }
+        Self { window, tolerance, special: true, until: &|_, _| false, stop: Stop::default() }
     }
 }
 
@@ -242,4 +244,10 @@ pub enum CurveError {
     /// The multipliers could not be computed.
     #[error(transparent)]
     Floquet(#[from] FloquetError),
+}
+
+impl From<Stopped> for CurveError {
+    fn from(stopped: Stopped) -> Self {
+        Self::Branch(BranchError::from(BreatherError::from(stopped)))
+    }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{BranchError, BreatherError, Finder, Orbit, SurfacePoint};
-use vibrochain_lattice::Barrier;
+use vibrochain_lattice::{Barrier, Stop};
 
 use crate::analyser::Analyser;
 use crate::error::FloquetError;
@@ -120,8 +120,8 @@ impl Signal {
 }
 
 impl Sight {
-    pub(super) fn new(sites: usize) -> Self {
-        Self { analyser: Analyser::default(), finder: Finder::new(sites), sites, spectra: 0 }
+    pub(super) fn new(sites: usize, stop: &Stop) -> Self {
+        Self { analyser: Analyser::default(), finder: Finder::new(sites).until(stop), sites, spectra: 0 }
     }
 
     /// Eigenvalues: μ, or ν of a reversible orbit.

@@ -99,15 +99,17 @@ pub fn curve(
 /// # Errors
 /// As [`curve`].
 pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<'_>) -> Result<EventCurve, CurveError> {
-    let Walk { window, tolerance, special, until } = *walk;
+    let &Walk { window, tolerance, special, until, ref stop } = walk;
     check(orbit, &window, tolerance)?;
     let (signal, mark) = Signal::of(event, evidence, orbit).ok_or(CurveError::NotThere(event))?;
     let sides = window.sides();
     let free = [0, 1].map(|i| (window.parameters[i], sides[i]));
-    let sight = Sight::new(orbit.model().chain().sites());
-    let mut walker =
-        Walker { surface: Surface::through(orbit, free)?, sight, signal, event, window, tolerance, special };
-    let (start, direction) = walker.start(mark).map_err(|blind| match blind {
+    let sight = Sight::new(orbit.model().chain().sites(), stop);
+    let surface = Surface::through(orbit, free)?.until(stop);
+    let mut walker = Walker { surface, sight, signal, event, window, tolerance, special };
+    let started = walker.start(mark);
+    stop.heard()?;
+    let (start, direction) = started.map_err(|blind| match blind {
         Blind::Lost(error) => CurveError::Branch(error),
         Blind::Unwatched(error) => CurveError::Floquet(error),
         Blind::Other => CurveError::NotThere(event),
@@ -119,7 +121,10 @@ pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<
         CurveEnd::Closed => Way { feet: vec![start.clone()], special: Vec::new(), end: CurveEnd::Closed },
         _ => walker.follow(&start, direction, until),
     };
-    Ok(walker.joined(evidence, behind, ahead))
+    let curve = walker.joined(evidence, behind, ahead);
+    // On the way a failure is an end.
+    stop.heard()?;
+    Ok(curve)
 }
 
 fn check(orbit: &Orbit, window: &Window, tolerance: f64) -> Result<(), CurveError> {
@@ -176,7 +181,8 @@ impl Walker {
 
     /// Who looks for the same on another surface.
     pub(super) fn beside(&self, surface: Surface) -> Self {
-        let sight = Sight::new(self.sight.sites);
+        let stop = self.sight.finder.stop();
+        let (sight, surface) = (Sight::new(self.sight.sites, stop), surface.until(stop));
         let Self { signal, event, window, tolerance, special, .. } = *self;
         Self { surface, sight, signal, event, window, tolerance, special }
     }
@@ -361,7 +367,7 @@ impl Walker {
     fn follow(&mut self, start: &Foot, direction: [f64; 2], until: &dyn Fn([f64; 2], Option<bool>) -> bool) -> Way {
         let mut feet = vec![start.clone()];
         let (mut h, mut special) = (FIRST, Vec::new());
-        let first = strength(start.point.orbit());
+        let first = start.point.orbit().strength().max(f64::MIN_POSITIVE);
         let (mut why, mut crawling) = (Blind::Other, 0);
         let end = loop {
             if feet.len() > MOST_POINTS {
@@ -412,7 +418,7 @@ impl Walker {
             let closed = feet.len() > 3 && self.passes(start, &feet[feet.len() - 1], &next);
             let next = if closed { Foot { at: feet[feet.len() - 1].at + taken, ..start.clone() } } else { next };
             let ends = next.aspects.ends;
-            let strength = strength(next.point.orbit()) / first;
+            let strength = next.point.orbit().strength() / first;
             let (told, mark) = (special.len(), next.mark);
             self.mark_special(&mut feet, &mut special, direction, next);
             if closed {
@@ -512,11 +518,6 @@ impl Walker {
         let (values, orbit) = (foot.point.values(), foot.point.orbit().clone());
         CurvePoint { values, error, orbit, angle, physical: foot.aspects.physical }
     }
-}
-
-/// The largest impulse.
-fn strength(orbit: &Orbit) -> f64 {
-    orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max)
 }
 
 /// The resonance that an orbit stands next to.

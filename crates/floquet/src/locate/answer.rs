@@ -5,7 +5,7 @@ use std::fmt;
 use nalgebra::Complex;
 use thiserror::Error;
 use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit};
-use vibrochain_lattice::{Parameter, Resonance, Short};
+use vibrochain_lattice::{Parameter, Resonance, Short, Stopped};
 
 use crate::error::FloquetError;
 use crate::verdict::Verdict;
@@ -277,5 +277,11 @@ pub enum LocateError {
 impl From<BreatherError> for LocateError {
     fn from(error: BreatherError) -> Self {
         Self::Branch(error.into())
+    }
+}
+
+impl From<Stopped> for LocateError {
+    fn from(Stopped: Stopped) -> Self {
+        Self::Stopped
     }
 }

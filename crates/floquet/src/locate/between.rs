@@ -25,7 +25,7 @@ const STEEPEST: f64 = 4.0;
 /// Growth per period that rounding of a multiplier may feign.
 const NOISE: f64 = 1e-9;
 
-impl Follower<'_> {
+impl Follower {
     /// All events on the way to `next`, and what is seen there.
     pub(super) fn watch(
         &mut self,

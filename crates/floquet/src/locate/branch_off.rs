@@ -28,7 +28,7 @@ const TOGETHER: f64 = 1e-9;
 /// Bends at a step and at its half agree to this part where the curve is a parabola.
 const PARABOLA: f64 = 0.2;
 
-impl Follower<'_> {
+impl Follower {
     /// The orbits that branch off, if it is known how they do: at `distance` in the parameter where they reach that far, otherwise
     /// as near as they do.
     pub(super) fn branch_off(&mut self, event: Event, orbit: &Orbit, distance: f64) -> Option<Branching> {
@@ -71,7 +71,9 @@ impl Follower<'_> {
         let departure = bifurcation(event, orbit)?;
         // The orbit sets the scale, however short the range is.
         let unit = orbit.model().get(self.free).abs().max(self.range());
-        Branch::leaving(orbit, &departure, self.free, unit).ok()
+        Branch::leaving(orbit, &departure, self.free, unit)
+            .ok()
+            .map(|(branch, start)| (branch.until(self.stop()), start))
     }
 }
 

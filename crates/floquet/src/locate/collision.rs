@@ -78,7 +78,7 @@ pub(super) struct Edge {
     pub(super) alone: f64,
 }
 
-impl Follower<'_> {
+impl Follower {
     /// All collisions in a step.
     pub(super) fn collisions(
         &mut self,

@@ -2,6 +2,7 @@
 //! leave it.
 
 use vibrochain_breather::{Branch, BranchPoint, Orbit};
+use vibrochain_lattice::Stop;
 
 use super::answer::{End, Event, LocateError};
 use super::course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station};
@@ -33,19 +34,19 @@ const MOST_BRANCHES: usize = 256;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn diagram(orbit: &Orbit, course: &Course) -> Result<Diagram, LocateError> {
-    diagram_while(orbit, course, &|| true)
+    diagram_until(orbit, course, &Stop::default())
 }
 
-/// The same, for as long as `going` says, which is asked at every step and before every eigenvalue problem.
+/// The same, until `stop` is raised, which is looked at before every orbit and every eigenvalue problem.
 ///
 /// # Errors
 /// As [`diagram`]; [`LocateError::Stopped`].
-pub fn diagram_while(orbit: &Orbit, course: &Course, going: &dyn Fn() -> bool) -> Result<Diagram, LocateError> {
+pub fn diagram_until(orbit: &Orbit, course: &Course, stop: &Stop) -> Result<Diagram, LocateError> {
     check(orbit, course.free, (course.from, course.to))?;
     let mut diagram =
         Diagram { branches: Vec::new(), dead_ends: Vec::new(), complete: true, evaluations: 0, spectra: 0 };
     let branch = Branch::through(orbit, course.free, course.to - course.from)?;
-    let mut follower = course.follower(branch, going);
+    let mut follower = course.follower(branch, stop);
     let point = follower.branch.start()?;
     if orbit.model().chain().sites() == 1 {
         follower.without_those_that_cannot_be(point.orbit())?;
@@ -59,24 +60,25 @@ pub fn diagram_while(orbit: &Orbit, course: &Course, going: &dyn Fn() -> bool) -
                     diagram.complete = false;
                     return Ok(diagram);
                 }
-                diagram.switch(course, Origin { branch: next, station }, going)?;
+                diagram.switch(course, Origin { branch: next, station }, stop)?;
             }
         }
         next += 1;
     }
     // On the way a failure may be an end.
-    if going() { Ok(diagram) } else { Err(LocateError::Stopped) }
+    stop.heard()?;
+    Ok(diagram)
 }
 
 impl Course {
-    fn follower<'a>(&self, branch: Branch, going: &'a dyn Fn() -> bool) -> Follower<'a> {
-        let mut follower = Follower::new(branch, (self.from, self.to), self.events.clone(), going);
+    fn follower(&self, branch: Branch, stop: &Stop) -> Follower {
+        let mut follower = Follower::new(branch, (self.from, self.to), self.events.clone(), stop);
         follower.whole = true;
         follower
     }
 }
 
-impl Follower<'_> {
+impl Follower {
     /// An orbit without a multiplier that could move has no event that multipliers show.
     fn without_those_that_cannot_be(&mut self, orbit: &Orbit) -> Result<(), LocateError> {
         match self.spectrum(orbit) {
@@ -101,7 +103,7 @@ impl Diagram {
     /// Follows a branch from a point of it to both sides.
     fn take_both_ways(
         &mut self,
-        mut follower: Follower<'_>,
+        mut follower: Follower,
         course: &Course,
         place: (Option<Origin>, u32),
         point: BranchPoint,
@@ -123,7 +125,7 @@ impl Diagram {
     /// Adds a branch that was followed.
     fn take(
         &mut self,
-        mut follower: Follower<'_>,
+        mut follower: Follower,
         course: &Course,
         (origin, generation): (Option<Origin>, u32),
         passed: Vec<Passed>,
@@ -141,7 +143,7 @@ impl Diagram {
     }
 
     /// Takes up the branch that leaves at an event, if one does.
-    fn switch(&mut self, course: &Course, origin: Origin, going: &dyn Fn() -> bool) -> Result<(), LocateError> {
+    fn switch(&mut self, course: &Course, origin: Origin, stop: &Stop) -> Result<(), LocateError> {
         let parent = &self.branches[origin.branch];
         let Station::Event(located) = &parent.stations[origin.station] else { return Ok(()) };
         let Some(departure) = departure(located).filter(|_| parent.is_physical_about(origin.station)) else {
@@ -160,13 +162,14 @@ impl Diagram {
                 return Ok(());
             }
             let mut follower =
-                course.follower(Branch::through(&located.orbit, course.free, course.to - course.from)?, going);
+                course.follower(Branch::through(&located.orbit, course.free, course.to - course.from)?, stop);
             let point = follower.branch.start()?;
             return self.take_both_ways(follower, course, (Some(origin), generation), point);
         }
         let leaving = Branch::leaving(&located.orbit, &departure, course.free, unit);
-        let taken = leaving.ok().and_then(|(mut branch, start)| {
-            let first = first_step(&mut branch, &start, &departure)?;
+        let taken = leaving.ok().and_then(|(branch, start)| {
+            let mut branch = branch.until(stop);
+            let first = first_step(&mut branch, &start, &departure, stop)?;
             Some((branch, start, first))
         });
         let Some((branch, start, first)) = taken else {
@@ -179,7 +182,7 @@ impl Diagram {
         if known(first.value(), first.orbit()) {
             return Ok(());
         }
-        let mut follower = course.follower(branch, going);
+        let mut follower = course.follower(branch, stop);
         let end = follower.follow(first.clone())?;
         let mut stations = vec![Passed::Point(start), Passed::Point(first)];
         stations.append(&mut follower.passed);

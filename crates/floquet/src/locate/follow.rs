@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Found, Orbit};
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Stop};
 
 use super::answer::{Answer, End, Event, Evidence, LocateError, Located, Search};
 use super::follower::{Follower, LONGEST, Observation, Passed, shift_of};
@@ -62,25 +62,23 @@ enum Round {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn locate(orbit: &Orbit, search: &Search) -> Result<Answer, LocateError> {
-    locate_while(orbit, search, &|| true)
+    locate_until(orbit, search, &Stop::default())
 }
 
-/// The same, for as long as `going` says, which is asked at every step and before every eigenvalue problem.
+/// The same, until `stop` is raised, which is looked at before every orbit and every eigenvalue problem.
 ///
 /// # Errors
 /// As [`locate`]; [`LocateError::Stopped`].
-pub fn locate_while(orbit: &Orbit, search: &Search, going: &dyn Fn() -> bool) -> Result<Answer, LocateError> {
+pub fn locate_until(orbit: &Orbit, search: &Search, stop: &Stop) -> Result<Answer, LocateError> {
     let Search { free, from, to, .. } = *search;
     check(orbit, free, (from, to))?;
     let start = orbit.model().get(free);
-    let mut follower = Follower::new(Branch::through(orbit, free, to - from)?, (from, to), vec![search.event], going);
+    let mut follower = Follower::new(Branch::through(orbit, free, to - from)?, (from, to), vec![search.event], stop);
     let point = follower.branch.start()?;
     let (up, down) = if point.heading() < 0.0 { (point.reversed(), point) } else { (point.clone(), point.reversed()) };
     let ends = [follower.follow(down)?, follower.follow(up)?];
     // On the way a failure may be an end.
-    if !going() {
-        return Err(LocateError::Stopped);
-    }
+    stop.heard()?;
     let (evaluations, spectra) = (follower.evaluations(), follower.spectra);
     let mut located: Vec<Located> = follower.passed.into_iter().filter_map(Passed::event).collect();
     located.sort_by(|a, b| (a.value - start).abs().total_cmp(&(b.value - start).abs()));
@@ -107,7 +105,7 @@ pub(super) fn check(orbit: &Orbit, free: Parameter, (from, to): (f64, f64)) -> R
     Ok(())
 }
 
-impl Follower<'_> {
+impl Follower {
     pub(super) fn evaluations(&self) -> usize {
         self.branch.evaluations() + self.others
     }
@@ -120,11 +118,9 @@ impl Follower<'_> {
         }
         let mut seen = self.look(&point)?;
         let mut length = 0.25 * LONGEST;
-        let first = strength(point.orbit());
+        let first = point.orbit().strength().max(f64::MIN_POSITIVE);
         for step in 0..MOST_STEPS {
-            if !(self.going)() {
-                return Err(LocateError::Stopped);
-            }
+            self.stop().heard()?;
             let (next, last) = match self.advance(&point, length) {
                 Ok(next) => next,
                 Err(error) => {
@@ -162,7 +158,7 @@ impl Follower<'_> {
             if last {
                 return Ok((point.value(), End::Range));
             }
-            let growth = strength(point.orbit()) / first;
+            let growth = point.orbit().strength() / first;
             if growth > UNBOUNDED {
                 return Ok((point.value(), End::Unbounded));
             }
@@ -196,7 +192,7 @@ impl Follower<'_> {
     fn vanishing_ahead(&self, point: &BranchPoint, first: f64) -> Option<f64> {
         let (orbit, free) = (point.orbit(), self.free);
         let (impact, psi) = (orbit.impacts().first()?, orbit.psi()?);
-        if strength(orbit) > FAINT * first.max(orbit.model().omega()) {
+        if orbit.strength() > FAINT * first.max(orbit.model().omega()) {
             return None;
         }
         let touch = |value: f64| {
@@ -365,15 +361,10 @@ impl Follower<'_> {
         let reach = reach.max(4.0 * LEAST * next.value().abs());
         let (from, to) = ((next.value() - reach).max(self.from), (next.value() + reach).min(self.to));
         let search = Search { event: Event::Pitchfork, free: self.free, from, to };
-        let mut answer = locate(nearest, &search)?;
+        let mut answer = locate_until(nearest, &search, self.stop())?;
         self.others += answer.evaluations;
         self.spectra += answer.spectra;
         answer.located.truncate(1);
         Ok(answer.located.pop())
     }
-}
-
-/// The largest impulse.
-fn strength(orbit: &Orbit) -> f64 {
-    orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max)
 }

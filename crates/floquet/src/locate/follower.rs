@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use smallvec::SmallVec;
 use vibrochain_breather::{Branch, BranchPoint, Finder, Orbit};
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Stop};
 
 use super::answer::{Event, Located, Unresolved};
 use crate::analyser::Analyser;
@@ -12,9 +12,7 @@ use crate::analyser::Analyser;
 pub(super) const LONGEST: f64 = 0.02;
 
 /// The branch, what is watched along it, and work space.
-pub(super) struct Follower<'a> {
-    /// Asked at every step and before every eigenvalue problem: whether anybody still waits for what is found.
-    pub(super) going: &'a dyn Fn() -> bool,
+pub(super) struct Follower {
     pub(super) branch: Branch,
     pub(super) free: Parameter,
     /// Least and largest value of the free parameter.
@@ -72,13 +70,13 @@ impl Observation {
     }
 }
 
-impl<'a> Follower<'a> {
-    pub(super) fn new(branch: Branch, (from, to): (f64, f64), events: Vec<Event>, going: &'a dyn Fn() -> bool) -> Self {
-        let finder = Finder::new(branch.sites());
+impl Follower {
+    pub(super) fn new(branch: Branch, (from, to): (f64, f64), events: Vec<Event>, stop: &Stop) -> Self {
+        let finder = Finder::new(branch.sites()).until(stop);
+        let branch = branch.until(stop);
         let (free, analyser) = (branch.free(), Analyser::default());
         let (passed, unresolved) = (Vec::new(), Vec::new());
         Self {
-            going,
             branch,
             free,
             from,
@@ -93,6 +91,11 @@ impl<'a> Follower<'a> {
             others: 0,
             spectra: 0,
         }
+    }
+
+    /// What ends its work early, which everything it works with looks at.
+    pub(super) fn stop(&self) -> &Stop {
+        self.finder.stop()
     }
 
     pub(super) fn watches(&self, event: Event) -> bool {

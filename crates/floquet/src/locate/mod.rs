@@ -36,6 +36,6 @@ mod watch;
 
 pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};
 pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station, is_physical_about};
-pub use diagram::{diagram, diagram_while};
-pub use follow::{locate, locate_while};
+pub use diagram::{diagram, diagram_until};
+pub use follow::{locate, locate_until};
 pub(crate) use polish::Polisher;

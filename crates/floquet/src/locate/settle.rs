@@ -54,7 +54,7 @@ fn spread(values: impl Iterator<Item = f64>) -> f64 {
     values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max)
 }
 
-impl Follower<'_> {
+impl Follower {
     /// The event at `s` along a step: checked, with its error. `None` for a pole or another false alarm.
     pub(super) fn settle(
         &mut self,
@@ -217,7 +217,7 @@ impl Follower<'_> {
             }
             // Downwards: restitution may be 1.
             let step = DATA_STEP * value;
-            let mut across = Branch::through(orbit, parameter, value)?;
+            let mut across = Branch::through(orbit, parameter, value)?.until(self.stop());
             // Where the change breaks a symmetry there is no such orbit at a pitchfork, nor rounding that would do it.
             let moved = across.start().and_then(|start| across.at(&start, value - step));
             self.others += across.evaluations();

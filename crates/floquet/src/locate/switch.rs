@@ -1,7 +1,7 @@
 //! At which events branches leave another, and the first step along one.
 
 use vibrochain_breather::{Approach, Branch, BranchPoint, Departure, Family, Finder, Hit, Motion, Orbit};
-use vibrochain_lattice::Barrier;
+use vibrochain_lattice::{Barrier, Stop};
 
 use super::answer::{Event, Evidence, Located};
 
@@ -67,8 +67,13 @@ fn touching(orbit: &Orbit, touch: &Approach) -> Option<Vec<Hit>> {
 }
 
 /// The first point of a branch that leaves another, on the side where its orbits are.
-pub(super) fn first_step(branch: &mut Branch, start: &BranchPoint, departure: &Departure) -> Option<BranchPoint> {
-    let mut finder = Finder::new(branch.sites());
+pub(super) fn first_step(
+    branch: &mut Branch,
+    start: &BranchPoint,
+    departure: &Departure,
+    stop: &Stop,
+) -> Option<BranchPoint> {
+    let mut finder = Finder::new(branch.sites()).until(stop);
     let mut taken = |sign: f64| (0..TRIES).find_map(|i| branch.step(start, sign * FIRST * SHRINK.powi(i)).ok());
     if matches!(departure, Departure::Pitchfork | Departure::PeriodDoubling) {
         // The other way leads to the same orbits, mirrored or begun later.

@@ -52,7 +52,7 @@ pub(super) enum Test {
     Collision { centre: f64 },
 }
 
-impl Follower<'_> {
+impl Follower {
     /// What is to be known of a point.
     pub(super) fn look(&mut self, point: &BranchPoint) -> Result<Observation, LocateError> {
         let orbit = point.orbit();
@@ -86,9 +86,7 @@ impl Follower<'_> {
 
     /// Eigenvalues: μ, or ν of a reversible orbit.
     pub(super) fn spectrum(&mut self, orbit: &Orbit) -> Result<Vec<Complex<f64>>, LocateError> {
-        if !(self.going)() {
-            return Err(LocateError::Stopped);
-        }
+        self.stop().heard()?;
         self.spectra += 1;
         self.analyser.dense.solve(orbit, &mut self.finder)?;
         // Masses without coupling have none, either, but on their way.

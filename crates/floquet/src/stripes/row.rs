@@ -59,48 +59,31 @@ impl StripeFinder {
         range: (f64, f64),
         points: usize,
     ) -> Result<StripeRow, NoStripe> {
-        Ok(self.row_while(line, range, points, Self::outline, || true)?.unwrap_or_default())
+        self.row(line, range, points, Self::outline)
     }
 
     /// All stripes of physical breathers between two values of the parameter, of which so many points are looked at.
     ///
     /// # Errors
-    /// [`NoStripe::NotConservative`], [`NoStripe::Parameter`].
+    /// [`NoStripe::NotConservative`], [`NoStripe::Parameter`]; [`NoStripe::Breather`] once it was stopped ([`Self::until`]).
     pub fn along(&mut self, line: &StripeLine, range: (f64, f64), points: usize) -> Result<StripeRow, NoStripe> {
-        Ok(self.along_while(line, range, points, || true)?.unwrap_or_default())
-    }
-
-    /// The same, for as long as `going` says: `None` if it has been stopped.
-    ///
-    /// # Errors
-    /// As [`Self::along`].
-    pub fn along_while(
-        &mut self,
-        line: &StripeLine,
-        range: (f64, f64),
-        points: usize,
-        going: impl Fn() -> bool,
-    ) -> Result<Option<StripeRow>, NoStripe> {
-        self.row_while(line, range, points, Self::near, going)
+        self.row(line, range, points, Self::near)
     }
 
     /// The same; of two modes that meet the stripe is what `told` tells.
-    fn row_while(
+    fn row(
         &mut self,
         line: &StripeLine,
         (from, to): (f64, f64),
         points: usize,
         told: Told,
-        going: impl Fn() -> bool,
-    ) -> Result<Option<StripeRow>, NoStripe> {
+    ) -> Result<StripeRow, NoStripe> {
         line.check()?;
         let value = |i: usize| from + (to - from) * i as f64 / points.saturating_sub(1).max(1) as f64;
         let (mut last, mut here) = (Vec::new(), Vec::new());
         let (mut met, mut places) = (Vec::new(), Vec::new());
         for i in 0..points {
-            if !going() {
-                return Ok(None);
-            }
+            self.heard()?;
             let next = value(if i + 1 < points { i + 1 } else { i.saturating_sub(1) });
             let place = self.place_between(line, (value(i), next), &STARTS)?;
             here.clear();
@@ -125,9 +108,7 @@ impl StripeFinder {
         }
         let mut row = StripeRow::default();
         for (value, Passing { modes, harmonic, .. }) in met {
-            if !going() {
-                return Ok(None);
-            }
+            self.heard()?;
             let Ok(stripe) = told(self, line, modes, harmonic, value) else { continue };
             let same = |other: &Stripe| (other.centre - stripe.centre).abs() <= 4.0 * (other.error + stripe.error);
             if !row.stripes.iter().any(same) {
@@ -141,9 +122,7 @@ impl StripeFinder {
         loop {
             for ends in places.windows(2) {
                 let [first, last] = ends else { continue };
-                if !going() {
-                    return Ok(None);
-                }
+                self.heard()?;
                 self.unexplained(line, (first.clone(), last.clone(), 0), &mut row, (&mut edges, &mut seen))?;
             }
             // A wide one may have been told to end where another does: then counts have to tell both.
@@ -165,7 +144,7 @@ impl StripeFinder {
         seen.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.join(line, &seen, edges, &mut row)?;
         row.stripes.sort_by(|a, b| a.centre.total_cmp(&b.centre));
-        Ok(Some(row))
+        Ok(row)
     }
 
     /// More points, between these values and what is next to each.
@@ -202,6 +181,7 @@ impl StripeFinder {
     ) -> Result<(), NoStripe> {
         let mut parts = vec![part];
         while let Some(part) = parts.pop() {
+            self.heard()?;
             let (low, high, depth) = &part;
             seen.extend([&low.1, &high.1].into_iter().flatten().map(|place| (place.value, place.sheet)));
             let (Some(before), Some(after)) = (&low.1, &high.1) else {

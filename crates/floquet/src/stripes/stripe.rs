@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Complex;
 use thiserror::Error;
 use vibrochain_breather::{BreatherError, Family, Finder, Found};
-use vibrochain_lattice::{Model, Parameter, ParameterError};
+use vibrochain_lattice::{Model, Parameter, ParameterError, Stop};
 
 use super::dressed::DressedModes;
 use super::pencil::Meeting;
@@ -190,6 +190,17 @@ impl StripeLine {
 }
 
 impl StripeFinder {
+    /// The same finder, whose work ends with [`BreatherError::Stopped`] soon after `stop` is raised.
+    #[must_use]
+    pub fn until(stop: &Stop) -> Self {
+        Self { finder: Finder::new(1).until(stop), ..Self::default() }
+    }
+
+    /// What looks at a place and goes on where nothing is told looks here, too: a search that was stopped tells nothing, either.
+    pub(super) fn heard(&self) -> Result<(), NoStripe> {
+        Ok(self.finder.stop().heard().map_err(BreatherError::from)?)
+    }
+
     /// The breather at a value of the parameter.
     pub(super) fn set(&mut self, line: &StripeLine, value: f64) -> Result<Model, NoStripe> {
         let model = line.model.with(line.free, value)?;

@@ -1,11 +1,9 @@
 //! The courses of stripes through a window, of which no raster need tell: from rows in which they are found, each followed both ways.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use vibrochain_breather::Family;
 use vibrochain_floquet::StripeFinder;
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Stop};
 
 use super::lanes::{Lane, Liner, Row};
 use super::part::{Eye, Part, parts};
@@ -24,7 +22,7 @@ pub(super) struct Courses<'a> {
     pub(super) family: Family,
     /// How far a chord between two points may be from the edge, as a part of the window's sides.
     pub(super) tolerance: f64,
-    pub(super) stop: &'a AtomicBool,
+    pub(super) stop: &'a Stop,
 }
 
 /// The family whose stripes are known by their modes, if a part has one.
@@ -52,11 +50,11 @@ impl Courses<'_> {
         let rows = (0..=ROWS).map(|row| row as f64 / ROWS as f64);
         let rows: Vec<f64> = rows.filter(|&y| !is_uncoupled(scene, [0.5, y])).collect();
         told(0, rows.len());
-        let workers = || (Eye::new(scene, window), StripeFinder::default());
+        let workers = || (Eye::new(scene, window, stop), StripeFinder::until(stop));
         let rows: Vec<Row> = rows
             .par_iter()
             .map_init(workers, |(eye, finder), &y| {
-                if stop.load(Ordering::Relaxed) {
+                if stop.is_raised() {
                     return Row::default();
                 }
                 Liner { eye, part, finder, family, tolerance }.row(y, (0.0, 1.0), ROW_POINTS)
@@ -66,7 +64,7 @@ impl Courses<'_> {
         let [from, to] = [0.0, 1.0].map(|x| window.point([x, 0.0])[0]);
         let part_of = |value: f64| (value - from) / (to - from);
         for (done, row) in rows.iter().enumerate() {
-            if stop.load(Ordering::Relaxed) {
+            if stop.is_raised() {
                 break;
             }
             told(done, rows.len());
@@ -107,7 +105,7 @@ impl StripeCourse {
     /// between neighbouring points is at most `tolerance` from the edge, as a part of the window's sides. If `stop` is raised there are
     /// fewer. Threads are those of the pool of `rayon` that this is called in, the answer is the same on any number of them.
     #[must_use]
-    pub fn all(scene: &Scene, tolerance: f64, stop: &AtomicBool) -> Vec<Self> {
+    pub fn all(scene: &Scene, tolerance: f64, stop: &Stop) -> Vec<Self> {
         let linear = scene.axes.iter().all(|axis| matches!(axis.values, Values::Linear { .. }));
         let Some(window) = Window::of(scene).ok().filter(|_| linear) else { return Vec::new() };
         let mut all = Vec::new();

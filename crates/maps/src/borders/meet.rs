@@ -1,6 +1,6 @@
 //! A change between two places, enclosed, and the events that make it.
 
-use vibrochain_floquet::{Course, End, Event, Located, diagram};
+use vibrochain_floquet::{Course, End, Event, Located, diagram_until};
 use vibrochain_lattice::Spectrum;
 
 use super::border::BorderKind;
@@ -139,7 +139,7 @@ pub(super) fn meet(
         }
         for orbit in eye.orbits(part, start) {
             let course = Course { from, to, events: events.clone(), ..Course::new(&orbit, parameter) };
-            let Ok(diagram) = diagram(&orbit, &course) else { continue };
+            let Ok(diagram) = diagram_until(&orbit, &course, eye.stop()) else { continue };
             for branch in &diagram.branches {
                 let here = |value: f64| slack[0] <= value && value <= slack[1];
                 for located in branch.events().filter(|located| here(located.value)) {

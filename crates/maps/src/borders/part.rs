@@ -2,7 +2,7 @@
 
 use vibrochain_breather::{Finder, Found, Orbit, Wanted, Word};
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Model, Stop};
 
 use crate::cell::{Class, Task, Worker};
 use crate::regions::Window;
@@ -49,9 +49,14 @@ pub(super) struct Eye<'a> {
 }
 
 impl<'a> Eye<'a> {
-    pub(super) fn new(scene: &'a Scene, window: Window) -> Self {
+    /// Once `stop` is raised it sees nothing.
+    pub(super) fn new(scene: &'a Scene, window: Window, stop: &Stop) -> Self {
         let sites = scene.base.sites();
-        Self { scene, window, worker: Worker::new(sites), finder: Finder::new(sites) }
+        Self { scene, window, worker: Worker::new(sites).until(stop), finder: Finder::new(sites).until(stop) }
+    }
+
+    pub(super) fn stop(&self) -> &Stop {
+        self.finder.stop()
     }
 
     pub(super) fn model(&self, place: [f64; 2]) -> Option<Model> {
@@ -109,7 +114,7 @@ mod tests {
              [compute]\nfamilies = [\"double-sided\", \"single-sided\"]\nstability = true\n",
         );
         let scene = scene.unwrap();
-        let mut eye = Eye::new(&scene, Window::of(&scene).unwrap());
+        let mut eye = Eye::new(&scene, Window::of(&scene).unwrap(), &Stop::default());
         let mut random = Rng::with_seed(3);
         let mut times = [0; 2];
         for part in &parts(&scene.task) {

@@ -2,10 +2,10 @@
 
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use vibrochain_floquet::{CurveEnd, Event, Located, StripeFinder, Walk, curve_along};
+use vibrochain_lattice::Stop;
 
 use super::border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
 use super::change::trace;
@@ -73,7 +73,7 @@ pub struct Asked<'a> {
     /// Whether points of codimension two are wanted.
     pub special: bool,
     /// Raised to end the search; what is found by then is told.
-    pub stop: &'a AtomicBool,
+    pub stop: &'a Stop,
     /// Told of the family, the stage, and how much of it is done.
     pub told: &'a (dyn Fn(&str, Stage, usize, usize) + Sync),
 }
@@ -169,7 +169,7 @@ impl Borders {
 
 impl Search<'_> {
     fn stopped(&mut self) -> bool {
-        self.found.interrupted |= self.asked.stop.load(Ordering::Relaxed);
+        self.found.interrupted |= self.asked.stop.is_raised();
         self.found.interrupted
     }
 
@@ -178,7 +178,7 @@ impl Search<'_> {
     }
 
     fn eye(&self) -> Eye<'_> {
-        Eye::new(self.scene, self.window)
+        Eye::new(self.scene, self.window, self.asked.stop)
     }
 
     fn parts_of(&self, border: &Border) -> Vec<[f64; 2]> {
@@ -206,7 +206,7 @@ impl Search<'_> {
             .map_init(
                 || self.eye(),
                 |eye, &place| {
-                    let skipped = is_uncoupled(self.scene, place) || stop.load(Ordering::Relaxed);
+                    let skipped = is_uncoupled(self.scene, place) || stop.is_raised();
                     if skipped { None } else { eye.class(part, place) }
                 },
             )
@@ -342,7 +342,7 @@ impl Search<'_> {
 
     /// The borders between two places along one parameter.
     fn explain(&self, eye: &mut Eye<'_>, axis: usize, ends: [[f64; 2]; 2]) -> Outcome {
-        if self.asked.stop.load(Ordering::Relaxed) {
+        if self.asked.stop.is_raised() {
             return Outcome::default();
         }
         let reach = 2.0 * self.asked.tolerance;
@@ -375,7 +375,7 @@ impl Search<'_> {
         }
         let tolerance = self.asked.tolerance;
         let alike: Cell<u32> = Cell::new(0);
-        let stopped = |_| self.asked.stop.load(Ordering::Relaxed);
+        let stopped = |_| self.asked.stop.is_raised();
         let until = |place| {
             alike.set(if self.known.holds(place, reach) { alike.get() + 1 } else { 0 });
             let same = alike.get() >= POINTS_ALIKE;
@@ -413,7 +413,7 @@ impl Search<'_> {
     fn stripe_at(&self, eye: &mut Eye<'_>, [x, y]: [f64; 2]) -> Vec<Border> {
         let Some(family) = striped(self.scene, self.part) else { return Vec::new() };
         let (part, tolerance) = (self.part, self.asked.tolerance);
-        let mut liner = Liner { eye, part, finder: &mut StripeFinder::default(), family, tolerance };
+        let mut liner = Liner { eye, part, finder: &mut StripeFinder::until(self.asked.stop), family, tolerance };
         let row = liner.row(y, ((x - BESIDE).max(0.0), (x + BESIDE).min(1.0)), BESIDE_POINTS);
         let value = |x: f64| self.window.point([x, y])[0];
         let [low, high] = [x - 2.0 * tolerance, x + 2.0 * tolerance].map(value);
@@ -443,13 +443,17 @@ impl Search<'_> {
                 _ => None,
             };
             let gone = outside.is_some_and(|first| apart(first, place) > BEYOND);
-            let enough = same || gone || self.asked.stop.load(Ordering::Relaxed);
+            let enough = same || gone;
             alike.set(if enough { (0, None) } else { (count, first) });
             beyond.set(if enough { None } else { outside });
             enough
         };
-        let walk =
-            Walk { window: self.plane, tolerance: self.asked.tolerance, special: self.asked.special, until: &until };
+        let walk = Walk {
+            special: self.asked.special,
+            until: &until,
+            stop: self.asked.stop.clone(),
+            ..Walk::new(self.plane, self.asked.tolerance)
+        };
         let curve = curve_along(&located.orbit, located.event, located.evidence, &walk).ok()?;
         let point = |point: &vibrochain_floquet::CurvePoint| BorderPoint {
             values: point.values,
@@ -482,7 +486,7 @@ fn faces(searches: &mut [Search<'_>]) -> Result<Faces<Vec<Option<Class>>>, MapEr
         let lines: Vec<_> = searches.iter().flat_map(|search| search.found.lines()).collect();
         let parts: Vec<&Part> = searches.iter().map(|search| search.part).collect();
         let classes = |eye: &mut Eye<'_>, point: [f64; 2]| -> Vec<Option<Class>> {
-            if asked.stop.load(Ordering::Relaxed) {
+            if asked.stop.is_raised() {
                 return vec![None];
             }
             let place = window.part(point);
@@ -490,7 +494,8 @@ fn faces(searches: &mut [Search<'_>]) -> Result<Faces<Vec<Option<Class>>>, MapEr
         };
         let is_none = |classes: &Vec<Option<Class>>| classes.contains(&None);
         let subdivision = Subdivision::new(window, &lines, asked.tolerance)?;
-        let faces = subdivision.asked(asked.places, || Eye::new(scene, window), classes, is_none, &mut known);
+        let faces =
+            subdivision.asked(asked.places, || Eye::new(scene, window, asked.stop), classes, is_none, &mut known);
         let changes = faces.unexplained.iter().flat_map(|face| &face.changes);
         let mut changes: Vec<[[f64; 2]; 2]> = changes.map(|ends| ends.map(|point| window.part(point))).collect();
         // Others first another time.

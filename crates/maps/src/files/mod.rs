@@ -2,6 +2,7 @@
 
 mod csv_file;
 mod destination;
+mod folder;
 #[cfg(feature = "compress")]
 mod gzip;
 mod output;
@@ -9,6 +10,7 @@ mod stream;
 
 pub use csv_file::CsvFile;
 pub use destination::{Destination, distinct, ending, name_within, promises, promises_folder};
+pub use folder::{Entry, entries};
 #[cfg(feature = "compress")]
 pub use gzip::Gzip;
 pub use output::{Output, remove_if_abandoned, settle_names};

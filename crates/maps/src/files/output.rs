@@ -10,6 +10,7 @@ use std::time::Duration;
 use tempfile::NamedTempFile;
 
 use super::destination::{Destination, promises};
+use super::folder::{Entry, entries};
 use super::stream::{Halted, Stream};
 use crate::error::MapError;
 
@@ -107,7 +108,7 @@ impl Output {
         loop {
             let file = builder.tempfile_in(folder_of(&place));
             let file = file.map_err(|error| MapError::file("cannot write", path, &error))?;
-            if is_kept(&file) {
+            if is_kept(&file).map_err(|error| MapError::file("cannot write", path, &error))? {
                 return Ok(Self {
                     sink: Sink::Temporary { file, place, careful },
                     held: Vec::new(),
@@ -269,12 +270,15 @@ fn unfinished(path: &Path, error: &io::Error) -> MapError {
 
 /// Locks a temporary file, as a sign that somebody is writing it, for as long as it is open. Tells whether it is still there:
 /// who removes abandoned files may have met it in between.
-fn is_kept(file: &NamedTempFile) -> bool {
+///
+/// # Errors
+/// Whatever else than that it is gone keeps it from being told: another one would fare no better.
+fn is_kept(file: &NamedTempFile) -> io::Result<bool> {
     match file.as_file().try_lock() {
-        Ok(()) => file.path().exists(),
-        Err(TryLockError::WouldBlock) => false,
+        Ok(()) => file.path().try_exists(),
+        Err(TryLockError::WouldBlock) => Ok(false),
         // A file system without locks.
-        Err(TryLockError::Error(_)) => true,
+        Err(TryLockError::Error(_)) => Ok(true),
     }
 }
 
@@ -286,9 +290,9 @@ fn destination(name: &str) -> Option<&str> {
 }
 
 /// Whether the process that wrote a temporary file has ended without a word.
-fn is_abandoned(entry: &fs::DirEntry) -> bool {
+fn is_abandoned(entry: &Entry) -> bool {
     // No link, FIFO or folder of such a name is ours.
-    if !entry.file_type().is_ok_and(|kind| kind.is_file()) {
+    if !entry.is_file().unwrap_or(false) {
         return false;
     }
     let Ok(file) = fs::File::options().write(true).open(entry.path()) else { return false };
@@ -304,9 +308,8 @@ fn is_abandoned(entry: &fs::DirEntry) -> bool {
 
 /// Removes a temporary file, if it is one, and nobody writes it any more, and `is_ours` knows its destination. Tells whether
 /// it did.
-pub fn remove_if_abandoned(entry: &fs::DirEntry, is_ours: impl Fn(&str) -> bool) -> bool {
-    let name = entry.file_name();
-    destination(&name.to_string_lossy()).is_some_and(is_ours)
+pub fn remove_if_abandoned(entry: &Entry, is_ours: impl Fn(&str) -> bool) -> bool {
+    destination(&entry.name().to_string_lossy()).is_some_and(is_ours)
         && is_abandoned(entry)
         && fs::remove_file(entry.path()).is_ok()
 }
@@ -314,7 +317,8 @@ pub fn remove_if_abandoned(entry: &fs::DirEntry, is_ours: impl Fn(&str) -> bool)
 /// Removes the temporary files of a destination that killed processes have left. What cannot be removed does no harm.
 fn remove_abandoned(path: &Path) {
     let Some(name) = path.file_name().map(OsStr::to_string_lossy) else { return };
-    for entry in fs::read_dir(folder_of(path)).into_iter().flatten().flatten() {
+    let Ok(entries) = entries(folder_of(path)) else { return };
+    for entry in entries.flatten() {
         remove_if_abandoned(&entry, |destination| destination == name);
     }
 }

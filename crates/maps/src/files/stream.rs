@@ -3,10 +3,10 @@
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 #[cfg(unix)]
-use std::sync::atomic::Ordering;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
+
+use vibrochain_lattice::Stop;
 
 /// A place to write to where nothing can be put in its stead.
 #[derive(Debug)]
@@ -25,16 +25,16 @@ struct Open {
 }
 
 /// Raised by signals.
-static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+static STOP: OnceLock<Stop> = OnceLock::new();
 
-/// Names the flag that ends a wait for whoever reads a pipe. A process has one such flag: later calls change nothing.
-pub fn halt_on(flag: &Arc<AtomicBool>) {
-    STOP.get_or_init(|| Arc::clone(flag));
+/// Names what ends a wait for whoever reads a pipe. A process has one such request: later calls change nothing.
+pub fn halt_on(stop: &Stop) {
+    STOP.get_or_init(|| stop.clone());
 }
 
 #[cfg(unix)]
 fn is_stopped() -> bool {
-    STOP.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    STOP.get().is_some_and(Stop::is_raised)
 }
 
 /// Why a write ended: the user has asked for it, while nobody was reading.

@@ -1,7 +1,8 @@
 //! The table of a sweep, of rows that come in order: as they are computed, or from chunks. It holds none of them.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+
+use vibrochain_lattice::Stop;
 
 use super::chunk::{Fault, read};
 use super::content::{Content, ReadRows};
@@ -112,7 +113,7 @@ impl<'a, C: Content> Assembly<'a, C> {
     ///
     /// # Errors
     /// [`Unassembled`]; the table must then be thrown away.
-    pub fn chunks(&mut self, plan: &Plan, folder: &Path, stop: &AtomicBool) -> Result<Summary, Unassembled> {
+    pub fn chunks(&mut self, plan: &Plan, folder: &Path, stop: &Stop) -> Result<Summary, Unassembled> {
         let mut total = Summary::default();
         for chunk in 0..plan.chunks() {
             match self.chunk(plan, chunk, &Store::path(folder, chunk), stop) {
@@ -125,7 +126,7 @@ impl<'a, C: Content> Assembly<'a, C> {
         Ok(total)
     }
 
-    fn chunk(&mut self, plan: &Plan, chunk: u64, path: &Path, stop: &AtomicBool) -> Result<Summary, Trouble> {
+    fn chunk(&mut self, plan: &Plan, chunk: u64, path: &Path, stop: &Stop) -> Result<Summary, Trouble> {
         let mut reader = self.wants_cells().then(|| self.content.reader(&plan.scene, plan.range(chunk)));
         let damaged = |wrong| Trouble::Fault(Fault::Damaged(wrong));
         let mut taken = Ok(());

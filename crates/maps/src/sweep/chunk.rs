@@ -11,8 +11,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
+use vibrochain_lattice::Stop;
 use xxhash_rust::xxh3::Xxh3;
 
 use super::content::{Content, ReadRows};
@@ -187,11 +187,11 @@ pub(super) fn read<E: From<Fault>>(
     path: &Path,
     plan: &Plan,
     chunk: u64,
-    stop: &AtomicBool,
+    stop: &Stop,
     mut take: impl FnMut(&[u8]) -> Result<(), E>,
 ) -> Result<Summary, E> {
     // Opening reads both ends of the file: many thousand times, on a slow disk, after the signal.
-    if stop.load(Ordering::Relaxed) {
+    if stop.is_raised() {
         return Err(Fault::Stopped.into());
     }
     let Opened { file, first, tail } = open(path)?;
@@ -204,7 +204,7 @@ pub(super) fn read<E: From<Fault>>(
     for (mut left, rows) in [(first.len() as u64, false), (before, ours), (tail.summary.len() as u64, false)] {
         let mut buffer = vec![0; (1 << 16).min(left as usize)];
         while left > 0 {
-            if stop.load(Ordering::Relaxed) {
+            if stop.is_raised() {
                 return Err(Fault::Stopped.into());
             }
             let some = reader.by_ref().take(left).read(&mut buffer).map_err(Fault::from)?;
@@ -235,7 +235,7 @@ pub(super) fn check<C: Content>(
     path: &Path,
     plan: &Plan,
     chunk: u64,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Summary, Fault> {
     let mut rows = content.reader(&plan.scene, plan.range(chunk));
     // A checksum that is wrong says more than the row that it was wrong in.
@@ -334,7 +334,7 @@ mod tests {
     }
 
     fn check(path: &Path, plan: &Plan, chunk: u64) -> Result<Summary, Fault> {
-        super::check(&Cells, path, plan, chunk, &AtomicBool::new(false))
+        super::check(&Cells, path, plan, chunk, &Stop::default())
     }
 
     /// Writes a chunk of these rows.
@@ -353,13 +353,13 @@ mod tests {
         writer.rows(ROWS[2].as_bytes(), &summary(1)).unwrap();
         writer.finish().unwrap();
         let mut rows = Vec::new();
-        let read = read(&path, &plan, 0, &AtomicBool::new(false), |some| {
+        let read = read(&path, &plan, 0, &Stop::default(), |some| {
             rows.extend_from_slice(some);
             Ok::<_, Fault>(())
         });
         assert_eq!((read.unwrap(), rows.as_slice()), (summary(3), ROWS.concat().as_bytes()));
         assert_eq!(check(&path, &plan, 0).unwrap(), summary(3));
-        assert!(matches!(super::check(&Cells, &path, &plan, 0, &AtomicBool::new(true)), Err(Fault::Stopped)));
+        assert!(matches!(super::check(&Cells, &path, &plan, 0, &Stop::when(|| true)), Err(Fault::Stopped)));
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! Which cells of the finest grid lie in a stripe of instability, told by the stripes' edges alone: stripes thinner than a cell of the
 //! grid that is refined pass between its points unseen.
 
-use std::sync::atomic::AtomicBool;
-
 use vibrochain_breather::Family;
+use vibrochain_lattice::Stop;
 
 use crate::borders::StripeCourse;
 use crate::cell::Class;
@@ -56,7 +55,7 @@ fn sort(runs: &mut [Run]) {
 
 impl Covered {
     /// Of a scene whose finest grid is `finest`. Threads are those of the pool that this is called in.
-    pub(super) fn of(finest: &Scene, stop: &AtomicBool) -> Self {
+    pub(super) fn of(finest: &Scene, stop: &Stop) -> Self {
         let Some([columns, rows]) = finest.plane().map(|plane| plane.map(|axis| axis.points())) else {
             return Self::default();
         };

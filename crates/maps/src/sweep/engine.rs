@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 
 use rayon::ThreadPool;
+use vibrochain_lattice::Stop;
 
 use crate::cell::{Cell, Worker};
 use crate::scene::Scene;
@@ -32,7 +33,7 @@ pub struct Job<'a> {
     /// The threads.
     pub pool: &'a ThreadPool,
     /// Raised to stop early.
-    pub stop: &'a AtomicBool,
+    pub stop: &'a Stop,
 }
 
 /// Some neighbouring cells of one part.
@@ -165,7 +166,7 @@ pub fn blocks<T: Send, E>(
     sink: impl FnMut(Block<T>) -> Result<(), E>,
 ) -> Ended<E> {
     let pace = Pace { block: BLOCK, ahead: AHEAD };
-    let begin = || (Worker::new(job.scene.base.sites()), Vec::new());
+    let begin = || (Worker::new(job.scene.base.sites()).until(job.stop), Vec::new());
     let make = |(worker, cells): &mut (Worker, Vec<Cell>), range: Range<u64>| {
         compute(job, worker, range.clone(), cells)?;
         Some((Summary::of(cells), digest(range, cells)))
@@ -188,7 +189,7 @@ pub(super) fn in_order<W, T: Send, E>(
     let state = Mutex::new(State { left, ..State::default() });
     let (block, ahead) = (pace.block, pace.ahead * threads);
     let queue = Queue { parts, threads, block, ahead, state, moved: Condvar::new() };
-    let stopped = AtomicBool::new(job.stop.load(Ordering::Relaxed));
+    let stopped = AtomicBool::new(job.stop.is_raised());
     // Before a worker takes its memory.
     if stopped.load(Ordering::Relaxed) {
         return Ended::Stopped;
@@ -245,13 +246,11 @@ fn compute(job: &Job<'_>, worker: &mut Worker, range: Range<u64>, cells: &mut Ve
     let all = (range.end - range.start) as usize;
     // The scene's corners were checked, so that every point between is a valid model.
     job.scene.walk_models(range, |model| {
-        let goes_on = !job.stop.load(Ordering::Relaxed);
-        if goes_on {
-            cells.push(worker.cell(model, &job.scene.task));
-        }
-        goes_on
+        cells.push(worker.cell(model, &job.scene.task));
+        !job.stop.is_raised()
     });
-    (cells.len() == all).then_some(())
+    // The last of those that were stopped is none.
+    (cells.len() == all && !job.stop.is_raised()).then_some(())
 }
 
 /// Computes all cells of a scene and hands them to `sink` in order, some at a time, with the number of the first. `tick`
@@ -259,7 +258,7 @@ fn compute(job: &Job<'_>, worker: &mut Worker, range: Range<u64>, cells: &mut Ve
 pub fn sweep<E>(
     scene: &Scene,
     pool: &ThreadPool,
-    stop: &AtomicBool,
+    stop: &Stop,
     tick: impl Fn(u64) + Sync,
     mut sink: impl FnMut(Range<u64>, &[Cell]) -> Result<(), E>,
 ) -> Ended<E> {
@@ -274,6 +273,7 @@ pub fn sweep<E>(
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+    use std::sync::Arc;
 
     use super::*;
 
@@ -299,7 +299,7 @@ mod tests {
     #[test]
     fn every_cell_of_every_part_comes_once_and_in_order() {
         let scene = scene();
-        let stop = AtomicBool::new(false);
+        let stop = Stop::default();
         for threads in [1, 3] {
             let pool = pool(threads);
             let job = Job { scene: &scene, pool: &pool, stop: &stop };
@@ -328,7 +328,8 @@ mod tests {
     #[test]
     fn a_sink_that_refuses_and_a_flag_that_is_raised_end_it() {
         let (scene, pool) = (scene(), pool(2));
-        let stop = AtomicBool::new(false);
+        let flag = Arc::new(AtomicBool::new(false));
+        let stop = Stop::from(&flag);
         let mut left = 3;
         let ended = super::sweep(
             &scene,
@@ -343,7 +344,7 @@ mod tests {
         assert!(matches!(ended, Ended::Failed("full")) && left == 0);
         // By the one thread that computes, after its first block: it begins no other. (Raised by the sink it could come when all
         // are computed.)
-        let raise = |_| stop.store(true, Ordering::Relaxed);
+        let raise = |_| flag.store(true, Ordering::Relaxed);
         let ended = super::sweep(&scene, &self::pool(1), &stop, raise, |_, _| Ok::<_, ()>(()));
         assert!(matches!(ended, Ended::Stopped));
     }

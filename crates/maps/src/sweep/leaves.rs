@@ -56,9 +56,9 @@ pub fn refined<E>(
 #[cfg(test)]
 mod tests {
     use std::path::Path;
-    use std::sync::atomic::AtomicBool;
 
     use rayon::ThreadPool;
+    use vibrochain_lattice::Stop;
 
     use super::*;
     use crate::extent::Extent;
@@ -139,7 +139,7 @@ mod tests {
     }
 
     fn leaves_of(scene: &Scene, threads: usize, parts: &[Range<u64>]) -> Vec<(u64, Cell)> {
-        let (pool, stop, mut all) = (pool(threads), AtomicBool::new(false), Vec::new());
+        let (pool, stop, mut all) = (pool(threads), Stop::default(), Vec::new());
         let ended = refined(
             &Job { scene, pool: &pool, stop: &stop },
             parts,
@@ -160,7 +160,7 @@ mod tests {
         let existence = SCENE.replace("stability = true", "").replace("collisions = true", "");
         for (text, merged) in [(SCENE, 500), (existence.as_str(), 50)] {
             let scene = Scene::parse(Path::new("scene.toml"), text).unwrap();
-            let (finest, stop) = (scene.finest(), AtomicBool::new(false));
+            let (finest, stop) = (scene.finest(), Stop::default());
             let mut cells = Vec::new();
             let keep = |_, some: &[Cell]| {
                 cells.extend_from_slice(some);

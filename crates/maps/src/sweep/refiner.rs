@@ -12,10 +12,10 @@
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use vibrochain_breather::Family;
 use vibrochain_floquet::Mechanism;
+use vibrochain_lattice::Stop;
 
 use super::covered::Covered;
 use super::engine::Job;
@@ -89,7 +89,7 @@ fn merge(found: &mut Leaves, first: usize, square: Extent) {
 /// Who finds leaves, one a thread.
 pub(super) struct Refiner<'a, 'b> {
     ground: &'a Ground<'b>,
-    stop: &'a AtomicBool,
+    stop: &'a Stop,
     worker: Worker,
     /// The point of the cell computed last.
     point: Point,
@@ -99,8 +99,8 @@ pub(super) struct Refiner<'a, 'b> {
 }
 
 impl<'a, 'b> Refiner<'a, 'b> {
-    pub(super) fn new(ground: &'a Ground<'b>, stop: &'a AtomicBool) -> Self {
-        let worker = Worker::new(ground.scene.base.sites());
+    pub(super) fn new(ground: &'a Ground<'b>, stop: &'a Stop) -> Self {
+        let worker = Worker::new(ground.scene.base.sites()).until(stop);
         let tiles = Tiles::new(ground.size.map(|points| (points / ground.whole) as usize), ground.whole.ilog2());
         Self { ground, stop, worker, point: ground.scene.base, tiles, last: HashMap::new() }
     }
@@ -168,13 +168,12 @@ impl<'a, 'b> Refiner<'a, 'b> {
 
     /// Computes the cell at a place of the finest grid.
     fn compute(&mut self, at: [u32; 2]) -> Option<Cell> {
-        if self.stop.load(Ordering::Relaxed) {
-            return None;
-        }
         self.ground.finest.set(&mut self.point, at);
         // The scene's corners were checked, so that every point between is a valid model.
         let model = self.point.model().ok()?;
-        Some(self.worker.cell(&model, &self.ground.scene.task))
+        let cell = self.worker.cell(&model, &self.ground.scene.task);
+        // One that was stopped is none.
+        (!self.stop.is_raised()).then_some(cell)
     }
 
     /// What was computed for the squares that begin at a place.

@@ -5,15 +5,16 @@ use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::SystemTime;
+
+use vibrochain_lattice::Stop;
 
 use super::chunk::{Fault, Writer, check};
 use super::content::Content;
 use super::plan::PLAN_BEGINS;
 use super::plan::Plan;
 use crate::error::MapError;
-use crate::files::{Output, remove_if_abandoned};
+use crate::files::{self, Output, remove_if_abandoned};
 use crate::scene::MAX_BYTES;
 use crate::summary::Summary;
 use crate::text::duration;
@@ -206,11 +207,10 @@ impl Store {
         let unreadable = |error: io::Error| MapError::file("cannot read", &self.folder, &error);
         let mut entries = Vec::new();
         // One list for all: on the file systems of clusters each name takes a message.
-        for entry in fs::read_dir(&self.folder).map_err(unreadable)? {
+        for entry in files::entries(&self.folder).map_err(unreadable)? {
             let entry = entry.map_err(unreadable)?;
-            let Some(chunk) = number(&entry.file_name()) else { continue };
-            let kind = entry.file_type().map_err(unreadable)?;
-            entries.push((chunk, kind.is_file() || kind.is_symlink() && entry.path().is_file()));
+            let Some(chunk) = number(entry.name()) else { continue };
+            entries.push((chunk, entry.leads_to_file().map_err(unreadable)?));
         }
         Ok(entries)
     }
@@ -221,7 +221,7 @@ impl Store {
         folder: &Path,
         plan: &Plan,
         chunk: u64,
-        stop: &AtomicBool,
+        stop: &Stop,
     ) -> Result<Summary, Fault> {
         check(content, &Self::path(folder, chunk), plan, chunk, stop)
     }
@@ -231,9 +231,9 @@ impl Store {
     pub fn remove(self, plan: &Plan) -> bool {
         let ours = |name: &OsStr| name == PLAN || number(name).is_some_and(|chunk| chunk < plan.chunks());
         let mut others = false;
-        for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
-            let name = entry.file_name();
-            let removed = if ours(&name) {
+        for entry in files::entries(&self.folder).into_iter().flatten().flatten() {
+            let name = entry.name();
+            let removed = if ours(name) {
                 fs::remove_file(entry.path()).is_ok()
             } else {
                 name == LOCK || remove_if_abandoned(&entry, |destination| ours(OsStr::new(destination)))
@@ -348,7 +348,7 @@ mod tests {
         }
         // Chunks that are sound, but of that version: without their plan they are refused one by one.
         Store::open(&folder, &there, Claim::Share).unwrap().writer(&there, 0).unwrap().finish().unwrap();
-        assert!(matches!(Store::check(&Cells, &folder, &here, 0, &AtomicBool::new(false)), Err(Fault::Foreign)));
+        assert!(matches!(Store::check(&Cells, &folder, &here, 0, &Stop::default()), Err(Fault::Foreign)));
     }
 
     #[test]

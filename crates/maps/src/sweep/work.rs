@@ -157,7 +157,7 @@ pub fn work<'a, C: Content>(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
+    use vibrochain_lattice::Stop;
 
     use super::*;
     use crate::cell::Cell;
@@ -191,7 +191,7 @@ mod tests {
         let todo = |stop| {
             Todo::of(
                 &Cells,
-                &Job { scene: &plan.scene, pool: &pool, stop: &AtomicBool::new(stop) },
+                &Job { scene: &plan.scene, pool: &pool, stop: &Stop::when(move || stop) },
                 &plan,
                 &store,
                 Shard::WHOLE,
@@ -214,7 +214,7 @@ mod tests {
             y = { parameter = \"gamma2\", values = [0.1, 0.2] }\n[compute]\nfamilies = [\"double-sided\"]\n";
         std::fs::write(&scene, text).unwrap();
         let plan = Plan::read(&scene, None).unwrap();
-        let (stop, pool) = (AtomicBool::new(false), rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap());
+        let (stop, pool) = (Stop::default(), rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap());
         let job = Job { scene: &plan.scene, pool: &pool, stop: &stop };
         let chunks: Vec<u64> = (0..plan.chunks()).collect();
         assert!(chunks.len() > 2);

@@ -1,12 +1,12 @@
 //! How long one evaluation takes.
 
 use std::hint::black_box;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 
 use vibrochain_cli::error::CliError;
+use vibrochain_lattice::Stop;
 
 /// Batches whose least mean is the answer.
 const BATCHES: u32 = 5;
@@ -19,14 +19,14 @@ const LONG: Duration = Duration::from_millis(300);
 
 /// Takes times, tells of progress and hears Ctrl-C.
 pub(super) struct Meter<'a> {
-    stop: &'a AtomicBool,
+    stop: &'a Stop,
     bar: &'a ProgressBar,
     quick: bool,
     suite: &'static str,
 }
 
 impl<'a> Meter<'a> {
-    pub(super) fn new(stop: &'a AtomicBool, bar: &'a ProgressBar, quick: bool) -> Self {
+    pub(super) fn new(stop: &'a Stop, bar: &'a ProgressBar, quick: bool) -> Self {
         Self { stop, bar, quick, suite: "" }
     }
 
@@ -56,7 +56,7 @@ impl<'a> Meter<'a> {
     /// # Errors
     /// [`CliError::Interrupted`].
     pub(super) fn go_on(&self) -> Result<(), CliError> {
-        if self.stop.load(Ordering::Relaxed) { Err(CliError::Interrupted) } else { Ok(()) }
+        if self.stop.is_raised() { Err(CliError::Interrupted) } else { Ok(()) }
     }
 
     /// The value of `evaluate` and the seconds one call takes.
@@ -96,11 +96,15 @@ impl<'a> Meter<'a> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
     use super::*;
 
     #[test]
     fn every_call_counts_and_ctrl_c_ends_it() {
-        let (stop, bar) = (AtomicBool::new(false), ProgressBar::hidden());
+        let (flag, bar) = (Arc::new(AtomicBool::new(false)), ProgressBar::hidden());
+        let stop = Stop::from(&flag);
         let meter = Meter::new(&stop, &bar, true);
         let mut calls = 0;
         let ((), seconds) = meter
@@ -112,7 +116,7 @@ mod tests {
         assert!(calls >= BATCHES as usize && seconds > 0.0 && seconds < 1.0, "{calls} {seconds}");
         let wrong = meter.time::<()>(|| Err(CliError::Computation("no".to_owned()))).unwrap_err();
         assert_eq!(wrong.exit_code(), 1);
-        stop.store(true, Ordering::Relaxed);
+        flag.store(true, Ordering::Relaxed);
         assert!(matches!(meter.time(|| Ok(())), Err(CliError::Interrupted)));
     }
 }

@@ -1,7 +1,5 @@
 //! A simulation from a perturbed orbit beside the orbit (figures 11 to 13), and how fast they part or meet.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use vibrochain_breather::Motion;
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 
@@ -11,6 +9,7 @@ use crate::figures::solve::{COLUMNS, RULE, computation, leading, row};
 use vibrochain_cli::error::CliError;
 use vibrochain_cli::recording::orbit_time;
 use vibrochain_cli::start::{Start, leading_mode_at};
+use vibrochain_lattice::Stop;
 use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Samples a period of the force in the windows shown.
@@ -40,7 +39,7 @@ struct Window {
 pub(super) fn draw(
     scene: &LineScene,
     (perturb, periods, shown, late_from): (f64, u64, u64, u64),
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Drawn, CliError> {
     let nothing = || CliError::Request("a comparison needs a point".to_owned());
     let (_, _, model) = scene.curves.first().ok_or_else(nothing)?;
@@ -77,7 +76,7 @@ pub(super) fn draw(
         if report.outcome != Outcome::TimeReached {
             return Err(computation(format!("the simulation ended early: {:?}", report.outcome)));
         }
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_raised() {
             return Err(CliError::Interrupted);
         }
         simulation.read(&mut u, &mut v);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use vibrochain_cli::error::CliError;
+use vibrochain_maps::files::entries;
 use vibrochain_maps::scene::MAX_BYTES;
 use vibrochain_maps::text::read_text;
 
@@ -48,20 +49,20 @@ fn order(id: &str) -> (u64, &str) {
 /// [`CliError::Request`] if it cannot be read or has none.
 pub(super) fn folder(folder: &Path) -> Result<Vec<Entry>, CliError> {
     let failed = |error: &std::io::Error| CliError::file("cannot read scenes in", folder, error);
-    let mut entries = Vec::new();
-    for item in std::fs::read_dir(folder).map_err(|error| failed(&error))? {
-        let path = item.map_err(|error| failed(&error))?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut found = Vec::new();
+    for item in entries(folder).map_err(|error| failed(&error))? {
+        let item = item.map_err(|error| failed(&error))?;
+        let (path, name) = (item.path().to_owned(), item.name().to_string_lossy().into_owned());
         let Some(id) = name.strip_prefix("figure-").and_then(|name| name.strip_suffix(".toml")) else { continue };
         let text = read_text("scene", &path, MAX_BYTES)?;
-        entries.push(Entry { id: id.to_owned(), path, text });
+        found.push(Entry { id: id.to_owned(), path, text });
     }
-    if entries.is_empty() {
+    if found.is_empty() {
         let name = folder.display();
         return Err(CliError::Request(format!("--scenes {name}: the folder has no file figure-NUMBER.toml")));
     }
-    entries.sort_by(|a, b| order(&a.id).cmp(&order(&b.id)));
-    Ok(entries)
+    found.sort_by(|a, b| order(&a.id).cmp(&order(&b.id)));
+    Ok(found)
 }
 
 /// The entries that `only` names, by id or by number: `15` is all panels of figure 15.

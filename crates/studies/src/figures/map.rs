@@ -1,12 +1,12 @@
 //! Maps (figures 10 and 15): an ordinary sweep.
 
 use std::convert::Infallible;
-use std::sync::atomic::AtomicBool;
 
 use vibrochain_floquet::{Mechanism, Tolerance};
 
 use crate::figures::drawn::{Drawn, Picture};
 use vibrochain_cli::error::CliError;
+use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Class};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
@@ -17,7 +17,7 @@ use vibrochain_maps::table::{RowWriter, header};
 ///
 /// # Errors
 /// [`CliError`].
-pub(super) fn draw(scene: &Scene, pool: &rayon::ThreadPool, stop: &AtomicBool) -> Result<Drawn, CliError> {
+pub(super) fn draw(scene: &Scene, pool: &rayon::ThreadPool, stop: &Stop) -> Result<Drawn, CliError> {
     let mut table = header(scene).into_bytes();
     let mut all: Vec<Cell> = Vec::new();
     let writer = RowWriter::new(scene, false);

@@ -21,7 +21,6 @@ pub(crate) mod solve;
 mod trace;
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -33,6 +32,7 @@ use crate::figures::scene::{FigureScene, Kind};
 use vibrochain_cli::console::Console;
 use vibrochain_cli::error::CliError;
 use vibrochain_cli::threads::threads;
+use vibrochain_lattice::Stop;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{distinct, promises_folder};
 use vibrochain_plot::Format;
@@ -61,7 +61,7 @@ pub fn run(args: &FiguresArgs, console: &mut Console<'_>) -> Result<(), CliError
     let mut names = Vec::new();
     for ((entry, scene), files) in chosen.iter().zip(&scenes).zip(files) {
         bar.set_message(format!("figure {}", entry.id));
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_raised() {
             return Err(interrupted(&names, &args.out));
         }
         let drawn = compute(scene, &pool, &stop).map_err(|error| match error {
@@ -90,7 +90,7 @@ fn interrupted(done: &[String], folder: &Path) -> CliError {
     CliError::Paused(format!("{plural} {} written to {}, no others", done.join(", "), folder.display()))
 }
 
-fn compute(scene: &FigureScene, pool: &rayon::ThreadPool, stop: &AtomicBool) -> Result<Drawn, CliError> {
+fn compute(scene: &FigureScene, pool: &rayon::ThreadPool, stop: &Stop) -> Result<Drawn, CliError> {
     match scene {
         FigureScene::Map(scene) => map::draw(scene, pool, stop),
         FigureScene::Lines(scene) => match scene.kind {

@@ -1,10 +1,8 @@
 //! All solutions at one point (figure 9): their traces, the curve a(φ) they are the zeros of, and what becomes of them as
 //! one more parameter changes.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use vibrochain_breather::Family;
-use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{ImpulseResponse, Model, Spectrum, Stop};
 
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
@@ -28,11 +26,7 @@ const HALVINGS: u32 = 36;
 ///
 /// # Errors
 /// [`CliError`].
-pub(super) fn draw(
-    scene: &LineScene,
-    over: (Parameter, f64, f64, usize),
-    stop: &AtomicBool,
-) -> Result<Drawn, CliError> {
+pub(super) fn draw(scene: &LineScene, over: (Parameter, f64, f64, usize), stop: &Stop) -> Result<Drawn, CliError> {
     let nothing = || CliError::Request("a figure of solutions needs a point".to_owned());
     let (_, point, model) = scene.curves.first().ok_or_else(nothing)?;
     let solved = physical(model, scene.family)?;
@@ -111,7 +105,7 @@ fn branches(
     point: &Point,
     family: Family,
     (parameter, from, to, count): (Parameter, f64, f64, usize),
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Branches, CliError> {
     let at = |value: f64| -> Result<Vec<Solved>, CliError> {
         physical(&point.with(parameter, value).model().map_err(|error| CliError::Request(error.to_string()))?, family)
@@ -121,7 +115,7 @@ fn branches(
     let mut previous: Option<(f64, usize)> = None;
     for i in 0..count {
         let value = if i + 1 == count { to } else { from + i as f64 * (to - from) / (count - 1) as f64 };
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_raised() {
             return Err(CliError::Interrupted);
         }
         let solved = at(value)?;

@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use predicates::str::contains;
 use serde_json::Value;
 use tempfile::TempDir;
 use vibrochain_cli::console::{Console, ctrl_c};
+use vibrochain_lattice::Stop;
 use vibrochain_studies::program;
 use vibrochain_testkit::studies;
 
@@ -269,8 +268,7 @@ fn swept_by(flags: &str) {
 
 /// Runs the program in this process, told to stop before it begins.
 fn stopped(line: &str) -> (u8, String) {
-    let flag = Arc::new(AtomicBool::new(true));
-    let interrupt = move || Ok(Arc::clone(&flag));
+    let interrupt = move || Ok(Stop::when(|| true));
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut console = Console::new(&mut out, &mut err, &interrupt);
     match program::run(line.split(' ').map(Into::into), &mut console) {
