@@ -20,24 +20,26 @@ pub enum StyleName {
     Slide,
 }
 
+/// The heading of help on pictures. Each flag names it: the heading of a struct would go on over the flags behind it.
+pub(crate) const PICTURES: &str = "Pictures";
+
 /// How pictures are made.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Args)]
-#[command(next_help_heading = "Pictures")]
 pub struct PageArgs {
     /// What pictures are made for.
-    #[arg(long, value_enum, value_name = "PURPOSE")]
+    #[arg(long, help_heading = PICTURES, value_enum, value_name = "PURPOSE")]
     pub style: Option<StyleName>,
     /// Width of a picture with its unit, mm, cm, in, pt or px, such as 86mm [default: that of --style].
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    #[arg(long, help_heading = PICTURES, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub width: Option<Length>,
     /// Pixels of an inch: of a PNG, and of rasters in the others [default: that of --style].
-    #[arg(long, value_name = "DOTS", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = PICTURES, value_name = "DOTS", value_parser = real, allow_negative_numbers = true)]
     pub dpi: Option<f64>,
     /// Height of the letters of legends in points; others are in proportion [default: that of --style].
-    #[arg(long, value_name = "POINTS", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = PICTURES, value_name = "POINTS", value_parser = real, allow_negative_numbers = true)]
     pub font_size: Option<f64>,
     /// Name panels (a), (b), …
-    #[arg(long)]
+    #[arg(long, help_heading = PICTURES)]
     pub letters: bool,
 }
 

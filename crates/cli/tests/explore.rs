@@ -257,7 +257,7 @@ fn what_is_no_question_is_refused_by_what_is_wrong_with_it() {
         (point("double-sided", json!({ "model": { "sites": 6 } })), "--gamma1"),
         (point("double-sided", json!({ "model": { "sites": 6, "scene": "/etc/passwd" } })), "model has no scene"),
         (point("double-sided", json!({ "model": { "sites": 100_000 } })), "give at most 1001"),
-        (point("double-sided", json!({ "out": "elsewhere.csv" })), "unknown field"),
+        (point("double-sided", json!({ "out": "elsewhere.csv" })), "unknown key"),
     ] {
         let message = served.post("orbit", &asked).refused(400);
         assert!(message.contains(told), "{message}");

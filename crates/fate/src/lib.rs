@@ -11,6 +11,7 @@
 //! | `exponent` | [`measure`]: the Lyapunov exponent along a breather |
 //! | `ensemble` | [`Ensemble`]: what is asked, within limits; seeds |
 //! | `run` | [`Home`], [`Fate`]: one run |
+//! | `witness` | [`Witness`]: one run that somebody else carries on |
 //! | `fates` | [`fates()`]: all cells of a scene, in parallel, in order |
 //! | `section`, `diagram` | [`Strobe`], [`Diagram`]: sections, and bifurcation diagrams by simulation |
 //! | `table`, `reader` | columns and rows, written and read back |
@@ -49,6 +50,7 @@ mod run;
 mod section;
 mod start;
 pub mod table;
+mod witness;
 
 pub use content::Fates;
 pub use diagram::{Column, Diagram, MAX_POINTS, SectionPoint};
@@ -60,3 +62,4 @@ pub use reader::Reader;
 pub use run::{Fate, Home};
 pub use section::Strobe;
 pub use start::{ModeShape, Start};
+pub use witness::{Outcome, Pattern, Witness};
