@@ -6,7 +6,7 @@
 //! like all others, by the nearer barrier: where it bounces lower than the middle of the gap, the margin is at most the
 //! height of its bounce. How it is found is in `watch`.
 
-use vibrochain_lattice::Barrier;
+use vibrochain_lattice::{Barrier, Layout};
 
 /// What keeps a solution from being an orbit of the real chain.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,20 +40,28 @@ pub enum Obstruction {
     },
 }
 
-impl std::fmt::Display for Obstruction {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::WrongSign { impact, site, time, velocity_before } => write!(
-                f,
-                "impact {impact} (site {site}, t = {time}) has the wrong sign: the mass would leave its barrier at velocity {velocity_before} before being hit"
+impl Obstruction {
+    /// In words, with its mass as words of this lattice name it.
+    #[must_use]
+    pub fn told(&self, layout: &Layout) -> String {
+        match *self {
+            Self::WrongSign { impact, site, time, velocity_before } => format!(
+                "impact {impact} (site {}, t = {time}) has the wrong sign: the mass would leave its barrier at velocity {velocity_before} before being hit",
+                layout.name(site)
             ),
-            Self::Crossing { site, barrier, time, excess } if *excess <= 0.0 => {
-                write!(f, "site {site} touches the {} barrier at t = {time}", barrier.name())
+            Self::Crossing { site, barrier, time, excess } if excess <= 0.0 => {
+                format!("site {} touches the {barrier} barrier at t = {time}", layout.name(site))
             }
             Self::Crossing { site, barrier, time, excess } => {
-                write!(f, "site {site} is {excess} beyond the {} barrier at t = {time}", barrier.name())
+                format!("site {} is {excess} beyond the {barrier} barrier at t = {time}", layout.name(site))
             }
         }
+    }
+}
+
+impl std::fmt::Display for Obstruction {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.told(&Layout::ONE_ROW))
     }
 }
 

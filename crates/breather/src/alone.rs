@@ -99,6 +99,9 @@ pub(crate) fn under_force(
     Ok(if list.is_empty() && open == 0 { Err(why.unwrap_or(NoBreather::NoStart)) } else { Ok((list, open)) })
 }
 
+/// The hits of one period.
+type Hits = Vec<Beat>;
+
 /// Those of a mass alone that do not repeat sooner than after `own` periods of the force: their hits by its clock, in its periods; and
 /// at how many places others may be missing.
 fn in_periods(
@@ -106,7 +109,7 @@ fn in_periods(
     barriers: &[Barrier],
     own: u32,
     stop: &Stop,
-) -> Result<Result<(Vec<Vec<Beat>>, usize), NoBreather>, BreatherError> {
+) -> Result<Result<(Vec<Hits>, usize), NoBreather>, BreatherError> {
     let family = match (barriers, own) {
         ([Barrier::Lower], 1) => Some(Family::SingleSided),
         ([first, second], 1) if first != second => Some(Family::DoubleSided),

@@ -2,11 +2,41 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use vibrochain_lattice::Short;
+use vibrochain_lattice::{Layout, Short};
 
 use crate::admissibility::Admissibility;
 use crate::condition::Condition;
 use crate::orbit::{Family, Hit, Impact, Orbit};
+
+impl Hit {
+    /// In words, with its mass as words of this lattice name it: where, when, how strong.
+    #[must_use]
+    pub fn told(&self, layout: &Layout) -> String {
+        let (site, time, impulse) = (layout.name(self.site), Short(self.time), Short(self.impulse));
+        format!("site {site} on the {} barrier at t = {time}: impulse {impulse}", self.barrier)
+    }
+}
+
+impl Impact {
+    /// In words, with its mass as words of this lattice name it: as of a [`Hit`], and its velocities.
+    #[must_use]
+    pub fn told(&self, layout: &Layout) -> String {
+        let (before, after) = (Short(self.velocity_before), Short(self.velocity_after));
+        format!("{}, velocity {before} -> {after}", Hit::from(self).told(layout))
+    }
+}
+
+impl Admissibility {
+    /// In words, with masses as words of this lattice name them.
+    #[must_use]
+    pub fn told(&self, layout: &Layout) -> String {
+        match (self.obstruction, self.margin) {
+            (Some(obstruction), _) => format!("not physical: {}", obstruction.told(layout)),
+            (None, Some(margin)) => format!("physical, margin {margin}"),
+            (None, None) => "physical".to_owned(),
+        }
+    }
+}
 
 /// The name in files.
 impl Display for Family {
@@ -17,15 +47,13 @@ impl Display for Family {
 
 impl Display for Hit {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let (time, impulse) = (Short(self.time), Short(self.impulse));
-        write!(f, "site {} on the {} barrier at t = {time}: impulse {impulse}", self.site, self.barrier)
+        f.write_str(&self.told(&Layout::ONE_ROW))
     }
 }
 
 impl Display for Impact {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let (before, after) = (Short(self.velocity_before), Short(self.velocity_after));
-        write!(f, "{}, velocity {before} -> {after}", Hit::from(self))
+        f.write_str(&self.told(&Layout::ONE_ROW))
     }
 }
 
@@ -52,11 +80,7 @@ impl Display for Orbit {
 
 impl Display for Admissibility {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match (self.obstruction, self.margin) {
-            (Some(obstruction), _) => write!(f, "not physical: {obstruction}"),
-            (None, Some(margin)) => write!(f, "physical, margin {margin}"),
-            (None, None) => write!(f, "physical"),
-        }
+        f.write_str(&self.told(&Layout::ONE_ROW))
     }
 }
 

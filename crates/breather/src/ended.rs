@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use vibrochain_lattice::{Parameter, Resonance};
+use vibrochain_lattice::{Layout, Parameter, Resonance};
 
 /// What ends a branch.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,16 +45,24 @@ pub struct Ended {
     pub by: End,
 }
 
+impl Ended {
+    /// In words, with its mass as words of this lattice name it.
+    #[must_use]
+    pub fn told(&self, layout: &Layout) -> String {
+        let by = match &self.by {
+            End::Fold => "a fold".to_owned(),
+            End::Grazing { site } => format!("a grazing impact of site {}", layout.name(*site)),
+            End::Resonance(resonance) => format!("resonance of mode {}", resonance.mode),
+            End::Unbounded => "impulses that grow without bound".to_owned(),
+            End::Lost => "an event that could not be told".to_owned(),
+            End::Unfinished => "the limit on the work of one search, before any event".to_owned(),
+        };
+        format!("{by} at {} = {}", self.coupling, self.value)
+    }
+}
+
 impl fmt::Display for Ended {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.by {
-            End::Fold => write!(f, "a fold")?,
-            End::Grazing { site } => write!(f, "a grazing impact of site {site}")?,
-            End::Resonance(resonance) => write!(f, "resonance of mode {}", resonance.mode)?,
-            End::Unbounded => write!(f, "impulses that grow without bound")?,
-            End::Lost => write!(f, "an event that could not be told")?,
-            End::Unfinished => write!(f, "the limit on the work of one search, before any event")?,
-        }
-        write!(f, " at {} = {}", self.coupling, self.value)
+        f.write_str(&self.told(&Layout::ONE_ROW))
     }
 }

@@ -59,11 +59,14 @@ mod with_plot {
             let lowest = if chain.is_ring() { -(masses.saturating_sub(1) as i64 / 2) } else { 0 };
             let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
             let title = crate::caption::describe_run(args, model, orbit);
+            let still = vec![Instant { displacement: vec![0.0; masses], impacts: Vec::new() }];
+            let of = |instants| Animation { title: title.clone(), barriers, length: chain.length(), lowest, instants };
+            animation(&of(still), moving, page.to_measure()).map_err(|error| CliError::Request(error.0))?;
             Ok(Self(Some(Reel {
                 moving,
                 file: Output::create(path)?,
                 page,
-                picture: Animation { title, barriers, length: chain.length(), lowest, instants: Vec::new() },
+                picture: of(Vec::new()),
                 periods: args.periods,
                 stride: args.samples.div_ceil(PICTURES).max(1),
                 seen: 0,

@@ -2,6 +2,7 @@
 
 mod events;
 mod model;
+mod quantity;
 mod runs;
 mod setup;
 mod sweep;
@@ -9,19 +10,22 @@ mod sweep;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, Parser, Subcommand};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 
 use vibrochain_maps::numbers::{real, whole};
 
-use crate::page_args::PageArgs;
+use crate::tips;
 
-#[cfg(feature = "plot")]
-pub(crate) use events::SHOWN;
-pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, EventName, LocateArgs, QuantityName};
+use crate::page_args::{PICTURES, PageArgs};
+
+pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, EventName, LocateArgs};
 pub use model::{EndsName, FamilyName, LayerEndsName, ModelArgs, SiteFamily, WhichArgs};
+pub use quantity::QuantityName;
+#[cfg(feature = "plot")]
+pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN};
 pub use runs::{Direction, FateArgs, SectionName, SimulateArgs, StartFrom};
 pub use setup::{CompletionsArgs, InitArgs, ManArgs, STUDIES, SchemaArgs, StudyArgs};
-pub use sweep::{ColorName, DrawArgs, MergeArgs, PaletteName, PictureArgs, SweepArgs};
+pub use sweep::{DrawArgs, MergeArgs, PaletteName, PictureArgs, SweepArgs};
 
 /// Existence and stability of breathers in vibro-impact chains.
 #[derive(Debug, Parser)]
@@ -47,15 +51,15 @@ pub struct Cli {
 /// What all commands understand.
 #[derive(Debug, Args)]
 pub struct CommonArgs {
-    /// No progress bar and no summary.
+    /// Say nothing but what is wrong: no bar, no summary, no answer in words. Files, and JSON that is asked for, are written.
     #[arg(long, short, global = true, display_order = 900)]
     pub quiet: bool,
-    /// Tell on standard error how long it took, on how many threads; after --version: what this build can do, and this machine.
+    /// Tell on standard error how long it took, on how many threads, and (simulate) what the simulation did; after --version: what this build can do, and this machine.
     #[arg(long, short, global = true, display_order = 901)]
     pub verbose: bool,
     /// Threads for what computes many points [default: all cores, or what RAYON_NUM_THREADS says; with --shard slurm,
     /// SLURM_CPUS_PER_TASK].
-    #[arg(long, global = true, value_name = "N", display_order = 902, value_parser = whole::<usize>, allow_negative_numbers = true)]
+    #[arg(long, global = true, value_name = "N", display_order = 902, value_parser = crate::threads::asked, allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
 
@@ -68,7 +72,8 @@ pub fn read<P: Parser>(arguments: impl IntoIterator<Item = OsString>) -> Result<
         Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => format!("-0.{rest}").into(),
         _ => argument,
     };
-    P::try_parse_from(arguments.into_iter().map(whole))
+    let arguments: Vec<OsString> = arguments.into_iter().map(whole).collect();
+    P::try_parse_from(&arguments).map_err(|error| tips::told(error, &P::command(), &arguments))
 }
 
 /// The subcommands.
@@ -92,7 +97,7 @@ pub enum Command {
     Curve(CurveArgs),
     /// All borders in a scene's window, as curves, and the area of what lives between them.
     Curves(CurvesArgs),
-    /// Simulate event by event, from a breather or from any state.
+    /// Simulate event by event, from a breather or from any state; with --animate as a moving picture.
     Simulate(SimulateArgs),
     /// What becomes of the breathers of a scene when they are perturbed: many simulated runs of each.
     Fate(FateArgs),
@@ -124,22 +129,25 @@ pub enum Command {
 pub struct StripesArgs {
     /// Scene file (TOML) of a conservative map with x = omega and y = gamma2.
     pub scene: PathBuf,
+    /// Table of the lines (.csv).
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// What --out was once, when --out was the picture.
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
     /// Picture of the map and the lines, .png, .svg or .pdf.
-    #[arg(long, value_name = "FILE", alias = "out")]
-    pub plot: PathBuf,
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// How it is made.
     #[command(flatten)]
     pub page: PageArgs,
-    /// Table of the lines (CSV).
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
     /// Table of the stripes, however thin (CSV): for each row of the scene where each begins and ends, its width and its growth.
     #[arg(long, value_name = "FILE")]
     pub widths: Option<PathBuf>,
     /// Table of the map, as `mapgen sweep` has written it for the same scene [default: the map is computed].
     #[arg(long, value_name = "FILE")]
     pub map: Option<PathBuf>,
-    /// Also draw, faintly, where a difference of two modes is a harmonic: equal signatures, no collision.
+    /// Draw, faintly, also where a difference of two modes is a harmonic: equal signatures, no collision.
     #[arg(long)]
     pub all: bool,
 }
@@ -177,16 +185,19 @@ pub struct OrbitArgs {
     #[arg(long, value_name = "FILE")]
     pub multipliers: Option<PathBuf>,
     /// Picture of the orbits, .png, .svg or .pdf: profile at the impacts, impacting mass over a period.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// How it is made.
     #[command(flatten)]
     pub page: PageArgs,
     /// Folder for pictures of each solution: profile, space and time, trace, phase portrait, multipliers, leading eigenvector, decay.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, help_heading = PICTURES, value_name = "DIR")]
     pub all_plots: Option<PathBuf>,
-    /// Write the pictures of --all-plots as SVG instead of PNG.
-    #[arg(long, requires = "all_plots")]
+    /// Kind of the pictures of --all-plots.
+    #[arg(long, help_heading = PICTURES, value_name = "KIND", value_enum, default_value_t, requires = "all_plots")]
+    pub format: FormatName,
+    /// What --format svg was once.
+    #[arg(long, hide = true, requires = "all_plots", conflicts_with = "format")]
     pub svg: bool,
     /// Table of displacements and velocities of all masses over a period of each solution (CSV).
     #[arg(long, value_name = "FILE")]
@@ -197,6 +208,18 @@ pub struct OrbitArgs {
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
+}
+
+/// Kinds of the pictures of `--all-plots`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum FormatName {
+    /// Pixels.
+    #[default]
+    Png,
+    /// Vectors.
+    Svg,
+    /// Vectors, as printers and journals take them.
+    Pdf,
 }
 
 /// Arguments of `mapgen words`.
@@ -213,7 +236,7 @@ pub struct WordsArgs {
     /// How far apart they may be.
     #[arg(long, value_name = "D", value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub reach: usize,
-    /// What each of the sites does: double-sided, single-sided, or either (a list with a comma).
+    /// What each of the sites does, a list with a comma.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "double-sided")]
     pub families: Vec<SiteFamily>,
     /// The model.
@@ -223,11 +246,11 @@ pub struct WordsArgs {
     #[arg(long)]
     pub all: bool,
     /// Follow each from γ₂ = 0 to the coupling given, and tell up to where it is physical and what ends that.
-    #[arg(long, conflicts_with_all = ["all", "csv", "threshold"])]
+    #[arg(long, conflicts_with_all = ["all", "out", "threshold"])]
     pub from_zero: bool,
-    /// The list as a table (CSV).
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    /// The list as a table (.csv).
+    #[arg(long, alias = "csv", value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Print JSON instead of text.
     #[arg(long, conflicts_with = "from_zero")]
     pub json: bool,

@@ -30,22 +30,22 @@ use crate::which;
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let manifest = beside(args.csv.as_deref())?;
+    let manifest = beside(args.out.as_deref())?;
     let files = [
-        ("--csv", args.csv.as_deref()),
-        ("the manifest of --csv", manifest.as_deref()),
+        ("--out", args.out.as_deref()),
+        ("the manifest of --out", manifest.as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
     let taken = distinct(&args.along.reads(), &files)?;
     nothing_else(args.json, taken)?;
     let stop = (console.interrupt)()?;
-    let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
+    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let start = start(&args.along, &stop, console)?;
     if args.plot.is_some() && args.show.contains(&QuantityName::Psi) && start.orbit.model().is_conservative() {
         let message =
-            "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral-radius";
+            "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral_radius";
         return Err(CliError::Request(message.to_owned()));
     }
     let mut course = Course::new(&start.orbit, args.along.free);
@@ -57,13 +57,14 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
     }
     course.generations = if args.switch { args.generations } else { 0 };
     course.tolerance = start.chosen.tolerance(args.threshold)?;
+    fits(&pictures, args, &course)?;
     let diagram = diagram_until(&start.orbit, &course, &stop)?;
     let text = if args.json {
         format!("{:#}\n", as_json(&start, &course, &diagram))
     } else {
         as_text(&start, &course, &diagram, args.all)
     };
-    console.answer(&text, taken)?;
+    console.answer(&text, args.json, taken)?;
     let fixed = describe_without(start.orbit.model(), course.free);
     let heading = format!("branches of breathers, {fixed}, {}", criterion(course.tolerance));
     let table = Table::new(course.free.name(), heading, point_value(start.orbit.model()), &diagram);
@@ -237,6 +238,25 @@ fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) 
     }
     let picture = crate::branch_plot::picture(table, course.free, &args.show, args.all);
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+/// Makes sure that the picture can be made.
+#[cfg(feature = "plot")]
+fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), CliError> {
+    let about = crate::branch_table::About {
+        free: course.free.name().to_owned(),
+        heading: String::new(),
+        parameters: Value::Null,
+        branches: Vec::new(),
+    };
+    let nothing = Table { about, branches: Vec::new() };
+    let picture = crate::branch_plot::picture(&nothing, course.free, &args.show, args.all);
+    files.fit(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn fits(_: &PictureFiles, _: &BranchArgs, _: &Course) -> Result<(), CliError> {
+    Ok(())
 }
 
 #[cfg(not(feature = "plot"))]

@@ -33,6 +33,8 @@ fn label(quantity: QuantityName) -> &'static str {
         QuantityName::Psi => "ψ / T",
         QuantityName::Margin => "smallest distance to a barrier",
         QuantityName::SpectralRadius => "largest |μ|",
+        // (Of maps alone.)
+        QuantityName::Class | QuantityName::Solutions => "",
     }
 }
 
@@ -45,6 +47,7 @@ fn values(quantity: QuantityName, row: &Row, force_periods: u32) -> Vec<f64> {
         QuantityName::Psi => one(row.psi.map(|psi| psi / (row.period / f64::from(force_periods)))),
         QuantityName::Margin => one(row.margin),
         QuantityName::SpectralRadius => one(row.spectral_radius),
+        QuantityName::Class | QuantityName::Solutions => Vec::new(),
     }
 }
 

@@ -196,7 +196,7 @@ impl<C: Content> ChunkedRun<'_, C> {
         let there = store.present()?;
         if !self.resume && shard.chunks(self.plan).any(|chunk| there.contains(&chunk)) {
             let message = format!(
-                "{} holds chunks of shard {}/{} already: go on with them by --resume, or remove them to compute them again",
+                "{} holds chunks of shard {}/{} already: go on with them by --resume, or name another folder to compute them again",
                 folder.display(),
                 shard.index,
                 shard.count

@@ -18,8 +18,10 @@ pub struct Console<'a> {
     pub err: &'a mut dyn Write,
     /// Whether standard error is a terminal, where long work may draw a progress bar.
     pub progress: bool,
-    /// Whether summaries are to be left out.
+    /// Whether summaries, and answers in words, are to be left out.
     pub quiet: bool,
+    /// Whether inner workings are to be told.
+    pub verbose: bool,
     /// Threads to compute on, if their number was asked for.
     pub threads: Option<usize>,
     /// Hands out what tells long work to stop. Asked only by commands that look at it, before they begin a file.
@@ -39,7 +41,7 @@ impl<'a> Console<'a> {
         err: &'a mut dyn Write,
         interrupt: &'a dyn Fn() -> Result<Stop, CliError>,
     ) -> Self {
-        Self { out, err, progress: false, quiet: false, threads: None, interrupt }
+        Self { out, err, progress: false, quiet: false, verbose: false, threads: None, interrupt }
     }
 
     /// Prints the answer of a command. A reader that has seen enough (`| head`) is no failure.
@@ -55,13 +57,13 @@ impl<'a> Console<'a> {
         }
     }
 
-    /// As [`Console::print`], unless a file of the command is standard output (`taken`): words do not belong into a table or
-    /// a picture, they are then remarks.
+    /// Prints an answer: as JSON, or in words, of which quiet has none. Where a file of the command is standard output (`taken`)
+    /// words do not belong into a table or a picture, they are then remarks.
     ///
     /// # Errors
     /// As [`Console::print`].
-    pub fn answer(&mut self, text: &str, taken: bool) -> Result<(), CliError> {
-        if !taken {
+    pub fn answer(&mut self, text: &str, json: bool, taken: bool) -> Result<(), CliError> {
+        if json || !taken && !self.quiet {
             return self.print(text);
         }
         self.summary(text.trim_end());

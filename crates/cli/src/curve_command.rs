@@ -36,10 +36,10 @@ struct Curves {
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let manifest = beside(args.csv.as_deref())?;
+    let manifest = beside(args.out.as_deref())?;
     let files = [
-        ("--csv", args.csv.as_deref()),
-        ("the manifest of --csv", manifest.as_deref()),
+        ("--out", args.out.as_deref()),
+        ("the manifest of --out", manifest.as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
     let taken = distinct(&args.along.reads(), &files)?;
@@ -50,17 +50,18 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     }
     let stop = (console.interrupt)()?;
     let header = header([first.name(), second.name()]);
-    let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
+    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let start = start(&args.along, &stop, console)?;
     let window = window(args, &start)?;
     let search = Search { event: event(args.event), free: first, from: window.from[0], to: window.to[0] };
-    let answer = locate_until(&start.orbit, &search, &stop)?;
     let mut curves = Curves { window, list: Vec::new() };
+    fits(&pictures, &curves)?;
+    let answer = locate_until(&start.orbit, &search, &stop)?;
     for located in &answer.located {
         if !curves.holds(located, args.tolerance) {
-            let walk = Walk { stop: stop.clone(), ..Walk::new(window, args.tolerance) };
+            let walk = Walk { stop: stop.clone(), ..Walk::new(curves.window, args.tolerance) };
             curves.list.push(curve_along(&located.orbit, located.event, located.evidence, &walk)?);
         }
     }
@@ -69,7 +70,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     } else {
         curves.as_text(&start, &search, &answer.ends)
     };
-    console.answer(&text, taken)?;
+    console.answer(&text, args.json, taken)?;
     let heading = curves.heading(&start);
     if let Some(file) = file {
         write(file, &curves.list)?;
@@ -239,6 +240,17 @@ fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliEr
     }
     let picture = crate::curve_plot::picture(heading, &curves.window, &crate::curve_table::rows(&curves.list));
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+/// Makes sure that the picture can be made.
+#[cfg(feature = "plot")]
+fn fits(files: &PictureFiles, curves: &Curves) -> Result<(), CliError> {
+    files.fit(|page| vibrochain_plot::curves_picture(&crate::curve_plot::picture("", &curves.window, &[]), page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn fits(_: &PictureFiles, _: &Curves) -> Result<(), CliError> {
+    Ok(())
 }
 
 #[cfg(not(feature = "plot"))]

@@ -34,7 +34,7 @@ pub(crate) type Lives = Option<Class>;
 pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let scene = Plan::read(&args.scene, args.threshold)?.scene;
     let files =
-        [("--csv", args.csv.as_deref()), ("--points", args.points.as_deref()), ("--plot", args.plot.as_deref())];
+        [("--out", args.out.as_deref()), ("--points", args.points.as_deref()), ("--plot", args.plot.as_deref())];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
     nothing_else(args.json, taken)?;
     let names = match scene.axes.as_slice() {
@@ -44,10 +44,11 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let header = ["border", "family", "event", names[0], names[1], "error", "stripe", "half_width"];
     let stop = (console.interrupt)()?;
     // Destinations first: an impossible one should not cost a computation.
-    let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
+    let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
     let header = ["border", "family", "event", "special", names[0], names[1], "error"];
     let points = args.points.as_deref().map(|path| CsvFile::create("--points", path, header)).transpose()?;
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+    fits(&pictures, &scene)?;
     let pool = threads(console.threads)?;
     let started = Instant::now();
     let (tolerance, places) = (args.tolerance, args.places);
@@ -63,7 +64,7 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let time = started.elapsed();
     let answer = Answer { scene: &scene, borders: &borders, regions: &regions, places, time };
     let text = if args.json { format!("{:#}\n", answer.as_json()) } else { answer.as_text() };
-    console.answer(&text, taken)?;
+    console.answer(&text, args.json, taken)?;
     draw(pictures, &scene, &regions)
 }
 
@@ -208,7 +209,10 @@ impl Answer<'_> {
         }
         if self.places > 0 {
             let missed = 3.0 / self.places as f64;
-            let _ = writeln!(out, "of pieces of {missed:.0e} of the window that lack a border one in twenty escapes");
+            let _ = writeln!(
+                out,
+                "a piece of {missed:.0e} of the window whose border is missing would have been seen in 19 of 20 cases"
+            );
         }
         let closed = self.regions.closed();
         if !closed.is_empty() {
@@ -257,6 +261,17 @@ fn draw(files: PictureFiles, scene: &Scene, regions: &Regions<Lives>) -> Result<
     let regions = regions.named(|class| Tile { class: *class, mechanism: None });
     let picture = RegionsPicture { scene, regions: &regions, borders: &[], palette: Palette::default() };
     files.draw(|page| regions_picture(&picture, page))
+}
+
+/// Makes sure that the picture can be made.
+#[cfg(feature = "plot")]
+fn fits(files: &PictureFiles, scene: &Scene) -> Result<(), CliError> {
+    files.fit(|page| vibrochain_plot::regions_fit(scene, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn fits(_: &PictureFiles, _: &Scene) -> Result<(), CliError> {
+    Ok(())
 }
 
 #[cfg(not(feature = "plot"))]

@@ -9,7 +9,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Cells, Watcher};
 use vibrochain_plot::curves_picture;
 
-use crate::args::{DrawArgs, SHOWN};
+use crate::args::{DrawArgs, OF_BRANCHES, QuantityName, SHOWN};
 use crate::branch_table::{self, Table};
 use crate::console::{Console, nothing_else};
 use crate::curve_table;
@@ -64,7 +64,7 @@ impl Kind {
             Ok(Self::Cells)
         } else if columns.first() == Some(&"border") {
             Err("it has the borders of a window, and not what lives between them, which is what the picture of `mapgen curves` shows: \
-                 draw that anew, or a table of sweep with --curves"
+                 draw that anew, or draw a table of sweep with --curves"
                 .to_owned())
         } else {
             let mut told = columns.iter().take(TOLD).copied().collect::<Vec<_>>().join(",");
@@ -72,7 +72,7 @@ impl Kind {
                 told += ",…";
             }
             Err(format!(
-                "no picture is known of the columns {told}: give a table of sweep, merge or fate, of branch, curve or stripes --csv"
+                "no picture is known of the columns {told}: give a table of sweep, merge, fate, branch, curve or stripes"
             ))
         }
     }
@@ -92,7 +92,6 @@ impl Kind {
     /// Refuses flags that are of other tables.
     fn takes(self, args: &DrawArgs) -> Result<(), CliError> {
         let flags = [
-            ("--show", !args.show.is_empty(), "of branch", self == Self::Branch),
             ("--all", args.all, "of branch or stripes", matches!(self, Self::Branch | Self::Lines)),
             ("--map", args.map.is_some(), "of stripes", self == Self::Lines),
         ];
@@ -103,7 +102,8 @@ impl Kind {
         if self == Self::Cells {
             Ok(())
         } else {
-            of_no_map(&args.pictures, &format!("this is a table of {}", self.name()))
+            let show = self != Self::Branch && !args.show.is_empty();
+            of_no_map(&args.pictures, show, &format!("this is a table of {}", self.name()))
         }
     }
 }
@@ -114,9 +114,9 @@ impl Kind {
 /// [`CliError`].
 pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let wanted = &args.pictures;
-    let outputs = wanted.files();
-    if outputs.iter().all(|(_, path)| path.is_none()) {
-        return Err(CliError::Request("nothing is asked for: give --png, --svg or --pdf".to_owned()));
+    let outputs = wanted.beside(&[]);
+    if outputs.is_empty() {
+        return Err(CliError::Request("nothing is asked for: give --plot FILE, .png, .svg or .pdf".to_owned()));
     }
     let manifest = manifest_path(&args.table);
     let source = args.scene.as_deref().unwrap_or(&manifest);
@@ -156,8 +156,15 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
 fn cells(args: &DrawArgs, table: TableRows, source: &Path, console: &mut Console<'_>) -> Result<String, CliError> {
     let scene = Scene::read(source)?;
     let pool = threads(console.threads)?;
+    let show = match args.show.as_slice() {
+        [] => QuantityName::default(),
+        [one] => *one,
+        [..] => {
+            return Err(CliError::Request("--show: the cells of a map have one colour: give one of these".to_owned()));
+        }
+    };
     let stop = (console.interrupt)()?;
-    let mut pictures = Pictures::plan(&args.pictures, &scene)?;
+    let mut pictures = Pictures::plan(&args.pictures, show, &scene)?;
     pictures.begin();
     let summary = table.cells(&Cells, &scene, &mut |number, cell| pictures.cell(number, cell))?;
     let told = pictures.find_borders(&pool, &stop, console.progress)?;
@@ -189,7 +196,7 @@ fn section(files: PictureFiles, table: TableRows, source: &Path) -> Result<Strin
     if scene.axes.len() != 1 || table.columns()[0] != scene.axes[0].parameter.name() {
         return Err(table.wrong(&format!("it is not over the axis of its scene, {}", scene.axis_names())));
     }
-    let mut plot = Plot::of_diagram(files, &scene);
+    let mut plot = Plot::of_diagram(files, &scene)?;
     table.rows(rows, |fields| {
         let value = fields.finite()?;
         let _period: u64 = fields.value()?;
@@ -208,6 +215,10 @@ fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, Cl
     let branches = about.branches.iter().map(|_| Vec::new()).collect();
     let mut diagram = Table { about, branches };
     table.rows(rows, |fields| diagram.take(fields))?;
+    if let Some(other) = args.show.iter().find(|name| !OF_BRANCHES.contains(name)) {
+        let known = OF_BRANCHES.map(|name| name.to_string()).join(", ");
+        return Err(CliError::Request(format!("--show {other} is of maps: of a branch give some of {known}")));
+    }
     let shown = if args.show.is_empty() { &SHOWN[..] } else { &args.show };
     let picture = branch_plot::picture(&diagram, free, shown, args.all);
     PictureFiles::asked(&args.pictures)?.draw(|page| curves_picture(&picture, page))?;

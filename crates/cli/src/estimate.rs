@@ -124,7 +124,15 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, pool: &ThreadPool, stop: &Stop
         line("shard", format!("{index}/{count}: {} chunks, {of_shard} cells", shard.chunks(plan).count()));
     }
     let wall = per_cell * rows * of_shard as f64 / threads.min(cores()) as f64;
-    line("time", format!("about {} on {threads} threads, {:.3e} s per cell and core", duration(wall), per_cell));
+    line(
+        "time",
+        format!(
+            "about {} on {threads} thread{}, {:.3e} s per cell and core",
+            duration(wall),
+            if threads == 1 { "" } else { "s" },
+            per_cell
+        ),
+    );
     let bytes = per_row * rows * cells as f64;
     line("disk", format!("about {} for the table, as much again for the chunks until it is whole", size(bytes)));
     line("sample", format!("{} cells in {:.3} s", sample.cells, sample.seconds));

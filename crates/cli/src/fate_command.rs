@@ -55,13 +55,13 @@ pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
         return Err(CliError::Request(message));
     }
     // (That of a shard is a folder.)
-    let table = args.csv.as_deref().filter(|_| args.shard.is_none());
+    let table = args.out.as_deref().filter(|_| args.shard.is_none());
     let place = table.map(place).transpose()?.flatten();
     let parts = place.as_ref().and(table).map(parts_path);
     let manifests = [beside(table)?, beside(args.diagram.as_deref())?];
     let files = [
-        ("--csv", args.csv.as_deref()),
-        ("the manifest of --csv", manifests[0].as_deref()),
+        ("--out", args.out.as_deref()),
+        ("the manifest of --out", manifests[0].as_deref()),
         ("the folder of chunks", parts.as_deref()),
         ("--diagram", args.diagram.as_deref()),
         ("the manifest of --diagram", manifests[1].as_deref()),
@@ -95,8 +95,8 @@ fn asked(args: &FateArgs) -> Fates {
 }
 
 /// The command that computes chunks of an ensemble, but for its last words.
-pub(crate) fn command(scene_file: &Path, csv: &Path, settings: &Settings) -> Vec<String> {
-    let mut words = vec![format!("mapgen fate {} --csv {}", quoted(scene_file), quoted(csv))];
+pub(crate) fn command(scene_file: &Path, out: &Path, settings: &Settings) -> Vec<String> {
+    let mut words = vec![format!("mapgen fate {} --out {}", quoted(scene_file), quoted(out))];
     let usual = Fates::default().settings();
     let given = settings.iter().filter(|(name, value)| usual.get(*name) != Some(value));
     words.extend(given.map(|(name, value)| format!("--{name} {value}")));
@@ -162,39 +162,39 @@ struct Ends<'a> {
 }
 
 impl Ends<'_> {
-    /// `place` is the plain file that --csv leads to, if that is one.
+    /// `place` is the plain file that --out leads to, if that is one.
     fn run(&self, place: Option<&Path>, console: &mut Console<'_>) -> Result<(), CliError> {
         let Self { args, plan, fates, taken } = *self;
         args.page.checked(args.plot.is_some(), "--plot")?;
         let (shard, given) = shard_of(args.shard)?;
-        if let (Some(shard), Some(folder)) = (shard, &args.csv) {
+        if let (Some(shard), Some(folder)) = (shard, &args.out) {
             let stop = (console.interrupt)()?;
             let pool = threads(console.threads.or(given))?;
-            return self.chunked(&pool, &stop, console.threads).shard("--csv", folder, shard, console);
+            return self.chunked(&pool, &stop, console.threads).shard("--out", folder, shard, console);
         }
         let stop = (console.interrupt)()?;
         let files = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
         let mut seen = Seen::new(&plan.scene, &fates.ensemble, files)?;
         // Destinations first: an impossible one should not cost a computation.
-        if let (Some(_), Some(out)) = (place, &args.csv) {
+        if let (Some(_), Some(out)) = (place, &args.out) {
             drop(fates.create(out, &plan.scene, 1)?);
         }
-        let manifest = Manifest::create(beside(args.csv.as_deref())?.as_deref())?;
+        let manifest = Manifest::create(beside(args.out.as_deref())?.as_deref())?;
         let pool = threads(console.threads)?;
         let run = self.chunked(&pool, &stop, console.threads);
         // Two kinds of lines on one terminal are none.
         let progress = console.progress && !taken;
-        match (&args.csv, place) {
+        match (&args.out, place) {
             (None, _) => {
                 self.alone(&run, &mut seen, progress)?;
-                console.answer(&seen.answer(args.json), taken)?;
+                console.answer(&seen.answer(args.json), args.json, taken)?;
                 seen.finish(manifest)
             }
-            (Some(out), None) if args.resume => Err(nothing_to_resume("--csv", out)),
+            (Some(out), None) if args.resume => Err(nothing_to_resume("--out", out)),
             (Some(out), None) => {
                 let (table, ..) = run.stream(out, &mut seen, progress)?;
                 table.commit()?;
-                console.answer(&seen.answer(args.json), taken)?;
+                console.answer(&seen.answer(args.json), args.json, taken)?;
                 seen.finish(manifest)
             }
             (Some(out), Some(place)) => {
@@ -204,7 +204,7 @@ impl Ends<'_> {
                     table.commit()?;
                     seen.finish(manifest)
                 })?;
-                console.answer(&answer, taken)
+                console.answer(&answer, args.json, taken)
             }
         }
     }
@@ -234,8 +234,8 @@ impl Ends<'_> {
     /// The command that goes on with this one.
     fn again(&self, threads: Option<usize>) -> String {
         let Self { args, fates, .. } = *self;
-        let Some(csv) = &args.csv else { return String::new() };
-        let mut words = command(&args.scene, csv, &fates.settings());
+        let Some(out) = &args.out else { return String::new() };
+        let mut words = command(&args.scene, out, &fates.settings());
         words.extend(args.plot.iter().map(|path| format!("--plot {}", quoted(path))));
         words.extend(args.page.words());
         words.extend(args.json.then(|| "--json".to_owned()));
@@ -272,7 +272,7 @@ fn diagram(
     let stop = (console.interrupt)()?;
     let mut file = CsvFile::create("--diagram", path, header)?;
     let manifest = Manifest::create(beside(Some(path))?.as_deref())?;
-    let mut plot = Plot::of_diagram(PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?, scene);
+    let mut plot = Plot::of_diagram(PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?, scene)?;
     let pool = threads(console.threads)?;
     let bar = counter(scene.cells(), 0, "cells", console.progress && !taken);
     let job = Job { scene, pool: &pool, stop: &stop };
@@ -310,7 +310,7 @@ fn diagram(
     if incomplete > 0 {
         text += &format!("{incomplete} of them could not be completed\n");
     }
-    console.answer(&text, taken)?;
+    console.answer(&text, false, taken)?;
     plot.finish(scene, ensemble)
 }
 

@@ -64,19 +64,29 @@ mod with_plot {
                 );
                 return Err(CliError::Request(message));
             }
-            Ok(Self::new(files, scene, false))
+            Self::new(files, scene, false)
         }
 
         /// Of a diagram, over the one axis of its scene.
-        pub(crate) fn of_diagram(files: PictureFiles, scene: &Scene) -> Self {
+        ///
+        /// # Errors
+        /// [`CliError::Request`] of a picture that is too large.
+        pub(crate) fn of_diagram(files: PictureFiles, scene: &Scene) -> Result<Self, CliError> {
             Self::new(files, scene, true)
         }
 
-        fn new(files: PictureFiles, scene: &Scene, is_diagram: bool) -> Self {
+        fn new(files: PictureFiles, scene: &Scene, is_diagram: bool) -> Result<Self, CliError> {
             let axis = match scene.axes.as_slice() {
                 [axis] => Some(axis.clone()),
                 _ => None,
             };
+            files.fit(|page| match &axis {
+                Some(axis) => curves_picture(&curves(scene, Pane::over(axis)), page),
+                None => {
+                    let picture = EndsPicture { scene, caption: String::new(), names: &WORDS, cells: &[] };
+                    ends_picture(&picture, page)
+                }
+            })?;
             let share = |(colour, name): (usize, &&str)| Series {
                 name: (*name).to_owned(),
                 colour,
@@ -85,7 +95,7 @@ mod with_plot {
                 points: Vec::new(),
             };
             let shares = WORDS.iter().enumerate().map(share).collect();
-            Self { files, cells: Vec::new(), shares, points: Vec::new(), axis, is_diagram }
+            Ok(Self { files, cells: Vec::new(), shares, points: Vec::new(), axis, is_diagram })
         }
 
         /// Forgets what was seen.
@@ -154,10 +164,13 @@ mod with_plot {
                 ("share of the runs", Scale::Between(-0.03..1.03), shares)
             };
             let pane = Pane { caption, y: y.to_owned(), scale, series, ..Pane::over(axis) };
-            let picture =
-                Curves { title: about(scene), panes: vec![pane], columns: 1, pane: (960, 560), ..Curves::default() };
-            self.files.draw(|page| curves_picture(&picture, page))
+            self.files.draw(|page| curves_picture(&curves(scene, pane.clone()), page))
         }
+    }
+
+    /// One panel under the heading of a scene.
+    fn curves(scene: &Scene, pane: Pane) -> Curves {
+        Curves { title: about(scene), panes: vec![pane], columns: 1, pane: (960, 560), ..Curves::default() }
     }
 }
 
@@ -177,8 +190,8 @@ mod without_plot {
             Ok(Self)
         }
 
-        pub(crate) fn of_diagram(_: PictureFiles, _: &Scene) -> Self {
-            Self
+        pub(crate) fn of_diagram(_: PictureFiles, _: &Scene) -> Result<Self, CliError> {
+            Ok(Self)
         }
 
         pub(crate) fn begin(&mut self) {}

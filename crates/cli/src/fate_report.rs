@@ -91,6 +91,9 @@ impl Totals {
             let _ = writeln!(out, "  {name:<16} {count:>9}  {:5.1} %", 100.0 * count as f64 / runs as f64);
         }
         let words = self.words();
+        if !words.is_empty() {
+            let _ = writeln!(out, "  impact words of `another`, by runs");
+        }
         for (word, count) in words.iter().take(SHOWN) {
             let _ = writeln!(out, "    {count:>9}  {word}");
         }

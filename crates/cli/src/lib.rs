@@ -4,6 +4,7 @@
 // |---|---|
 // | `entry`, `program`, `console` | where it begins and ends; the whole program as a function, and what it talks to |
 // | `args` | the command line |
+// | `tips` | what is said of a flag or a command that is not there |
 // | `setup_command`, `version` | a scene to begin with, completions, manual pages; what this build can do |
 // | `model`, `which` | the model a command is asked about, and which of its breathers |
 // | `threads`, `progress` | threads to compute on; bars that tell how far long work is |
@@ -83,6 +84,7 @@ mod table_manifest;
 #[cfg(feature = "plot")]
 mod table_rows;
 pub mod threads;
+mod tips;
 mod version;
 pub mod which;
 pub mod words_command;

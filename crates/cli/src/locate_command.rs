@@ -50,22 +50,23 @@ pub(crate) fn range(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let taken = distinct(&args.along.reads(), &[("--csv", args.csv.as_deref())])?;
+    let taken = distinct(&args.along.reads(), &[("--out", args.out.as_deref())])?;
     nothing_else(args.json, taken)?;
     let header = HEADER.map(|name| if name == FREE { args.along.free.name() } else { name });
     let stop = (console.interrupt)()?;
-    let table = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, header)).transpose()?;
+    let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
     let start = start(&args.along, &stop, console)?;
     let mut search = Search::new(&start.orbit, event(args.event), args.along.free);
     let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
     (search.from, search.to) = (from.unwrap_or(search.from), to.unwrap_or(search.to));
-    let answer = locate_until(&start.orbit, &search, &stop)?;
+    let mut answer = locate_until(&start.orbit, &search, &stop)?;
+    answer.located.sort_by(|one, other| one.value.total_cmp(&other.value));
     let text = if args.json {
         format!("{:#}\n", as_json(&start, &search, &answer))
     } else {
         as_text(&start, &search, &answer)
     };
-    console.answer(&text, taken)?;
+    console.answer(&text, args.json, taken)?;
     let Some(mut table) = table else { return Ok(()) };
     answer.located.iter().try_for_each(|found| table.row(fields(found)))?;
     Ok(table.finish()?)
@@ -283,6 +284,11 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
     let mut out = String::new();
     let name = search.free.name();
     let _ = writeln!(out, "{} of {}", search.event.name(), start.heading(search.free));
+    let count = answer.located.len();
+    if count > 0 {
+        let events = if count == 1 { "event" } else { "events, along the parameter" };
+        let _ = writeln!(out, "{count} {events}");
+    }
     for found in &answer.located {
         located_text(&mut out, name, found);
     }
@@ -313,7 +319,7 @@ pub(crate) fn evidence_text(found: &Located) -> String {
         Evidence::Multiplier(mu) if mu.im == 0.0 => format!("multiplier {}", mu.re),
         Evidence::Multiplier(mu) => format!("multiplier {} ± {}i", mu.re, mu.im.abs()),
         Evidence::Touch(touch) => {
-            let (site, barrier) = (touch.site, touch.barrier.name());
+            let (site, barrier) = (found.orbit.model().chain().layout().name(touch.site), touch.barrier);
             format!("site {site} touches the {barrier} barrier at t = {}", Number(touch.time))
         }
         Evidence::Impact(impact) => format!("impact {impact} has no velocity left"),

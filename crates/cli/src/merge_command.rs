@@ -7,7 +7,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_fate::Fates;
 use vibrochain_lattice::{Short, Stop};
 
-use crate::args::MergeArgs;
+use crate::args::{MergeArgs, QuantityName};
 use crate::chunked_run::quoted;
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
@@ -39,7 +39,9 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         Some(settings) => {
             let fates = Fates::from_settings(settings).map_err(|wrong| {
                 let place = args.folder.display();
-                CliError::Request(format!("the plan of {place} cannot be used: {wrong}; remove the folder"))
+                CliError::Request(format!(
+                    "the plan of {place} cannot be used: {wrong}; compute it into another folder"
+                ))
             })?;
             ensemble(args, &plan, &fates, &pool, console)
         }
@@ -53,7 +55,7 @@ fn sweep(args: &MergeArgs, plan: &Plan, pool: &ThreadPool, console: &mut Console
     Form::of(&args.out)?;
     // All fail early where they cannot be written.
     manifest_file.as_deref().map(Output::create).transpose()?;
-    let mut pictures = Pictures::plan(&args.pictures, &plan.scene)?;
+    let mut pictures = Pictures::plan(&args.pictures, args.show, &plan.scene)?;
     let (table, summary, stop) = assembled(&Cells, args, plan, pool, &mut pictures, console)?;
     let told = pictures.find_borders(pool, &stop, console.progress)?;
     table.commit()?;
@@ -75,19 +77,23 @@ fn ensemble(
 ) -> Result<(), CliError> {
     let manifest = beside(Some(&args.out))?;
     let taken = apart(args, manifest.as_deref())?;
-    of_no_map(&args.pictures, &format!("{} holds an ensemble", args.folder.display()))?;
+    of_no_map(
+        &args.pictures,
+        args.show != QuantityName::default(),
+        &format!("{} holds an ensemble", args.folder.display()),
+    )?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let mut seen = Seen::new(&plan.scene, &fates.ensemble, PictureFiles::asked(&args.pictures)?)?;
     let (table, ..) = assembled(fates, args, plan, pool, &mut seen, console)?;
     table.commit()?;
-    console.answer(&seen.answer(args.json), taken)?;
+    console.answer(&seen.answer(args.json), args.json, taken)?;
     seen.finish(manifest)
 }
 
 /// Sees to it that no file is another, or a chunk. Tells whether one is standard output.
 fn apart(args: &MergeArgs, manifest_file: Option<&Path>) -> Result<bool, CliError> {
-    let [png, svg, pdf] = args.pictures.files();
-    let outputs = [("--out", Some(args.out.as_path())), ("the manifest of --out", manifest_file), png, svg, pdf];
+    let outputs =
+        args.pictures.beside(&[("--out", Some(args.out.as_path())), ("the manifest of --out", manifest_file)]);
     let taken = distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?;
     nothing_else(args.json, taken)?;
     for (flag, path) in outputs {

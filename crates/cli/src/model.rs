@@ -40,7 +40,18 @@ impl Chosen {
 pub fn chosen(args: &ModelArgs, console: &mut Console<'_>) -> Result<Chosen, CliError> {
     let chosen = model(args)?;
     chosen.changed.iter().for_each(|changed| console.summary(changed));
+    if let Some(remark) =
+        springs(&chosen.model.chain().layout(), chosen.model.chain().gamma2()).filter(|_| args.ends.is_none())
+    {
+        console.summary(remark);
+    }
     Ok(chosen)
+}
+
+/// What is easily overlooked of two masses that nobody has given ends.
+pub(crate) fn springs(layout: &Layout, gamma2: f64) -> Option<&'static str> {
+    let twice = layout.length == 2 && layout.ends == Ends::Closed && gamma2 > 0.0;
+    twice.then_some("a ring of two masses has two springs of gamma2 between them: with one spring its ends are \"free\" (--ends free)")
 }
 
 /// The model of the flags and of the file they name.

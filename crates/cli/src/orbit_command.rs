@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{BreatherError, Completeness, Ended, Family, Finder, Found, Obstruction, Orbit, Proof, Word};
+use vibrochain_breather::{
+    BreatherError, Completeness, Ended, Family, Finder, Found, NoBreather, Obstruction, Orbit, Proof, Word,
+};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
 use vibrochain_lattice::{Ends, Model};
 
@@ -69,12 +71,15 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     } else {
         text(&model, &name, &solutions, &found)
     };
-    console.answer(&text, taken)?;
+    console.answer(&text, args.json, taken)?;
     if let Some(file) = file {
         file.finish(&solutions, &mut finder)?;
     }
     trajectory.map_or(Ok(()), |table| table.finish(&solutions))?;
     plot.finish(&solutions, console)?;
+    if let Some(reason @ NoBreather::NotSearched(_)) = found.completeness.reason() {
+        return Err(CliError::IllPosed(reason.to_string()));
+    }
     match solutions.iter().find_map(|solution| solution.multipliers.as_ref().err()) {
         Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),
         None => Ok(()),
@@ -151,7 +156,7 @@ fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
         "exhausted": exhausted,
     });
     if !found.ended.is_empty() {
-        let ended = |ended: &Ended| json!({ ended.coupling.name(): ended.value, "message": ended.to_string() });
+        let ended = |ended: &Ended| json!({ ended.coupling.name(): ended.value, "message": ended.told(&model.chain().layout()) });
         value["ended"] = found.ended.iter().map(ended).collect();
     }
     value
@@ -275,7 +280,7 @@ fn finite(value: f64) -> Option<f64> {
 
 /// What is in the way: kind, site, time, and by how much.
 fn obstruction(model: &Model, obstruction: Obstruction) -> Value {
-    let message = obstruction.to_string();
+    let message = obstruction.told(&model.chain().layout());
     match obstruction {
         Obstruction::Crossing { site, barrier, time, excess } => {
             let value = json!({ "kind": "crossing", "site": site, "barrier": barrier.name(), "time": time, "excess": excess, "message": message });
@@ -298,16 +303,18 @@ fn complex(z: Complex<f64>) -> String {
 
 /// The answer for people.
 fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> String {
-    let (mut out, completeness) = (String::new(), found.completeness);
+    let (mut out, completeness, layout) = (String::new(), found.completeness, model.chain().layout());
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{name} breathers, {model}");
-    if model.chain().layers() > 1 {
-        let length = model.chain().length();
-        let _ = writeln!(out, "sites are numbered through: site n of layer l is {length} l + n");
-    }
     match completeness.reason() {
+        Some(reason @ NoBreather::NotSearched(_)) => {
+            let _ = writeln!(out, "not searched: {reason}");
+            return out;
+        }
+        // Where nothing shows that there is none, none was found.
         Some(reason) => {
-            let _ = writeln!(out, "none: {reason}");
+            let none = if completeness.is_established() { "none" } else { "none was found" };
+            let _ = writeln!(out, "{none}: {reason}");
         }
         None => {
             let physical = solutions.iter().filter(|solution| solution.admissibility.is_physical()).count();
@@ -330,7 +337,7 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
         );
     }
     for ended in &found.ended {
-        let _ = writeln!(out, "a branch from masses without coupling ends: {ended}");
+        let _ = writeln!(out, "a branch from masses without coupling ends: {}", ended.told(&layout));
     }
     for (i, solution) in solutions.iter().enumerate() {
         let orbit = &solution.orbit;
@@ -342,9 +349,9 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
         }
         let _ = writeln!(out);
         for impact in orbit.impacts() {
-            let _ = writeln!(out, "  impact of {impact}");
+            let _ = writeln!(out, "  impact of {}", impact.told(&layout));
         }
-        let _ = writeln!(out, "  {}", solution.admissibility);
+        let _ = writeln!(out, "  {}", solution.admissibility.told(&layout));
         let _ = match &solution.multipliers {
             Ok(Multipliers { verdict, .. }) => {
                 let how = match verdict.mechanism {
@@ -367,7 +374,8 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
             Err(error) => writeln!(out, "  stability unknown: {error}"),
         };
         if let Some(phases) = &solution.phases {
-            let ahead: Vec<String> = phases.iter().map(|(site, ahead)| format!("site {site} by {ahead:.3}")).collect();
+            let ahead: Vec<String> =
+                phases.iter().map(|(site, ahead)| format!("site {} by {ahead:.3}", layout.name(*site))).collect();
             let _ = writeln!(out, "  the breathers drift apart: ahead are {}", ahead.join(", "));
         }
         if let Some(doubt) = solution.multipliers.as_ref().ok().and_then(|all| all.verdict.method.doubt()) {
@@ -401,6 +409,7 @@ mod with_plot {
     use vibrochain_breather::{Impact, Motion};
 
     use super::{CliError, Console, Multipliers, OrbitArgs, Solution};
+    use crate::args::FormatName;
     use crate::caption::describe;
     use crate::orbit_plots;
     use vibrochain_maps::files::Output;
@@ -421,7 +430,12 @@ mod with_plot {
 
     impl Plot {
         pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            let page = args.page.page(if args.svg { Format::Svg } else { Format::Png })?;
+            let page = args.page.page(match args.format {
+                _ if args.svg => Format::Svg,
+                FormatName::Png => Format::Png,
+                FormatName::Svg => Format::Svg,
+                FormatName::Pdf => Format::Pdf,
+            })?;
             args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
             if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
                 && name_within(folder, plot).is_some_and(|name| orbit_plots::is_own(&name))
@@ -436,6 +450,16 @@ mod with_plot {
                 Ok::<_, CliError>((page, folder.to_owned()))
             });
             let one = args.plot.as_deref().map(|plot| args.page.open("--plot", Some(plot))).transpose()?.flatten();
+            if let Some((page, _)) = &one {
+                let nothing = OrbitPanels {
+                    caption: String::new(),
+                    x: "site",
+                    profiles: Vec::new(),
+                    traces: Vec::new(),
+                    barriers: (-1.0, 1.0),
+                };
+                orbit_picture(&[nothing], page.to_measure()).map_err(|error| CliError::Request(error.0))?;
+            }
             Ok(Self { one, all: all.transpose()? })
         }
 

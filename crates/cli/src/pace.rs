@@ -54,7 +54,7 @@ impl Pace {
             self.bar.set_message(text);
         } else {
             let advice = "Ctrl-C ends it here and keeps its files";
-            console.remark(&format!("after {}: {text}; {advice}", duration(elapsed.as_secs_f64())));
+            console.summary(&format!("after {}: {text}; {advice}", duration(elapsed.as_secs_f64())));
         }
     }
 

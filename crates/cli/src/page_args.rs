@@ -20,25 +20,27 @@ pub enum StyleName {
     Slide,
 }
 
+/// The heading of help on pictures. Each flag names it: the heading of a struct would go on over the flags behind it.
+pub(crate) const PICTURES: &str = "Pictures";
+
 /// How pictures are made.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Args)]
-#[command(next_help_heading = "Pictures")]
 pub struct PageArgs {
     /// What pictures are made for.
-    #[arg(long, value_enum, value_name = "PURPOSE")]
+    #[arg(long, help_heading = PICTURES, value_enum, value_name = "PURPOSE")]
     pub style: Option<StyleName>,
     /// Width of a picture with its unit, such as 86mm; mm, cm, in and pt are for print, 300 dpi and letters of 8 points unless --style,
     /// --dpi or --font-size say otherwise, px are for a screen [default: that of --style].
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    #[arg(long, help_heading = PICTURES, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub width: Option<Length>,
     /// Pixels of an inch: of a PNG, and of rasters in the others [default: that of --style, or 300 for a width in mm, cm, in or pt].
-    #[arg(long, value_name = "DOTS", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = PICTURES, value_name = "DOTS", value_parser = real, allow_negative_numbers = true)]
     pub dpi: Option<f64>,
     /// Height of the letters of legends in points; others are in proportion [default: that of --style].
-    #[arg(long, value_name = "POINTS", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = PICTURES, value_name = "POINTS", value_parser = real, allow_negative_numbers = true)]
     pub font_size: Option<f64>,
     /// Name panels (a), (b), …
-    #[arg(long)]
+    #[arg(long, help_heading = PICTURES)]
     pub letters: bool,
 }
 

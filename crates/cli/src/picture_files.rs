@@ -5,15 +5,15 @@ pub(crate) use with_plot::PictureFiles;
 #[cfg(not(feature = "plot"))]
 pub(crate) use without_plot::PictureFiles;
 
-use crate::args::{ColorName, PaletteName, PictureArgs};
+use crate::args::{PaletteName, PictureArgs};
 use crate::error::CliError;
 
-/// Refuses what is of maps alone, where another picture is drawn: that of `what`.
-pub(crate) fn of_no_map(wanted: &PictureArgs, what: &str) -> Result<(), CliError> {
-    let PictureArgs { slice, color, curves, palette, .. } = wanted;
+/// Refuses what is of maps alone, where another picture is drawn: that of `what`. `show` tells whether --show was given.
+pub(crate) fn of_no_map(wanted: &PictureArgs, show: bool, what: &str) -> Result<(), CliError> {
+    let PictureArgs { slice, curves, palette, .. } = wanted;
     let of_maps = [
         ("--slice", !slice.is_empty()),
-        ("--color", *color != ColorName::default()),
+        ("--show", show),
         ("--curves", *curves),
         ("--palette", *palette != PaletteName::default()),
     ];
@@ -46,7 +46,7 @@ mod with_plot {
             Ok(Self(page.open(flag, path)?.into_iter().collect()))
         }
 
-        /// Those of --png, --svg and --pdf.
+        /// Those of --plot, and of --png, --svg and --pdf.
         ///
         /// # Errors
         /// As [`PictureFiles::one`].
@@ -54,19 +54,21 @@ mod with_plot {
             Self::open(&Self::named(wanted)?)
         }
 
-        /// The names that --png, --svg and --pdf give, each with what is drawn for it.
+        /// The names that these flags give, each with what is drawn for it.
         ///
         /// # Errors
         /// [`CliError::Request`] of a name that promises something else, or of a page that cannot be.
         pub(crate) fn named(wanted: &PictureArgs) -> Result<Vec<(Page, PathBuf)>, CliError> {
-            let flags = wanted.files().into_iter().zip([Format::Png, Format::Svg, Format::Pdf]);
-            let asked: Vec<(Format, &Path)> = flags.filter_map(|((_, path), format)| Some((format, path?))).collect();
-            wanted.page.checked(!asked.is_empty(), "--png, --svg or --pdf")?;
-            let page = |(format, path): (Format, &Path)| {
-                format.promised(path)?;
+            wanted.page.checked(wanted.files().next().is_some(), "--plot")?;
+            let page = |(flag, path): (&'static str, &Path)| {
+                let once = [("--png", Format::Png), ("--svg", Format::Svg), ("--pdf", Format::Pdf)];
+                let format = match once.into_iter().find(|(name, _)| *name == flag) {
+                    Some((_, format)) => format.promised(path).map(|()| format)?,
+                    None => Format::asked(flag, path)?,
+                };
                 Ok((wanted.page.page(format)?, path.to_owned()))
             };
-            asked.into_iter().map(page).collect()
+            wanted.files().map(page).collect()
         }
 
         /// Opens files that were named.
@@ -80,6 +82,15 @@ mod with_plot {
 
         pub(crate) fn is_empty(&self) -> bool {
             self.0.is_empty()
+        }
+
+        /// Makes sure that a picture can be made for each, drawn as yet of nothing.
+        ///
+        /// # Errors
+        /// [`CliError::Request`] of a picture that is too large.
+        pub(crate) fn fit(&self, picture: impl Fn(Page) -> Result<Vec<u8>, PlotError>) -> Result<(), CliError> {
+            let fits = |(page, _): &(Page, Output)| picture(page.to_measure()).map(drop);
+            self.0.iter().try_for_each(fits).map_err(|error| CliError::Request(error.0))
         }
 
         /// Draws a picture into each.
@@ -115,10 +126,8 @@ mod without_plot {
         }
 
         pub(crate) fn asked(wanted: &PictureArgs) -> Result<Self, CliError> {
-            if wanted.files().iter().any(|(_, path)| path.is_some()) {
-                return Err(CliError::Request(
-                    "--png, --svg and --pdf need a build with the feature `plot`".to_owned(),
-                ));
+            if wanted.files().next().is_some() {
+                return Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned()));
             }
             Ok(Self)
         }

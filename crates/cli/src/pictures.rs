@@ -16,10 +16,11 @@ mod with_pictures {
     use vibrochain_maps::scene::{Scene, Slice};
     use vibrochain_maps::sweep::Watcher;
     use vibrochain_plot::{
-        MapBorder, MapPicture, OneAxisPicture, Page, Palette, Quantity, Shown, is_shown, map_picture, one_axis_picture,
+        MapBorder, MapPicture, OneAxisPicture, Page, Palette, PlotError, Quantity, Shown, is_shown, map_picture,
+        one_axis_picture,
     };
 
-    use crate::args::{ColorName, PaletteName, PictureArgs};
+    use crate::args::{OF_MAPS, PaletteName, PictureArgs, QuantityName};
     use crate::border_search::BorderSearch;
     use crate::caption::in_words;
     use crate::error::CliError;
@@ -78,7 +79,7 @@ mod with_pictures {
 
     impl Pictures {
         /// Makes sure that they can be drawn and written.
-        pub(crate) fn plan(wanted: &PictureArgs, scene: &Scene) -> Result<Self, CliError> {
+        pub(crate) fn plan(wanted: &PictureArgs, show: QuantityName, scene: &Scene) -> Result<Self, CliError> {
             let palette = match wanted.palette {
                 PaletteName::Colour => Palette::Colour,
                 PaletteName::Paper => Palette::Paper,
@@ -94,7 +95,7 @@ mod with_pictures {
                 ));
             }
             let slice = slice(wanted, &scene.finest())?;
-            let seen = Self::kept(wanted.color, slice.scene())?;
+            let seen = Self::kept(show, slice.scene())?;
             if wanted.curves {
                 if let Seen::Cells(_) = seen {
                     let axis = slice.scene().axis_names();
@@ -104,23 +105,28 @@ mod with_pictures {
                 }
                 Borders::window(slice.scene()).map_err(|error| refused(format!("--curves: {error}")))?;
             }
-            PictureFiles::open(&files)?;
-            Ok(Self { slice, files, palette, seen, curves: wanted.curves, borders: Vec::new() })
+            let pictures = Self { slice, files, palette, seen, curves: wanted.curves, borders: Vec::new() };
+            PictureFiles::open(&pictures.files)?.fit(|page| pictures.picture(page))?;
+            Ok(pictures)
         }
 
-        fn kept(color: ColorName, scene: &Scene) -> Result<Seen, CliError> {
-            let quantity = match color {
-                ColorName::Class => None,
-                ColorName::SpectralRadius => Some(Quantity::SpectralRadius),
-                ColorName::Margin => Some(Quantity::Margin),
-                ColorName::Impulse => Some(Quantity::Impulse),
-                ColorName::Solutions => Some(Quantity::Solutions),
+        fn kept(show: QuantityName, scene: &Scene) -> Result<Seen, CliError> {
+            let quantity = match show {
+                QuantityName::Class => None,
+                QuantityName::SpectralRadius => Some(Quantity::SpectralRadius),
+                QuantityName::Margin => Some(Quantity::Margin),
+                QuantityName::Impulse => Some(Quantity::Impulse),
+                QuantityName::Solutions => Some(Quantity::Solutions),
+                QuantityName::Phi | QuantityName::Psi => {
+                    let known = OF_MAPS.map(|name| name.to_string()).join(", ");
+                    return Err(refused(format!("--show {show} is of branches: of a map give one of {known}")));
+                }
             };
             match (quantity, scene.axes.len()) {
                 (None, 1) => Ok(Seen::Cells(Vec::new())),
                 (None, _) => Ok(Seen::Map(Shown::classes(scene))),
                 (Some(_), 1) => Err(refused(format!(
-                    "--color is of maps over two axes, here is one, {}: leave it out, each number has a panel of its own",
+                    "--show is of maps over two axes, here is one, {}: leave it out, each number has a panel of its own",
                     scene.axis_names()
                 ))),
                 (Some(quantity), _) => match quantity.of_scene(scene) {
@@ -128,7 +134,7 @@ mod with_pictures {
                     Err(key) => {
                         let name = quantity.name();
                         Err(refused(format!(
-                            "--color {name}: the scene does not compute it; add {key} to its table [compute]"
+                            "--show {name}: the scene does not compute it; add {key} to its table [compute]"
                         )))
                     }
                 },
@@ -166,11 +172,15 @@ mod with_pictures {
 
         /// Draws and writes them.
         pub(crate) fn finish(self) -> Result<(), CliError> {
+            PictureFiles::open(&self.files)?.draw(|page| self.picture(page))
+        }
+
+        fn picture(&self, page: Page) -> Result<Vec<u8>, PlotError> {
             let (scene, palette, borders) = (self.slice.scene(), self.palette, self.borders.as_slice());
-            PictureFiles::open(&self.files)?.draw(|page| match &self.seen {
+            match &self.seen {
                 Seen::Map(cells) => map_picture(&MapPicture { scene, cells, palette, borders }, page),
                 Seen::Cells(cells) => one_axis_picture(&OneAxisPicture { scene, cells }, page),
-            })
+            }
         }
     }
 
@@ -227,7 +237,7 @@ mod without_pictures {
     use vibrochain_maps::scene::Scene;
     use vibrochain_maps::sweep::Watcher;
 
-    use crate::args::PictureArgs;
+    use crate::args::{PictureArgs, QuantityName};
     use crate::error::CliError;
     use crate::picture_files::PictureFiles;
 
@@ -235,7 +245,7 @@ mod without_pictures {
     pub(crate) struct Pictures;
 
     impl Pictures {
-        pub(crate) fn plan(wanted: &PictureArgs, _: &Scene) -> Result<Self, CliError> {
+        pub(crate) fn plan(wanted: &PictureArgs, _: QuantityName, _: &Scene) -> Result<Self, CliError> {
             PictureFiles::asked(wanted).map(|_| Self)
         }
 

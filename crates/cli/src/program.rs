@@ -41,7 +41,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
     if cli.common.threads.is_some() {
         number(cli.common.threads)?;
     }
-    (console.quiet, console.threads) = (cli.common.quiet, cli.common.threads);
+    (console.quiet, console.verbose, console.threads) = (cli.common.quiet, cli.common.verbose, cli.common.threads);
     console.progress &= !cli.common.quiet;
     let started = Instant::now();
     command(&cli.command, console)?;

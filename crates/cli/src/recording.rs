@@ -17,6 +17,13 @@ pub fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
     periods as f64 * orbit.model().period() + time.offset() + start
 }
 
+/// A time on the clock of a run that begins at `start`, where 0 is an impact of the breather it begins on: what rounding alone tells from
+/// 0 is 0.
+pub(crate) fn on_clock(start: f64, time: Time) -> f64 {
+    let now = start + time.to_f64();
+    if now.abs() <= 64.0 * f64::EPSILON * start.abs() { 0.0 } else { now }
+}
+
 /// `time,site,barrier,velocity_before,velocity_after,kind`, one row a mass; `layer` after `site` where there are several.
 pub(crate) struct ImpactTable {
     file: CsvFile,
@@ -39,7 +46,7 @@ impl ImpactTable {
     pub(crate) fn write(&mut self, event: &Event) {
         let (site, layer) = self.layout.place(event.site);
         let mut row = vec![
-            (self.start + event.time.to_f64()).to_string(),
+            on_clock(self.start, event.time).to_string(),
             site.to_string(),
             event.barrier.name().to_owned(),
             event.velocity_before.to_string(),
@@ -82,7 +89,7 @@ impl Trajectory {
 
     pub(crate) fn write(&mut self, simulation: &Simulation) -> Result<(), CliError> {
         simulation.read(&mut self.displacement, &mut self.velocity);
-        let time = self.start + simulation.time().to_f64();
+        let time = on_clock(self.start, simulation.time());
         let row = std::iter::once(&time).chain(&self.displacement).chain(&self.velocity).map(f64::to_string);
         Ok(self.file.row(row)?)
     }
@@ -148,15 +155,26 @@ mod with_plot {
             let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
             let sites = model.chain().sites();
             let title = crate::caption::describe_run(args, model, orbit);
+            let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
+            let empty = || FieldWriter::new(model.chain(), args.periods, args.samples);
+            let nothing = RunPicture {
+                title: title.clone(),
+                barriers,
+                simulated: Vec::new(),
+                analytic: Vec::new(),
+                field: empty().finish(),
+                periods: args.periods,
+            };
+            run_picture(&nothing, page.to_measure()).map_err(|error| CliError::Request(error.0))?;
             Ok(Self(Some(Collected {
                 page,
                 file,
                 title,
-                barriers: (model.asymmetry() - 1.0, model.asymmetry() + 1.0),
+                barriers,
                 periods: args.periods,
                 simulated: Vec::new(),
                 analytic: Vec::new(),
-                field: FieldWriter::new(model.chain(), args.periods, args.samples),
+                field: empty(),
                 home: orbit.and_then(Orbit::impact_site).unwrap_or(0),
                 orbit: motion,
                 start: start.time,

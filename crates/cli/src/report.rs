@@ -1,10 +1,11 @@
 //! What a sweep has found, in a few lines for people.
 
 use crate::threads::cores;
+use vibrochain_floquet::Tolerance;
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_maps::manifest::Effort;
 use vibrochain_maps::scene::{Refine, Scene};
-use vibrochain_maps::summary::Summary;
+use vibrochain_maps::summary::{SLOW, Summary};
 
 /// "400 × 300": the points of the axes.
 pub(crate) fn grid(scene: &Scene) -> String {
@@ -31,6 +32,16 @@ pub(crate) fn report(scene: &Scene, summary: &Summary, effort: Option<&Effort>) 
     for (class, &count) in Class::ALL.iter().zip(&summary.classes).filter(|(_, count)| **count > 0) {
         lines.push(format!("  {:<16} {count:>9}  {:5.1} %", class.name(), share(count)));
     }
+    // Under a force hardly anything is strictly stable, and most of it grows so slowly that nobody sees it.
+    if summary.slow > 0 && scene.task.tolerance == Tolerance::Rounding {
+        let unstable = [Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord];
+        let unstable: u64 = unstable.iter().map(|class| summary.classes[*class as usize]).sum();
+        lines.push(format!(
+            "{} of the {unstable} unstable cells grow by less than {} % a period: --threshold {SLOW} calls them stable",
+            summary.slow,
+            100.0 * SLOW
+        ));
+    }
     for (status, &count) in Status::ALL.iter().zip(&summary.statuses).skip(1).filter(|(_, count)| **count > 0) {
         lines.push(format!("  status {:<16} {count:>9}", status.name()));
     }
@@ -50,7 +61,8 @@ fn speed_on(effort: &Effort, cores: usize) -> String {
     let Effort { threads, computed_cells, wall_seconds } = *effort;
     // Threads that share a core do not each have one.
     let per_cell = wall_seconds * 1e6 * threads.min(cores) as f64 / computed_cells.max(1) as f64;
-    format!("{wall_seconds:.3} s on {threads} threads, {per_cell:.2} µs per cell and core")
+    let plural = if threads == 1 { "" } else { "s" };
+    format!("{wall_seconds:.3} s on {threads} thread{plural}, {per_cell:.2} µs per cell and core")
 }
 
 #[cfg(test)]
@@ -60,7 +72,7 @@ mod tests {
     #[test]
     fn threads_beyond_the_cores_make_no_cell_dearer() {
         let told = |threads| speed_on(&Effort { threads, computed_cells: 1_000_000, wall_seconds: 1.5 }, 2);
-        assert_eq!(told(1), "1.500 s on 1 threads, 1.50 µs per cell and core");
+        assert_eq!(told(1), "1.500 s on 1 thread, 1.50 µs per cell and core");
         assert_eq!(told(2), "1.500 s on 2 threads, 3.00 µs per cell and core");
         assert_eq!(told(200), "1.500 s on 200 threads, 3.00 µs per cell and core");
     }

@@ -7,6 +7,7 @@ use vibrochain_lattice::Model;
 
 use crate::args::{SectionName, SimulateArgs};
 use crate::error::CliError;
+use crate::recording::on_clock;
 use crate::start::Start;
 use vibrochain_maps::files::CsvFile;
 
@@ -96,7 +97,7 @@ impl Section {
         let phase = (time.part() + self.psi / self.period).rem_euclid(1.0);
         // 1 up to rounding is 0.
         let phase = if phase > 1.0 - 1e-12 { 0.0 } else { phase };
-        [(self.start + time.to_f64()).to_string(), time.periods().to_string(), phase.to_string()]
+        [on_clock(self.start, time).to_string(), time.periods().to_string(), phase.to_string()]
     }
 
     /// Looks at the run at a time that was due.

@@ -4,12 +4,14 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Motion, Orbit};
-use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
+use vibrochain_eventsim::{Event, Limits, Outcome, Report, Simulation, Time};
+use vibrochain_fate::{End, Pattern, Witness};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Short, Stop};
 
 use crate::animate::Film;
 use crate::args::{Direction, SimulateArgs};
+use crate::caption::perturbed;
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::model::{Chosen, chosen};
@@ -67,7 +69,8 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     )?;
     nothing_else(args.json, taken)?;
     let stop = (console.interrupt)()?;
-    let (start, orbit) = starting_point(args, &chosen, &stop, console)?;
+    let (start, home) = starting_point(args, &chosen, &stop, console)?;
+    let orbit = home.as_ref().map(|home| &home.orbit);
     let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
     let end = Time::new(&model, periods.trunc() as u64, periods.fract());
@@ -84,9 +87,9 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
     let mut trajectory =
         args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
-    let mut section = Section::open(args, &model, orbit.as_ref(), &start)?;
-    let mut plot = Plot::open(args, &model, orbit.as_ref(), &start)?;
-    let mut film = Film::open(args, &model, orbit.as_ref())?;
+    let mut section = Section::open(args, &model, orbit, &start)?;
+    let mut plot = Plot::open(args, &model, orbit, &start)?;
+    let mut film = Film::open(args, &model, orbit)?;
 
     // Samples if somebody wants them, the last one at the end; otherwise the end alone.
     let samples = if trajectory.is_some() || plot.is_wanted() || film.is_wanted() { args.samples } else { 0 };
@@ -95,12 +98,15 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut pace = Pace::new(periods, args.max_impacts, console);
     let portion = Limits::portion(model.chain().sites());
     let mut counts = Counts::default();
+    let pattern = orbit.map(Pattern::of);
+    let mut witness = Witness::new(&model, pattern.as_ref().map(|pattern| (pattern, start.time)));
     let mut observe = |event: &Event,
                        impacts: &mut Option<ImpactTable>,
                        section: &mut Option<Section>,
                        plot: &mut Plot,
                        film: &mut Film| {
         counts.see(event, impacts);
+        witness.see(event);
         plot.hit(event);
         film.hit(event);
         section.iter_mut().for_each(|section| section.see(event));
@@ -152,26 +158,38 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     section.map_or(Ok(()), Section::finish)?;
     plot.finish()?;
     film.finish()?;
-    let distance = orbit.as_ref().map(|orbit| deviation(orbit, &simulation, start.time)).transpose()?;
-    let mut text = counts.summary(&simulation, report.outcome, stopped);
-    if args.json {
-        let value = counts.value(&simulation, report.outcome, stopped, start.time, distance);
-        text = format!("{value:#}\n");
-    } else if let Some(distance) = distance {
-        let _ = writeln!(text, "largest distance from the orbit at the end: {distance:.3e}");
-    }
-    console.answer(&text, taken)?;
+    let distance = orbit.map(|orbit| deviation(orbit, &simulation, start.time)).transpose()?;
+    let told = Told {
+        args,
+        simulation: &simulation,
+        report: &report,
+        stopped,
+        start: start.time,
+        home: home.as_ref(),
+        fate: witness.outcome(simulation.time()),
+        distance,
+        events: counts.events,
+    };
+    let text = if args.json { format!("{:#}\n", told.value()) } else { told.text(console.verbose) };
+    console.answer(&text, args.json, taken)?;
     match report.outcome {
         _ if stopped => Err(interrupted(args, &simulation)),
         Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
         Outcome::Cascade { site, barrier, bounces } => Err(CliError::Computation(format!(
-            "site {site} has met the {} barrier {bounces} times in a cascade that does not end: with restitution 1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1",
-            barrier.name()
+            "site {} has met the {barrier} barrier {bounces} times in a cascade that does not end: with restitution 1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1",
+            model.chain().layout().name(site)
         ))),
         Outcome::WorkLimit => {
             Err(CliError::Computation("the limit on work was reached; simulate fewer periods".to_owned()))
         }
     }
+}
+
+/// The orbit that a run begins on, its number among all solutions, and theirs.
+struct Home {
+    orbit: Orbit,
+    number: usize,
+    count: usize,
 }
 
 /// The state to start from and the orbit to compare with.
@@ -180,7 +198,7 @@ fn starting_point(
     chosen: &Chosen,
     stop: &Stop,
     console: &mut Console<'_>,
-) -> Result<(Start, Option<Orbit>), CliError> {
+) -> Result<(Start, Option<Home>), CliError> {
     if let Some(path) = &args.state {
         return Ok((start::read(path, args.psi)?, None));
     }
@@ -192,12 +210,12 @@ fn starting_point(
     for (i, orbit) in found.orbits.drain(..).enumerate() {
         let physical = finder.admissibility(&orbit)?.is_physical();
         if args.solution.map_or(physical, |number| number == i + 1) {
-            taken = Some((orbit, physical));
+            taken = Some((Home { orbit, number: i + 1, count }, physical));
             break;
         }
     }
-    let orbit = match (taken, args.solution, found.completeness.reason()) {
-        (Some((orbit, true)), _, _) => orbit,
+    let home = match (taken, args.solution, found.completeness.reason()) {
+        (Some((home, true)), _, _) => home,
         (Some((_, false)), Some(number), _) => {
             return Err(CliError::Request(format!("solution {number} is not physical; `mapgen orbit` tells why")));
         }
@@ -211,7 +229,8 @@ fn starting_point(
             return Err(CliError::IllPosed(format!("no orbit to start from: none of {count} solutions is physical")));
         }
     };
-    let mut start = Start::on(&orbit)?;
+    let orbit = &home.orbit;
+    let mut start = Start::on(orbit)?;
     if let Some(size) = args.perturb {
         if !size.is_finite() {
             return Err(CliError::Request(format!("--perturb {} is out of range: give a finite size", Short(size))));
@@ -219,17 +238,17 @@ fn starting_point(
         match args.direction {
             Direction::Random => start.perturb_at_random(model, size, args.seed),
             Direction::Unstable => {
-                let verdict = stability(&orbit, Tolerance::Rounding)?.verdict;
+                let verdict = stability(orbit, Tolerance::Rounding)?.verdict;
                 if verdict.stable {
                     let message = "--direction unstable: this breather is stable, it has no such direction; use --direction random";
                     return Err(CliError::Request(message.to_owned()));
                 }
-                let mode = leading_mode_at(&orbit, start.time)?;
+                let mode = leading_mode_at(orbit, start.time)?;
                 start.perturb_along(model, size, &mode);
             }
         }
     }
-    Ok((start, Some(orbit)))
+    Ok((start, Some(home)))
 }
 
 /// Largest distance of any mass from the orbit, now.
@@ -267,23 +286,38 @@ impl Counts {
             table.write(event);
         }
     }
+}
 
-    /// The same for programs, with the state at the end.
-    fn value(
-        &self,
-        simulation: &Simulation,
-        outcome: Outcome,
-        stopped: bool,
-        start: f64,
-        distance: Option<f64>,
-    ) -> Value {
+/// What is told of a run.
+struct Told<'a> {
+    args: &'a SimulateArgs,
+    simulation: &'a Simulation,
+    report: &'a Report,
+    stopped: bool,
+    /// Time of the start, on the clock of the orbit.
+    start: f64,
+    home: Option<&'a Home>,
+    fate: vibrochain_fate::Outcome,
+    /// From the orbit, at the end.
+    distance: Option<f64>,
+    events: u64,
+}
+
+impl Told<'_> {
+    /// For programs, with the state at the end.
+    fn value(&self) -> Value {
+        let (simulation, fate) = (self.simulation, &self.fate);
         let (work, time, state) = (simulation.work(), simulation.time(), simulation.state());
-        let outcome = match outcome {
-            _ if stopped => "interrupted",
+        let outcome = match self.report.outcome {
+            _ if self.stopped => "interrupted",
             Outcome::TimeReached => "time-reached",
             Outcome::ImpactsReached => "impacts-reached",
             Outcome::Cascade { .. } => "cascade",
             Outcome::WorkLimit => "work-limit",
+        };
+        let word = match &fate.end {
+            Some(End::Another(word)) => Some(word.to_string()),
+            _ => None,
         };
         // The force repeats: its phase at the end needs no whole periods.
         let psi = (state.psi + time.offset()).rem_euclid(simulation.model().period());
@@ -291,7 +325,8 @@ impl Counts {
             "schema": SIMULATE,
             "outcome": outcome,
             "parameters": point_value(simulation.model()),
-            "start": start,
+            "solution": self.home.map(|home| home.number),
+            "start": self.start,
             "periods": time.periods(),
             "offset": time.offset(),
             "events": self.events,
@@ -299,34 +334,66 @@ impl Counts {
             "sticks": work.sticks,
             "releases": work.releases,
             "energy": simulation.energy(),
-            "distance": distance,
+            "left": fate.left,
+            "end": fate.end.as_ref().map(End::name),
+            "word": word,
+            "distance": self.distance,
             "state": { "displacement": state.displacement, "velocity": state.velocity, "psi": psi },
         })
     }
 
-    fn summary(&self, simulation: &Simulation, outcome: Outcome, stopped: bool) -> String {
-        let (work, time) = (simulation.work(), simulation.time());
-        let how = match outcome {
-            _ if stopped => "interrupted",
-            Outcome::TimeReached => "time reached",
-            Outcome::ImpactsReached => "number of impacts reached",
-            Outcome::Cascade { .. } => "a cascade of impacts could not be resolved",
-            Outcome::WorkLimit => "limit on work reached",
+    /// For people. Writing to a String cannot fail.
+    fn text(&self, verbose: bool) -> String {
+        let (work, time, model) = (self.simulation.work(), self.simulation.time(), self.simulation.model());
+        let mut out = String::new();
+        let from = match self.home {
+            Some(Home { orbit, number, count }) => format!("{} breather, solution {number} of {count}", orbit.name()),
+            None => "from a state".to_owned(),
         };
-        format!(
-            "{how} after {} periods ({} events)\n\
-             impacts {}, sticks {}, releases {}\n\
-             windows of flight {}, restarts {}, bounds {}, masses watched {}, refinements {}\n",
-            pace::periods(time),
-            self.events,
-            work.impacts,
-            work.sticks,
-            work.releases,
-            work.windows,
-            work.restarts,
-            work.bounds,
-            work.watched,
-            work.refinements
-        )
+        let _ = writeln!(out, "{from}{}; {model}", perturbed(self.args));
+        let end = match self.report.outcome {
+            _ if self.stopped => ", interrupted",
+            Outcome::TimeReached => "",
+            Outcome::ImpactsReached => ": the number of impacts is reached",
+            Outcome::Cascade { .. } => ": a cascade of impacts could not be resolved",
+            Outcome::WorkLimit => ": the limit on work is reached",
+        };
+        let rests = match work.sticks {
+            0 => String::new(),
+            1 => ", 1 rest on a barrier".to_owned(),
+            rests => format!(", {rests} rests on a barrier"),
+        };
+        let _ = writeln!(out, "{} periods, {} impacts{rests}{end}", pace::periods(time), work.impacts);
+        let _ = writeln!(out, "outcome: {}", self.outcome());
+        if let Some(distance) = self.distance {
+            let _ = writeln!(out, "largest distance from the orbit at the end: {distance:.3e}");
+        }
+        if verbose {
+            let _ = writeln!(
+                out,
+                "events {}, windows of flight {}, restarts {}, bounds {}, masses watched {}, refinements {}",
+                self.events, work.windows, work.restarts, work.bounds, work.watched, work.refinements
+            );
+        }
+        out
+    }
+
+    /// What the run has come to, in a sentence.
+    fn outcome(&self) -> String {
+        let since = match &self.fate.end {
+            Some(End::Another(word)) => format!("its impacts repeat as {word}"),
+            Some(End::Quiet) => "there are no impacts any more".to_owned(),
+            None if self.simulation.time().periods() < 2 => "the run is too short to tell".to_owned(),
+            _ => "its impacts do not repeat".to_owned(),
+        };
+        match (self.home, self.fate.left, &self.fate.end) {
+            (Some(_), None, Some(End::Breather)) => "it stays on the breather".to_owned(),
+            (Some(_), None, None) => "it stays near the breather".to_owned(),
+            (Some(_), Some(left), Some(End::Breather)) => {
+                format!("it left the breather after {left:.1} periods and has come back to it")
+            }
+            (Some(_), Some(left), _) => format!("it left the breather after {left:.1} periods; at the end {since}"),
+            _ => format!("at the end {since}"),
+        }
     }
 }

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use clap::ValueEnum;
 use rayon::ThreadPool;
-use vibrochain_lattice::{Short, Stop};
+use vibrochain_lattice::{Parameter, Short, Stop};
 
-use crate::args::{ColorName, SweepArgs};
+use crate::args::{QuantityName, SweepArgs};
 use crate::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::estimate::estimate;
+use crate::model::springs;
 use crate::pictures::Pictures;
 use crate::report::report;
 use crate::table_manifest::manifest_path;
@@ -29,6 +29,8 @@ use vibrochain_maps::table::{Form, TableFile};
 pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let plan = Plan::read(&args.scene, args.threshold)?;
     let (shard, given) = shard_of(args.shard)?;
+    let gamma2 = plan.scene.point(plan.scene.cells() - 1).get(Parameter::Gamma2);
+    springs(&plan.scene.base.layout, gamma2).iter().for_each(|remark| console.summary(remark));
     let pool = threads(console.threads.or(given))?;
     if args.dry_run {
         if let (Some(out), None) = (&args.out, shard) {
@@ -72,10 +74,9 @@ impl Sweep<'_> {
         let Some(place) = place(out)? else { return self.streamed(console) };
         let (manifest_file, parts) = (manifest_path(out), parts_path(out));
         let wanted = &self.args.pictures;
-        let [png, svg, pdf] = wanted.files();
         let (chunks, manifest) =
             (("the folder of chunks", Some(&*parts)), ("the manifest of --out", Some(&*manifest_file)));
-        let outputs = [("--out", Some(out)), manifest, chunks, png, svg, pdf];
+        let outputs = wanted.beside(&[("--out", Some(out)), manifest, chunks]);
         let taken = distinct(&[("the scene", Some(&self.args.scene))], &outputs)?;
         nothing_else(self.args.json, taken)?;
         Form::of(out)?;
@@ -83,7 +84,7 @@ impl Sweep<'_> {
         // Destinations first: an impossible one should not cost a computation.
         drop(TableFile::create(out, scene, 1)?);
         Output::create(&manifest_file)?;
-        let mut pictures = Pictures::plan(wanted, scene)?;
+        let mut pictures = Pictures::plan(wanted, self.args.show, scene)?;
         let run = self.run(&stop, console.threads);
         let gathered = run.gather(out, &parts, &mut pictures, console)?;
         let (summary, effort) = (gathered.summary.clone(), gathered.effort);
@@ -106,11 +107,10 @@ impl Sweep<'_> {
             return Err(nothing_to_resume("--out", out));
         }
         let wanted = &self.args.pictures;
-        let [png, svg, pdf] = wanted.files();
-        let taken = distinct(&[("the scene", Some(&self.args.scene))], &[("--out", Some(out)), png, svg, pdf])?;
+        let taken = distinct(&[("the scene", Some(&self.args.scene))], &wanted.beside(&[("--out", Some(out))]))?;
         nothing_else(self.args.json, taken)?;
         let stop = (console.interrupt)()?;
-        let mut pictures = Pictures::plan(wanted, scene)?;
+        let mut pictures = Pictures::plan(wanted, self.args.show, scene)?;
         // Two kinds of lines on one terminal are none.
         let bar = console.progress && !taken;
         let (table, summary, effort) = self.run(&stop, console.threads).stream(out, &mut pictures, bar)?;
@@ -130,14 +130,13 @@ impl Sweep<'_> {
     fn command(&self, threads: Option<usize>) -> String {
         let mut words = vec!["mapgen sweep".to_owned(), quoted(&self.args.scene)];
         let pictures = &self.args.pictures;
-        for (flag, path) in [("--out", self.args.out.as_deref())].into_iter().chain(pictures.files()) {
-            words.extend(path.iter().map(|path| format!("{flag} {}", quoted(path))));
-        }
+        let files = self.args.out.iter().map(|out| ("--out", out.as_path())).chain(pictures.files());
+        words.extend(files.map(|(flag, path)| format!("{flag} {}", quoted(path))));
         words.extend(
             pictures.slice.iter().map(|(parameter, value)| format!("--slice {}={}", parameter.name(), Number(*value))),
         );
-        if let Some(color) = pictures.color.to_possible_value().filter(|_| pictures.color != ColorName::default()) {
-            words.push(format!("--color {}", color.get_name()));
+        if self.args.show != QuantityName::default() {
+            words.push(format!("--show {}", self.args.show));
         }
         if pictures.curves {
             words.push("--curves".to_owned());

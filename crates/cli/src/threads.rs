@@ -3,6 +3,7 @@
 use std::thread::available_parallelism;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use vibrochain_maps::numbers::whole;
 
 use crate::error::CliError;
 
@@ -11,6 +12,13 @@ const MAX_THREADS: usize = 1024;
 
 /// What other programs of this kind are told how many threads to take by.
 pub(crate) const VARIABLE: &str = "RAYON_NUM_THREADS";
+
+/// Reads --threads: below the limits and beyond them the same is told.
+pub(crate) fn asked(text: &str) -> Result<usize, String> {
+    let threads = whole::<i128>(text)?;
+    let allowed = usize::try_from(threads).ok().filter(|threads| (1..=MAX_THREADS).contains(threads));
+    allowed.ok_or_else(|| format!("out of range: give a whole number from 1 to {MAX_THREADS}"))
+}
 
 /// Threads of a process of its own, within the limit. Nothing is computed on any others: what the library would start by
 /// itself has no limit, and where threads cannot be had it ends the process.

@@ -13,7 +13,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::schemas::{self, ORBIT, expect};
 use vibrochain_maps::cell::SYMMETRIC;
-use vibrochain_maps::numbers::plain;
+use vibrochain_maps::numbers::{Number, plain};
 use vibrochain_maps::scene::Given;
 
 /// The family of that name.
@@ -164,13 +164,22 @@ struct ImpactEntry {
 fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
     let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
     let wrong = |what: &str| {
-        let form = r#"give {"impacts":[{"site":0,"barrier":"upper","time":0,"impulse":-1.5},…],"psi":0}"#;
+        let form = r#"give {"impacts":[{"site":0,"barrier":"upper","time":0,"impulse":-1.5},…],"psi":0,"period":4.2}"#;
         CliError::Request(format!("{}: {what}; {form}", path.display()))
     };
     let mut file: OrbitFile = serde_json::from_str(&text).map_err(|error| wrong(&plain(&error.to_string())))?;
     expect(path, file.schema.as_deref(), ORBIT)?;
     if file.impacts.is_empty() && !file.solutions.is_empty() {
         file = file.solutions.swap_remove(0);
+    }
+    let latest = file.impacts.iter().map(|impact| impact.time).fold(0.0, f64::max);
+    if file.period.is_none() && latest >= model.period() {
+        return Err(wrong(&format!(
+            "the key `period` is missing: an impact at t = {} is in no single period of omega = {}, 2π/omega = {}",
+            Number(latest),
+            Number(model.omega()),
+            Number(model.period())
+        )));
     }
     // Of another frequency: the same parts of the period.
     let periods = file.period.map_or(1.0, |period| (period / model.period()).round().max(1.0));

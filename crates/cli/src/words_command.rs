@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{BreatherError, Family, Finder, Found, Obstruction, Wanted, Word};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, NoBreather, Obstruction, Wanted, Word};
 use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Layout, Model, Parameter, Stop};
 
@@ -71,10 +71,10 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let model = chosen.model;
     let families = families(args, &model.chain().layout())?;
     let tolerance = chosen.tolerance(args.threshold)?;
-    let taken = distinct(&[("--scene", args.model.scene.as_deref())], &[("--csv", args.csv.as_deref())])?;
+    let taken = distinct(&[("--scene", args.model.scene.as_deref())], &[("--out", args.out.as_deref())])?;
     nothing_else(args.json, taken)?;
     let stop = (console.interrupt)()?;
-    let file = args.csv.as_deref().map(|path| CsvFile::create("--csv", path, HEADER)).transpose()?;
+    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
     let words = Word::enumerate(&model, args.sites_used, args.reach, &families)
         .map_err(|error| CliError::Request(error.to_string()))?;
     if args.from_zero && !model.is_conservative() {
@@ -82,11 +82,15 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         return Err(CliError::Request(message.to_owned()));
     }
     if args.from_zero {
-        return console.answer(&fates(&model, &words, &stop)?, taken);
+        return console.answer(&fates(&model, &words, &stop)?, false, taken);
     }
-    let rows = rows(&model, &words, tolerance, &stop)?;
-    let answer = if args.json { as_json(&model, &words, &rows, args.all) } else { text(&words, &rows, args.all) };
-    console.answer(&answer, taken)?;
+    let (rows, unsearched) = rows(&model, &words, tolerance, &stop)?;
+    let answer = if args.json {
+        as_json(&model, &words, &rows, &unsearched, args.all)
+    } else {
+        text(&words, &rows, &unsearched, args.all)
+    };
+    console.answer(&answer, args.json, taken)?;
     if let Some(mut file) = file {
         for row in rows.iter().filter(|row| args.all || row.is_physical()) {
             file.row(row.fields())?;
@@ -98,12 +102,9 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 
 /// The families asked for, if there is room for their words on the lattice, and they are not too many.
 fn families(args: &WordsArgs, layout: &Layout) -> Result<Vec<Family>, CliError> {
-    let families: Vec<_> = (args.families.iter())
-        .map(|name| match name {
-            SiteFamily::DoubleSided => Family::DoubleSided,
-            SiteFamily::SingleSided => Family::SingleSided,
-        })
-        .collect();
+    let asked = |name| args.families.contains(&name) || args.families.contains(&SiteFamily::Either);
+    let known = [(SiteFamily::DoubleSided, Family::DoubleSided), (SiteFamily::SingleSided, Family::SingleSided)];
+    let families: Vec<_> = known.into_iter().filter_map(|(name, family)| asked(name).then_some(family)).collect();
     let request = |message: String| Err(CliError::Request(message));
     let last = layout.length.saturating_sub(1);
     if args.reach > last {
@@ -123,20 +124,23 @@ fn families(args: &WordsArgs, layout: &Layout) -> Result<Vec<Family>, CliError> 
     Ok(families)
 }
 
-/// The orbits of all words, each with what is known of it.
-fn rows(model: &Model, words: &[Word], tolerance: Tolerance, stop: &Stop) -> Result<Vec<Row>, CliError> {
+/// The orbits of all words, each with what is known of it; and the words that cannot be searched for.
+fn rows(model: &Model, words: &[Word], tolerance: Tolerance, stop: &Stop) -> Result<(Vec<Row>, Vec<String>), CliError> {
     let mut finder = Finder::new(model.chain().sites()).until(stop);
     let (mut analyser, mut found) = (Analyser::default(), Found::default());
-    let mut rows = Vec::new();
+    let (mut rows, mut unsearched) = (Vec::new(), Vec::new());
     for word in words {
         finder.find_word(model, word, Wanted::All, &mut found)?;
+        if let Some(NoBreather::NotSearched(_)) = found.completeness.reason() {
+            unsearched.push(word.to_string());
+        }
         for (i, orbit) in found.orbits.iter().enumerate() {
             let admissibility = finder.admissibility(orbit)?;
             let verdict = match admissibility.obstruction {
                 Some(_) => None,
                 None => Some(analyser.verdict(orbit, &mut finder, tolerance)?),
             };
-            let obstruction = admissibility.obstruction.map(|obstruction| obstruction.to_string());
+            let obstruction = admissibility.obstruction.map(|obstruction| obstruction.told(&model.chain().layout()));
             rows.push(Row {
                 word: word.to_string(),
                 solution: i + 1,
@@ -146,7 +150,7 @@ fn rows(model: &Model, words: &[Word], tolerance: Tolerance, stop: &Stop) -> Res
             });
         }
     }
-    Ok(rows)
+    Ok((rows, unsearched))
 }
 
 /// How far each word is physical, one a line.
@@ -170,7 +174,7 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
         let of_layers = if gamma3 == 0.0 { String::new() } else { format!(", gamma3 = {}", number(value * gamma3)) };
         format!("gamma2 = {}{of_layers}", number(value * part))
     };
-    let mut found = Found::default();
+    let (mut found, layout) = (Found::default(), model.chain().layout());
     // What is in the way of the word's first orbit, if anything.
     let mut obstacle = |value: f64| -> Result<Option<String>, CliError> {
         let model = model.with(Parameter::Gamma2, value * part)?;
@@ -183,8 +187,12 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
             return Ok(Some(found.completeness.reason().map_or_else(String::new, |reason| reason.to_string())));
         };
         Ok(finder.admissibility(orbit)?.obstruction.map(|obstruction| match obstruction {
-            Obstruction::WrongSign { site, .. } => format!("an impact of site {site} loses its velocity"),
-            Obstruction::Crossing { site, barrier, .. } => format!("site {site} touches the {barrier} barrier"),
+            Obstruction::WrongSign { site, .. } => {
+                format!("an impact of site {} loses its velocity", layout.name(site))
+            }
+            Obstruction::Crossing { site, barrier, .. } => {
+                format!("site {} touches the {barrier} barrier", layout.name(site))
+            }
         }))
     };
     let mut last = 0.0;
@@ -210,7 +218,7 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
     Ok(format!("physical up to {}", said(target, None)))
 }
 
-fn as_json(model: &Model, words: &[Word], rows: &[Row], all: bool) -> String {
+fn as_json(model: &Model, words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> String {
     let one = |row: &Row| {
         let verdict = row.verdict.as_ref();
         json!({
@@ -232,12 +240,13 @@ fn as_json(model: &Model, words: &[Word], rows: &[Row], all: bool) -> String {
             "parameters": point_value(model),
             "words": words.len(),
             "orbits": rows.len(),
+            "unsearched": unsearched,
             "solutions": listed,
         })
     )
 }
 
-fn text(words: &[Word], rows: &[Row], all: bool) -> String {
+fn text(words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> String {
     let mut out = String::new();
     let width = rows.iter().map(|row| row.word.len()).max().unwrap_or(0);
     for row in rows.iter().filter(|row| all || row.is_physical()) {
@@ -263,5 +272,13 @@ fn text(words: &[Word], rows: &[Row], all: bool) -> String {
         words.len(),
         rows.len()
     );
+    if !unsearched.is_empty() {
+        let _ = writeln!(
+            out,
+            "{} of them were not searched, `mapgen orbit --word` tells why: {}",
+            unsearched.len(),
+            unsearched.join("  ")
+        );
+    }
     out
 }

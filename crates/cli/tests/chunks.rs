@@ -70,7 +70,7 @@ fn a_link_in_the_place_of_the_folder_is_refused() {
     fs::rename(desk.path("map.csv.parts"), desk.path("kept")).unwrap();
     std::os::unix::fs::symlink("kept", desk.path("map.csv.parts")).unwrap();
     for line in [SWEEP.to_owned(), format!("{SWEEP} --resume")] {
-        desk.run(&line).with(2, &["map.csv.parts is a link, where a sweep makes a folder", "remove the link"]);
+        desk.run(&line).with(2, &["map.csv.parts is a link, where a sweep makes a folder", "name another --out"]);
         assert_eq!(desk.names("kept").len(), CHUNKS as usize + BESIDE);
     }
     fs::rename(desk.path("kept"), desk.path("elsewhere")).unwrap();
@@ -140,7 +140,7 @@ fn chunks_of_another_scene_are_refused_by_what_differs() {
     let change = |from: &str, to: &str| fs::write(desk.path("scene.toml"), SCENE.replace(from, to)).unwrap();
     change("gamma1 = 0.2", "gamma1 = 0.25");
     let told = "map.csv.parts belongs to another scene: model.gamma1 is 0.2 there, 0.25 here";
-    desk.run(&format!("{SWEEP} --resume")).with(2, &[told, "name another --out, or remove the folder"]);
+    desk.run(&format!("{SWEEP} --resume")).with(2, &[told, "name another --out"]);
     desk.run("sweep scene.toml --out map.csv.parts --shard 0/2 --resume").with(2, &[told]);
     change("points = 300", "points = 301");
     desk.run(&format!("{SWEEP} --resume")).with(2, &["sweep.y.points is 300 there, 301 here"]);
@@ -163,7 +163,7 @@ fn chunks_of_another_scene_are_refused_by_what_differs() {
 fn what_an_interrupted_sweep_left_is_never_overwritten_unasked() {
     let desk = with_all_chunks();
     fs::remove_file(desk.path("map.csv.parts/000000.chunk")).unwrap();
-    let told = "map.csv.parts holds 14 chunks of an unfinished sweep: go on with it by --resume, or remove the folder";
+    let told = "map.csv.parts holds 14 chunks of an unfinished sweep: go on with it by --resume, or name another --out";
     desk.run(SWEEP).with(2, &[told]);
     desk.run("sweep scene.toml --out map.csv.parts --shard 1/2").with(2, &["holds chunks of shard 1/2 already"]);
     assert_eq!(desk.names("."), ["map.csv.parts", "scene.toml"]);
@@ -222,7 +222,7 @@ fn a_plan_that_is_lost_is_made_again_and_one_that_is_damaged_is_told() {
     let plan = desk.path("map.csv.parts/plan.json");
     let text = fs::read_to_string(&plan).unwrap();
     fs::write(&plan, text.replace("gamma1 = 0.2", "gamma1 = 0.3")).unwrap();
-    desk.run(&format!("{SWEEP} --resume")).with(2, &["plan.json cannot be used: it is damaged", "remove it"]);
+    desk.run(&format!("{SWEEP} --resume")).with(2, &["plan.json cannot be used: it is damaged", "name another --out"]);
     desk.run("merge map.csv.parts --out other.csv").with(2, &["plan.json cannot be used: it is damaged"]);
     fs::remove_file(&plan).unwrap();
     desk.run("merge map.csv.parts --out other.csv").with(2, &["is no folder of chunks"]);

@@ -313,7 +313,7 @@ fn what_is_no_question_is_refused_by_what_is_wrong_with_it() {
             point("double-sided", json!({ "model": { "sites": 1000 }, "samples": 30_000 })),
             "samples = 30000 is too many for a page: give at most 75",
         ),
-        (point("double-sided", json!({ "out": "elsewhere.csv" })), "unknown field"),
+        (point("double-sided", json!({ "out": "elsewhere.csv" })), "unknown key"),
     ] {
         let message = served.post("orbit", &asked).refused(400);
         assert!(message.contains(told), "{message}");

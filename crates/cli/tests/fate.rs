@@ -74,8 +74,8 @@ fn what_cannot_be_asked_is_refused_with_what_can() {
         ("fate scene.toml --transient 1", "--transient 1 is out of range: give a share from 0 to 0.95"),
         ("fate scene.toml --tolerance 2", "--tolerance 2 is out of range"),
         ("fate scene.toml --csv map.parquet", "map.parquet: the table of an ensemble is not written by columns"),
-        ("fate scene.toml --resume", "--csv"),
-        ("fate scene.toml --csv - --resume", "--resume has nothing to go on with: --csv - is no plain file"),
+        ("fate scene.toml --resume", "--out"),
+        ("fate scene.toml --csv - --resume", "--resume has nothing to go on with: --out - is no plain file"),
         ("fate scene.toml --csv parts --shard 2/2", "there is no shard 2 of 2"),
         ("fate scene.toml --csv parts --shard 0/2 --plot map.png", "cannot be used with"),
         ("fate line.toml --diagram d.csv --resume", "cannot be used with"),
@@ -154,7 +154,7 @@ fn a_stopped_ensemble_goes_on_where_it_was_and_ends_in_the_same_bytes() {
         assert_eq!(ran.code, code, "{ran:?}");
         let finished = desk.chunks("map.csv.parts");
         assert!((2..6).contains(&finished) && !desk.path("map.csv").exists(), "{ran:?}");
-        let again = "mapgen fate line.toml --csv map.csv --breathers every --periods 10000 --seed 4 --starts 3 --plot map.svg --threads 2 --resume";
+        let again = "mapgen fate line.toml --out map.csv --breathers every --periods 10000 --seed 4 --starts 3 --plot map.svg --threads 2 --resume";
         if code.is_some() {
             let told = format!("{finished} of 6 chunks are finished, in map.csv.parts");
             assert!(ran.err.contains(&told) && told_to_go_on(&ran.err) == again, "{ran:?}");
@@ -193,7 +193,7 @@ fn shards_of_an_ensemble_merge_to_the_same_bytes_and_what_is_missing_is_named() 
     let line = ran.err.lines().find_map(|line| line.strip_prefix("make them with: ")).unwrap();
     assert_eq!(
         line,
-        "mapgen fate line.toml --csv parts --breathers every --periods 10000 --seed 4 --starts 3 --shard 0/1 --resume"
+        "mapgen fate line.toml --out parts --breathers every --periods 10000 --seed 4 --starts 3 --shard 0/1 --resume"
     );
     // Another ensemble, or none, is another table.
     let told = ["parts belongs to another ensemble: ensemble.seed is \"4\" there, \"5\" here"];
@@ -269,4 +269,12 @@ fn a_section_at_impacts_has_those_of_its_masses_after_the_transient() {
     ] {
         desk.run(&format!("{run} {flags}")).with(2, &[told]);
     }
+}
+
+#[test]
+fn words_of_other_motions_stand_under_their_heading() {
+    let desk = Desk::with_scene(SCENE);
+    let out = desk.run("fate scene.toml --breathers every --starts 4 --periods 200").with(0, &[]).out;
+    let at = out.lines().position(|line| line == "  impact words of `another`, by runs");
+    assert_eq!(at.is_some(), out.lines().any(|line| line.trim_start().starts_with("another ")), "{out}");
 }

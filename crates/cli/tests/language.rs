@@ -83,7 +83,8 @@ fn version_and_time_are_told_to_those_who_ask() {
         desk.run(&format!("orbit --family double-sided {MODEL} --verbose --threads 3")).with(0, &["at most 3 threads"]);
     assert!(ran.out.contains("1 solution, 1 physical"));
     for command in ["orbit --family double-sided", "simulate --family double-sided"] {
-        desk.run(&format!("{command} {MODEL} --threads 0")).with(2, &["--threads 0 is out of range"]);
+        desk.run(&format!("{command} {MODEL} --threads 0"))
+            .with(2, &["out of range: give a whole number from 1 to 1024"]);
     }
 }
 
@@ -217,5 +218,152 @@ fn what_a_build_lacks_is_told_by_its_feature() {
     }
     if !cfg!(feature = "explore") {
         desk.run("explore").with(2, &["build with the feature `explore`"]);
+    }
+}
+
+#[test]
+fn headings_of_help_hold_what_they_name() {
+    let desk = Desk::new();
+    // What stands under "Pictures:" in the help of any command.
+    let of_pictures = [
+        "--plot",
+        "--all-plots",
+        "--format",
+        "--animate",
+        "--show",
+        "--slice",
+        "--curves",
+        "--palette",
+        "--style",
+        "--width",
+        "--dpi",
+        "--font-size",
+        "--letters",
+        "--all",
+    ];
+    let mut seen = 0;
+    for command in ["sweep", "merge", "draw", "orbit", "branch", "curve", "curves", "simulate", "fate", "stripes"] {
+        let help = desk.run(&format!("{command} --help")).with(0, &[]).out;
+        let section = help.split("\nPictures:\n").nth(1).unwrap_or_else(|| panic!("{command}: {help}"));
+        // The next heading begins at the margin.
+        let section: Vec<&str> = section.lines().take_while(|line| line.is_empty() || line.starts_with(' ')).collect();
+        let flags = section
+            .iter()
+            .filter_map(|line| line.trim_start().strip_prefix("--"))
+            .filter_map(|flag| flag.split([' ', '\n']).next());
+        for flag in flags {
+            assert!(of_pictures.contains(&format!("--{flag}").as_str()), "{command}: --{flag}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 60, "{seen}");
+}
+
+#[test]
+fn names_of_before_go_on_working_and_help_does_not_show_them() {
+    let desk = Desk::with_scene(
+        "[model]\nsites = 5\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 1.0, to = 2.0, points = 5 }\ny = { parameter = 'gamma2', from = 0.0, to = 0.2, points = 4 }\n[compute]\nfamilies = ['double-sided']\nstability = true\n",
+    );
+    let mut same = 0;
+    let mut alike = |old: &str, new: &str, files: &[&str]| {
+        let of = |line: &str| {
+            desk.run(line).with(0, &[]);
+            files.iter().map(|name| (desk.read(name), fs::remove_file(desk.path(name)).unwrap()).0).collect::<Vec<_>>()
+        };
+        assert!(of(old) == of(new), "{old}");
+        same += files.len();
+    };
+    alike("sweep scene.toml --csv map.csv", "sweep scene.toml --out map.csv", &["map.csv"]);
+    let orbit = format!("orbit --family double-sided {MODEL}");
+    if cfg!(feature = "plot") {
+        alike(
+            "sweep scene.toml --out map.csv --png a.png --svg a.svg --pdf a.pdf --color spectral-radius",
+            "sweep scene.toml --out map.csv --plot a.png --plot a.svg --plot a.pdf --show spectral_radius",
+            &["a.png", "a.svg", "a.pdf"],
+        );
+        alike("draw map.csv --svg a.svg --color margin", "draw map.csv --plot a.svg --show margin", &["a.svg"]);
+        alike(
+            "stripes scene.toml --out a.svg --csv lines.csv",
+            "stripes scene.toml --plot a.svg --out lines.csv",
+            &["a.svg", "lines.csv"],
+        );
+        alike(
+            &format!("{orbit} --all-plots p --svg"),
+            &format!("{orbit} --all-plots p --format svg"),
+            &["p/solution-1-profile.svg"],
+        );
+    }
+    let locate = format!("locate --event fold --free omega --family double-sided {MODEL}");
+    alike(&format!("{locate} --csv a.csv"), &format!("{locate} --out a.csv"), &["a.csv"]);
+    assert!(same >= 2);
+    for command in
+        ["sweep", "merge", "draw", "orbit", "locate", "branch", "curve", "curves", "words", "fate", "stripes"]
+    {
+        let help = desk.run(&format!("{command} --help")).with(0, &[]).out;
+        for old in ["--csv", "--png", "--svg", "--pdf", "--color"] {
+            assert!(!help.contains(old), "{command}: {old}");
+        }
+    }
+}
+
+#[test]
+fn quiet_commands_say_nothing_and_write_what_is_asked_for() {
+    let desk = Desk::with_scene(
+        "[model]\nsites = 5\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 1.4, to = 1.6, points = 3 }\ny = { parameter = 'gamma2', from = 0.05, to = 0.2, points = 3 }\n[compute]\nfamilies = ['double-sided']\nstability = true\n",
+    );
+    let start = format!("--family double-sided {MODEL}");
+    let mut quiet = vec![
+        format!("orbit {start}"),
+        format!("simulate {start} --periods 2"),
+        format!("words --sites-used 1 --reach 0 {MODEL}"),
+        format!("words --sites-used 1 --reach 0 {MODEL} --from-zero"),
+        format!("locate --event fold --free omega {start}"),
+        format!("branch --free omega {start} --events grazing"),
+        format!("curve --event grazing --free omega --and gamma2 --tolerance 1e-2 {start}"),
+        "curves scene.toml --places 0 --tolerance 1e-3".to_owned(),
+        "fate scene.toml --starts 1 --periods 10".to_owned(),
+        "init new.toml".to_owned(),
+    ];
+    if cfg!(feature = "plot") {
+        quiet.push("stripes scene.toml".to_owned());
+    }
+    for line in &quiet {
+        let loud = desk.run(line).with(0, &[]);
+        assert!(!(loud.out + &loud.err).is_empty(), "{line}");
+        let _ = fs::remove_file(desk.path("new.toml"));
+        let ran = desk.run(&format!("{line} --quiet")).with(0, &[]);
+        assert_eq!((ran.out.as_str(), ran.err.as_str()), ("", ""), "{line}");
+    }
+    assert!(desk.run(&format!("orbit {start} --quiet --json")).with(0, &[]).out.starts_with('{'));
+    desk.run(&format!("simulate {start} --periods 2 --impacts a.csv -q")).with(0, &[]);
+    assert!(!desk.read("a.csv").is_empty());
+    desk.run(&format!("orbit {start} --omega 0 -q")).with(2, &["omega"]);
+}
+
+#[test]
+fn a_flag_or_command_that_is_not_there_gets_a_tip_that_helps() {
+    let desk = Desk::new();
+    let scene = "fate scene.toml";
+    let orbit = format!("orbit --family double-sided {MODEL}");
+    let cases = [
+        (format!("{scene} --png a.png"), "pictures are --plot FILE"),
+        (format!("{scene} --pgn a.png"), "pictures are --plot FILE"),
+        ("sweep scene.toml --out a.csv --plto a.png".to_owned(), "did you mean --plot?"),
+        (format!("{orbit} --damping .1"), "what it loses, it loses at the barriers: --restitution"),
+        (format!("{orbit} --mass 2"), "all masses are 1"),
+        (format!("{orbit} --gama1 2"), "did you mean --gamma1?"),
+        (format!("{orbit} --starts 3"), "--starts is of fate, not of orbit"),
+        ("animate".to_owned(), "simulate … --animate run.gif"),
+        ("sweeep".to_owned(), "did you mean `sweep`?"),
+        ("valdate".to_owned(), ""),
+    ];
+    for (line, tip) in &cases {
+        let ran = desk.run(line).with(2, &[*tip]);
+        assert_eq!(ran.err.contains("tip:"), !tip.is_empty(), "{ran:?}");
+        assert!(!ran.err.contains("similar") && !ran.err.contains("as a value"), "{ran:?}");
+    }
+    // Out of range is out of one range.
+    for threads in ["0", "-1", "1025"] {
+        desk.run(&format!("{orbit} --threads {threads}")).with(2, &["give a whole number from 1 to 1024"]);
     }
 }

@@ -169,16 +169,20 @@ fn wrong_scenes() {
         ("sites = 11", "sites = 0".into(), "3:9: sites = 0 is out of range: give a whole number from 1"),
         ("sites = 11", "sites = -2".into(), "sites = -2 is out of range"),
         ("sites = 11", "sites = 2.5".into(), "floating point `2.5` is not a whole number"),
-        ("sites = 11", "".into(), "missing field `sites`"),
-        ("gamma1 = 0.2", "gama1 = 0.2".into(), "4:1: unknown field `gama1`, expected one of"),
+        ("sites = 11", "".into(), "the key `sites` is missing"),
+        (
+            "gamma1 = 0.2",
+            "gama1 = 0.2".into(),
+            "4:1: unknown key `gama1`: did you mean `gamma1`? known here are `sites`, `ends`",
+        ),
         ("gamma1 = 0.2", "gamma1 = -0.2".into(), "4:10: gamma1 = -0.2 is out of range: give a finite number from 0"),
         ("gamma1 = 0.2", "gamma1 = nan".into(), "gamma1 = NaN is out of range"),
         ("gamma1 = 0.2", "gamma1 = 0".into(), "give a positive gamma1 or gamma2"),
-        ("gamma1 = 0.2", "".into(), "gamma1 is missing: set it in [model], or sweep it"),
+        ("gamma1 = 0.2", "".into(), "2:1: gamma1 is missing: set it in [model], or sweep it"),
         ("gamma1 = 0.2", "gamma1 = 0.2\ngamma2 = 0.1".into(), "5:10: gamma2 is given twice"),
         ("asymmetry = 0.4", "asymmetry = 1.0".into(), "asymmetry = 1 is out of range: give a number from 0 up to"),
         ("asymmetry = 0.4", "asymmetry = \"0.4\"".into(), "string \"0.4\" is not a number"),
-        ("sites = 11", forcing("amplitude = 0.1"), "restitution is missing: set it in [model]"),
+        ("sites = 11", forcing("amplitude = 0.1"), "4:25: restitution is missing: set it in [model]"),
         (
             "sites = 11",
             format!("{}\namplitude = 0.2", forcing("amplitude = 0.1, restitution = 0.5")),
@@ -190,7 +194,7 @@ fn wrong_scenes() {
             "restitution = 1.5 is out of range: give a number above 0",
         ),
         ("sites = 11", forcing("amplitude = inf, restitution = 0.5"), "amplitude = inf is out of range"),
-        ("sites = 11", forcing("amplitude = 0.1, e = 0.5"), "unknown field `e`"),
+        ("sites = 11", forcing("amplitude = 0.1, e = 0.5"), "unknown key `e`"),
         (
             "sites = 11",
             force("{ harmonic = 2, amplitude = 0.1 }", ""),
@@ -203,7 +207,7 @@ fn wrong_scenes() {
             force("{ harmonic = 1, amplitude = 0.1 }, { harmonic = 1, amplitude = 0.2 }", ""),
             "harmonic = 1 is out of range: give each harmonic of the force only once",
         ),
-        ("sites = 11", force("{ harmonic = 1, phase = 0.1 }", ""), "missing field `amplitude`"),
+        ("sites = 11", force("{ harmonic = 1, phase = 0.1 }", ""), "the key `amplitude` is missing"),
         (
             "sites = 11",
             force("{ harmonic = 1, amplitude = 0.1 }", "amplitude = 0.2, "),
@@ -219,7 +223,7 @@ fn wrong_scenes() {
         ),
         ("from = 0.0, to = 0.3", "from = 0.0, to = 1e200".into(), "8:46: gamma2 ="),
         ("points = 40", "points = 1".into(), "points = 1 is out of range: give a whole number from 2"),
-        ("points = 40", "pts = 40".into(), "unknown field `pts`"),
+        ("points = 40", "pts = 40".into(), "unknown key `pts`"),
         (r#""single-sided""#, r#""one-sided""#.into(), "`one-sided` is not a family: give"),
         (r#""single-sided""#, r#""period-doubled""#.into(), "mapgen orbit --family period-doubled"),
         (r#""single-sided""#, r#""double-sided""#.into(), "double-sided is given twice"),
@@ -228,7 +232,7 @@ fn wrong_scenes() {
         ("stability = true", "threshold = 0.1".into(), "threshold needs stability = true"),
         ("stability = true", "stability = true\nthreshold = -1".into(), "threshold = -1 is out of range"),
         ("[compute]", "[compute".into(), "unclosed"),
-        ("[compute]", "[computes]".into(), "unknown field `computes`"),
+        ("[compute]", "[computes]".into(), "unknown key `computes`: did you mean `compute`?"),
     ];
     for (from, to, message) in cases {
         let desk = Desk::new();
@@ -546,7 +550,7 @@ fn a_simulation_from_an_orbit_stays_on_it_and_writes_events_and_trajectory() {
         .assert()
         .success();
     let text = String::from_utf8(simulate.get_output().stdout.clone()).unwrap();
-    assert!(text.contains("time reached after 10.000000 periods") && text.contains("impacts 20, sticks 0"), "{text}");
+    assert!(text.contains("10.000000 periods, 20 impacts\noutcome: it stays on the breather\n"), "{text}");
     let distance: f64 = text.lines().last().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
     assert!(distance < 1e-12, "{text}");
     let header = "time,site,barrier,velocity_before,velocity_after,kind";
@@ -604,7 +608,7 @@ fn a_simulation_from_a_state_meets_sticking_and_stops_where_it_is_told() {
         ]);
         command.arg("--impacts").arg(&impacts).args(flags).assert()
     };
-    run(&["--periods", "1"]).success().stdout(contains("sticks 6, releases 6"));
+    run(&["--periods", "1"]).success().stdout(contains("6 rests on a barrier"));
     let events = rows(&impacts);
     let stick = events.iter().find(|event| &event[5] == "stick").unwrap();
     assert!((stick[0].parse::<f64>().unwrap() - 3.357911538886231).abs() < 1e-8 && &stick[1] == "0");
@@ -633,8 +637,8 @@ fn wrong_simulations() {
     for (text, message) in [
         (r#"{"displacement":[0,0,0,0],"velocity":[0,0,0,0,0]}"#, "displacement"),
         (r#"{"displacement":[0,0,0,0,2],"velocity":[0,0,0,0,0]}"#, "site 4"),
-        (r#"{"displacement":[0,0,0,0,0]}"#, "missing field `velocity`"),
-        (r#"{"displacement":[0,0,0,0,0],"velocity":[0,0,0,0,0],"time":3}"#, "unknown field `time`"),
+        (r#"{"displacement":[0,0,0,0,0]}"#, "the key `velocity` is missing"),
+        (r#"{"displacement":[0,0,0,0,0],"velocity":[0,0,0,0,0],"time":3}"#, "unknown key `time`"),
         (r#"{"displacement":[0,0,0,0,null],"velocity":[0,0,0,0,0]}"#, "one number a mass"),
         ("", "state.json"),
     ] {
@@ -739,4 +743,66 @@ fn an_interrupted_simulation_keeps_what_it_has_however_long_a_period_is() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(desk.names("."), ["impacts.csv", "state.json"]);
     assert!(rows(&impacts).len() > 100);
+}
+
+#[test]
+fn two_masses_have_two_springs_and_one_needs_none() {
+    let desk = Desk::new();
+    let of = |chain: &str| desk.run(&format!("orbit --family double-sided {chain} --omega 1.5 --asymmetry .4"));
+    let two = "a ring of two masses has two springs of gamma2 between them";
+    of("--sites 2 --gamma1 .2 --gamma2 .1").with(0, &[two]);
+    for chain in [
+        "--sites 2 --gamma1 .2 --gamma2 .1 --ends free",
+        "--sites 2 --gamma1 .2 --gamma2 0",
+        "--sites 3 --gamma1 .2 --gamma2 .1",
+    ] {
+        assert_eq!(of(chain).with(0, &[]).err, "", "{chain}");
+    }
+    desk.scene(&SCENE.replace("sites = 11", "sites = 2"));
+    desk.run("sweep scene.toml --out map.csv").with(0, &[two]);
+    // A mass alone has no neighbour: the coupling means nothing.
+    let answers = ["0", "1"].map(|gamma2| {
+        let mut answer: Vec<String> = Vec::new();
+        for family in ["double-sided", "single-sided"] {
+            for force in ["", " --amplitude .3 --restitution .9"] {
+                let line = format!(
+                    "orbit --family {family} --sites 1 --gamma1 0 --gamma2 {gamma2} --omega 1.5 --asymmetry .4{force}"
+                );
+                answer.push(desk.run(&line).with(0, &[]).out.replace("gamma2 = 1", "gamma2 = 0"));
+            }
+        }
+        answer
+    });
+    assert_eq!(answers[0], answers[1]);
+    assert!(answers[0].iter().any(|answer| answer.contains("1 physical")), "{answers:?}");
+    of("--sites 2 --gamma1 0 --gamma2 0").with(2, &["give a positive gamma1 or gamma2"]);
+}
+
+/// The line on breathers that grow slowly counts what the table has, computed in one go or read back from chunks.
+#[test]
+fn a_forced_map_tells_how_much_of_it_grows_slowly() {
+    let desk = Desk::new();
+    desk.scene(
+        &SCENE
+            .replace("[sweep]", "amplitude = 0.1\nrestitution = 0.9\n[sweep]")
+            .replace("points = 40", "points = 9")
+            .replace("points = 30", "points = 7"),
+    );
+    let whole = desk.run("sweep scene.toml --out map.csv").with(0, &[]).err;
+    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let merged = desk.run("merge parts --out again.csv").with(0, &[]).err;
+    let (mut unstable, mut slow) = (0, 0);
+    for row in csv::Reader::from_path(desk.path("map.csv")).unwrap().records().map(Result::unwrap) {
+        if row[2].starts_with("unstable") {
+            unstable += 1;
+            slow += u32::from(row[4].parse::<f64>().unwrap() < 1.01);
+        }
+    }
+    assert!(slow > 0 && slow < unstable, "{slow} of {unstable}");
+    let told = format!(
+        "\n{slow} of the {unstable} unstable cells grow by less than 1 % a period: --threshold 0.01 calls them stable\n"
+    );
+    assert!(whole.contains(&told) && merged.contains(&told), "{told}{whole}{merged}");
+    let lenient = desk.run("sweep scene.toml --out map.csv --threshold .01").with(0, &[]).err;
+    assert!(!lenient.contains("calls them stable"), "{lenient}");
 }

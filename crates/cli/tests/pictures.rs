@@ -270,15 +270,15 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_computed() {
         (space(), "--slice asymmetry=0,4", "not a number"),
         (space(), "--slice asymmetry=nan", "asymmetry = NaN is none of its 3 values"),
         (line.clone(), "--slice omega=0.6", "no axis is left to draw along: leave out one --slice"),
-        (line.clone(), "--color margin", "--color is of maps over two axes, here is one, omega: leave it out"),
+        (line.clone(), "--color margin", "--show is of maps over two axes, here is one, omega: leave it out"),
         (line, "--curves", "--curves draws borders over a map of two axes, here is one, omega: leave it out"),
         (log, "--curves", "--curves: borders are followed along equally spaced axes"),
         (
             bare.clone(),
             "--color spectral_radius",
-            "--color spectral_radius: the scene does not compute it; add stability = true",
+            "--show spectral_radius: the scene does not compute it; add stability = true",
         ),
-        (bare, "--color impulse", "--color impulse: the scene does not compute it; add impulse = true"),
+        (bare, "--color impulse", "--show impulse: the scene does not compute it; add impulse = true"),
         (plane(), "--color radius", "spectral_radius"),
     ] {
         let desk = Desk::with_scene(&scene);
@@ -298,7 +298,7 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_computed() {
 fn how_to_go_on_is_told_with_all_that_was_asked_for() {
     let desk = Desk::with_scene(SCENE);
     let command = "sweep scene.toml --out map.csv --png map.png --slice gamma2=0 --color margin";
-    desk.run(&format!("{command} --quiet")).with(2, &["--color is of maps"]);
+    desk.run(&format!("{command} --quiet")).with(2, &["--show is of maps"]);
     let command = "sweep scene.toml --out map.csv --png map.png --color margin --curves";
     let mut child = desk.start(command);
     // The last chunk has its name when it is clear that the table has none.
@@ -337,7 +337,7 @@ fn a_table_is_drawn_again_without_computing_it() {
         desk.run(line).with(2, &[told]);
         assert_eq!(desk.names("."), before, "{line}");
     };
-    refused("draw map.csv", "give --png, --svg or --pdf");
+    refused("draw map.csv", "give --plot FILE");
     refused("draw map.csv --png map.csv", "the table and --png are the same file");
     refused("draw none.csv --scene map.manifest.json --png new.png", "it cannot be read as a table");
     fs::copy(desk.path("map.csv"), desk.path("alone.csv")).unwrap();
@@ -423,5 +423,36 @@ fn a_run_moves() {
             if flags.contains("--sites") { point.replace("--sites 5 ", "") } else { point.to_owned() }
         ))
         .with(2, &[told]);
+    }
+}
+
+/// A picture that is too large is refused before anything is computed or made, by every command.
+#[test]
+fn limits_of_a_picture_are_known_at_once() {
+    let scene = "[model]\nsites = 21\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 0.4, to = 3.0, points = 4000 }\ny = { parameter = 'gamma2', from = 0.0, to = 0.3, points = 3000 }\n[compute]\nfamilies = ['double-sided']\nstability = true\n";
+    let desk = Desk::with_scene(scene);
+    let line = scene.replace("y = {", "# y = {").replace("[sweep]", "gamma2 = 0.1\n[sweep]");
+    std::fs::write(desk.path("line.toml"), line).unwrap();
+    let orbit = "--family double-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
+    let commands = [
+        "sweep scene.toml --out map.csv --plot a.png".to_owned(),
+        "sweep scene.toml --out map.csv --plot a.png --width 600mm".to_owned(),
+        "sweep line.toml --out map.csv --plot a.pdf".to_owned(),
+        "fate line.toml --out map.csv --plot a.png".to_owned(),
+        "fate scene.toml --starts 1 --out map.csv --plot a.png".to_owned(),
+        "fate line.toml --diagram d.csv --plot a.png".to_owned(),
+        "stripes scene.toml --plot a.png".to_owned(),
+        "curves scene.toml --plot a.png".to_owned(),
+        format!("curve --event grazing --free omega --and gamma2 {orbit} --plot a.png"),
+        format!("branch --free omega {orbit} --plot a.png"),
+        format!("simulate {orbit} --periods 1e9 --plot a.png"),
+        format!("simulate {orbit} --periods 1e9 --animate a.gif"),
+    ];
+    for command in &commands {
+        let dpi = if command.contains("--width") { 700 } else { 2400 };
+        let ran = desk.run(&format!("{command} --dpi {dpi}"));
+        assert!(ran.code == Some(2) && !ran.err.contains("--resume"), "{command}: {ran:?}");
+        assert!(ran.err.contains("pixels are more than") || ran.err.contains("pixels across"), "{command}: {ran:?}");
+        assert_eq!(desk.names("."), ["line.toml", "scene.toml"], "{command}");
     }
 }

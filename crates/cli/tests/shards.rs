@@ -147,3 +147,17 @@ fn wrong_shards_and_folders() {
     desk.run("sweep scene.toml --out parts --shard 0/1")
         .with(2, &["parts is a file, where a folder of chunks would be"]);
 }
+
+/// A table is in the way of a folder: nobody is told to remove it.
+#[test]
+fn a_result_is_never_to_be_removed() {
+    let desk = Desk::with_scene(SCENE);
+    fs::write(desk.path("a.csv"), "a result").unwrap();
+    fs::write(desk.path("a"), "another").unwrap();
+    for out in ["a.csv", "a"] {
+        let ran = desk.run(&format!("sweep scene.toml --out {out} --shard 1/4")).with(2, &[]);
+        assert!(!ran.err.contains("remove") && ran.err.contains("name"), "{ran:?}");
+    }
+    desk.run("init scene.toml").with(2, &["is left as it is: give another name"]);
+    assert_eq!((desk.read("a.csv"), desk.read("a")), (b"a result".to_vec(), b"another".to_vec()));
+}

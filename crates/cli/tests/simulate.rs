@@ -282,3 +282,51 @@ fn a_long_run_is_drawn_by_amplitudes_and_a_short_one_as_it_is() {
         assert!(fs::read_to_string(&picture).unwrap().contains(expected), "{periods}");
     }
 }
+
+#[test]
+fn a_run_tells_what_it_is_of_and_what_has_become_of_it() {
+    let forced = format!(
+        "mapgen simulate --family double-sided {} --amplitude .1 --restitution .9",
+        POINT.replace("sites 5", "sites 21")
+    );
+    let (code, stays, _) = run(&format!("{forced} --periods 100"));
+    assert_eq!(code, 0);
+    assert!(stays.starts_with("double-sided breather, solution 1 of 2; 21 masses (N = 20), gamma1 = 0.2"), "{stays}");
+    assert!(stays.contains("\n100.000000 periods, 200 impacts\noutcome: it stays on the breather\n"), "{stays}");
+    assert!(!stays.contains("windows"), "{stays}");
+    // A saddle with the multiplier 2.7 is left within some ten periods.
+    let pushed = format!("{forced} --solution 2 --perturb 1e-3 --direction unstable --periods 60");
+    let (_, left, _) = run(&format!("{pushed} --verbose"));
+    assert!(
+        left.contains("solution 2 of 2, perturbed by ") && left.contains(" along its unstable direction; 21 masses"),
+        "{left}"
+    );
+    assert!(left.contains("outcome: it left the breather after ") && left.contains("windows of flight "), "{left}");
+    let json: serde_json::Value = serde_json::from_str(&run(&format!("{pushed} --json")).1).unwrap();
+    assert!((3.0..15.0).contains(&json["left"].as_f64().unwrap()) && json["solution"] == 2, "{json}");
+    // Without a force losses end all impacts.
+    let (_folder, state) = desk(FIVE);
+    let (_, quiet, _) = run(&format!("mapgen simulate --state {state} {POINT} --restitution .5 --periods 300"));
+    assert!(
+        quiet.starts_with("from a state; 5 masses") && quiet.contains("at the end there are no impacts any more"),
+        "{quiet}"
+    );
+}
+
+#[test]
+fn a_run_from_a_breather_begins_with_an_impact_at_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("impacts.csv");
+    let mut seen = 0;
+    for omega in (0..12).map(|i| 1.3 + 0.037 * f64::from(i)) {
+        let line = format!(
+            "mapgen simulate --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega {omega} --asymmetry .4"
+        );
+        let (code, ..) = run(&format!("{line} --periods 3 --impacts {}", table.display()));
+        if code == 0 {
+            assert_eq!(rows(&table)[0][0], "0", "{omega}");
+            seen += 1;
+        }
+    }
+    assert!(seen >= 6, "{seen}");
+}

@@ -339,3 +339,52 @@ fn at_a_resonance_the_limit_is_told() {
     let pushed = desk.run(&format!("orbit --word 0+,0- {row} --omega 0.5")).with(3, &["meets mode 1"]);
     assert!(!pushed.err.contains("never push"), "{}", pushed.err);
 }
+
+#[test]
+fn either_family_is_each_of_them() {
+    let desk = Desk::new();
+    let words = |families: &str| {
+        desk.run(&format!("words --sites-used 2 --reach 1 --families {families} {MODEL} --all")).with(0, &[]).out
+    };
+    assert_eq!(words("either"), words("double-sided,single-sided"));
+    assert_ne!(words("either"), words("double-sided"));
+}
+
+#[test]
+fn what_was_not_searched_is_not_none() {
+    let desk = Desk::new();
+    // Three instants of one mass without a force: no way is known to find them.
+    let line = "orbit --word 0-,0-,3- --sites 9 --gamma1 .2 --gamma2 .1 --omega .9 --asymmetry .2 --amplitude .3 --restitution .9";
+    let ran = desk.run(line).with(3, &["this word cannot be searched for"]);
+    assert!(ran.out.contains("not searched: ") && !ran.out.contains("none"), "{ran:?}");
+    let answer = written(&desk.run(&format!("{line} --json")).with(3, &[]).out);
+    assert_eq!(answer["completeness"]["established"], false);
+    assert!(answer["solutions"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn masses_of_layers_are_called_as_words_call_them() {
+    let desk = Desk::new();
+    let line = "--word 0:0+0:1+,0:0-0:1- --sites 6 --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
+    let text = desk.run(&format!("orbit {line}")).with(0, &[]).out;
+    for site in ["0:0", "0:1"] {
+        assert!(text.contains(&format!("impact of site {site} on the upper barrier at t = 0")), "{text}");
+    }
+    assert!(!text.contains("site 6"), "{text}");
+    let blocked = line.replace("gamma2 .05", "gamma2 .6");
+    let text = desk.run(&format!("orbit {blocked}")).with(0, &[]).out;
+    assert!(!text.contains("site 6") && !text.contains("site 7"), "{text}");
+}
+
+#[test]
+fn an_orbit_of_several_periods_needs_its_period() {
+    let desk = Desk::new();
+    let near = |time: f64| {
+        format!(
+            r#"{{"impacts":[{{"site":0,"barrier":"upper","time":0,"impulse":-1.5}},{{"site":0,"barrier":"lower","time":{time},"impulse":1.5}}],"psi":0}}"#
+        )
+    };
+    fs::write(desk.path("near.json"), near(6.3)).unwrap();
+    desk.run(&format!("orbit --near near.json --gamma2 .02 {FORCED}"))
+        .with(2, &["the key `period` is missing", "\"period\""]);
+}

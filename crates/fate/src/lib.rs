@@ -9,6 +9,7 @@
 //! | [`measure`] | the Lyapunov exponent along a breather |
 //! | [`Ensemble`] | what is asked, within limits; seeds |
 //! | [`Home`], [`Fate`] | one run |
+//! | [`Witness`] | one run that somebody else carries on |
 //! | [`fates()`] | all cells of a scene, in parallel, in order |
 //! | [`Strobe`], [`Diagram`] | sections, and bifurcation diagrams by simulation |
 //! | [`table`] | columns and rows, written and read back |
@@ -47,6 +48,7 @@ mod run;
 mod section;
 mod start;
 pub mod table;
+mod witness;
 
 pub use content::Fates;
 pub use diagram::{Column, Diagram, MAX_POINTS, SectionPoint};
@@ -58,3 +60,4 @@ pub use reader::Reader;
 pub use run::{Fate, Home};
 pub use section::Strobe;
 pub use start::{ModeShape, Start};
+pub use witness::{Outcome, Pattern, Witness};

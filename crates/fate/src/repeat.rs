@@ -79,6 +79,13 @@ impl Latest {
         }
     }
 
+    /// Forgets what was before a time, in periods of the force.
+    pub(crate) fn forget(&mut self, before: f64) {
+        while self.instants.front().is_some_and(|first| first.periods as f64 + first.part < before) {
+            self.hits -= self.instants.pop_front().map_or(0, |first| first.hits.len());
+        }
+    }
+
     /// Leaves out the first and the last instant, of which impacts may be missing.
     pub(crate) fn trim(&mut self) {
         for instant in [self.instants.pop_front(), self.instants.pop_back()].into_iter().flatten() {

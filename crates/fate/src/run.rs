@@ -11,11 +11,11 @@ use crate::repeat::Latest;
 use crate::start::Start;
 
 /// Periods at the end whose impacts are looked at: enough for a slow drift to show, few enough for a run that has just settled.
-const LOOKED_AT: u64 = 64;
+pub(crate) const LOOKED_AT: u64 = 64;
 
 /// What is nearer than this part of the tolerance to the impact before is of its instant: what a tolerance of times makes of masses
 /// that hit together. (The breather's own instants stay apart, however near they are.)
-const CLOSE: f64 = 0.5;
+pub(crate) const CLOSE: f64 = 0.5;
 
 /// A perturbation has grown faster than by a power of time if it has grown so often by e more than the square of the periods gone by:
 /// neighbours that run ahead of each other grow by the first power, where two such motions feed each other by the second.

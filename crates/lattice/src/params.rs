@@ -72,6 +72,9 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// One row as long as it may be: its sites are its masses.
+    pub const ONE_ROW: Self = Self { length: MAX_SITES, ends: Ends::Closed, layers: 1, layer_ends: Ends::Free };
+
     /// One closed row.
     pub fn ring(sites: usize) -> Self {
         Self { length: sites, ends: Ends::Closed, layers: 1, layer_ends: Ends::Closed }
@@ -85,6 +88,20 @@ impl Layout {
     /// Number of mass `site` of layer `layer`; `None` where there is none.
     pub fn index(&self, site: usize, layer: usize) -> Option<usize> {
         (site < self.length && layer < self.layers).then(|| site + layer * self.length)
+    }
+
+    /// What impact words call mass `index`: its site, with its layer where there are several, as in `3:1`.
+    ///
+    /// ```
+    /// use vibrochain_lattice::{Chain, Ends};
+    /// let chain = Chain::new(6, 0.2, 0.1)?;
+    /// assert_eq!(chain.layout().name(5), "5");
+    /// assert_eq!(chain.with_layers(2, 0.05, Ends::Free)?.layout().name(7), "1:1");
+    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
+    /// ```
+    pub fn name(&self, index: usize) -> String {
+        let (site, layer) = self.place(index);
+        if self.layers > 1 { format!("{site}:{layer}") } else { site.to_string() }
     }
 
     /// The site and layer of mass `index`.
@@ -101,7 +118,7 @@ impl Chain {
     /// On a ring of two masses both springs join the same pair; on a ring of one the coupling does nothing.
     ///
     /// # Errors
-    /// A [`ParameterError`] unless 1 ≤ `sites` ≤ [`MAX_SITES`], 0 ≤ γ₁, γ₂ ≤ [`MAX_MAGNITUDE`], not both zero.
+    /// A [`ParameterError`] unless 1 ≤ `sites` ≤ [`MAX_SITES`], 0 ≤ γ₁, γ₂ ≤ [`MAX_MAGNITUDE`], of several masses not both zero.
     ///
     /// ```
     /// use vibrochain_lattice::Chain;
@@ -113,7 +130,8 @@ impl Chain {
         check((0.0..=MAX_MAGNITUDE).contains(&gamma1), "gamma1", gamma1, STIFFNESS)?;
         check((0.0..=MAX_MAGNITUDE).contains(&gamma2), "gamma2", gamma2, STIFFNESS)?;
         let both = "a positive gamma1 or gamma2: with both zero no mass is held by any spring";
-        check(gamma1 > 0.0 || gamma2 > 0.0, "gamma1", gamma1, both)?;
+        // A mass alone flies from barrier to barrier, whatever is beside it.
+        check(sites == 1 || gamma1 > 0.0 || gamma2 > 0.0, "gamma1", gamma1, both)?;
         // A minus zero would survive the range check and change signs downstream.
         let along = Line { masses: sites, ends: Ends::Closed };
         Ok(Self { along, across: ONE_LAYER, gamma1: gamma1 + 0.0, gamma2: gamma2 + 0.0, gamma3: 0.0 })

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::text::closest;
+
 /// Reads a number, `-.5` and `1e-3` among them. Its range is the business of who uses it.
 ///
 /// # Errors
@@ -25,13 +27,13 @@ pub fn real(text: &str) -> Result<f64, String> {
 /// use vibrochain_maps::numbers::whole;
 /// assert_eq!(whole::<u64>("20"), Ok(20));
 /// assert_eq!(whole::<u64>("2.5").unwrap_err(), "not a whole number: give one such as 20");
-/// assert_eq!(whole::<u64>("-1").unwrap_err(), "negative: give a whole number from 0");
+/// assert_eq!(whole::<u64>("-1").unwrap_err(), "negative: give a whole number such as 20");
 /// assert_eq!(whole::<u64>("1e3").unwrap_err(), "not a whole number: give one such as 20");
 /// assert_eq!(whole::<i64>("18446744073709551615").unwrap_err(), "too large: give a smaller whole number");
 /// ```
 pub fn whole<T: TryFrom<i128>>(text: &str) -> Result<T, String> {
     use std::num::IntErrorKind::{NegOverflow, PosOverflow};
-    let (large, negative) = ("too large: give a smaller whole number", "negative: give a whole number from 0");
+    let (large, negative) = ("too large: give a smaller whole number", "negative: give a whole number such as 20");
     match text.parse::<i128>() {
         Ok(value) => T::try_from(value).map_err(|_| if value < 0 { negative } else { large }.to_owned()),
         Err(error) if *error.kind() == PosOverflow => Err(large.to_owned()),
@@ -40,13 +42,16 @@ pub fn whole<T: TryFrom<i128>>(text: &str) -> Result<T, String> {
     }
 }
 
-/// What a reader of files says of a value of the wrong kind, without the names of Rust's types; any other message as it is.
+/// What a reader of files says, in the words of who writes them: keys instead of fields, kinds of values without the names of Rust's
+/// types, and of a key that is not known the one that was meant.
 ///
 /// ```
 /// use vibrochain_maps::numbers::plain;
 /// let message = "invalid type: floating point `2.5`, expected i64";
 /// assert_eq!(plain(message), "floating point `2.5` is not a whole number");
-/// assert_eq!(plain("missing field `sites`"), "missing field `sites`");
+/// assert_eq!(plain("missing field `sites`"), "the key `sites` is missing");
+/// let message = "unknown field `gama1`, expected one of `sites`, `gamma1`, `gamma2`";
+/// assert_eq!(plain(message), "unknown key `gama1`: did you mean `gamma1`? known here are `sites`, `gamma1`, `gamma2`");
 /// ```
 pub fn plain(message: &str) -> String {
     const WORDS: [(&str, &str); 9] = [
@@ -60,6 +65,9 @@ pub fn plain(message: &str) -> String {
         ("a sequence", "a list"),
         ("a map", "a table"),
     ];
+    if let Some(told) = of_keys(message) {
+        return told;
+    }
     let wrong = ["invalid type: ", "invalid value: "].iter().find_map(|start| message.strip_prefix(start));
     let Some((found, wanted)) = wrong.and_then(|rest| rest.rsplit_once(", expected ")) else {
         return message.to_owned();
@@ -69,6 +77,23 @@ pub fn plain(message: &str) -> String {
     let known = WORDS.iter().find(|(name, _)| *name == wanted).map(|(_, words)| *words);
     let wanted = known.unwrap_or(if wanted.starts_with("struct ") { "a table" } else { wanted });
     format!("{found} is not {wanted}{place}")
+}
+
+/// The same of a message about a key.
+fn of_keys(message: &str) -> Option<String> {
+    let of = |start: &str| message.strip_prefix(start)?.strip_prefix(" field `")?.split_once('`');
+    if let Some((key, place)) = of("missing") {
+        return Some(format!("the key `{key}` is missing{place}"));
+    }
+    if let Some((key, place)) = of("duplicate") {
+        return Some(format!("the key `{key}` is given twice{place}"));
+    }
+    let (key, rest) = of("unknown")?;
+    let known = rest.strip_prefix(", expected ")?;
+    let (known, place) = known.find(" at line ").map_or((known, ""), |start| known.split_at(start));
+    let names: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
+    let meant = closest(key, names.iter().copied()).map_or(String::new(), |name| format!(" did you mean `{name}`?"));
+    Some(format!("unknown key `{key}`{place}:{meant} known here are {}", known.trim_start_matches("one of ")))
 }
 
 /// A number in the fewest digits that read back the same, with an exponent where it would be a row of zeros.

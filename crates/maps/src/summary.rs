@@ -3,6 +3,10 @@
 use crate::cell::{Cell, Class, Status};
 use crate::extent::Extent;
 
+/// Growth of a period that a look at the breather does not show: under a force nearly all double-sided breathers radiate into the ring and
+/// grow, most of them by less than this, which is what `--threshold` is for.
+pub const SLOW: f64 = 0.01;
+
 /// Counts of a finished sweep.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Summary {
@@ -12,6 +16,8 @@ pub struct Summary {
     pub statuses: [u64; Status::ALL.len()],
     /// Largest residual of any physical orbit.
     pub worst_residual: f64,
+    /// Cells with an unstable breather that grows by less than [`SLOW`] a period.
+    pub slow: u64,
     /// Cells that were computed: each stands for itself alone unless the grid is refined.
     pub computed: u64,
 }
@@ -29,6 +35,12 @@ impl Summary {
         let cells = cell.extent.map_or(1, Extent::cells);
         if let Some(class) = cell.class {
             self.classes[class as usize] += cells;
+            let slow = |radius: f64| radius - 1.0 < SLOW;
+            if matches!(class, Class::UnstableDouble | Class::UnstableSingle | Class::UnstableWord)
+                && cell.spectral_radius.is_some_and(slow)
+            {
+                self.slow += cells;
+            }
         }
         self.statuses[cell.status as usize] += cells;
         self.computed += 1;
@@ -40,6 +52,7 @@ impl Summary {
         self.classes.iter_mut().zip(other.classes).for_each(|(count, more)| *count += more);
         self.statuses.iter_mut().zip(other.statuses).for_each(|(count, more)| *count += more);
         self.worst_residual = self.worst_residual.max(other.worst_residual);
+        self.slow += other.slow;
         self.computed += other.computed;
     }
 

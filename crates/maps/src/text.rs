@@ -43,6 +43,26 @@ pub fn clipped(text: &str, most: usize) -> Cow<'_, str> {
     text.chars().take(most - half).chain(['…']).chain(end.into_iter().rev()).collect::<String>().into()
 }
 
+/// The one of some names that a word was meant to be: a slip or two of the keyboard away from it, of a short word one.
+///
+/// ```
+/// use vibrochain_maps::text::closest;
+/// let names = ["png", "plot", "gamma1", "gamma2"];
+/// assert_eq!(closest("pgn", names), Some("png"));
+/// assert_eq!(closest("gama1", names), Some("gamma1"));
+/// assert_eq!(closest("damping", names), None);
+/// ```
+pub fn closest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let most = match word.chars().count() {
+        0..=2 => 0,
+        3..=5 => 1,
+        _ => 2,
+    };
+    // Two letters that have changed places are one slip.
+    let slips = names.into_iter().map(|name| (strsim::osa_distance(word, name), name));
+    slips.filter(|(slips, _)| *slips <= most).min_by_key(|(slips, _)| *slips).map(|(_, name)| name)
+}
+
 /// Whether a terminal would obey a character instead of showing it, or show others in another order because of it.
 pub fn is_obeyed(c: char) -> bool {
     c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')

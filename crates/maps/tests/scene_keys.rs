@@ -50,10 +50,10 @@ fn the_table_of_scene_keys_has_those_that_a_scene_takes() {
         ("### `refine`\n", scene_with("SWEEP", "refine = { zzz = 1 }")),
         ("## `[compute]`\n", scene_with("COMPUTE", "zzz = 1")),
     ] {
-        // "unknown field `zzz`, expected one of `sites`, `gamma1`, …" tells what is taken there.
+        // "unknown key `zzz`, expected one of `sites`, `gamma1`, …" tells what is taken there.
         let message = parse(&text).unwrap_err().to_string();
         let message = message.lines().next().unwrap();
-        assert!(message.contains("unknown field `zzz`"), "{heading}: {message}");
+        assert!(message.contains("unknown key `zzz`"), "{heading}: {message}");
         let taken: BTreeSet<String> = quoted(message).filter(|key| key != "zzz").collect();
         let section = document.split(heading).nth(1).unwrap_or_else(|| panic!("no heading {heading}"));
         let section = section.split("\n#").next().unwrap();

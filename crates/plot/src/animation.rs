@@ -20,6 +20,9 @@ pub fn animation(picture: &Animation, moving: Moving, page: impl Into<Page>) -> 
     }
     let stage = Stage::new(picture, layers, page);
     page.holds(stage.ground.size)?;
+    if page.measures {
+        return Ok(Vec::new());
+    }
     match moving {
         Moving::Svg => Ok(stage.svg()),
         Moving::Gif => stage.gif(),

@@ -25,6 +25,9 @@ pub fn open(flag: &str, path: Option<&Path>) -> Result<Option<(Format, Output)>,
 /// [`PlotError`] of a picture that has no size, or more pixels than any viewer shows.
 pub fn render(drawing: &Drawing, page: &Page) -> Result<Vec<u8>, PlotError> {
     page.holds(drawing.size)?;
+    if page.measures {
+        return Ok(Vec::new());
+    }
     match page.format {
         Format::Png => pixels::png_of(drawing, page.scale()),
         Format::Svg => Ok(svg::svg(drawing)),

@@ -80,7 +80,7 @@ pub use page::{Page, Purpose};
 pub use palette::{Palette, Tile};
 pub use panels::curves_picture;
 pub use quantity::{NumberScale, Quantity, Shade, number_scale};
-pub use regions::{RegionsPicture, regions_picture};
+pub use regions::{RegionsPicture, regions_fit, regions_picture};
 pub use run::{RunPicture, run_picture};
 pub use sheet::about;
 pub use shown::{Shown, is_shown};

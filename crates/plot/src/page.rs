@@ -18,6 +18,9 @@ const MOST_PIXELS: f64 = 30_000.0;
 /// The most pixels of all: a picture takes eleven bytes for each while it is made.
 const MOST_AREA: f64 = 2e8;
 
+/// The part of them that a picture may have that is measured before all is known that it will show: its legend grows with that.
+const FORESEEN: f64 = 0.8;
+
 /// What a picture is made for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Page {
@@ -31,12 +34,14 @@ pub struct Page {
     pub font: f64,
     /// Whether panels have letters, (a), (b), …
     pub letters: bool,
+    /// Whether a picture is only to be measured ([`Page::to_measure`]).
+    pub measures: bool,
 }
 
 impl From<Format> for Page {
     /// For a screen.
     fn from(format: Format) -> Self {
-        Self { format, width: None, dpi: INCH, font: SCREEN, letters: false }
+        Self { format, width: None, dpi: INCH, font: SCREEN, letters: false, measures: false }
     }
 }
 
@@ -85,6 +90,13 @@ impl Page {
         self.dpi / INCH
     }
 
+    /// The same page, to learn whether a picture can be made before what it shows is computed: a picture drawn on it has no bytes, or the
+    /// error that it would end with.
+    #[must_use]
+    pub fn to_measure(self) -> Self {
+        Self { measures: true, ..self }
+    }
+
     /// How many pixels a box has.
     pub(crate) fn pixels(&self, size: [f64; 2]) -> [u32; 2] {
         size.map(|side| (side * self.scale()).round().max(1.0) as u32)
@@ -106,7 +118,8 @@ impl Page {
     /// [`PlotError`] that says what to do.
     pub(crate) fn holds(&self, [width, height]: [f64; 2]) -> Result<(), PlotError> {
         let [columns, rows] = [width * self.scale(), height * self.scale()];
-        if columns.max(rows) > MOST_PIXELS || columns * rows > MOST_AREA {
+        let part = if self.measures { FORESEEN } else { 1.0 };
+        if columns.max(rows) > part * MOST_PIXELS || columns * rows > part * MOST_AREA {
             return Err(PlotError(format!(
                 "{columns:.0} x {rows:.0} pixels are more than {MOST_PIXELS} along a side or {MOST_AREA:e} in all: \
                  choose a smaller width, or fewer dots per inch than {}",

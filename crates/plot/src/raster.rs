@@ -18,6 +18,9 @@ pub(crate) type Colours<'a> = dyn Fn(usize, [u32; 2], &mut dyn FnMut(Rgb, f32)) 
 impl Raster {
     /// Of so many cells along the axes, by their numbers, the lowest row first.
     pub(crate) fn of([columns, rows]: [usize; 2], placed: &Placed, colours: &Colours<'_>) -> Self {
+        if placed.page.measures {
+            return Self { size: [0; 2], rgb: Vec::new() };
+        }
         let [wide, high] = placed.page.pixels(sides(placed.corners()));
         let (across, down) = (cells_of_pixels(columns, wide), cells_of_pixels(rows, high));
         let grain = texture(&placed.page);

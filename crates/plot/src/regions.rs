@@ -35,6 +35,19 @@ const SIDE: usize = 100;
 /// All textures come again after so many pixels.
 const TEXTURE: u32 = 12;
 
+/// Makes sure that a page holds the picture of a scene's regions, before there are any.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn regions_fit(scene: &Scene, page: Page) -> Result<Vec<u8>, PlotError> {
+    let Some(axes) = scene.plane() else {
+        return Err(PlotError("a map has two axes".to_owned()));
+    };
+    let spans = axes.map(|axis| spanned(axis, axis.points(), 0.0));
+    let sheet = Sheet::new(scene, axes, spans);
+    sheet.bytes(&sheet.placed([SIDE; 2], page), Vec::new(), |_| {})
+}
+
 /// The bytes of a map's picture by its regions. Of borders the parts are drawn that separate something.
 ///
 /// # Errors

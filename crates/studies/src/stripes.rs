@@ -105,7 +105,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     }
     match file {
         Some(file) => Ok(file.finish_with(text.trim_end().as_bytes())?),
-        None => console.answer(text.trim_end(), taken),
+        None => console.answer(text.trim_end(), false, taken),
     }
 }
 

@@ -8,7 +8,8 @@ use vibrochain_maps::numbers::{real, whole};
 use vibrochain_maps::point::Parameter;
 
 use super::model::{ModelArgs, WhichArgs};
-use crate::page_args::PageArgs;
+use super::quantity::{OF_BRANCHES, QuantityName, SHOWN, among};
+use crate::page_args::{PICTURES, PageArgs};
 
 /// Events of `mapgen locate`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -38,10 +39,10 @@ pub struct AlongArgs {
     /// The parameter that varies.
     #[arg(long, value_parser = parameter())]
     pub free: Parameter,
-    /// Least value of the free parameter [default: half its start; asymmetry 0, restitution 0.05].
+    /// Least value of the free parameter [default: the lower end of its axis in --scene, or else half its start; asymmetry 0, restitution 0.05].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub from: Option<f64>,
-    /// Largest value of the free parameter [default: twice its start; asymmetry 0.99, restitution 1].
+    /// Largest value of the free parameter [default: the upper end of its axis in --scene, or else twice its start; asymmetry 0.99, restitution 1].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub to: Option<f64>,
     /// Which breathers.
@@ -76,30 +77,11 @@ pub struct LocateArgs {
     #[command(flatten)]
     pub along: AlongArgs,
     /// The events as a table (CSV).
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    #[arg(long, alias = "csv", value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,
-}
-
-/// What a bifurcation diagram shows unless it is asked for something else.
-pub(crate) const SHOWN: [QuantityName; 2] = [QuantityName::Impulse, QuantityName::SpectralRadius];
-
-/// What a bifurcation diagram shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum QuantityName {
-    /// Moduli of all impulses.
-    Impulse,
-    /// Time φ of the second impact, in periods.
-    Phi,
-    /// Phase ψ of the force, in its periods.
-    Psi,
-    /// Smallest distance of any mass to a barrier.
-    Margin,
-    /// Largest modulus of the multipliers.
-    #[value(name = "spectral_radius", alias = "spectral-radius")]
-    SpectralRadius,
 }
 
 /// Arguments of `mapgen branch`.
@@ -130,16 +112,16 @@ pub struct BranchArgs {
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
     /// Points and events as a table (CSV).
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    #[arg(long, alias = "csv", value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Picture of the diagram, .png, .svg or .pdf: solid stable, dashed unstable; with --all, thin not physical.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// How it is made.
     #[command(flatten)]
     pub page: PageArgs,
     /// What the picture shows, a list with commas.
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = SHOWN, requires = "plot")]
+    #[arg(long, help_heading = PICTURES, value_name = "QUANTITY", value_delimiter = ',', default_values_t = SHOWN, requires = "plot", value_parser = among(&OF_BRANCHES))]
     pub show: Vec<QuantityName>,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -174,10 +156,10 @@ pub struct CurveArgs {
     #[arg(long, value_name = "PART", default_value_t = 1e-6, value_parser = real, allow_negative_numbers = true)]
     pub tolerance: f64,
     /// Points of all curves as a table (CSV).
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    #[arg(long, alias = "csv", value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Picture of the curves, .png, .svg or .pdf: solid where the orbit is physical.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// How it is made.
     #[command(flatten)]
@@ -200,13 +182,13 @@ pub struct CurvesArgs {
     /// Scene file (TOML) with two equally spaced axes.
     pub scene: PathBuf,
     /// Points of all borders as a table (CSV).
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    #[arg(long, alias = "csv", value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Points of codimension two as a table (CSV).
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Picture of the map by its regions, .png, .svg or .pdf: a stripe thinner than a pixel is drawn by its share.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// How it is made.
     #[command(flatten)]
@@ -217,8 +199,8 @@ pub struct CurvesArgs {
     /// How far a straight line between two neighbouring points may be from its border, as a part of the window's sides.
     #[arg(long, value_name = "PART", default_value_t = 1e-6, value_parser = real, allow_negative_numbers = true)]
     pub tolerance: f64,
-    /// Places of the window, spread by area, that are asked what lives there once all borders are known: none of N falls into a piece of
-    /// share 3/N that a border is missing around in one of twenty cases.
+    /// Places of the window, spread by area, that are asked what lives there once all borders are known. If a piece of the window of
+    /// share 3/N has lost its border, one of the N falls into it in 19 of 20 cases, and it is told.
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub places: usize,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: that of the scene, or strict].

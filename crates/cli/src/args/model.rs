@@ -7,6 +7,10 @@ use vibrochain_breather::{MAX_IMPACTS, Word};
 use vibrochain_lattice::Force;
 use vibrochain_maps::numbers::{real, whole};
 
+/// Headings of help, which each flag names ([`PICTURES`](crate::page_args::PICTURES)).
+const MODEL: &str = "Model";
+const WHICH: &str = "Breathers";
+
 /// Families as named on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FamilyName {
@@ -23,44 +27,44 @@ pub enum FamilyName {
 pub struct ModelArgs {
     /// Take the model from a file: a scene, a manifest, a file with `[model]` alone, or what --json has printed, whose orbit is then the
     /// one to start near. Flags change its values; what the scene sweeps they must give.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = MODEL, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Number of masses of the ring (the paper's N + 1), or of one layer.
-    #[arg(long, value_name = "M", required_unless_present = "scene", value_parser = whole::<i64>, allow_negative_numbers = true)]
+    /// Number of masses of the ring (the paper's N + 1), or of one layer. A ring of two has two springs between them: --ends free has one.
+    #[arg(long, help_heading = MODEL, value_name = "M", required_unless_present = "scene", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub sites: Option<i64>,
     /// On-site stiffness γ₁.
-    #[arg(long, value_name = "γ₁", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, value_name = "γ₁", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
     pub gamma1: Option<f64>,
     /// Coupling stiffness γ₂.
-    #[arg(long, value_name = "γ₂", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, value_name = "γ₂", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
     pub gamma2: Option<f64>,
     /// Frequency ω of the force, and of the map.
-    #[arg(long, value_name = "ω", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, value_name = "ω", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
     pub omega: Option<f64>,
     /// Centre a of the gap, 0 ≤ a < 1.
-    #[arg(long, value_name = "a", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, value_name = "a", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
     pub asymmetry: Option<f64>,
     /// Amplitude A of the force A cos ω(t+ψ) [default: no force].
-    #[arg(long, value_name = "A", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, value_name = "A", value_parser = real, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Force of several odd harmonics, instead of --amplitude: number:amplitude:phase of each, as in 1:0.1:0,3:0.03:1.57
     /// for 0.1 cos ω(t+ψ) + 0.03 cos(3ω(t+ψ) + 1.57).
-    #[arg(long, value_name = "J:A:θ,…", conflicts_with = "amplitude", value_parser = vibrochain_maps::force::parse)]
+    #[arg(long, help_heading = MODEL, value_name = "J:A:θ,…", conflicts_with = "amplitude", value_parser = vibrochain_maps::force::parse)]
     pub force: Option<Force>,
     /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
-    #[arg(long, value_name = "e", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, value_name = "e", value_parser = real, allow_negative_numbers = true)]
     pub restitution: Option<f64>,
     /// What stands at the ends of the chain: each other, nothing, or walls [default: closed].
-    #[arg(long, value_enum)]
+    #[arg(long, help_heading = MODEL, value_enum)]
     pub ends: Option<EndsName>,
     /// Number of equal chains side by side, coupled mass by mass [default: 1].
-    #[arg(long, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub layers: Option<i64>,
     /// Coupling stiffness γ₃ between layers.
-    #[arg(long, value_name = "γ₃", value_parser = real, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, value_name = "γ₃", value_parser = real, allow_negative_numbers = true)]
     pub gamma3: Option<f64>,
     /// Whether the last layer is the first one's neighbour, too [default: free].
-    #[arg(long, value_enum)]
+    #[arg(long, help_heading = MODEL, value_enum)]
     pub layer_ends: Option<LayerEndsName>,
 }
 
@@ -90,18 +94,18 @@ pub enum LayerEndsName {
 #[group(skip)]
 pub struct WhichArgs {
     /// Family of breathers.
-    #[arg(long, value_enum, group = "which")]
+    #[arg(long, help_heading = WHICH, value_enum, group = "which")]
     pub family: Option<FamilyName>,
     /// Breathers of an impact word: instants separated by commas or spaces, each one or more impacts, SITE+ on the upper or SITE- on
     /// the lower barrier, as in "0+3+,0-3-" for two masses in phase; SITE:LAYER+ where there are layers.
-    #[arg(long, value_name = "WORD", group = "which")]
+    #[arg(long, help_heading = WHICH, value_name = "WORD", group = "which")]
     pub word: Option<Word>,
     /// Periods of the force in one period of the word [default: 1; of `0-,0-`, the doubled family, 2].
-    #[arg(long, value_name = "N", value_parser = force_periods, allow_negative_numbers = true)]
+    #[arg(long, help_heading = WHICH, value_name = "N", value_parser = force_periods, allow_negative_numbers = true)]
     pub force_periods: Option<u32>,
     /// The breather near that of a file, as `mapgen orbit --json` writes it (its first solution), or an object with `impacts`
     /// (site, barrier, time, impulse) and `psi`.
-    #[arg(long, value_name = "FILE", group = "which")]
+    #[arg(long, help_heading = WHICH, value_name = "FILE", group = "which")]
     pub near: Option<PathBuf>,
 }
 
@@ -121,4 +125,6 @@ pub enum SiteFamily {
     DoubleSided,
     /// One impact a period, on the nearer barrier.
     SingleSided,
+    /// Each of the two.
+    Either,
 }

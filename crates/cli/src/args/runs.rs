@@ -7,7 +7,7 @@ use vibrochain_maps::numbers::{real, whole};
 use vibrochain_maps::sweep::ShardFlag;
 
 use super::model::{ModelArgs, WhichArgs};
-use crate::page_args::PageArgs;
+use crate::page_args::{PICTURES, PageArgs};
 
 /// Direction of a perturbation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -55,17 +55,17 @@ pub struct FateArgs {
     pub scene: PathBuf,
     /// Table to write (.csv; .csv.gz or .csv.zst, compressed), a row a breather. `-` is standard output, which keeps no chunks. With
     /// --shard: folder of chunks.
-    #[arg(long, alias = "out", value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    #[arg(long, alias = "csv", value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Go on with the chunks that an interrupted run has left, or start afresh where there are none.
-    #[arg(long, requires = "csv")]
+    #[arg(long, requires = "out")]
     pub resume: bool,
     /// Compute one share of the chunks: shard i of n, from 0, or `slurm` for the share of a job array's task. Then `mapgen
     /// merge` makes the table.
-    #[arg(long, value_name = "i/n", requires = "csv", conflicts_with_all = ["plot", "json"], allow_hyphen_values = true)]
+    #[arg(long, value_name = "i/n", requires = "out", conflicts_with_all = ["plot", "json"], allow_hyphen_values = true)]
     pub shard: Option<ShardFlag>,
     /// Picture, .png, .svg or .pdf: over two axes the most frequent end of each cell, over one the shares of all ends, or the diagram.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// How it is made.
     #[command(flatten)]
@@ -95,7 +95,7 @@ pub struct FateArgs {
     #[arg(long, value_name = "PART", default_value_t = 0.1, value_parser = real, allow_negative_numbers = true)]
     pub leave: f64,
     /// Instead, a bifurcation diagram by simulation over a scene with one axis (CSV): the last points of a stroboscopic section of one run a cell.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "starts", "breathers", "json", "resume", "shard"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["out", "starts", "breathers", "json", "resume", "shard"])]
     pub diagram: Option<PathBuf>,
     /// Points that the diagram keeps of each run [default: 100].
     #[arg(long, value_name = "K", value_parser = whole::<u64>, allow_negative_numbers = true)]
@@ -169,10 +169,10 @@ pub struct SimulateArgs {
     pub skip: f64,
     /// The run as a moving picture, .gif, .png (APNG) or .svg: the chain between its barriers, impacts glow; of a long run its last
     /// 12 periods. It goes round: give whole periods of an orbit.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
     pub animate: Option<PathBuf>,
     /// Picture of the run, .png, .svg or .pdf: the impacting mass over the analytic orbit, all masses in space and time.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// How it is made.
     #[command(flatten)]

@@ -7,8 +7,8 @@ use vibrochain_maps::numbers::real;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::sweep::ShardFlag;
 
-use super::events::QuantityName;
-use crate::page_args::PageArgs;
+use super::quantity::{ALL, OF_MAPS, QuantityName, among};
+use crate::page_args::{PICTURES, PageArgs};
 
 /// Colours of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -31,14 +31,14 @@ pub struct SweepArgs {
     pub scene: PathBuf,
     /// Table to write (.csv; .csv.gz or .csv.zst, compressed; .parquet, by columns); a manifest is written beside it. `-` is
     /// standard output, which has no manifest and keeps no chunks. With --shard: folder of chunks.
-    #[arg(long, value_name = "FILE", required_unless_present = "dry_run")]
+    #[arg(long, alias = "csv", value_name = "FILE", required_unless_present = "dry_run")]
     pub out: Option<PathBuf>,
     /// Go on with the chunks that an interrupted run has left, or start afresh where there are none.
     #[arg(long)]
     pub resume: bool,
     /// Compute one share of the chunks: shard i of n, from 0, or `slurm` for the share of a job array's task. Then `mapgen
     /// merge` makes the table.
-    #[arg(long, value_name = "i/n", conflicts_with_all = ["png", "svg", "pdf"], allow_hyphen_values = true)]
+    #[arg(long, value_name = "i/n", conflicts_with_all = ["plot", "png", "svg", "pdf"], allow_hyphen_values = true)]
     pub shard: Option<ShardFlag>,
     /// Compute a few cells only, and tell how many there are, how long they will take and how much they will fill.
     #[arg(long)]
@@ -49,26 +49,12 @@ pub struct SweepArgs {
     /// Pictures of the table.
     #[command(flatten)]
     pub pictures: PictureArgs,
+    /// What colours the cells of a map, a column of the table.
+    #[arg(long, alias = "color", help_heading = PICTURES, value_name = "COLUMN", default_value_t, requires = "picture", value_parser = among(&OF_MAPS))]
+    pub show: QuantityName,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
-}
-
-/// What colours a map: its cells' class, or a number, as a column of the table has it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum ColorName {
-    /// Class and mechanism.
-    #[default]
-    Class,
-    /// Largest modulus of the multipliers; the growth beyond 1, by logarithms, where it spans decades.
-    #[value(name = "spectral_radius", alias = "spectral-radius")]
-    SpectralRadius,
-    /// Smallest distance to a barrier.
-    Margin,
-    /// Strongest impulse, its modulus; needs `impulse = true` in the scene.
-    Impulse,
-    /// Number of physical breathers.
-    Solutions,
 }
 
 /// Reads a value of an axis, as in `asymmetry=0.4`.
@@ -82,28 +68,29 @@ fn axis_value(text: &str) -> Result<(Parameter, f64), String> {
 
 /// Pictures of a map.
 #[derive(Debug, Clone, Args)]
-#[command(group = ArgGroup::new("picture").args(["png", "svg", "pdf"]).multiple(true))]
+#[command(group = ArgGroup::new("picture").args(["plot", "png", "svg", "pdf"]).multiple(true))]
 pub struct PictureArgs {
-    /// Picture as PNG: a map over two axes; over one, curves of |μ|, margin and (with `impulse = true`) impulse.
-    #[arg(long, value_name = "FILE")]
+    /// Picture, .png, .svg or .pdf; again for one of another kind. A map over two axes; over one, curves of |μ|, margin and (with
+    /// `impulse = true`) impulse.
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
+    pub plot: Vec<PathBuf>,
+    /// What --plot FILE.png was once.
+    #[arg(long, hide = true, value_name = "FILE")]
     pub png: Option<PathBuf>,
-    /// The same as SVG.
-    #[arg(long, value_name = "FILE")]
+    /// What --plot FILE.svg was once.
+    #[arg(long, hide = true, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// The same as PDF.
-    #[arg(long, value_name = "FILE")]
+    /// What --plot FILE.pdf was once.
+    #[arg(long, hide = true, value_name = "FILE")]
     pub pdf: Option<PathBuf>,
     /// Draw the cells at this value of an axis; again for further axes, until one or two are left. The table stays whole.
-    #[arg(long, value_name = "PARAMETER=VALUE", value_parser = axis_value, requires = "picture")]
+    #[arg(long, help_heading = PICTURES, value_name = "PARAMETER=VALUE", value_parser = axis_value, requires = "picture")]
     pub slice: Vec<(Parameter, f64)>,
-    /// What colours the cells of a map.
-    #[arg(long, value_enum, value_name = "COLUMN", default_value_t, requires = "picture")]
-    pub color: ColorName,
     /// Draw the borders of the map over its cells, which `mapgen curves` finds; both axes must be equally spaced.
-    #[arg(long, requires = "picture")]
+    #[arg(long, help_heading = PICTURES, requires = "picture")]
     pub curves: bool,
     /// Colours of the pictures of maps.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = PICTURES, value_enum, default_value_t)]
     pub palette: PaletteName,
     /// How they are made.
     #[command(flatten)]
@@ -111,24 +98,37 @@ pub struct PictureArgs {
 }
 
 impl PictureArgs {
-    /// The flags that name a file each, and the file, if they were given.
-    pub(crate) fn files(&self) -> [(&'static str, Option<&Path>); 3] {
-        [("--png", self.png.as_deref()), ("--svg", self.svg.as_deref()), ("--pdf", self.pdf.as_deref())]
+    /// The files that were asked for, each with its flag.
+    pub(crate) fn files(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        let once = [("--png", &self.png), ("--svg", &self.svg), ("--pdf", &self.pdf)];
+        let once = once.into_iter().filter_map(|(flag, path)| Some((flag, path.as_deref()?)));
+        self.plot.iter().map(|path| ("--plot", path.as_path())).chain(once)
+    }
+
+    /// `others` and these, for what looks at all files of a command.
+    pub(crate) fn beside<'a>(
+        &'a self,
+        others: &[(&'static str, Option<&'a Path>)],
+    ) -> Vec<(&'static str, Option<&'a Path>)> {
+        others.iter().copied().chain(self.files().map(|(flag, path)| (flag, Some(path)))).collect()
     }
 }
 
 /// Arguments of `mapgen merge`.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
-    /// Folder of chunks, the --out of `mapgen sweep --shard` or the --csv of `mapgen fate --shard`.
+    /// Folder of chunks, the --out of `mapgen sweep --shard` or `mapgen fate --shard`.
     pub folder: PathBuf,
     /// Table to write (.csv; .csv.gz or .csv.zst, compressed; .parquet, by columns), the same to the byte as that of an
     /// undivided run; beside that of a sweep a manifest is written. `-` is standard output, which has no manifest.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, alias = "csv", value_name = "FILE")]
     pub out: PathBuf,
     /// Pictures of the table.
     #[command(flatten)]
     pub pictures: PictureArgs,
+    /// What colours the cells of a map, a column of the table.
+    #[arg(long, alias = "color", help_heading = PICTURES, value_name = "COLUMN", default_value_t, requires = "picture", value_parser = among(&OF_MAPS))]
+    pub show: QuantityName,
     /// Print JSON instead of a summary: the manifest of a sweep, what an ensemble has come to.
     #[arg(long)]
     pub json: bool,
@@ -137,8 +137,8 @@ pub struct MergeArgs {
 /// Arguments of `mapgen draw`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Tables that hold a picture: those of sweep, merge and fate, branch --csv, curve --csv, and stripes --csv together with the table \
-                  of its map. Which one it is the names of its columns say; what it is of, the manifest beside it."
+    after_help = "Tables that hold a picture: those of sweep, merge, fate, branch and curve, and that of stripes together with the table \
+                  of its map. The names of its columns say which one it is; the manifest beside it says what it is of."
 )]
 pub struct DrawArgs {
     /// Table (.csv); `-` is standard input.
@@ -149,13 +149,14 @@ pub struct DrawArgs {
     /// Pictures of the table.
     #[command(flatten)]
     pub pictures: PictureArgs,
-    /// Of the table of a branch: what the picture shows, a list with commas [default: impulse,spectral-radius].
-    #[arg(long, value_enum, value_delimiter = ',')]
+    /// What the picture shows: what colours the cells of a map, class or spectral_radius, margin, impulse, solutions [default: class]; of a
+    /// branch a list with commas of impulse, phi, psi, margin, spectral_radius [default: impulse,spectral_radius].
+    #[arg(long, alias = "color", help_heading = PICTURES, value_name = "QUANTITY", value_delimiter = ',', value_parser = among(&ALL), hide_possible_values = true)]
     pub show: Vec<QuantityName>,
-    /// Of the table of a branch: also what is not physical; of lines of stripes: also differences, faintly.
-    #[arg(long)]
+    /// Draw what is left out otherwise: of a branch, orbits that are not physical; of stripes, the lines of differences, faintly.
+    #[arg(long, help_heading = PICTURES)]
     pub all: bool,
-    /// Of the table of lines of stripes: the table of the map that they lie on.
+    /// To draw a table of stripes: the table of the map that its lines lie on.
     #[arg(long, value_name = "FILE")]
     pub map: Option<PathBuf>,
 }

@@ -35,7 +35,7 @@ use crate::table_manifest::{Manifest, beside, of_scene};
 use crate::table_rows::TableRows;
 use crate::threads::threads;
 use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
-use vibrochain_plot::{MapLine, MapPicture, Palette, Shown, Tile, map_with_lines};
+use vibrochain_plot::{Format, MapLine, MapPicture, Palette, Shown, Tile, map_with_lines};
 
 pub(crate) use crate::stripes::table::COLUMNS;
 
@@ -47,25 +47,27 @@ pub(crate) const LINES: &str = "stripes";
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    args.page.checked(true, "--plot")?;
+    let (plot, out) = args.files();
+    args.page.checked(plot.is_some(), "--plot")?;
     let request = Request::read(&args.scene)?;
-    let manifest = beside(args.csv.as_deref())?;
+    let manifest = beside(out)?;
     let taken = distinct(
         &[("the scene", Some(&args.scene)), ("--map", args.map.as_deref())],
         &[
-            ("--plot", Some(&args.plot)),
-            ("--csv", args.csv.as_deref()),
-            ("the manifest of --csv", manifest.as_deref()),
+            ("--plot", plot),
+            ("--out", out),
+            ("the manifest of --out", manifest.as_deref()),
             ("--widths", args.widths.as_deref()),
         ],
     )?;
-    if let Some(table) = &args.csv {
-        promises("--csv", table, "a table as plain CSV", &["csv"])?;
+    if let Some(table) = out {
+        promises("--out", table, "a table as plain CSV", &["csv"])?;
     }
     let stop = (console.interrupt)()?;
     // Destinations first: an impossible one should not cost a computation.
-    let picture = PictureFiles::one("--plot", Some(&args.plot), &args.page)?;
-    let csv = args.csv.as_deref().map(Output::create).transpose()?;
+    let picture = PictureFiles::one("--plot", plot, &args.page)?;
+    fits(&picture, &request)?;
+    let csv = out.map(Output::create).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let widths = args.widths.as_deref().map(|path| CsvFile::create("--widths", path, HEADER)).transpose()?;
     let pool = threads(console.threads)?;
@@ -84,7 +86,16 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
         manifest.finish(LINES, rows, &of_scene(&request.scene, None))?;
     }
     draw(picture, &request, &tiles, &lines, args.all)?;
-    console.answer(&text, taken)
+    console.answer(&text, false, taken)
+}
+
+impl StripesArgs {
+    /// The picture and the table that are asked for. (Once --out was the name of --plot: a picture that it names is drawn.)
+    fn files(&self) -> (Option<&Path>, Option<&Path>) {
+        let (plot, out, table) = (self.plot.as_deref(), self.out.as_deref(), self.csv.as_deref());
+        let picture = out.filter(|path| plot.is_none() && Format::of(path).is_some());
+        (plot.or(picture), table.or(out.filter(|_| picture.is_none())))
+    }
 }
 
 /// Draws the lines of a table over the map of another, `told` of them as the manifest at `scene` says; how many they are.
@@ -106,8 +117,17 @@ pub(crate) fn redraw(
     Ok(lines.len())
 }
 
+/// Makes sure that the picture can be made.
+fn fits(files: &PictureFiles, request: &Request) -> Result<(), CliError> {
+    let (scene, cells) = (&request.scene, &Shown::classes(&request.scene));
+    files.fit(|page| map_with_lines(&MapPicture { scene, cells, palette: Palette::default(), borders: &[] }, &[], page))
+}
+
 /// The picture of the map and its lines, with `all` also those of differences.
 fn draw(files: PictureFiles, request: &Request, tiles: &[Tile], lines: &[Line], all: bool) -> Result<(), CliError> {
+    if files.is_empty() {
+        return Ok(());
+    }
     let mut shown = Shown::classes(&request.scene);
     (0..).zip(tiles).for_each(|(number, tile)| shown.tile(number, *tile));
     let map = MapPicture { scene: &request.scene, cells: &shown, palette: Palette::default(), borders: &[] };

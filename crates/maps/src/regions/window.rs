@@ -75,9 +75,12 @@ impl Window {
     /// [`MapError::Request`] unless the scene has two axes, neither of them a list of values.
     pub fn of(scene: &Scene) -> Result<Self, MapError> {
         let Some(plane) = scene.plane() else {
-            let axes = scene.axes.len();
+            let axes = match scene.axes.len() {
+                1 => "one axis".to_owned(),
+                axes => format!("{axes} axes"),
+            };
             return Err(MapError::Request(format!(
-                "borders and regions lie in a plane, but the scene has {axes} axes: give x and y, and none besides"
+                "borders and regions lie in a plane, but the scene has {axes}: give x and y, and none besides"
             )));
         };
         let [Some(x), Some(y)] = plane.map(Side::of) else {

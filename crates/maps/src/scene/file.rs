@@ -24,7 +24,7 @@ pub const MAX_BYTES: u64 = 4 << 20;
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
     pub(super) title: Option<String>,
-    pub(super) model: ModelTable,
+    pub(super) model: Spanned<ModelTable>,
     pub(super) sweep: Option<Spanned<SweepTable>>,
     pub(super) compute: Option<ComputeTable>,
 }

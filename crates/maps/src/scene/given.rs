@@ -111,7 +111,7 @@ impl<'a> Parts<'a> {
                 return Err(source.error(tables[i].get_ref().parameter.span(), message));
             }
         }
-        let model = &file.model;
+        let model = file.model.get_ref();
         let layout = model.layout(sites(model, source)?, source)?;
         let [amplitude, restitution] = model.driving(source)?;
         let force = model.force.as_ref().map(|list| source.force(list)).transpose()?;

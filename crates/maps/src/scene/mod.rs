@@ -82,7 +82,7 @@ impl Scene {
         let text = json.as_ref().map_or(text, |json| &json.scene);
         let source = Source { path, text };
         let file: File = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
-        let missing = |key: &str| source.error(0..0, format!("missing field `{key}`"));
+        let missing = |key: &str| source.error(0..0, format!("the table [{key}] is missing"));
         let sweep = file.sweep.as_ref().ok_or_else(|| missing("sweep"))?;
         let compute = file.compute.as_ref().ok_or_else(|| missing("compute"))?;
         let tables = sweep.get_ref().axes(&source)?;
@@ -105,7 +105,7 @@ impl Scene {
         let is_swept = |parameter| axis_of(parameter).is_some();
         let [amplitude, restitution] = [Parameter::Amplitude, Parameter::Restitution].map(|p| values[p as usize]);
         // Without any word of force or restitution the model is conservative.
-        let conservative = file.model.forcing.is_none()
+        let conservative = file.model.get_ref().forcing.is_none()
             && amplitude.is_none()
             && restitution.is_none()
             && force.is_none()
@@ -126,7 +126,20 @@ impl Scene {
                 (None, None) if parameter == Parameter::Gamma3 && base.layout.layers == 1 => 0.0,
                 (None, None) => {
                     let message = format!("{} is missing: set it in [model], or sweep it", parameter.name());
-                    return Err(source.error(file.model.sites.span(), message));
+                    // What asks for it: a restitution is needed with a force, an amplitude with losses.
+                    let other = |parameter| {
+                        let at = axes.iter().position(|axis| axis.parameter == parameter);
+                        let axis = at.map(|at| tables[at].get_ref().parameter.span());
+                        values[parameter as usize].map(Spanned::span).or(axis)
+                    };
+                    let asks = match parameter {
+                        Parameter::Restitution => {
+                            file.model.get_ref().force.as_ref().map(Spanned::span).or(other(Parameter::Amplitude))
+                        }
+                        Parameter::Amplitude => other(Parameter::Restitution),
+                        _ => None,
+                    };
+                    return Err(source.error(asks.unwrap_or_else(|| file.model.span()), message));
                 }
             };
             base = base.with(parameter, value);
@@ -142,14 +155,14 @@ impl Scene {
                 let span = end.and_then(|((_, value), table)| table.get_ref().place(*value));
                 let span =
                     span.or(Parameter::from_name(error.name).and_then(|p| values[p as usize]).map(Spanned::span));
-                return Err(source.error(span.unwrap_or_else(|| file.model.sites.span()), error));
+                return Err(source.error(span.unwrap_or_else(|| file.model.span()), error));
             }
         }
         // What two words have in common must hold in all cells.
         let general = [(Parameter::Asymmetry, 0.5), (Parameter::Amplitude, 1.0), (Parameter::Restitution, 0.5)];
         let varied = general.into_iter().filter(|&(parameter, _)| is_swept(parameter));
         let anywhere = varied.fold(base, |point, (parameter, value)| point.with(parameter, value));
-        let anywhere = anywhere.model().map_err(|error| source.error(file.model.sites.span(), error))?;
+        let anywhere = anywhere.model().map_err(|error| source.error(file.model.span(), error))?;
         let task = source.task(compute, &anywhere)?;
         let scene = Self { title: file.title, base, axes, refine, task };
         if let Some(span) = compute.collisions.as_ref().map(Spanned::span)

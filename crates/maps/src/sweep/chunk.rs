@@ -3,7 +3,7 @@
 //! ```text
 //! vibrochain-chunk 2 IDENTITY chunk 12 cells 98304..106496
 //! 0.1,1.5,stable-double,…
-//! summary classes 0,8192,… statuses 8192,0,… worst_residual 8.9e-16 computed 8192
+//! summary classes 0,8192,… statuses 8192,0,… worst_residual 8.9e-16 slow 0 computed 8192
 //! checksum XXH3-128 OF ALL ABOVE
 //! ```
 
@@ -90,15 +90,28 @@ fn listed(counts: &[u64]) -> String {
 
 fn summary_line(summary: &Summary) -> String {
     let (classes, statuses) = (listed(&summary.classes), listed(&summary.statuses));
-    let Summary { worst_residual, computed, .. } = summary;
-    format!("summary classes {classes} statuses {statuses} worst_residual {worst_residual:e} computed {computed}\n")
+    let Summary { worst_residual, slow, computed, .. } = summary;
+    format!(
+        "summary classes {classes} statuses {statuses} worst_residual {worst_residual:e} slow {slow} computed {computed}\n"
+    )
 }
 
 fn read_summary(line: &str) -> Option<Summary> {
     let mut summary = Summary::default();
     let words: Vec<&str> = line.strip_suffix('\n')?.split(' ').collect();
-    let ["summary", "classes", classes, "statuses", statuses, "worst_residual", residual, "computed", computed] =
-        words.as_slice()
+    let [
+        "summary",
+        "classes",
+        classes,
+        "statuses",
+        statuses,
+        "worst_residual",
+        residual,
+        "slow",
+        slow,
+        "computed",
+        computed,
+    ] = words.as_slice()
     else {
         return None;
     };
@@ -109,6 +122,7 @@ fn read_summary(line: &str) -> Option<Summary> {
     read(classes, &mut summary.classes)?;
     read(statuses, &mut summary.statuses)?;
     summary.worst_residual = residual.parse().ok().filter(|residual: &f64| residual.is_finite())?;
+    summary.slow = slow.parse().ok()?;
     summary.computed = computed.parse().ok()?;
     Some(summary)
 }

@@ -62,12 +62,14 @@ impl Store {
         let place = folder.display();
         if claim != Claim::Share && folder.is_symlink() {
             let message = format!(
-                "{place} is a link, where a sweep makes a folder of chunks and removes it when it is done: remove the link, or name another --out"
+                "{place} is a link, where a sweep makes a folder of chunks and removes it when it is done: name another --out"
             );
             return Err(MapError::Request(message));
         }
         if folder.exists() && !folder.is_dir() {
-            return Err(MapError::Request(format!("{place} is a file, where a folder of chunks would be: remove it")));
+            return Err(MapError::Request(format!(
+                "{place} is a file, and the chunks of a shard go into a folder: name another --out"
+            )));
         }
         let new = !folder.exists();
         let store = Self::locked(folder, claim)?;
@@ -111,13 +113,13 @@ impl Store {
         let entries = self.entries()?;
         if let Some((chunk, _)) = entries.iter().find(|(_, plain)| !plain) {
             let path = Self::path(&self.folder, *chunk);
-            let message = format!("{} is no plain file, where a chunk would be: remove it", path.display());
+            let message = format!("{} is no plain file, where a chunk would be: name another --out", path.display());
             return Err(MapError::Request(message));
         }
         let chunks = entries.len();
         if claim == Claim::Fresh && chunks > 0 {
             let message = format!(
-                "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or remove the folder to start afresh"
+                "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or name another --out to start afresh"
             );
             return Err(MapError::Request(message));
         }
@@ -144,7 +146,7 @@ impl Store {
         match plan.differences(&Self::plan(&self.folder)?) {
             None => Ok(()),
             Some(told) => {
-                let message = format!("{place} belongs to {told}; name another --out, or remove the folder");
+                let message = format!("{place} belongs to {told}; name another --out");
                 Err(MapError::Request(message))
             }
         }
@@ -161,7 +163,7 @@ impl Store {
         })?;
         Plan::from_json(&text).map_err(|why| {
             let place = path.display();
-            let advice = "if only this file is bad, remove it and go on by --resume; else remove the folder";
+            let advice = "name another --out to start afresh";
             MapError::Request(format!("{place} cannot be used: {why}; {advice}"))
         })
     }

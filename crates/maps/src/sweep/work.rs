@@ -53,10 +53,8 @@ impl Todo {
                     continue;
                 }
                 Err(Fault::Foreign) => {
-                    let message = format!(
-                        "{} is a chunk of another scene or version: remove it, or name another --out",
-                        path.display()
-                    );
+                    let message =
+                        format!("{} is a chunk of another scene or version: name another --out", path.display());
                     return Err(MapError::Request(message));
                 }
                 Err(Fault::Stopped) => return Ok(None),

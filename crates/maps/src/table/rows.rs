@@ -237,7 +237,7 @@ impl<'a> Reader<'a> {
     /// What is wrong.
     pub fn finish(self, summary: &Summary) -> Result<(), String> {
         let counts = self.whole()?;
-        if (counts.classes, counts.statuses) != (summary.classes, summary.statuses) {
+        if (counts.classes, counts.statuses, counts.slow) != (summary.classes, summary.statuses, summary.slow) {
             return Err("its counts are not those of its rows".to_owned());
         }
         Ok(())

@@ -60,7 +60,7 @@ pub(super) const STATEMENTS: &[Evidence] = &[
         commands: &[
             "simulate --family single-sided --sites 21 --gamma1 .2 --gamma2 .08 --omega .92 --asymmetry .7 --amplitude .05 --restitution .9 --perturb 1e-4 --periods 20000",
         ],
-        quoted: &["largest distance", "time reached"],
+        quoted: &["largest distance", "periods,"],
     },
     Evidence {
         title: "\"The doubled orbit needs a frequency in the attenuation zone\"",

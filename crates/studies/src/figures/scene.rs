@@ -274,7 +274,7 @@ mod tests {
         for (from, to, message) in [
             ("profile", "portrait", "unknown variant `portrait`"),
             ("reach = 10", "reach = 0", "reach = 0 is out of range"),
-            ("reach = 10", "reech = 10", "unknown field `reech`"),
+            ("reach = 10", "reech = 10", "unknown key `reech`"),
             ("omega = 1.5", "", "omega is missing"),
             ("asymmetry = 0.4", "asymmetry = 0.4\nforcing = { amplitude = 0.1 }", "restitution is missing"),
             ("sites = 11", "sites = 0", "sites = 0 is out of range"),

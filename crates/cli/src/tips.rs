@@ -1,0 +1,90 @@
+//! What is said of a flag or a command that is not there: the one that was meant, where it belongs, or why there is none.
+
+use std::ffi::OsString;
+
+use clap::Command;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use vibrochain_maps::text::closest;
+
+/// Flags of what the model has not, and how it is.
+const NOT_THERE: [(&[&str], &str); 2] = [
+    (
+        &["damping", "friction", "dissipation", "viscosity"],
+        "between impacts the model loses nothing; what it loses, it loses at the barriers: --restitution",
+    ),
+    (&["mass", "masses"], "all masses are 1; how many there are is --sites"),
+];
+
+/// Flags that are called otherwise here, and how.
+const CALLED: [(&[&str], &str, &str); 3] = [
+    (&["png", "svg", "pdf", "picture"], "plot", "pictures are --plot FILE, whose name ends in .png, .svg or .pdf"),
+    (&["csv", "output", "table"], "out", "tables are --out FILE"),
+    (&["color", "colour"], "show", "what a picture shows is --show"),
+];
+
+/// Commands that are flags of another.
+const WITHIN: [(&[&str], &str); 2] = [
+    (&["animate", "animation", "movie", "gif"], "a run that moves is `mapgen simulate … --animate run.gif`"),
+    (&["plot", "picture"], "a table is drawn by `mapgen draw`, an answer by --plot of its own command"),
+];
+
+/// What a tip is made of: the program, what was given, all arguments.
+type Tip = fn(&Command, &str, &[OsString]) -> Option<String>;
+
+/// The same error, with the tip that helps instead of the one that merely sounds alike.
+pub(crate) fn told(mut error: clap::Error, program: &Command, arguments: &[OsString]) -> clap::Error {
+    let (kind, tip): (_, Tip) = match error.kind() {
+        ErrorKind::UnknownArgument => (ContextKind::InvalidArg, of_flag),
+        ErrorKind::InvalidSubcommand => (ContextKind::InvalidSubcommand, of_command),
+        _ => return error,
+    };
+    let Some(ContextValue::String(given)) = error.get(kind) else { return error };
+    let tip = tip(program, &given.clone(), arguments);
+    for sounds_alike in [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand, ContextKind::Suggested] {
+        let _ = error.remove(sounds_alike);
+    }
+    if let Some(tip) = tip {
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
+}
+
+/// The long flags that help shows.
+fn flags(command: &Command) -> impl Iterator<Item = &str> {
+    command.get_arguments().filter(|argument| !argument.is_hide_set()).filter_map(clap::Arg::get_long)
+}
+
+fn of_flag(program: &Command, given: &str, arguments: &[OsString]) -> Option<String> {
+    let name = given.strip_prefix("--")?;
+    let visible = || program.get_subcommands().filter(|command| !command.is_hide_set());
+    let is_named = |command: &&Command| arguments.iter().skip(1).any(|argument| argument == command.get_name());
+    let command = visible().find(is_named).unwrap_or(program);
+    let has = |wanted: &str| flags(command).any(|flag| flag == wanted);
+    if let Some((_, words)) = NOT_THERE.iter().find(|(names, _)| names.contains(&name)) {
+        return Some((*words).to_owned());
+    }
+    if let Some((.., words)) = CALLED.iter().find(|(names, own, _)| names.contains(&name) && has(own)) {
+        return Some((*words).to_owned());
+    }
+    let own = flags(command).chain(flags(program));
+    // A flag of another command that is spelt right is no slip.
+    let others: Vec<&str> =
+        visible().filter(|other| flags(other).any(|flag| flag == name)).map(Command::get_name).collect();
+    match (others.as_slice(), closest(name, own)) {
+        ([], Some(meant)) => Some(format!("did you mean --{meant}?")),
+        ([], None) => {
+            let near =
+                |(names, own, _): &&(&[&str], &str, &str)| has(own) && closest(name, names.iter().copied()).is_some();
+            CALLED.iter().find(near).map(|(.., words)| (*words).to_owned())
+        }
+        (others, _) => Some(format!("--{name} is of {}, not of {}", others.join(", "), command.get_name())),
+    }
+}
+
+fn of_command(program: &Command, given: &str, _: &[OsString]) -> Option<String> {
+    if let Some((_, words)) = WITHIN.iter().find(|(names, _)| names.contains(&given)) {
+        return Some((*words).to_owned());
+    }
+    let names = program.get_subcommands().filter(|command| !command.is_hide_set()).map(Command::get_name);
+    closest(given, names).map(|meant| format!("did you mean `{meant}`?"))
+}
