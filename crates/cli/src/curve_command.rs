@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_floquet::{CurvePoint, EventCurve, Located, Search, SpecialPoint, Walk, Window, curve_along, locate_until};
+use vibrochain_floquet::{
+    CurvePoint, EventCurve, Located, Search, SpecialPoint, Walk, Window, curve_along, locate_until,
+};
 use vibrochain_lattice::{Parameter, Short};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;

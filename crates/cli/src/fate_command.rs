@@ -224,12 +224,7 @@ impl Ends<'_> {
     }
 
     /// `threads` as asked for.
-    fn chunked<'a>(
-        &'a self,
-        pool: &'a ThreadPool,
-        stop: &'a Stop,
-        threads: Option<usize>,
-    ) -> ChunkedRun<'a, Fates> {
+    fn chunked<'a>(&'a self, pool: &'a ThreadPool, stop: &'a Stop, threads: Option<usize>) -> ChunkedRun<'a, Fates> {
         let Self { args, plan, fates, .. } = *self;
         let again = self.again(threads);
         let steps = (args.starts, "runs");

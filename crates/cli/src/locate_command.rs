@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate_until};
+use vibrochain_floquet::{
+    Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate_until,
+};
 use vibrochain_lattice::{Model, Parameter, Short, Stop};
 
 use crate::args::{AlongArgs, EventName, LocateArgs};
@@ -140,6 +142,10 @@ pub(crate) fn start(args: &AlongArgs, stop: &Stop, console: &mut Console<'_>) ->
         if wanted {
             return Ok(Start { orbit, number: i + 1, count, chosen });
         }
+    }
+    if count == 0 {
+        let message = format!("no orbit was found to start from, and the list is {}", found.completeness);
+        return Err(CliError::IllPosed(message));
     }
     Err(CliError::IllPosed(format!(
         "none of the {count} orbits is physical; --solution K starts from one that is not, `mapgen orbit` lists them"

@@ -124,12 +124,7 @@ fn families(args: &WordsArgs, layout: &Layout) -> Result<Vec<Family>, CliError> 
 }
 
 /// The orbits of all words, each with what is known of it.
-fn rows(
-    model: &Model,
-    words: &[Word],
-    tolerance: Tolerance,
-    stop: &Stop,
-) -> Result<Vec<Row>, CliError> {
+fn rows(model: &Model, words: &[Word], tolerance: Tolerance, stop: &Stop) -> Result<Vec<Row>, CliError> {
     let mut finder = Finder::new(model.chain().sites()).until(stop);
     let (mut analyser, mut found) = (Analyser::default(), Found::default());
     let mut rows = Vec::new();

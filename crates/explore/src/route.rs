@@ -148,8 +148,9 @@ impl Desk {
                 let (pool, view) = (Arc::clone(&self.pool), View::read(&scene)?);
                 let quantity = scale::asked(view.scene(), &color)?;
                 let given_up = || Refusal::new(503, "nobody waits for this scale any more");
-                let job =
-                    move |stop: &Arc<AtomicBool>| scale::of(view.scene(), quantity, &pool, &stop.into()).ok_or_else(given_up);
+                let job = move |stop: &Arc<AtomicBool>| {
+                    scale::of(view.scene(), quantity, &pool, &stop.into()).ok_or_else(given_up)
+                };
                 Ok((JSON, self.tiles.run(job).await?.to_string().into()))
             }
             "view" => {

@@ -1,6 +1,5 @@
 //! The cells of a tile, as bytes.
 
-
 use rayon::ThreadPool;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use vibrochain_floquet::Mechanism;

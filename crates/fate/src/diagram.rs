@@ -1,6 +1,5 @@
 //! Bifurcation diagrams by simulation: along one parameter, where runs are once a period when they have had time to settle.
 
-
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::Orbit;
 use vibrochain_eventsim::{Outcome, Simulation};

@@ -9,7 +9,6 @@
 //! Where many multipliers have nearly the same modulus, as where a force drives a breather that radiates, no direction settles in any
 //! reasonable time. Then all directions ride along at once, and the multipliers are those of what a period makes of them.
 
-
 use thiserror::Error;
 use vibrochain_breather::{BreatherError, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, StateError, TangentError, Tangents, Time};

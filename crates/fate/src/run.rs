@@ -1,6 +1,5 @@
 //! One run from a perturbed breather: how it ends, and when it leaves.
 
-
 use vibrochain_breather::{BreatherError, Orbit};
 use vibrochain_eventsim::{Event, Exponent, Growth, Limits, MAX_FLIGHTS, Outcome, Simulation, Tangents, Time};
 use vibrochain_lattice::Stop;

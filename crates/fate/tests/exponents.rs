@@ -1,7 +1,6 @@
 //! Tangent vectors of the simulation, and exponents measured by them, against multipliers, which share no code with them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-
 use vibrochain_breather::{Family, Motion, Orbit, admissibility, breathers};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Tangents, Time};
 use vibrochain_fate::{Start, measure};

@@ -1,6 +1,5 @@
 //! Branches of breathers as one parameter varies, and the diagrams they make.
 
-
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use vibrochain_floquet::{Course, FollowedBranch, Mechanism, Station, diagram_until};

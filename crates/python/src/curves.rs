@@ -1,6 +1,5 @@
 //! Curves of events as two parameters vary.
 
-
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use vibrochain_floquet::{EventCurve, Located, Search, Walk, Window, curve_along};

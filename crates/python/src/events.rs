@@ -1,6 +1,5 @@
 //! Events on the branch of a breather as one parameter varies.
 
-
 use pyo3::prelude::*;
 use pyo3::types::PyComplex;
 use vibrochain_breather::Approach;

@@ -1,6 +1,5 @@
 //! Event-driven runs.
 
-
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -203,12 +203,7 @@ pub(crate) fn pool(threads: usize) -> Result<ThreadPool, Failure> {
 }
 
 /// All cells, on threads of their own.
-fn compute(
-    scene: &Scene,
-    threads: usize,
-    done: &AtomicU64,
-    stop: &Stop,
-) -> Result<(Vec<Growing>, Summary), Failure> {
+fn compute(scene: &Scene, threads: usize, done: &AtomicU64, stop: &Stop) -> Result<(Vec<Growing>, Summary), Failure> {
     let pool = pool(threads)?;
     let mut growing = columns(scene)
         .map(|column| Growing::new(column, scene.cells() as usize))

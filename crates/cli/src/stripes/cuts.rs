@@ -2,7 +2,6 @@
 //! that would hit or pass a mass, or lies under another family's, and its multipliers go on. So a run is carried on, both ways,
 //! for as long as there is a multiplier of its kind, and its line may be out there.
 
-
 use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, felt_modes};
 use vibrochain_lattice::Stop;
@@ -83,13 +82,7 @@ impl Carrier {
     }
 
     /// All runs in one row; `None` if stopped.
-    pub(super) fn cuts(
-        &mut self,
-        request: &Request,
-        tiles: &[Tile],
-        row: usize,
-        of: Family,
-    ) -> Option<Vec<Cut>> {
+    pub(super) fn cuts(&mut self, request: &Request, tiles: &[Tile], row: usize, of: Family) -> Option<Vec<Cut>> {
         let columns = request.omega.points;
         let group = |column: usize| {
             let tile = tiles.get(request.cell(row, column)).filter(|tile| family(tile) == Some(of))?;

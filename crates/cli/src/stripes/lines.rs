@@ -112,13 +112,7 @@ struct Worker {
 
 impl Worker {
     /// One row; `met` counts the crossings of all.
-    fn row(
-        &mut self,
-        request: &Request,
-        tiles: &[Tile],
-        row: usize,
-        met: &AtomicU64,
-    ) -> Result<Rows, CliError> {
+    fn row(&mut self, request: &Request, tiles: &[Tile], row: usize, met: &AtomicU64) -> Result<Rows, CliError> {
         let mut all = Rows { bare: bare(request, row), ..Rows::default() };
         let symmetric = request.scene.base.get(Parameter::Asymmetry) == 0.0;
         let columns = request.omega.points;

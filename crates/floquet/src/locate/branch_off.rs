@@ -71,7 +71,9 @@ impl Follower {
         let departure = bifurcation(event, orbit)?;
         // The orbit sets the scale, however short the range is.
         let unit = orbit.model().get(self.free).abs().max(self.range());
-        Branch::leaving(orbit, &departure, self.free, unit).ok().map(|(branch, start)| (branch.until(self.stop()), start))
+        Branch::leaving(orbit, &departure, self.free, unit)
+            .ok()
+            .map(|(branch, start)| (branch.until(self.stop()), start))
     }
 }
 

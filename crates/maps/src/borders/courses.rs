@@ -1,6 +1,5 @@
 //! The courses of stripes through a window, of which no raster need tell: from rows in which they are found, each followed both ways.
 
-
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use vibrochain_breather::Family;
 use vibrochain_floquet::StripeFinder;

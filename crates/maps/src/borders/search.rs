@@ -448,8 +448,12 @@ impl Search<'_> {
             beyond.set(if enough { None } else { outside });
             enough
         };
-        let walk =
-            Walk { special: self.asked.special, until: &until, stop: self.asked.stop.clone(), ..Walk::new(self.plane, self.asked.tolerance) };
+        let walk = Walk {
+            special: self.asked.special,
+            until: &until,
+            stop: self.asked.stop.clone(),
+            ..Walk::new(self.plane, self.asked.tolerance)
+        };
         let curve = curve_along(&located.orbit, located.event, located.evidence, &walk).ok()?;
         let point = |point: &vibrochain_floquet::CurvePoint| BorderPoint {
             values: point.values,
@@ -490,7 +494,8 @@ fn faces(searches: &mut [Search<'_>]) -> Result<Faces<Vec<Option<Class>>>, MapEr
         };
         let is_none = |classes: &Vec<Option<Class>>| classes.contains(&None);
         let subdivision = Subdivision::new(window, &lines, asked.tolerance)?;
-        let faces = subdivision.asked(asked.places, || Eye::new(scene, window, asked.stop), classes, is_none, &mut known);
+        let faces =
+            subdivision.asked(asked.places, || Eye::new(scene, window, asked.stop), classes, is_none, &mut known);
         let changes = faces.unexplained.iter().flat_map(|face| &face.changes);
         let mut changes: Vec<[[f64; 2]; 2]> = changes.map(|ends| ends.map(|point| window.part(point))).collect();
         // Others first another time.

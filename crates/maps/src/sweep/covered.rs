@@ -1,7 +1,6 @@
 //! Which cells of the finest grid lie in a stripe of instability, told by the stripes' edges alone: stripes thinner than a cell of the
 //! grid that is refined pass between its points unseen.
 
-
 use vibrochain_breather::Family;
 use vibrochain_lattice::Stop;
 

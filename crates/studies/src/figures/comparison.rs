@@ -1,6 +1,5 @@
 //! A simulation from a perturbed orbit beside the orbit (figures 11 to 13), and how fast they part or meet.
 
-
 use vibrochain_breather::Motion;
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 
@@ -48,7 +47,7 @@ pub(super) fn draw(
     let orbit = &solved.orbit;
     let home = orbit.impact_site().unwrap_or(0);
     let mut start = Start::on(orbit)?;
-    let mode = leading_mode_at(orbit, start.time)?;
+    let mode = leading_mode_at(orbit, start.time, stop)?;
     start.perturb_along(model, perturb, &mode);
     let mut simulation =
         Simulation::new(model, start.psi, &start.displacement, &start.velocity).map_err(computation)?;

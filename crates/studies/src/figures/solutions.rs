@@ -1,7 +1,6 @@
 //! All solutions at one point (figure 9): their traces, the curve a(φ) they are the zeros of, and what becomes of them as
 //! one more parameter changes.
 
-
 use vibrochain_breather::Family;
 use vibrochain_lattice::{ImpulseResponse, Model, Spectrum, Stop};
 
@@ -27,11 +26,7 @@ const HALVINGS: u32 = 36;
 ///
 /// # Errors
 /// [`CliError`].
-pub(super) fn draw(
-    scene: &LineScene,
-    over: (Parameter, f64, f64, usize),
-    stop: &Stop,
-) -> Result<Drawn, CliError> {
+pub(super) fn draw(scene: &LineScene, over: (Parameter, f64, f64, usize), stop: &Stop) -> Result<Drawn, CliError> {
     let nothing = || CliError::Request("a figure of solutions needs a point".to_owned());
     let (_, point, model) = scene.curves.first().ok_or_else(nothing)?;
     let solved = physical(model, scene.family)?;
