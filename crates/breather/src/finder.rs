@@ -116,7 +116,9 @@ impl Finder {
     #[must_use]
     pub fn until(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
-        (self.zeros.stop, self.plane.stop) = (self.stop.clone(), self.stop.clone());
+        for copy in [&mut self.zeros.stop, &mut self.plane.stop, &mut self.watch.stop] {
+            *copy = stop.clone();
+        }
         self
     }
 
@@ -355,7 +357,9 @@ impl Finder {
         }
         // All modes and all masses of a large lattice are not held together.
         self.give_back_response();
-        let checked = Watch::default().check(orbit, &mut self.motion, depth);
+        let mut watch = Watch::default();
+        watch.stop = self.stop.clone();
+        let checked = watch.check(orbit, &mut self.motion, depth);
         self.motion.give_back();
         checked
     }

@@ -33,14 +33,15 @@ const UNBOUNDED: f64 = 1e7;
 /// Impulses are measured anew once they have changed by this factor.
 const RESCALED: f64 = 2.0;
 
-/// Orbits assembled in one search, times their masses: some seconds. A branch on a ring of 21 masses takes 1e4.
-const MOST_WORK: u64 = 20_000_000;
+/// Terms of kernels that one search may sum up, of each pair of impacts and each mass for every orbit that is assembled: some ten seconds. A
+/// branch of four impacts on a ring of 21 masses takes 2e5.
+const MOST_WORK: u64 = 1_000_000_000;
 
 /// What following may cost in one search, and what ends it early.
 #[derive(Debug)]
 pub(crate) struct Effort {
     stop: Stop,
-    left: u64,
+    pub(crate) left: u64,
 }
 
 impl Effort {
@@ -52,9 +53,10 @@ impl Effort {
         self.left == 0
     }
 
-    /// Takes what a branch has cost.
-    fn pay(&mut self, evaluations: usize, model: &Model) {
-        self.left = self.left.saturating_sub((evaluations * model.chain().sites()) as u64);
+    /// Takes what orbits such as this one have cost.
+    fn pay(&mut self, evaluations: usize, orbit: &Orbit) {
+        let (impacts, sites) = (orbit.impacts().len() as u64, orbit.model().chain().sites() as u64);
+        self.left = self.left.saturating_sub(evaluations as u64 * impacts * impacts * sites);
     }
 }
 
@@ -83,7 +85,7 @@ pub(crate) fn follow_from(
         let Ok(rough) = Orbit::from_impulses(&model, 1, 0.0, &hits) else { return Ok(None) };
         let Ok(mut branch) = Branch::of_symmetric(&rough, coupling, model.get(coupling)) else { return Ok(None) };
         let there = branch.nearby(reach).ok();
-        effort.pay(branch.evaluations(), &model);
+        effort.pay(branch.evaluations(), orbit);
         Ok(there)
     };
     let Some(mut orbit) = near(rough, part, ASIDE, effort)? else { return ended(part, End::Lost) };
@@ -146,7 +148,7 @@ fn follow_in(
     };
     let (first, mut unit, mut step, mut paid) = (start.strength(), start.strength(), LONGEST, 0);
     loop {
-        effort.pay(along.evaluations() - paid, start.model());
+        effort.pay(along.evaluations() - paid, start);
         paid = along.evaluations();
         if effort.is_spent() {
             return ended(point.value(), End::Unfinished);

@@ -96,3 +96,29 @@ pub(crate) fn outcome(found: &Found, starts: usize, left: usize) -> Completeness
         Completeness::Followed { starts, left }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Chain, Stop};
+
+    use super::*;
+    use crate::ended::End;
+    use crate::finder::Wanted;
+
+    #[test]
+    fn a_branch_that_is_left_for_want_of_work_leaves_the_list_open() {
+        let model = |gamma2: f64| Model::forced(Chain::new(4, 0.14, gamma2).unwrap(), 0.91, 0.24, 0.75, 0.9).unwrap();
+        let (mut finder, mut found) = (Finder::new(4), Found::default());
+        finder.find_word(&model(1e-3), &"0-2-".parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let start = found.orbits.remove(0);
+        found = Found::default();
+        // Enough for some steps.
+        let mut effort = Effort::until(&Stop::default());
+        effort.left = 16 * 100;
+        list(follow(&start, &model(0.08), &mut effort).unwrap(), &mut found);
+        assert!(effort.is_spent() && found.orbits.is_empty() && found.ended[0].by == End::Unfinished, "{found:?}");
+        let open = outcome(&found, 1, 0);
+        assert_eq!(open, Completeness::Followed { starts: 1, left: 1 });
+        assert!(open.reason().is_none() && !open.is_established() && open.open() == (0, 1));
+    }
+}

@@ -12,7 +12,7 @@
 //! Either passes over a mass, or an interval, that cannot come closer than the smallest distance known so far, or cannot
 //! have a turning point, and isolates the turning points of what is left (`polynomial`).
 
-use vibrochain_lattice::{Barrier, Chain, DistinctMasses};
+use vibrochain_lattice::{Barrier, Chain, DistinctMasses, Stop};
 
 use crate::admissibility::{Admissibility, Approach, Obstruction};
 use crate::error::BreatherError;
@@ -42,6 +42,7 @@ pub(crate) struct Watch {
     start: [Vec<Lane>; 2],
     pending: Vec<(f64, f64)>,
     near: Vec<usize>,
+    pub(crate) stop: Stop,
 }
 
 /// The closest approach so far.
@@ -198,6 +199,7 @@ impl Watch {
             let step = length / windows as f64 / unit;
             self.window.set(&self.watched, motion, interval, 0.0);
             for w in 0..windows {
+                self.stop.heard()?;
                 let elapsed = length * (w as f64 / windows as f64);
                 if w > 0 {
                     self.window.advance(&self.watched, motion, interval, elapsed);

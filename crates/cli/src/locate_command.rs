@@ -144,6 +144,10 @@ pub(crate) fn start(args: &AlongArgs, stop: &Stop, console: &mut Console<'_>) ->
             return Ok(Start { orbit, number: i + 1, count, chosen });
         }
     }
+    if count == 0 {
+        let message = format!("no orbit was found to start from, and the list is {}", found.completeness);
+        return Err(CliError::IllPosed(message));
+    }
     Err(CliError::IllPosed(format!(
         "none of the {count} orbits is physical; --solution K starts from one that is not, `mapgen orbit` lists them"
     )))

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use vibrochain_breather::Finder;
+use vibrochain_breather::{BreatherError, Finder};
 use vibrochain_floquet::ModeLabels;
 
 use crate::error::CliError;
@@ -12,6 +12,9 @@ use vibrochain_maps::files::{CsvFile, Output};
 use vibrochain_maps::numbers::push_row;
 
 const HEADER: [&str; 6] = ["solution", "real", "imaginary", "modulus", "argument", "mode"];
+
+/// Rows between two looks at the request to stop: some milliseconds.
+const ROWS: usize = 4096;
 
 /// The file under way.
 pub(crate) struct MultiplierFile {
@@ -40,7 +43,10 @@ impl MultiplierFile {
             let mut labels = ModeLabels::new(&solution.orbit, finder)?;
             finder.give_back();
             let number = format!("{},", i + 1);
-            for z in multipliers.sorted() {
+            for (written, z) in multipliers.sorted().enumerate() {
+                if written.is_multiple_of(ROWS) {
+                    finder.stop().heard().map_err(BreatherError::from)?;
+                }
                 row.clear();
                 row.extend_from_slice(number.as_bytes());
                 push_row(&[z.re, z.im, z.norm(), z.arg()], &mut row);

@@ -329,7 +329,10 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
         let _ = writeln!(out, "{unresolved} {places} where two more may have merged: next to a fold");
     }
     if exhausted > 0 && matches!(completeness, Completeness::Followed { .. }) {
-        let _ = writeln!(out, "{exhausted} combinations of the masses' orbits and phases were too many to be tried");
+        let _ = writeln!(
+            out,
+            "{exhausted} combinations of the masses' orbits and phases were not tried, or not followed to an end"
+        );
     } else if exhausted > 0 {
         let _ = writeln!(
             out,

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Report, Simulation, Time};
 use vibrochain_fate::{End, Pattern, Witness};
-use vibrochain_floquet::{Tolerance, stability};
+use vibrochain_floquet::{Analyser, Tolerance};
 use vibrochain_lattice::{Short, Stop};
 
 use crate::animate::Film;
@@ -225,6 +225,10 @@ fn starting_point(
             )));
         }
         (_, _, Some(reason)) => return Err(CliError::IllPosed(format!("no orbit to start from: {reason}"))),
+        _ if count == 0 => {
+            let message = format!("no orbit was found to start from, and the list is {}", found.completeness);
+            return Err(CliError::IllPosed(message));
+        }
         _ => {
             return Err(CliError::IllPosed(format!("no orbit to start from: none of {count} solutions is physical")));
         }
@@ -238,12 +242,12 @@ fn starting_point(
         match args.direction {
             Direction::Random => start.perturb_at_random(model, size, args.seed),
             Direction::Unstable => {
-                let verdict = stability(orbit, Tolerance::Rounding)?.verdict;
+                let verdict = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding)?.verdict;
                 if verdict.stable {
                     let message = "--direction unstable: this breather is stable, it has no such direction; use --direction random";
                     return Err(CliError::Request(message.to_owned()));
                 }
-                let mode = leading_mode_at(orbit, start.time)?;
+                let mode = leading_mode_at(orbit, start.time, stop)?;
                 start.perturb_along(model, size, &mode);
             }
         }

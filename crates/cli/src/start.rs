@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::Deserialize;
 use vibrochain_breather::Orbit;
 pub use vibrochain_fate::{ModeShape, Start};
-use vibrochain_floquet::{Complex, FloquetError, leading_modes};
-use vibrochain_lattice::{Propagator, Spectrum};
+use vibrochain_floquet::{Complex, FloquetError, leading_modes_until};
+use vibrochain_lattice::{Propagator, Spectrum, Stop};
 
 use crate::error::CliError;
 use crate::schemas::{self, SIMULATE, STATE, expect};
@@ -58,12 +58,13 @@ pub fn read(path: &Path, psi: Option<f64>) -> Result<Start, CliError> {
 }
 
 /// The leading Floquet mode of an orbit at the time `start` ≤ 0 of a run: carried back by free flight from just before the first impact.
+/// Not waited for once `stop` is raised.
 ///
 /// # Errors
 /// [`FloquetError`].
-pub fn leading_mode_at(orbit: &Orbit, start: f64) -> Result<ModeShape, FloquetError> {
+pub fn leading_mode_at(orbit: &Orbit, start: f64, stop: &Stop) -> Result<ModeShape, FloquetError> {
     let failed = FloquetError::NotConverged { dimension: 0 };
-    let mode = leading_modes(orbit, 1)?.into_iter().next().ok_or(failed)?;
+    let mode = leading_modes_until(orbit, 1, stop)?.into_iter().next().ok_or(failed)?;
     let flow = Propagator::new(&Spectrum::new(*orbit.model().chain()), start);
     let carry = |part: fn(&Complex<f64>) -> f64| {
         let u: Vec<f64> = mode.displacement.iter().map(part).collect();

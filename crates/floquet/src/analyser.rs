@@ -13,9 +13,10 @@
 //! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Orbit};
+use vibrochain_breather::{BreatherError, Finder, Orbit};
 
 use crate::all_multipliers::{Multipliers, Spared};
+use crate::aside::aside;
 use crate::dense::{Dense, WORTH_A_MATRIX, is_reduced, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
@@ -197,6 +198,34 @@ impl Analyser {
         question: Question<'_>,
         finder: &mut Finder,
     ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+        if !takes_long(question) {
+            return self.decide_here(question, finder);
+        }
+        let Question { orbit, tolerance, thorough } = question;
+        let (stop, sites, orbit) = (finder.stop().clone(), orbit.model().chain().sites(), orbit.clone());
+        let mut theirs = (std::mem::take(self), std::mem::replace(finder, Finder::new(sites)));
+        let done = aside(&stop, move || {
+            let (analyser, finder) = &mut theirs;
+            let answer = analyser.decide_here(Question { orbit: &orbit, tolerance, thorough }, finder);
+            (theirs, answer)
+        });
+        match done {
+            Ok((theirs, answer)) => {
+                (*self, *finder) = theirs;
+                answer
+            }
+            Err(stopped) => {
+                *finder = Finder::new(sites).until(&stop);
+                Err(BreatherError::from(stopped).into())
+            }
+        }
+    }
+
+    fn decide_here(
+        &mut self,
+        question: Question<'_>,
+        finder: &mut Finder,
+    ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
         let (mut verdict, multipliers) = self.by_multipliers(question, finder)?;
         let orbit = question.orbit;
         if verdict.mechanism == Some(Mechanism::PlusOne)
@@ -291,6 +320,15 @@ impl Analyser {
 /// How far beyond a spectral radius another is looked for that is surely larger: no poles are near there, and no verdict's error is as
 /// large.
 const BEYOND: f64 = 1.05;
+
+/// Masses beyond which all multipliers, or the verdict on a word of several sites, may take a tenth of a second.
+const QUICK: usize = 256;
+
+/// What may take longer than a look at a request to stop may be away.
+fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
+    let chain = orbit.model().chain();
+    chain.sites() > QUICK && (thorough || orbit.impact_site().is_none() || !chain.is_kept())
+}
 
 /// Terms that a count may sum up in one pass over the gaps: some seconds, of which there may be some.
 const MOST_TERMS: f64 = 2e10;

@@ -14,9 +14,9 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
-use crate::eigen::eigenvalues;
+use crate::eigen::eigenvalues_until;
 use crate::error::FloquetError;
-use crate::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy};
+use crate::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy_until};
 use crate::reversible::Reversible;
 use crate::reversible_word::ReversibleWord;
 use crate::secular::{Modes, Nu};
@@ -81,7 +81,7 @@ impl Dense {
             }
             let mut values = std::mem::take(&mut self.values);
             let block = self.matrix_of(orbit);
-            eigenvalues(block, &mut values)?;
+            eigenvalues_until(block, &mut values, finder.stop())?;
             let norm = block.norm();
             self.values = values;
             return Ok(norm);
@@ -98,7 +98,7 @@ impl Dense {
             }
             self.coordinates.monodromy(orbit, &mut self.matrix, (&mut self.rows.0, &mut self.rows.1))?;
         } else {
-            self.matrix = full_monodromy(orbit)?;
+            self.matrix = full_monodromy_until(orbit, finder.stop())?;
         }
         let norm = self.matrix.norm();
         if !norm.is_finite() {
@@ -107,7 +107,7 @@ impl Dense {
         if orbit.model().is_conservative() {
             self.deflate(orbit, finder)?;
         }
-        eigenvalues(&self.matrix, &mut self.values)?;
+        eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;
         Ok(norm)
     }
 

@@ -2,13 +2,19 @@
 
 use faer::MatRef;
 use nalgebra::{Complex, DMatrix, Schur};
+use vibrochain_breather::BreatherError;
+use vibrochain_lattice::Stop;
 
+use crate::aside::aside;
 use crate::error::FloquetError;
 use crate::square::Square;
 
 /// Up to this dimension nalgebra's unblocked QR is the faster one, beyond it faer's blocked one (measured by
 /// `cargo bench --bench spectrum`).
 const SMALL: usize = 42;
+
+/// Beyond this dimension eigenvalues may take a tenth of a second.
+const QUICK: usize = 256;
 
 /// QR sweeps per eigenvalue after which nalgebra is told to give up; a handful is usual.
 const SWEEPS: usize = 60;
@@ -27,6 +33,31 @@ const SWEEPS: usize = 60;
 /// # Ok::<(), vibrochain_floquet::FloquetError>(())
 /// ```
 pub fn eigenvalues(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Result<(), FloquetError> {
+    eigenvalues_until(matrix, values, &Stop::default())
+}
+
+/// The same, until `stop` is raised; libraries do not look at it, so that large matrices go to a thread that can be left.
+///
+/// # Errors
+/// As [`eigenvalues`]; [`FloquetError::Breather`] if it was stopped.
+pub(crate) fn eigenvalues_until(
+    matrix: &Square,
+    values: &mut Vec<Complex<f64>>,
+    stop: &Stop,
+) -> Result<(), FloquetError> {
+    if matrix.size() <= QUICK {
+        return eigenvalues_here(matrix, values);
+    }
+    let matrix = matrix.clone();
+    let work = move || {
+        let mut values = Vec::new();
+        eigenvalues_here(&matrix, &mut values).map(|()| values)
+    };
+    values.extend(aside(stop, work).map_err(BreatherError::from)??);
+    Ok(())
+}
+
+fn eigenvalues_here(matrix: &Square, values: &mut Vec<Complex<f64>>) -> Result<(), FloquetError> {
     let dimension = matrix.size();
     let failed = FloquetError::NotConverged { dimension };
     if !matrix.is_finite() {

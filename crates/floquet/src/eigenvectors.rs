@@ -3,10 +3,11 @@
 
 use faer::MatRef;
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Orbit};
-use vibrochain_lattice::{Shapes, Spectrum};
+use vibrochain_breather::{BreatherError, Finder, Orbit};
+use vibrochain_lattice::{Shapes, Spectrum, Stop};
 
 use crate::analyser::{Analyser, Failure};
+use crate::aside::aside;
 use crate::dense::uncoupled;
 use crate::error::FloquetError;
 use crate::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
@@ -93,6 +94,15 @@ pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, Fl
             by_matrix(orbit, count)
         }
     }
+}
+
+/// The same, until `stop` is raised.
+///
+/// # Errors
+/// As [`leading_modes`]; [`FloquetError::Breather`] if it was stopped.
+pub fn leading_modes_until(orbit: &Orbit, count: usize, stop: &Stop) -> Result<Vec<FloquetMode>, FloquetError> {
+    let orbit = orbit.clone();
+    aside(stop, move || leading_modes(&orbit, count)).map_err(BreatherError::from)?
 }
 
 fn by_secular_function(orbit: &Orbit, finder: &mut Finder, count: usize) -> Result<Vec<FloquetMode>, Failure> {

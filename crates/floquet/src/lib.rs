@@ -38,6 +38,7 @@
 
 mod all_multipliers;
 mod analyser;
+mod aside;
 mod bracket;
 mod by_inertia;
 mod by_partners;
@@ -72,7 +73,7 @@ pub use curve::{
     CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window, curve, curve_along,
 };
 pub use eigen::eigenvalues;
-pub use eigenvectors::{FloquetMode, leading_modes};
+pub use eigenvectors::{FloquetMode, leading_modes, leading_modes_until};
 pub use error::FloquetError;
 pub use locate::{
     Answer, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError,

@@ -10,7 +10,7 @@
 //!   have a node there and never feel an impact: their multipliers are e^{±iΩ_kT}, see [`crate::odd_multipliers`].
 
 use vibrochain_breather::{BreatherError, Finder, Orbit};
-use vibrochain_lattice::{Propagator, Spectrum, sine_over};
+use vibrochain_lattice::{Propagator, Spectrum, Stop, sine_over};
 
 use crate::error::FloquetError;
 use crate::saltation::saltations;
@@ -144,6 +144,11 @@ pub fn even_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
 /// # Errors
 /// [`FloquetError::Grazing`], [`FloquetError::TooLarge`].
 pub fn full_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
+    full_monodromy_until(orbit, &Stop::default())
+}
+
+/// The same, until `stop` is raised.
+pub(crate) fn full_monodromy_until(orbit: &Orbit, stop: &Stop) -> Result<Square, FloquetError> {
     let chain = orbit.model().chain();
     let sites = chain.sites();
     check_dimension(2 * sites)?;
@@ -164,6 +169,7 @@ pub fn full_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
         let flow = Propagator::new(&spectrum, until - hit.time);
         next.reset(2 * sites);
         for n in 0..sites {
+            stop.heard().map_err(BreatherError::from)?;
             for m in 0..sites {
                 let block = flow.block(n, m);
                 for (half, row) in block.iter().enumerate() {

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Complex, Square, Stability, Tolerance, eigenvalues, stability};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, Model, Stop};
 
 use crate::args::ValidateArgs;
 use vibrochain_cli::console::Console;
@@ -211,7 +211,7 @@ impl<'a> ReturnMap<'a> {
 
     /// Growth per period of a small perturbation along the leading eigenvector.
     fn growth(&self, radius: f64) -> Result<f64, CliError> {
-        let mode = leading_mode_at(self.orbit, self.start.time).map_err(computation)?;
+        let mode = leading_mode_at(self.orbit, self.start.time, &Stop::default()).map_err(computation)?;
         let size = 1e-8;
         // From 1e-8 to 1e-5, in as many periods as that takes.
         let periods = ((1e3_f64.ln() / radius.ln()) as u64).clamp(1, LONG);

@@ -47,7 +47,7 @@ pub(super) fn draw(
     let orbit = &solved.orbit;
     let home = orbit.impact_site().unwrap_or(0);
     let mut start = Start::on(orbit)?;
-    let mode = leading_mode_at(orbit, start.time)?;
+    let mode = leading_mode_at(orbit, start.time, stop)?;
     start.perturb_along(model, perturb, &mode);
     let mut simulation =
         Simulation::new(model, start.psi, &start.displacement, &start.velocity).map_err(computation)?;
