@@ -446,7 +446,7 @@ fn limits_of_a_picture_are_known_at_once() {
         let dpi = if command.contains("--width") { 700 } else { 2400 };
         let ran = desk.run(&format!("{command} --dpi {dpi}"));
         assert!(ran.code == Some(2) && !ran.err.contains("--resume"), "{command}: {ran:?}");
-        assert!(ran.err.contains("pixels are more than") || ran.err.contains("pixels across"), "{command}: {ran:?}");
+        assert!(ran.err.contains("legend are more than") || ran.err.contains("pixels across"), "{command}: {ran:?}");
         assert_eq!(desk.names("."), ["line.toml", "scene.toml"], "{command}");
     }
 }

@@ -304,7 +304,7 @@ fn a_run_tells_what_it_is_of_and_what_has_become_of_it() {
         "{left}"
     );
     assert!(left.contains("outcome: it left the breather after ") && left.contains("windows of flight "), "{left}");
-    let json: serde_json::Value = serde_json::from_str(&run(&format!("{pushed} --json")).1).unwrap();
+    let json = vibrochain_testkit::written(&run(&format!("{pushed} --json")).1);
     assert!((3.0..15.0).contains(&json["left"].as_f64().unwrap()) && json["solution"] == 2, "{json}");
     // Without a force losses end all impacts.
     let (_folder, state) = desk(FIVE);
