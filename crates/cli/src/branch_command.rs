@@ -21,6 +21,7 @@ use crate::locate_command::{
 };
 use crate::orbit_command::{point_value, with_word};
 use crate::picture_files::PictureFiles;
+use crate::report::counted;
 use crate::schemas::BRANCH;
 use crate::table_manifest::{Manifest, beside};
 use crate::which;
@@ -176,7 +177,7 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
                 found.event
             );
         }
-        let _ = writeln!(out, ": {} points", branch.points().count());
+        let _ = writeln!(out, ": {}", counted(branch.points().count(), "point"));
         let mut hidden = 0;
         for (station, found) in branch.stations.iter().enumerate() {
             let Station::Event(found) = found else { continue };

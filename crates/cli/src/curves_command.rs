@@ -18,6 +18,7 @@ use crate::border_search::BorderSearch;
 use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::picture_files::PictureFiles;
+use crate::report::counted;
 use crate::schemas::CURVES;
 use crate::threads::threads;
 
@@ -194,11 +195,12 @@ impl Answer<'_> {
         let points: usize = self.borders.borders.iter().map(|border| border.points.len()).sum();
         let _ = writeln!(
             out,
-            "{} borders of {points} points over {x} from {from_x} to {to_x}, {y} from {from_y} to {to_y}",
-            self.borders.borders.len()
+            "{} of {} over {x} from {from_x} to {to_x}, {y} from {from_y} to {to_y}",
+            counted(self.borders.borders.len(), "border"),
+            counted(points, "point")
         );
         for (family, count) in self.stripes() {
-            let _ = writeln!(out, "  {family}: {count} stripes, two edges each");
+            let _ = writeln!(out, "  {family}: {}, two edges each", counted(count, "stripe"));
         }
         for (family, kind, count) in self.counts() {
             let _ = writeln!(out, "  {family}: {count} {kind}");

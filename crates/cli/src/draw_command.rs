@@ -18,7 +18,7 @@ use crate::fate_command::{ENDS, SECTION};
 use crate::fate_plot::Plot;
 use crate::picture_files::{PictureFiles, of_no_map};
 use crate::pictures::Pictures;
-use crate::report::size;
+use crate::report::{counted, size};
 use crate::stripes;
 use crate::table_manifest::{OfRuns, manifest_path, read};
 use crate::table_rows::TableRows;
@@ -92,6 +92,7 @@ impl Kind {
     /// Refuses flags that are of other tables.
     fn takes(self, args: &DrawArgs) -> Result<(), CliError> {
         let flags = [
+            ("--show", !args.show.is_empty(), "of sweep or branch", matches!(self, Self::Cells | Self::Branch)),
             ("--all", args.all, "of branch or stripes", matches!(self, Self::Branch | Self::Lines)),
             ("--map", args.map.is_some(), "of stripes", self == Self::Lines),
         ];
@@ -102,8 +103,7 @@ impl Kind {
         if self == Self::Cells {
             Ok(())
         } else {
-            let show = self != Self::Branch && !args.show.is_empty();
-            of_no_map(&args.pictures, show, &format!("this is a table of {}", self.name()))
+            of_no_map(&args.pictures, false, &format!("this is a table of {}", self.name()))
         }
     }
 }
@@ -146,7 +146,7 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
             };
             let (rows, _): (_, serde_json::Value) = read(source, stripes::LINES)?;
             let lines = stripes::redraw(PictureFiles::asked(wanted)?, (table, rows), source, map, args.all)?;
-            format!("{lines} lines")
+            counted(lines, "line")
         }
     };
     console.summary(&told);
@@ -188,7 +188,7 @@ fn ends(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, 
     let fates = Fates { ensemble, ..Fates::default() };
     table.cells(&fates, &scene, &mut |_, cell| plot.see(cell))?;
     plot.finish(&scene, &ensemble)?;
-    Ok(format!("{} cells", scene.cells()))
+    Ok(counted(scene.cells(), "cell"))
 }
 
 fn section(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
@@ -204,7 +204,7 @@ fn section(files: PictureFiles, table: TableRows, source: &Path) -> Result<Strin
         Ok(())
     })?;
     plot.finish(&scene, &ensemble)?;
-    Ok(format!("{rows} points"))
+    Ok(counted(rows, "point"))
 }
 
 fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, CliError> {
@@ -235,5 +235,5 @@ fn curve(files: PictureFiles, table: TableRows, source: &Path) -> Result<String,
     table.rows(rows, |fields| curve_table::take(&mut curves, fields))?;
     let picture = curve_plot::picture(&about.heading, &window, &curves);
     files.draw(|page| curves_picture(&picture, page))?;
-    Ok(format!("{} curves of {rows} points", curves.len()))
+    Ok(format!("{} of {}", counted(curves.len(), "curve"), counted(rows, "point")))
 }

@@ -10,7 +10,7 @@ use vibrochain_lattice::Short;
 use vibrochain_maps::manifest::scene_parts;
 use vibrochain_maps::scene::Scene;
 
-use crate::report::grid;
+use crate::report::{counted, grid};
 use crate::schemas::FATE;
 use crate::table_manifest::Runs;
 
@@ -80,11 +80,12 @@ impl Totals {
         let Ensemble { size, periods, seed, .. } = *ensemble;
         let _ = writeln!(
             out,
-            "{} cells ({}), {} with a breather to start from; {} breathers, {runs} runs of {periods} periods, perturbed by {} from seed {seed}",
-            self.cells,
+            "{} ({}), {} with a breather to start from; {}, {} of {periods} periods, perturbed by {} from seed {seed}",
+            counted(self.cells, "cell"),
             grid(scene),
             self.with,
-            self.breathers,
+            counted(self.breathers, "breather"),
+            counted(runs, "run"),
             Short(size)
         );
         for (name, &count) in End::NAMES.iter().zip(&self.ends).filter(|(_, count)| **count > 0) {

@@ -14,6 +14,7 @@ use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::model::{Chosen, chosen};
 use crate::orbit_command::{orbit_value, point_value, with_layer, with_word};
+use crate::report::counted;
 use crate::schemas::LOCATE;
 use crate::which;
 use vibrochain_maps::files::{CsvFile, distinct};
@@ -290,8 +291,7 @@ fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
     let _ = writeln!(out, "{} of {}", search.event.name(), start.heading(search.free));
     let count = answer.located.len();
     if count > 0 {
-        let events = if count == 1 { "event" } else { "events, along the parameter" };
-        let _ = writeln!(out, "{count} {events}");
+        let _ = writeln!(out, "{}{}", counted(count, "event"), if count > 1 { ", along the parameter" } else { "" });
     }
     for found in &answer.located {
         located_text(&mut out, name, found);

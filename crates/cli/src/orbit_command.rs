@@ -77,8 +77,9 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     }
     trajectory.map_or(Ok(()), |table| table.finish(&solutions))?;
     plot.finish(&solutions, console)?;
-    if let Some(reason @ NoBreather::NotSearched(_)) = found.completeness.reason() {
-        return Err(CliError::IllPosed(reason.to_string()));
+    if let Some(NoBreather::NotSearched(_)) = found.completeness.reason() {
+        let message = "this word cannot be searched for: whether it has orbits here is not known";
+        return Err(CliError::IllPosed(message.to_owned()));
     }
     match solutions.iter().find_map(|solution| solution.multipliers.as_ref().err()) {
         Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),
@@ -307,8 +308,8 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{name} breathers, {model}");
     match completeness.reason() {
-        Some(reason @ NoBreather::NotSearched(_)) => {
-            let _ = writeln!(out, "not searched: {reason}");
+        Some(NoBreather::NotSearched(why)) => {
+            let _ = writeln!(out, "not searched: {why}");
             return out;
         }
         // Where nothing shows that there is none, none was found.

@@ -26,7 +26,7 @@ pub(crate) const PICTURES: &str = "Pictures";
 /// How pictures are made.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Args)]
 pub struct PageArgs {
-    /// What pictures are made for.
+    /// What pictures are made for [default: screen].
     #[arg(long, help_heading = PICTURES, value_enum, value_name = "PURPOSE")]
     pub style: Option<StyleName>,
     /// Width of a picture with its unit, such as 86mm; mm, cm, in and pt are for print, 300 dpi and letters of 8 points unless --style,

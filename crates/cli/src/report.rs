@@ -7,6 +7,13 @@ use vibrochain_maps::manifest::Effort;
 use vibrochain_maps::scene::{Refine, Scene};
 use vibrochain_maps::summary::{SLOW, Summary};
 
+/// "1 cell", "2 cells".
+pub(crate) fn counted(count: impl TryInto<u64>, thing: &str) -> String {
+    // (A count that is beyond 64 bits is none that a machine can hold.)
+    let count = count.try_into().unwrap_or(u64::MAX);
+    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
+}
+
 /// "400 × 300": the points of the axes.
 pub(crate) fn grid(scene: &Scene) -> String {
     scene.axes.iter().map(|axis| axis.points().to_string()).collect::<Vec<_>>().join(" × ")
@@ -16,7 +23,7 @@ pub(crate) fn grid(scene: &Scene) -> String {
 pub(crate) fn size(scene: &Scene, summary: &Summary) -> String {
     let (cells, finest) = (summary.cells(), scene.finest());
     match scene.refine {
-        None => format!("{cells} cells ({})", grid(scene)),
+        None => format!("{} ({})", counted(cells, "cell"), grid(scene)),
         Some(Refine { depth }) => {
             let (leaves, coarse, fine) = (summary.computed, grid(scene), grid(&finest));
             format!("{leaves} leaves for {cells} cells ({fine}: {coarse}, refined {depth} times)")

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Report, Simulation, Time};
-use vibrochain_fate::{End, Pattern, Witness};
+use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
 use vibrochain_floquet::{Analyser, Tolerance};
 use vibrochain_lattice::{Short, Stop};
 
@@ -358,9 +358,9 @@ impl Told<'_> {
         let end = match self.report.outcome {
             _ if self.stopped => ", interrupted",
             Outcome::TimeReached => "",
-            Outcome::ImpactsReached => ": the number of impacts is reached",
-            Outcome::Cascade { .. } => ": a cascade of impacts could not be resolved",
-            Outcome::WorkLimit => ": the limit on work is reached",
+            Outcome::ImpactsReached => ", number of impacts reached",
+            Outcome::Cascade { .. } => ", a cascade of impacts could not be resolved",
+            Outcome::WorkLimit => ", limit on work reached",
         };
         let rests = match work.sticks {
             0 => String::new(),
@@ -384,10 +384,11 @@ impl Told<'_> {
 
     /// What the run has come to, in a sentence.
     fn outcome(&self) -> String {
-        let since = match &self.fate.end {
+        let last = self.simulation.time().periods().min(LOOKED_AT);
+        let ends = match &self.fate.end {
             Some(End::Another(word)) => format!("its impacts repeat as {word}"),
-            Some(End::Quiet) => "there are no impacts any more".to_owned(),
-            None if self.simulation.time().periods() < 2 => "the run is too short to tell".to_owned(),
+            Some(End::Quiet) => format!("there is no impact in its last {last} periods"),
+            None if self.simulation.time().periods() < 2 => "it is too short to tell".to_owned(),
             _ => "its impacts do not repeat".to_owned(),
         };
         match (self.home, self.fate.left, &self.fate.end) {
@@ -396,8 +397,8 @@ impl Told<'_> {
             (Some(_), Some(left), Some(End::Breather)) => {
                 format!("it left the breather after {left:.1} periods and has come back to it")
             }
-            (Some(_), Some(left), _) => format!("it left the breather after {left:.1} periods; at the end {since}"),
-            _ => format!("at the end {since}"),
+            (Some(_), Some(left), _) => format!("it left the breather after {left:.1} periods; at the end {ends}"),
+            _ => ends,
         }
     }
 }

@@ -43,10 +43,29 @@ pub(crate) fn told(mut error: clap::Error, program: &Command, arguments: &[OsStr
     for sounds_alike in [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand, ContextKind::Suggested] {
         let _ = error.remove(sounds_alike);
     }
+    // Usage has been written with the flag that sounds alike in it.
+    let mut program = program.clone();
+    program.build();
+    let named = named(&program, arguments).map(|command| command.get_name().to_owned());
+    let usage = match named.and_then(|name| program.find_subcommand_mut(name)) {
+        Some(command) => command.render_usage(),
+        None => program.render_usage(),
+    };
+    error.insert(ContextKind::Usage, ContextValue::StyledStr(usage));
     if let Some(tip) = tip {
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     }
     error
+}
+
+/// Those that help lists.
+fn visible(program: &Command) -> impl Iterator<Item = &Command> {
+    program.get_subcommands().filter(|command| !command.is_hide_set())
+}
+
+/// The command that is asked for.
+fn named<'a>(program: &'a Command, arguments: &[OsString]) -> Option<&'a Command> {
+    visible(program).find(|command| arguments.iter().skip(1).any(|argument| argument == command.get_name()))
 }
 
 /// The long flags that help shows.
@@ -56,9 +75,7 @@ fn flags(command: &Command) -> impl Iterator<Item = &str> {
 
 fn of_flag(program: &Command, given: &str, arguments: &[OsString]) -> Option<String> {
     let name = given.strip_prefix("--")?;
-    let visible = || program.get_subcommands().filter(|command| !command.is_hide_set());
-    let is_named = |command: &&Command| arguments.iter().skip(1).any(|argument| argument == command.get_name());
-    let command = visible().find(is_named).unwrap_or(program);
+    let command = named(program, arguments).unwrap_or(program);
     let has = |wanted: &str| flags(command).any(|flag| flag == wanted);
     if let Some((_, words)) = NOT_THERE.iter().find(|(names, _)| names.contains(&name)) {
         return Some((*words).to_owned());
@@ -69,7 +86,7 @@ fn of_flag(program: &Command, given: &str, arguments: &[OsString]) -> Option<Str
     let own = flags(command).chain(flags(program));
     // A flag of another command that is spelt right is no slip.
     let others: Vec<&str> =
-        visible().filter(|other| flags(other).any(|flag| flag == name)).map(Command::get_name).collect();
+        visible(program).filter(|other| flags(other).any(|flag| flag == name)).map(Command::get_name).collect();
     match (others.as_slice(), closest(name, own)) {
         ([], Some(meant)) => Some(format!("did you mean --{meant}?")),
         ([], None) => {
@@ -85,6 +102,5 @@ fn of_command(program: &Command, given: &str, _: &[OsString]) -> Option<String> 
     if let Some((_, words)) = WITHIN.iter().find(|(names, _)| names.contains(&given)) {
         return Some((*words).to_owned());
     }
-    let names = program.get_subcommands().filter(|command| !command.is_hide_set()).map(Command::get_name);
-    closest(given, names).map(|meant| format!("did you mean `{meant}`?"))
+    closest(given, visible(program).map(Command::get_name)).map(|meant| format!("did you mean `{meant}`?"))
 }

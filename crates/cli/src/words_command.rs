@@ -12,6 +12,7 @@ use crate::console::{Console, nothing_else};
 use crate::error::CliError;
 use crate::model::chosen;
 use crate::orbit_command::point_value;
+use crate::report::counted;
 use crate::schemas::WORDS;
 use vibrochain_maps::files::{CsvFile, distinct};
 
@@ -160,7 +161,7 @@ fn fates(model: &Model, words: &[Word], stop: &Stop) -> Result<String, CliError>
     for word in words {
         fates.push(format!("{word}  {}", fate(&mut finder, model, word)?));
     }
-    Ok(format!("{}\n{} words up to symmetry\n", fates.join("\n"), words.len()))
+    Ok(format!("{}\n{} up to symmetry\n", fates.join("\n"), counted(words.len(), "word")))
 }
 
 /// How far a word is physical from masses without coupling on, all couplings in proportion, and what ends that; windows narrower
@@ -268,9 +269,9 @@ fn text(words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> Strin
     let stable = rows.iter().filter(|row| row.is_physical() && row.is_stable()).count();
     let _ = writeln!(
         out,
-        "{} words up to symmetry: {} orbits, {physical} physical, {stable} stable",
-        words.len(),
-        rows.len()
+        "{} up to symmetry: {}, {physical} physical, {stable} stable",
+        counted(words.len(), "word"),
+        counted(rows.len(), "orbit")
     );
     if !unsearched.is_empty() {
         let _ = writeln!(

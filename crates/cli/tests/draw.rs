@@ -140,7 +140,7 @@ fn what_is_no_table_or_a_damaged_one_is_refused() {
         );
     }
     assert_eq!(damaged, 40);
-    refused("draw ends.csv --svg new.svg --show phi", "--show is of tables of branch, this is one of fate");
+    refused("draw ends.csv --svg new.svg --show phi", "--show is of tables of sweep or branch, this is one of fate");
     refused("draw curve.csv --svg new.svg --all", "--all is of tables of branch or stripes, this is one of curve");
     refused("draw map.csv --svg new.svg --map map.csv", "--map is of tables of stripes, this is one of sweep");
     refused("draw lines.csv --svg new.svg", "give the table of the map that they lie on");

@@ -249,7 +249,7 @@ fn headings_of_help_hold_what_they_name() {
         let section: Vec<&str> = section.lines().take_while(|line| line.is_empty() || line.starts_with(' ')).collect();
         let flags = section
             .iter()
-            .filter_map(|line| line.trim_start().strip_prefix("--"))
+            .filter_map(|line| line.strip_prefix("      --"))
             .filter_map(|flag| flag.split([' ', '\n']).next());
         for flag in flags {
             assert!(of_pictures.contains(&format!("--{flag}").as_str()), "{command}: --{flag}");
@@ -321,7 +321,7 @@ fn quiet_commands_say_nothing_and_write_what_is_asked_for() {
         format!("branch --free omega {start} --events grazing"),
         format!("curve --event grazing --free omega --and gamma2 --tolerance 1e-2 {start}"),
         "curves scene.toml --places 0 --tolerance 1e-3".to_owned(),
-        "fate scene.toml --starts 1 --periods 10".to_owned(),
+        "fate scene.toml --starts 1 --periods 20".to_owned(),
         "init new.toml".to_owned(),
     ];
     if cfg!(feature = "plot") {

@@ -299,7 +299,7 @@ fn how_to_go_on_is_told_with_all_that_was_asked_for() {
     let desk = Desk::with_scene(SCENE);
     let command = "sweep scene.toml --out map.csv --png map.png --slice gamma2=0 --color margin";
     desk.run(&format!("{command} --quiet")).with(2, &["--show is of maps"]);
-    let command = "sweep scene.toml --out map.csv --png map.png --color margin --curves";
+    let command = "sweep scene.toml --out map.csv --plot map.png --show margin --curves";
     let mut child = desk.start(command);
     // The last chunk has its name when it is clear that the table has none.
     desk.await_chunks(&mut child, "map.csv.parts", CHUNKS as usize - 1);
@@ -388,7 +388,7 @@ fn a_picture_is_as_wide_and_as_fine_as_its_page() {
         desk.run(&format!("draw map.csv --png new.png {flags}")).with(2, &[told]);
     }
     assert!(!desk.path("new.png").exists());
-    desk.run("sweep scene.toml --out new.csv --dpi 100").with(2, &["--dpi is of pictures: ask for one with --png"]);
+    desk.run("sweep scene.toml --out new.csv --dpi 100").with(2, &["--dpi is of pictures: ask for one with --plot"]);
 }
 
 #[test]
@@ -429,7 +429,7 @@ fn a_run_moves() {
 /// A picture that is too large is refused before anything is computed or made, by every command.
 #[test]
 fn limits_of_a_picture_are_known_at_once() {
-    let scene = "[model]\nsites = 21\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 0.4, to = 3.0, points = 4000 }\ny = { parameter = 'gamma2', from = 0.0, to = 0.3, points = 3000 }\n[compute]\nfamilies = ['double-sided']\nstability = true\n";
+    let scene = "[model]\nsites = 21\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 0.4, to = 3.0, points = 3000 }\ny = { parameter = 'gamma2', from = 0.0, to = 0.3, points = 3000 }\n[compute]\nfamilies = ['double-sided']\nstability = true\n";
     let desk = Desk::with_scene(scene);
     let line = scene.replace("y = {", "# y = {").replace("[sweep]", "gamma2 = 0.1\n[sweep]");
     std::fs::write(desk.path("line.toml"), line).unwrap();
@@ -452,7 +452,7 @@ fn limits_of_a_picture_are_known_at_once() {
         let dpi = if command.contains("--width") { 700 } else { 2400 };
         let ran = desk.run(&format!("{command} --dpi {dpi}"));
         assert!(ran.code == Some(2) && !ran.err.contains("--resume"), "{command}: {ran:?}");
-        assert!(ran.err.contains("pixels are more than") || ran.err.contains("pixels across"), "{command}: {ran:?}");
+        assert!(ran.err.contains("legend are more than") || ran.err.contains("pixels across"), "{command}: {ran:?}");
         assert_eq!(desk.names("."), ["line.toml", "scene.toml"], "{command}");
     }
 }

@@ -111,7 +111,7 @@ fn tasks_of_a_job_array_share_a_sweep() {
                 ("ARRAY_TASK_COUNT", &count),
                 ("CPUS_PER_TASK", "1"),
             ];
-            task(&desk, sweep, &variables).with(0, &[&format!("shard {index}/{count}: "), " s on 1 threads,"]);
+            task(&desk, sweep, &variables).with(0, &[&format!("shard {index}/{count}: "), " s on 1 thread,"]);
         }
         desk.run("merge parts --out map.csv").with(0, &[]);
         assert!(desk.read("map.csv") == expected, "{ids:?}");

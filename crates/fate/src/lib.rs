@@ -57,7 +57,7 @@ pub use ensemble::{Ensemble, OutOfRange};
 pub use exponent::{Measured, Unmeasured, measure};
 pub use fates::{BreatherFates, CellFates, From, fates};
 pub use reader::Reader;
-pub use run::{Fate, Home};
+pub use run::{Fate, Home, LOOKED_AT};
 pub use section::Strobe;
 pub use start::{ModeShape, Start};
 pub use witness::{Outcome, Pattern, Witness};

@@ -11,7 +11,7 @@ use crate::repeat::Latest;
 use crate::start::Start;
 
 /// Periods at the end whose impacts are looked at: enough for a slow drift to show, few enough for a run that has just settled.
-pub(crate) const LOOKED_AT: u64 = 64;
+pub const LOOKED_AT: u64 = 64;
 
 /// What is nearer than this part of the tolerance to the impact before is of its instant: what a tolerance of times makes of masses
 /// that hit together. (The breather's own instants stay apart, however near they are.)

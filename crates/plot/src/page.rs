@@ -118,10 +118,11 @@ impl Page {
     /// [`PlotError`] that says what to do.
     pub(crate) fn holds(&self, [width, height]: [f64; 2]) -> Result<(), PlotError> {
         let [columns, rows] = [width * self.scale(), height * self.scale()];
-        let part = if self.measures { FORESEEN } else { 1.0 };
-        if columns.max(rows) > part * MOST_PIXELS || columns * rows > part * MOST_AREA {
+        let (part, without) = if self.measures { (FORESEEN, " without all of its legend") } else { (1.0, "") };
+        let (side, area) = (part * MOST_PIXELS, part * MOST_AREA);
+        if columns.max(rows) > side || columns * rows > area {
             return Err(PlotError(format!(
-                "{columns:.0} x {rows:.0} pixels are more than {MOST_PIXELS} along a side or {MOST_AREA:e} in all: \
+                "{columns:.0} x {rows:.0} pixels{without} are more than {side} along a side or {area:e} in all: \
                  choose a smaller width, or fewer dots per inch than {}",
                 self.dpi
             )));

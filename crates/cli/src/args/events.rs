@@ -8,7 +8,7 @@ use vibrochain_maps::numbers::{real, whole};
 use vibrochain_maps::point::Parameter;
 
 use super::model::{ModelArgs, WhichArgs};
-use super::quantity::{OF_BRANCHES, QuantityName, SHOWN, among};
+use super::quantity::{OF_BRANCHES, QuantityName, SHOWN_NAMES, among};
 use crate::page_args::{PICTURES, PageArgs};
 
 /// Events of `mapgen locate`.
@@ -121,7 +121,7 @@ pub struct BranchArgs {
     #[command(flatten)]
     pub page: PageArgs,
     /// What the picture shows, a list with commas.
-    #[arg(long, help_heading = PICTURES, value_name = "QUANTITY", value_delimiter = ',', default_values_t = SHOWN, requires = "plot", value_parser = among(&OF_BRANCHES))]
+    #[arg(long, help_heading = PICTURES, value_name = "QUANTITY", value_delimiter = ',', default_value = SHOWN_NAMES, requires = "plot", value_parser = among(&OF_BRANCHES))]
     pub show: Vec<QuantityName>,
     /// Print JSON instead of text.
     #[arg(long)]

@@ -104,7 +104,7 @@ pub struct WhichArgs {
     #[arg(long, help_heading = WHICH, value_name = "N", value_parser = force_periods, allow_negative_numbers = true)]
     pub force_periods: Option<u32>,
     /// The breather near that of a file, as `mapgen orbit --json` writes it (its first solution), or an object with `impacts`
-    /// (site, barrier, time, impulse) and `psi`.
+    /// (site, barrier, time, impulse), `psi` and, of more than one period of the force, `period`.
     #[arg(long, help_heading = WHICH, value_name = "FILE", group = "which")]
     pub near: Option<PathBuf>,
 }

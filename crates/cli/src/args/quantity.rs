@@ -35,6 +35,7 @@ pub(crate) const ALL: [QuantityName; 7] = [Class, SpectralRadius, Margin, Impuls
 
 /// What a bifurcation diagram shows unless it is asked for something else.
 pub(crate) const SHOWN: [QuantityName; 2] = [Impulse, SpectralRadius];
+pub(super) const SHOWN_NAMES: &str = "impulse,spectral_radius";
 
 /// The name on the command line, a column's.
 impl fmt::Display for QuantityName {

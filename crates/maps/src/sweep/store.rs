@@ -68,7 +68,7 @@ impl Store {
         }
         if folder.exists() && !folder.is_dir() {
             return Err(MapError::Request(format!(
-                "{place} is a file, and the chunks of a shard go into a folder: name another --out"
+                "{place} is a file, where a folder of chunks would be: name another --out"
             )));
         }
         let new = !folder.exists();
