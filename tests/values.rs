@@ -186,7 +186,7 @@ fn the_program_writes_and_reads_the_same_names() {
     assert!(solutions > 60 && obstructed > 20 && scenes > 50, "{solutions} {obstructed} {scenes}");
 }
 
-/// An orbit is written only; its parameters and impacts are enough to have it again.
+/// As text an orbit is written only; its parameters and impacts are enough to have it again.
 #[test]
 fn an_orbit_is_made_again_from_what_was_written_of_it() {
     let mut orbits = 0;
@@ -197,6 +197,8 @@ fn an_orbit_is_made_again_from_what_was_written_of_it() {
             let written = serde_json::to_value(orbit).unwrap();
             let read: Model = serde_json::from_value(written["parameters"].clone()).unwrap();
             let hits: Vec<Hit> = serde_json::from_value(written["impacts"].clone()).unwrap();
+            let refused = serde_json::from_value::<Orbit>(written).unwrap_err().to_string();
+            assert!(refused.contains("make it from its parameters and impacts"), "{refused}");
             let again = match Orbit::from_impulses(&read, orbit.force_periods(), orbit.psi().unwrap_or(0.0), &hits) {
                 // A wrong sign is no word.
                 Err(BreatherError::Impact { .. }) => continue,

@@ -70,7 +70,9 @@ impl From<Failure> for PyErr {
             Failure::IllConditioned(message) => raised::IllConditionedError::new_err(message),
             Failure::TooLarge(message) => raised::TooLargeError::new_err(message),
             // As `open` has it: number, words, name.
-            Failure::NoFile(path) => PyFileNotFoundError::new_err((NO_FILE, "there is no such file", path)),
+            Failure::NoFile(path) => {
+                PyFileNotFoundError::new_err((NO_FILE, "there is no such file", path.into_os_string()))
+            }
             Failure::Other(message) => raised::VibrochainError::new_err(message),
         }
     }

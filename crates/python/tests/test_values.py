@@ -58,14 +58,15 @@ def test_a_parameter_out_of_range_is_told_with_value_range_and_remedy():
         (lambda: vc.Chain("5", 1, 1), "sites = '5' is no whole number: give one from 1 to 10000000"),
         (lambda: vc.Chain(21.5, 1, 1), "sites = 21.5 is no whole number: give one from 1 to 10000000"),
         (lambda: vc.Chain(5, 1, 1, layers=2.0), "layers = 2.0 is no whole number"),
-        (lambda: vc.Chain(5, "a", 1), "argument 'gamma1': must be real number"),
+        (lambda: vc.Chain(5, "a", 1), "'gamma1'"),
         (lambda: vc.Force([(1.5, 0.1)]), "harmonic = 1.5 is no whole number"),
     ],
 )
 def test_what_is_no_number_is_a_type_error_that_names_the_argument(make, told):
     with pytest.raises(TypeError) as error:
         make()
-    assert told in str(error.value)
+    # From Python 3.11 on the name of the argument is a note.
+    assert told in "\n".join([str(error.value), *getattr(error.value, "__notes__", [])])
 
 
 def test_a_force_needs_restitution():
@@ -112,7 +113,7 @@ def test_other_failures_have_their_kinds(model, orbit):
     with pytest.raises(vc.NotConvergedError, match="start nearer to an orbit"):
         vc.Orbit.near(model, [(0, "upper", 0.0, 50.0), (7, "upper", 0.3, 50.0), (0, "lower", 0.4, 0.0)])
     with pytest.raises(vc.TooLargeError, match="give fewer times or sites"):
-        orbit.displacement(np.broadcast_to(0.0, 10**10))
+        orbit.displacement(np.broadcast_to(0.0, 10**9))
     with pytest.raises(vc.TooLargeError, match="is too stiff|too stiff"):
         stiff = vc.Model(vc.Chain(2, 1.0, 1e6), omega=1.234567e-7, asymmetry=0.4)
         stiff.breathers("single-sided").orbits[0].admissibility()
