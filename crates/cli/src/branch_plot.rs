@@ -15,6 +15,9 @@ const COLOURS: usize = 4;
 const EVENTS: usize = 4;
 const GREY: usize = 5;
 
+/// Multipliers beyond this are outside the circle, however much growth counts as stable: rounding moves double ones by less.
+const ON_CIRCLE: f64 = 1.0 + 1e-6;
+
 /// More events than this have small marks.
 const CROWD: usize = 40;
 
@@ -155,7 +158,8 @@ fn heights(quantity: QuantityName, branch: Branch<'_>, at: usize) -> Vec<f64> {
     let (before, behind) = rows.split_at(at);
     let is_point = |row: &&Row| row.event.is_none();
     let (before, behind) = (before.iter().rev().find(is_point), behind.iter().find(is_point));
-    let stable = |point: Option<&Row>| point.and_then(kind) == Some(Kind::Stable);
+    let within = |row: &Row| row.spectral_radius.is_some_and(|radius| radius < ON_CIRCLE);
+    let stable = |point: Option<&Row>| point.is_some_and(|row| kind(row) == Some(Kind::Stable) && within(row));
     // Next to stable orbits it is the leading multiplier that is on the circle.
     let grazes = found.event == Some(Event::Grazing);
     if quantity == QuantityName::SpectralRadius && !grazes && (stable(before) || stable(behind)) {
@@ -239,4 +243,52 @@ fn events(quantity: QuantityName, event: Event, mark: Mark, table: &Table) -> Op
     }
     let name = in_words(event.name());
     (!points.is_empty()).then_some(Series { name, colour: EVENTS, stroke: Stroke::None, mark, points })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point, stable below a growth of 0.01.
+    fn point(value: f64, radius: f64) -> Row {
+        Row {
+            event: None,
+            value,
+            impulses: vec![1.0],
+            phi: None,
+            psi: None,
+            period: 1.0,
+            margin: Some(0.1),
+            physical: Some(true),
+            stable: Some(radius < 1.01),
+            spectral_radius: Some(radius),
+        }
+    }
+
+    /// The leading multiplier is on the circle only where nothing grows beside it.
+    #[test]
+    fn an_event_is_at_1_if_its_neighbours_are_within_the_circle() {
+        let about = BranchName { name: String::new(), generation: 0, force_periods: 1 };
+        let event = |value| Row { event: Some(Event::PeriodDoubling), stable: None, ..point(value, f64::NAN) };
+        for (beside, at) in [([1.0, 1.3], 1.0), ([0.9, 0.8], 1.0), ([1.004, 1.002], 1.003)] {
+            let rows = [point(0.0, beside[0]), event(0.5), point(1.0, beside[1])];
+            let found = heights(QuantityName::SpectralRadius, Branch { about: &about, rows: &rows }, 1);
+            assert!(found.len() == 1 && (found[0] - at).abs() < 1e-12, "{beside:?} {found:?}");
+        }
+    }
+
+    /// Stripes whose borders nobody has asked for: no orbit that grows is drawn as a stable one.
+    #[test]
+    fn between_a_stable_and_an_unstable_point_a_branch_is_unstable() {
+        let radii = [1.0, 1.0, 1.5, 1.0, 1.0];
+        let rows: Vec<Row> = radii.iter().enumerate().map(|(i, radius)| point(i as f64, *radius)).collect();
+        let about = BranchName { name: String::new(), generation: 0, force_periods: 1 };
+        let drawn = curves(QuantityName::SpectralRadius, 0, Branch { about: &about, rows: &rows }, false);
+        let heights = |stroke: Stroke| -> Vec<f64> {
+            let points = drawn.iter().filter(|series| series.stroke == stroke).flat_map(|series| &series.points);
+            points.map(|point| point.1).filter(|height| height.is_finite()).collect()
+        };
+        assert_eq!(heights(Stroke::Dashed(2)), [1.0, 1.5, 1.0]);
+        assert_eq!(heights(Stroke::Solid(3)), [1.0; 4]);
+    }
 }

@@ -138,9 +138,9 @@ pub struct Series {
 /// 1 as these are, and at least so far; otherwise by logarithms.
 const MOST_OF_IT: usize = 80;
 const FAR: f64 = 5.0;
-/// And where this many in a hundred are less than so many times closer to 1: on a linear axis a hundredth of its height is a line on
-/// that of 1.
-const WEAK: usize = 10;
+/// And where the weakest growths, this many in a hundred, are less than so many times weaker: on a linear axis a hundredth of its height is
+/// a line on that of 1. A stripe that a branch crosses is a few points of hundreds.
+const WEAK: usize = 3;
 const ORDERS: f64 = 100.0;
 /// The largest step next to 1 of an axis by logarithms: a growth of a tenth a period is never next to none.
 const COARSEST: f64 = 0.1;

@@ -19,6 +19,9 @@ const PHASES: usize = 1200;
 /// Asymmetries beyond this have no gap to be centred in.
 const ASYMMETRY: f64 = 1.0;
 
+/// Of unstable solutions those at one value of so many are drawn: their marks are larger than the distance of two values.
+const SPARSE: usize = 3;
+
 /// Halvings of an interval in which the number of solutions changes; below 1e-11 of it two solutions are one to rounding.
 const HALVINGS: u32 = 36;
 
@@ -58,7 +61,7 @@ pub(super) fn draw(scene: &LineScene, over: (Parameter, f64, f64, usize), stop: 
     }
     let (series, table, found) = branches(point, scene.family, over, stop)?;
     let name = format!("{} {}", over.0.meaning(), over.0.symbol());
-    panes.push(pane("solutions and their stability", &name, "first impulse |P₁|", Scale::Linear, series));
+    panes.push(pane("solutions and their stability", &name, "second impact φ/T", Scale::Linear, series));
     more.push(("-branches", table));
     findings.extend(found);
     let picture = Curves { title: scene.heading(), columns: panes.len(), panes, pane: (480, 460), ..Curves::default() };
@@ -100,7 +103,7 @@ fn asymmetry(model: &Model, solved: &[Solved]) -> Result<(Vec<Series>, Vec<u8>),
 /// Series of the panel, its table, and findings.
 type Branches = (Vec<Series>, Vec<u8>, Vec<String>);
 
-/// First impulses of all physical solutions over a parameter: φ is the same for all symmetric ones.
+/// φ of all physical solutions over a parameter.
 fn branches(
     point: &Point,
     family: Family,
@@ -110,7 +113,7 @@ fn branches(
     let at = |value: f64| -> Result<Vec<Solved>, CliError> {
         physical(&point.with(parameter, value).model().map_err(|error| CliError::Request(error.to_string()))?, family)
     };
-    let mut sheet = Sheet::new(&["verdict", parameter.name(), "phi", "spectral_radius", "impulse"])?;
+    let mut sheet = Sheet::new(&["verdict", parameter.name(), "phi", "spectral_radius"])?;
     let (mut stable, mut unstable, mut findings) = (Vec::new(), Vec::new(), Vec::new());
     let mut previous: Option<(f64, usize)> = None;
     for i in 0..count {
@@ -123,9 +126,13 @@ fn branches(
             let verdict = solved.stability.verdict;
             let time = solved.orbit.impacts().last().map_or(0.0, |impact| impact.time);
             let word = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }, |m| m.name());
-            let impulse = solved.orbit.impacts().first().map_or(f64::NAN, |impact| impact.impulse);
-            sheet.row(&[word], &[value, time, verdict.spectral_radius, impulse])?;
-            if verdict.stable { &mut stable } else { &mut unstable }.push((value, impulse.abs()));
+            sheet.row(&[word], &[value, time, verdict.spectral_radius])?;
+            let point = (value, time / solved.orbit.period());
+            if verdict.stable {
+                stable.push(point);
+            } else if i.is_multiple_of(SPARSE) {
+                unstable.push(point);
+            }
         }
         if let Some((earlier, before)) = previous
             && before != solved.len()
@@ -148,7 +155,7 @@ fn branches(
         let name = name.to_owned();
         Series { name, colour, stroke: Stroke::None, mark, points }
     };
-    // The later ones lie on top.
-    let all = vec![series("unstable", 1, Mark::Small(3), unstable), series("stable", 0, Mark::Small(0), stable)];
+    // What lies on top shows inside of what is hollow: symmetric solutions, stable and unstable ones, have one φ.
+    let all = vec![series("unstable", 1, Mark::Hollow(3), unstable), series("stable", 0, Mark::Small(0), stable)];
     Ok((all, sheet.bytes()?, findings))
 }
