@@ -159,7 +159,7 @@ fn assert_ends_are_named(rounds: usize) {
                 End::Fold => ends[0] += 1,
                 End::Grazing { .. } => ends[1] += 1,
                 End::Resonance(_) => ends[2] += 1,
-                End::Lost => panic!("{ended} {} {model}", words[round % 9]),
+                End::Unbounded | End::Lost | End::Unfinished => panic!("{ended} {} {model}", words[round % 9]),
             }
         }
     }
