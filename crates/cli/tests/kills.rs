@@ -208,7 +208,8 @@ fn a_folder_that_cannot_be_closed_is_no_panic() {
     for number in 3..=30 {
         let desk = Desk::with_scene(SMALL);
         let Some(ran) = faulty(&desk, SWEEP, "close", "error=EIO", number) else { return };
-        assert!(matches!(ran.code, Some(0..=2)) && !ran.err.contains("panicked"), "{number}: {ran:?}");
+        let loader = ran.code == Some(127);
+        assert!(loader || matches!(ran.code, Some(0..=2)) && !ran.err.contains("panicked"), "{number}: {ran:?}");
         done += u32::from(ran.code == Some(0));
     }
     assert!(done > 10, "{done}");
@@ -218,7 +219,7 @@ fn a_folder_that_cannot_be_closed_is_no_panic() {
 #[test]
 fn a_file_system_that_tells_nothing_is_an_error_and_no_loop() {
     let mut told = 0;
-    for number in 1..=16 {
+    for number in 1..=24 {
         let desk = Desk::with_scene(SMALL);
         let Some(ran) = faulty(&desk, SWEEP, "statx", "error=ESTALE", format!("{number}+")) else { return };
         assert!(matches!(ran.code, Some(0..=2)) && !ran.err.contains("panicked"), "{number}: {ran:?}");

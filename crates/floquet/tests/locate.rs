@@ -387,7 +387,8 @@ fn who_does_not_wait_any_longer_is_heard_at_every_step() {
             let stopped = [LocateError::Stopped, LocateError::from(BreatherError::Stopped)];
             assert!(ended.as_ref().is_err_and(|error| stopped.contains(error)), "{ended:?}");
             let looks = looks.load(Ordering::Relaxed);
-            assert!(looks <= patience + 40, "{patience} {looks}");
+            // What fails at once is tried again in other ways, without an orbit.
+            assert!(looks <= patience + 2000, "{patience} {looks}");
         }
     }
 }

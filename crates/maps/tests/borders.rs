@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use fastrand::Rng;
 use vibrochain_breather::Family;
 use vibrochain_floquet::{StripeEnd, StripeFinder, StripeLine};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::borders::{Asked, BorderKind, Borders, Stage};
 use vibrochain_maps::cell::{Class, Worker};
 use vibrochain_maps::regions::{Regions, Subdivision, Window};
