@@ -234,16 +234,12 @@ mod tests {
 
     use super::*;
 
-    fn setting(program: &str) -> Setting {
-        Setting { program: program.into(), ..Setting::new(None).unwrap() }
-    }
-
     const LONG: Duration = Duration::from_secs(600);
 
     #[test]
     fn a_line_ends_at_its_limit_when_told_and_when_it_writes_too_much() {
         let told = |program: &str, line: Line, limit: Duration, stop: &AtomicBool| {
-            let setting = setting(program);
+            let setting = Setting { program: program.into(), ..Setting::new(None).unwrap() };
             let refusal = line.run(&setting, limit, stop).unwrap_err();
             // Nothing of it is left.
             assert_eq!(fs::read_dir(setting.folder.path()).unwrap().count(), 0);
@@ -267,7 +263,7 @@ mod tests {
 
     #[test]
     fn nobody_else_sees_the_folder_and_it_goes() {
-        let setting = setting("true");
+        let setting = Setting::new(None).unwrap();
         let folder = setting.folder.path().to_owned();
         assert_eq!(fs::metadata(&folder).unwrap().permissions().mode() & 0o7777, 0o700);
         drop(setting);
