@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The page of `mapgen explore` in a browser without a window: it loads, zooms, is used by keys alone, keeps its memory. Says so and passes
 # where Chromium or the Python module that speaks with it cannot be had. PICTURES=DIR keeps screenshots; MAPGEN=FILE takes a program that is built
-# already, with the feature `explore`. PANS=200 instead of a thousand random pans and zooms.
+# already. PANS=200 instead of a thousand random pans and zooms.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

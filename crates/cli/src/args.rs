@@ -103,7 +103,7 @@ pub enum Command {
     Fate(FateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
     Stripes(StripesArgs),
-    /// Look at maps in a browser: a page served on this machine alone, computed as one flies over it (feature `explore`).
+    /// Look at maps in a browser: a page served on this machine alone, computed as one flies over it.
     Explore(ExploreArgs),
     /// Write a scene to begin with, every key explained.
     Init(InitArgs),

@@ -77,7 +77,7 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Explore(args) => crate::explore::run(args, console),
         #[cfg(not(feature = "explore"))]
         Command::Explore(_) => Err(CliError::Request(
-            "this build serves no page: build with the feature `explore`, as in cargo run --locked --release --features explore -- explore".to_owned(),
+            "this build serves no page: build with the feature `explore`, which is on by default".to_owned(),
         )),
         Command::Init(args) => setup_command::init(args, console),
         Command::Completions(args) => setup_command::completions(args, console),

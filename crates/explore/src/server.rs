@@ -88,8 +88,11 @@ impl Explorer {
             let mut places = Places::default();
             while !stop.is_raised() {
                 if !places.have_room() {
+                    // What has arrived meanwhile is looked at first.
                     sleep(PAUSE).await;
-                    continue;
+                    if !places.have_room() && !places.give_way() {
+                        continue;
+                    }
                 }
                 match timeout(LOOK, listener.accept()).await {
                     Ok(Ok((stream, _))) => {
@@ -125,7 +128,7 @@ impl Explorer {
 struct Places(Vec<(AbortHandle, Arc<Connection>)>);
 
 impl Places {
-    /// Whether there is room for one more, if need be in the place of one that is silent.
+    /// Whether there is room for one more. Who has been silent for too long is left.
     fn have_room(&mut self) -> bool {
         self.0.retain(|(task, one)| {
             if one.silent() > Some(SILENCE) {
@@ -133,10 +136,10 @@ impl Places {
             }
             !task.is_finished()
         });
-        self.0.len() < CONNECTIONS || self.give_way()
+        self.0.len() < CONNECTIONS
     }
 
-    /// Leaves the connection that has been idle for longest.
+    /// Leaves the connection that has been idle for longest, so that another one can have its place.
     fn give_way(&mut self) -> bool {
         let idle = self.0.iter().enumerate().filter_map(|(i, (_, one))| Some((one.idle()?, i)));
         let Some((_, longest)) = idle.max() else { return false };

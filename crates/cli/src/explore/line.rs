@@ -235,10 +235,6 @@ mod tests {
 
     use super::*;
 
-    fn setting(program: &str) -> Setting {
-        Setting { program: program.into(), ..Setting::new(None).unwrap() }
-    }
-
     const LONG: Duration = Duration::from_secs(600);
 
     #[test]
@@ -268,7 +264,7 @@ mod tests {
 
     #[test]
     fn nobody_else_sees_the_folder_and_it_goes() {
-        let setting = setting("true");
+        let setting = Setting::new(None).unwrap();
         let folder = setting.folder.path().to_owned();
         assert_eq!(fs::metadata(&folder).unwrap().permissions().mode() & 0o7777, 0o700);
         drop(setting);
