@@ -28,18 +28,18 @@ const WITHIN: [(&[&str], &str); 2] = [
     (&["plot", "picture"], "a table is drawn by `mapgen draw`, an answer by --plot of its own command"),
 ];
 
-/// What a tip is made of: the program, what was given, all arguments.
-type Tip = fn(&Command, &str, &[OsString]) -> Option<String>;
-
 /// The same error, with the tip that helps instead of the one that merely sounds alike.
 pub(crate) fn told(mut error: clap::Error, program: &Command, arguments: &[OsString]) -> clap::Error {
-    let (kind, tip): (_, Tip) = match error.kind() {
-        ErrorKind::UnknownArgument => (ContextKind::InvalidArg, of_flag),
-        ErrorKind::InvalidSubcommand => (ContextKind::InvalidSubcommand, of_command),
+    let kind = match error.kind() {
+        ErrorKind::UnknownArgument => ContextKind::InvalidArg,
+        ErrorKind::InvalidSubcommand => ContextKind::InvalidSubcommand,
         _ => return error,
     };
     let Some(ContextValue::String(given)) = error.get(kind) else { return error };
-    let tip = tip(program, &given.clone(), arguments);
+    let tip = match kind {
+        ContextKind::InvalidArg => of_flag(program, given, arguments),
+        _ => of_command(program, given),
+    };
     for sounds_alike in [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand, ContextKind::Suggested] {
         let _ = error.remove(sounds_alike);
     }
@@ -98,7 +98,7 @@ fn of_flag(program: &Command, given: &str, arguments: &[OsString]) -> Option<Str
     }
 }
 
-fn of_command(program: &Command, given: &str, _: &[OsString]) -> Option<String> {
+fn of_command(program: &Command, given: &str) -> Option<String> {
     if let Some((_, words)) = WITHIN.iter().find(|(names, _)| names.contains(&given)) {
         return Some((*words).to_owned());
     }
