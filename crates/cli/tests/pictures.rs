@@ -92,8 +92,10 @@ fn stable_and_unstable_pieces_are_told_apart_and_gaps_left() {
         // Once, for all panels.
         assert_eq!(texts(&svg).iter().filter(|(_, text)| text == words).count(), 1, "{words}");
     }
-    // Growth from grazing to stripes spans decades.
-    assert!(texts(&svg).iter().any(|(_, text)| text.starts_with("growth |μ| − 1 a period (10")));
+    // Growth from grazing to stripes spans decades: multipliers by their distance from 1, which has its own tick.
+    for words in ["largest |μ|", "1", "1.01", "10"] {
+        assert!(texts(&svg).iter().any(|(_, text)| text == words), "{words}");
+    }
     // Solid lines are three pixels wide, dashes two. In the lower panel, of margins, runs of a class are pieces of a line.
     let runs = |name: &str| {
         let whole = table.chunk_by(|one, other| one["class"] == other["class"]);
@@ -217,7 +219,7 @@ fn borders_are_drawn_where_they_are() {
             }
         }
     }
-    assert!(changed > 3000 && changed < (width * height) as usize / 6, "{changed}");
+    assert!(changed > 3000 && changed < (width * height) as usize / 4, "{changed}");
     assert_eq!(elsewhere, 0, "of {changed}");
     // Between two cells of different class there is one, where the classes are drawn by cells; but for both ends of the map.
     let table = rows(&desk.read("map.csv"));
