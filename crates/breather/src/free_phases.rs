@@ -25,7 +25,7 @@ use crate::linear::{Matrix, Vector, zeros};
 use crate::orbit::Hit;
 use crate::side_by_side::{list, orbit_of, side_by_side};
 use crate::stop::Stop;
-use crate::uncoupled::{MOST_STARTS, outcome, parts};
+use crate::uncoupled::{MOST_STARTS, parts};
 use crate::word::Word;
 
 /// Parts of the coupling asked for at which phases are looked for: the first at which the masses feel each other by more than
@@ -66,7 +66,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
         }
     }
     if let Some(reason) = reason {
-        found.completeness = Completeness::None { reason, by: None };
+        found.completeness = Completeness::not_reached(reason);
         return Ok(());
     }
     let all = solutions.iter().fold(1_usize, |product, list| product.saturating_mul(list.len()));
@@ -97,9 +97,9 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
         }
     }
     found.completeness = if felt {
-        outcome(found, starts, left)
+        Completeness::followed(found.orbits.len(), starts, left)
     } else {
-        Completeness::None { reason: NoBreather::NotSearched(Unsearched::FreePhases), by: None }
+        Completeness::not_reached(NoBreather::NotSearched(Unsearched::FreePhases))
     };
     Ok(())
 }

@@ -12,7 +12,8 @@
 //! | `finder` | [`breathers`], [`Finder`], [`Found`]: from parameters to orbits |
 //! | `sketch`, `easel` | [`Sketch`]: what a map asks of a conservative breather, without its orbit |
 //! | `completeness` | [`Completeness`], [`Proof`]: whether a list of orbits is all, and how that is known |
-//! | `conservative`, `asymmetric`, `forced_single`, `forced_double`, `two_impacts` | the families |
+//! | `conservative`, `forced_single`, `forced_double`, `two_impacts`, `pattern` | the families, and two impacts on one barrier |
+//! | `two_instants`, `positions`, `overdetermined` | conservative words of two instants, with φ ≠ T/2 too |
 //! | `one_mass`, `flights` | a mass without coupling: equations that know of no resonance |
 //! | `radiation`, `rises` | bounds that tell where no physical orbit can be |
 //! | `forced_harmonics`, `harmonic_impacts` | the forced ones under several harmonics |
@@ -53,7 +54,6 @@
 mod admissibility;
 mod alone;
 mod assembly;
-mod asymmetric;
 mod beside;
 mod branch;
 mod branching;
@@ -84,12 +84,15 @@ mod linear;
 mod motion;
 mod one_mass;
 mod orbit;
+mod overdetermined;
 mod patch;
+mod pattern;
 #[cfg(feature = "serde")]
 mod plain;
 mod planar_roots;
 mod polish;
 mod polynomial;
+mod positions;
 mod radiation;
 mod reduction;
 mod resonances;
@@ -101,6 +104,7 @@ mod stop;
 mod surface;
 mod symmetries;
 mod two_impacts;
+mod two_instants;
 mod uncoupled;
 mod unknowns;
 mod watch;

@@ -42,7 +42,7 @@ pub(crate) fn find(
     finder.prepare(model, model.omega() / f64::from(periods))?;
     if model.chain().gamma1() == 0.0 {
         let reason = NoBreather::NotSearched(Unsearched::Unheld);
-        found.completeness = Completeness::None { reason, by: None };
+        found.completeness = Completeness::not_reached(reason);
         return Ok(());
     }
     let parts = parts(word);
@@ -51,7 +51,7 @@ pub(crate) fn find(
         match alone::under_force(model, barriers, periods)? {
             Ok(list) => solutions.push(list),
             Err(reason) => {
-                found.completeness = Completeness::None { reason, by: None };
+                found.completeness = Completeness::not_reached(reason);
                 return Ok(());
             }
         }
@@ -74,16 +74,6 @@ pub(crate) fn find(
             list(follow(&start, model, &finder.stop)?, found);
         }
     }
-    found.completeness = outcome(found, starts, all.saturating_sub(MOST_STARTS));
+    found.completeness = Completeness::followed(found.orbits.len(), starts, all.saturating_sub(MOST_STARTS));
     Ok(())
-}
-
-/// What is known of a list that so many starts have led to.
-pub(crate) fn outcome(found: &Found, starts: usize, left: usize) -> Completeness {
-    if found.orbits.is_empty() {
-        let reason = if starts == 0 { NoBreather::NoStart } else { NoBreather::BranchesEnded };
-        Completeness::None { reason, by: None }
-    } else {
-        Completeness::Followed { starts, left }
-    }
 }
