@@ -7,9 +7,10 @@
 use vibrochain_lattice::{Barrier, Chain, Model, Stop};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
-use crate::finder::{Finder, Found, Wanted};
+use crate::finder::{Finder, Found, Sought, Wanted};
 use crate::forced_single;
 use crate::orbit::{Family, Impact, Orbit};
+use crate::pattern::Pattern;
 use crate::word::{Letter, Word};
 
 /// A hit of a mass: the barrier, the time in periods of the word, and the impulse.
@@ -110,18 +111,19 @@ fn in_periods(
     own: u32,
     stop: &Stop,
 ) -> Result<Result<(Vec<Hits>, usize), NoBreather>, BreatherError> {
-    let family = match (barriers, own) {
-        ([Barrier::Lower], 1) => Some(Family::SingleSided),
-        ([first, second], 1) if first != second => Some(Family::DoubleSided),
-        ([Barrier::Lower, Barrier::Lower], 2) => Some(Family::PeriodDoubled),
+    let sought = match (barriers, own) {
+        ([Barrier::Lower], 1) => Some(Sought::from(Family::SingleSided)),
         ([_], _) => None,
-        _ => return Ok(Err(NoBreather::NotSearched(Unsearched::ManyImpacts))),
+        _ => match Pattern::of(barriers, own) {
+            Some(pattern) => Some(Sought::from(pattern)),
+            None => return Ok(Err(NoBreather::NotSearched(Unsearched::ManyImpacts))),
+        },
     };
     let mut finder = Finder::new(1).until(stop);
     let clock = |time: f64| (time / model.period()).rem_euclid(f64::from(own));
-    if let Some(family) = family {
+    if let Some(sought) = sought {
         let mut found = Found::default();
-        finder.search(model, family, Wanted::All, &mut found)?;
+        finder.search_at(model, sought, 0, Wanted::All, &mut found)?;
         if let Some(none) = found.completeness.reason() {
             return Ok(Err(none));
         }

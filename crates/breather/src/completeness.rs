@@ -1,4 +1,6 @@
 //! What is known of a list of orbits: that it holds all there are, why there are none, or what it may lack.
+//!
+//! Every search tells what it has done ([`Searched`]); whether its list may be called complete is decided here alone.
 
 use std::fmt;
 
@@ -26,8 +28,6 @@ pub enum Proof {
         /// Rectangles examined.
         boxes: usize,
     },
-    /// A word of one or two instants without force: one linear system has all orbits that are their own mirror images in time.
-    Reversible,
 }
 
 impl Proof {
@@ -37,7 +37,6 @@ impl Proof {
             Self::ClosedForm => "closed-form",
             Self::Enclosures { .. } => "enclosures",
             Self::BranchAndPrune { .. } => "branch-and-prune",
-            Self::Reversible => "reversible",
         }
     }
 }
@@ -46,7 +45,6 @@ impl fmt::Display for Proof {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ClosedForm => write!(f, "closed form"),
-            Self::Reversible => write!(f, "closed form among those symmetric in time"),
             Self::Enclosures { intervals } => write!(f, "enclosures on {intervals} intervals"),
             Self::BranchAndPrune { boxes } => write!(f, "branch and prune in the plane, {boxes} boxes"),
         }
@@ -57,7 +55,7 @@ impl fmt::Display for Proof {
 ///
 /// It is the list of what was asked for ([`Finder::find_symmetric`](crate::Finder::find_symmetric) leaves a part out), and
 /// of orbits that can be told apart: a doubled orbit, or an asymmetric double-sided one, from the simple or symmetric one that
-/// it branches from as soon as its φ is 1e-7 of half the period away (conservative: 1e-6).
+/// it branches from as soon as its φ is 1e-7 of half the period away (conservative: 1e-6, and as far from two instants that are one).
 ///
 /// ```
 /// use vibrochain_breather::{Completeness, Family, NoBreather, Proof, breathers};
@@ -107,6 +105,85 @@ pub enum Completeness {
         /// point was spent (hundreds of solutions at very low frequency).
         exhausted: usize,
     },
+}
+
+/// What a search has done for its list: all that [`Completeness::of`] looks at.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Searched {
+    /// Orbits that are listed.
+    pub(crate) listed: usize,
+    /// Solutions that are not, because they cannot be physical.
+    pub(crate) refused: usize,
+    /// Solutions of which no orbit of finite numbers could be made.
+    pub(crate) lost: usize,
+    /// Intervals enclosed, and boxes.
+    pub(crate) intervals: usize,
+    pub(crate) boxes: usize,
+    /// Places where two orbits may have merged, and those not searched because the budget was spent.
+    pub(crate) unresolved: usize,
+    pub(crate) exhausted: usize,
+    /// Places of physical orbits that were not asked for.
+    pub(crate) left_out: usize,
+    /// Why there is none.
+    pub(crate) reason: Option<NoBreather>,
+}
+
+impl NoBreather {
+    /// A search that ends with this reason has looked everywhere, or need not have: no orbit can be there.
+    fn is_conclusive(self) -> bool {
+        match self {
+            Self::LossWithoutForce
+            | Self::NeedsForce
+            | Self::NetImpulse
+            | Self::ForceTooWeak { .. }
+            | Self::NoPhase
+            | Self::RepeatsSooner => true,
+            Self::Singular | Self::NoStart | Self::BranchesEnded | Self::NotSearched(_) => false,
+        }
+    }
+}
+
+impl Completeness {
+    /// What is known of the list of a search that covers all orbits of its kind.
+    pub(crate) fn of(searched: &Searched) -> Self {
+        let &Searched { listed, refused, lost, intervals, boxes, unresolved, exhausted, left_out, reason } = searched;
+        let proof = match (intervals, boxes) {
+            (0, 0) => Proof::ClosedForm,
+            (intervals, 0) => Proof::Enclosures { intervals },
+            (_, boxes) => Proof::BranchAndPrune { boxes },
+        };
+        let solved = listed + refused > 0;
+        // Where the conditions are singular, solutions can be lost.
+        let lost = lost > 0 || reason.is_some_and(|reason| !reason.is_conclusive());
+        match reason {
+            _ if unresolved + exhausted > 0 => Self::Open { unresolved, exhausted },
+            _ if left_out > 0 => Self::Asked { left_out },
+            _ if solved && lost => Self::default(),
+            _ if solved => Self::All(proof),
+            Some(reason) if !lost => Self::None { reason, by: Some(proof) },
+            Some(reason) if !reason.is_conclusive() => Self::None { reason, by: None },
+            _ => Self::None { reason: NoBreather::Singular, by: None },
+        }
+    }
+
+    /// Of a list that needs no search, because there can be none.
+    pub(crate) fn none(reason: NoBreather) -> Self {
+        Self::of(&Searched { reason: Some(reason), ..Searched::default() })
+    }
+
+    /// Of a list that is empty for a reason that does not hold for all orbits of its kind.
+    pub(crate) fn not_reached(reason: NoBreather) -> Self {
+        Self::None { reason, by: None }
+    }
+
+    /// Of a list of so many orbits that so many starts have led to, others being `left`.
+    pub(crate) fn followed(listed: usize, starts: usize, left: usize) -> Self {
+        match (listed, left, starts) {
+            (0, 0, 0) => Self::not_reached(NoBreather::NoStart),
+            (0, 0, _) => Self::not_reached(NoBreather::BranchesEnded),
+            _ => Self::Followed { starts, left },
+        }
+    }
 }
 
 impl Default for Completeness {

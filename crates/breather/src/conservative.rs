@@ -2,28 +2,29 @@
 //!
 //! Double-sided, φ = T/2: p₁,₂ = 1/(χ₂−χ₁) ∓ a/(χ₁+χ₂). Single-sided: p = (1−a)/χ₂.
 //!
-//! Double-sided ones with φ ≠ T/2, which the paper does without, are in `asymmetric`.
+//! Double-sided ones with φ ≠ T/2, which the paper does without, are in `two_instants`.
 
 use smallvec::smallvec;
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::error::NoBreather;
 use crate::orbit::{Draft, Family, Hit};
+use crate::pattern::Pattern;
 
-/// An orbit of two impacts, at 0 and φ, from its half impulses p₂ and p₁ and its static displacement at site 0: opposite ones, the
-/// first on the upper barrier, or a doubled orbit, both on the lower one.
+/// An orbit of two impacts of site 0, at 0 and φ, from its half impulses p₂ and p₁ and its static displacement there: P = −2p₂ and 2p₁
+/// on opposite barriers, 2p₂ and 2p₁ on one.
 pub(crate) fn two_impact_draft(
     response: &ImpulseResponse,
-    family: Family,
+    pattern: Pattern,
     psi: f64,
     phi: f64,
     (p1, p2): (f64, f64),
     static_displacement: f64,
 ) -> Draft {
-    let (first, periods) = if family == Family::PeriodDoubled { (Barrier::Lower, 2) } else { (Barrier::Upper, 1) };
-    let impacts =
-        smallvec![Hit::new(0, first, 0.0, -2.0 * first.sign() * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)];
-    Draft::new(response, (family, periods), psi, impacts, static_displacement)
+    let [first, second] = pattern.barriers();
+    let sign = if pattern.is_alike() { 2.0 } else { -2.0 };
+    let impacts = smallvec![Hit::new(0, first, 0.0, sign * p2), Hit::new(0, second, phi, 2.0 * p1)];
+    Draft::new(response, (pattern.family(), pattern.periods()), psi, impacts, static_displacement)
 }
 
 /// An orbit of one impact on the lower barrier.
@@ -47,7 +48,7 @@ pub(crate) fn impulses(model: &Model, response: &ImpulseResponse, kernel: f64) -
 /// The double-sided breather with φ = T/2.
 pub(crate) fn double_sided(model: &Model, response: &ImpulseResponse) -> Result<Draft, NoBreather> {
     let (impulses, displacement) = impulses(model, response, response.dynamic_at_half()).ok_or(NoBreather::Singular)?;
-    Ok(two_impact_draft(response, Family::DoubleSided, 0.0, 0.5 * response.period(), impulses, displacement))
+    Ok(two_impact_draft(response, Pattern::DOUBLE_SIDED, 0.0, 0.5 * response.period(), impulses, displacement))
 }
 
 /// The single-sided breather.

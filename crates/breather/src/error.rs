@@ -68,7 +68,7 @@ pub enum Unsearched {
     FreePhases,
     /// The same without any coupling: any phases of the masses will do.
     Uncoupled,
-    /// One mass hits twice on one barrier, or more than twice.
+    /// One mass hits more than twice, or twice in several periods of the force.
     ManyImpacts,
     /// A mass that γ₁ = 0 leaves without any spring once it is not coupled: there is nothing to follow.
     Unheld,
@@ -87,7 +87,7 @@ impl fmt::Display for Unsearched {
                 "without coupling and force the masses may hit whenever they like, and every shift in time of one of them is another orbit; give gamma2 or gamma3"
             }
             Self::ManyImpacts => {
-                "a mass that hits twice on one barrier, or more than twice, in a period of the force has no closed form to begin from; give the word as many periods of the force as its masses have impacts alike, or an orbit nearby"
+                "a mass that hits more than twice in a period of the force, or not as often as there are periods, has no closed form to begin from; give the word as many periods of the force as its masses have impacts alike, or an orbit nearby"
             }
             Self::Unheld => {
                 "with gamma1 = 0 masses without coupling have no springs to begin from; give an orbit nearby"
@@ -111,6 +111,9 @@ pub enum NoBreather {
     LossWithoutForce,
     /// The family lives under a force only.
     NeedsForce,
+    /// Without force and with both instants alike: only half a period apart do they solve, which is the orbit of one instant at twice
+    /// the frequency.
+    RepeatsSooner,
     /// γ₁ = 0 and a word with net impulse: nothing would hold the ring in place.
     NetImpulse,
     /// The force is below the least one, given here, that sustains the family at this point.
@@ -140,6 +143,12 @@ impl fmt::Display for NoBreather {
                 )
             }
             Self::NeedsForce => write!(f, "this family exists under a force only: give amplitude and restitution"),
+            Self::RepeatsSooner => {
+                write!(
+                    f,
+                    "only half a period apart can its two instants be, and they are alike: that is the orbit of one of them, at twice the frequency"
+                )
+            }
             Self::NetImpulse => {
                 write!(
                     f,

@@ -4,13 +4,14 @@
 use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum, Stop, Wave};
 
 use crate::admissibility::Admissibility;
-use crate::completeness::{Completeness, Proof};
+use crate::completeness::{Completeness, Searched};
 use crate::condition::{Condition, is_delicate};
 use crate::easel::Easel;
 use crate::ended::Ended;
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Orbit};
+use crate::pattern::Pattern;
 use crate::planar_roots::PlanarZeros;
 use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::radiation::Radiation;
@@ -18,7 +19,7 @@ use crate::rises::Rises;
 use crate::roots::Zeros;
 use crate::watch::{Depth, Watch};
 use crate::word::Word;
-use crate::{asymmetric, conservative, forced_double, forced_harmonics, forced_places, forced_single};
+use crate::{conservative, forced_double, forced_harmonics, forced_places, forced_single, two_instants};
 
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -42,18 +43,43 @@ pub enum Wanted {
     /// All, physical or not.
     #[default]
     All,
-    /// Without conservative double-sided ones with φ ≠ T/2.
+    /// Without conservative ones of two instants with φ ≠ T/2.
     Symmetric,
     /// Those that could be physical, for less work where none is: not those one of whose impacts has the wrong sign, nor
     /// those that would make masses of the ring swing beyond their barriers.
     Candidates,
-    /// Candidates without conservative double-sided ones with φ ≠ T/2; [`Completeness::Asked`] tells where there could be any.
+    /// Candidates without conservative ones of two instants with φ ≠ T/2; [`Completeness::Asked`] tells where there could be any.
     SymmetricCandidates,
 }
 
 impl Wanted {
-    fn candidates(self) -> bool {
+    pub(crate) fn candidates(self) -> bool {
         matches!(self, Self::Candidates | Self::SymmetricCandidates)
+    }
+}
+
+/// Orbits of one mass: of a family, or of two impacts that are none's.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sought {
+    family: Family,
+    /// Of two impacts.
+    pattern: Option<Pattern>,
+}
+
+impl From<Family> for Sought {
+    fn from(family: Family) -> Self {
+        let pattern = match family {
+            Family::DoubleSided => Some(Pattern::DOUBLE_SIDED),
+            Family::PeriodDoubled => Some(Pattern::DOUBLED),
+            Family::SingleSided | Family::Word => None,
+        };
+        Self { family, pattern }
+    }
+}
+
+impl From<Pattern> for Sought {
+    fn from(pattern: Pattern) -> Self {
+        Self { family: pattern.family(), pattern: Some(pattern) }
     }
 }
 
@@ -80,7 +106,7 @@ pub struct Finder {
     pub(crate) motion: Box<Motion>,
     /// That of the orbit found before the last one: of two that a search finds neither is worked out again to be checked.
     earlier: Box<Motion>,
-    zeros: Zeros,
+    pub(crate) zeros: Zeros,
     pub(crate) rises: Rises,
     /// Of the impulse response, once it has been asked for.
     pub(crate) radiation: Option<Option<Radiation>>,
@@ -181,14 +207,14 @@ impl Finder {
         wanted: Wanted,
         found: &mut Found,
     ) -> Result<(), BreatherError> {
-        self.search_at(model, family, 0, wanted, found)
+        self.search_at(model, family.into(), 0, wanted, found)
     }
 
     /// The same with the impacts at another site, where sites are not alike.
     pub(crate) fn search_at(
         &mut self,
         model: &Model,
-        family: Family,
+        Sought { family, pattern }: Sought,
         home: usize,
         wanted: Wanted,
         found: &mut Found,
@@ -207,14 +233,13 @@ impl Finder {
             _ => None,
         };
         if let Some(reason) = out_of_question {
-            found.completeness = Completeness::None { reason, by: Some(Proof::ClosedForm) };
+            found.completeness = Completeness::none(reason);
             return Ok(());
         }
         // The closed forms without force know that sites are alike; elsewhere words have one of their own.
         if conservative && !model.chain().is_ring() {
             let Some(word) = Word::of_family(family) else {
-                let reason = NoBreather::NotSearched(Unsearched::Unnamed);
-                found.completeness = Completeness::None { reason, by: None };
+                found.completeness = Completeness::none(NoBreather::NotSearched(Unsearched::Unnamed));
                 return Ok(());
             };
             return self.find_word(model, &word, wanted, found);
@@ -226,12 +251,12 @@ impl Finder {
         };
         // A plain cosine lets the phase be eliminated.
         let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
-        self.prepare_at(model, model.omega() * if family == Family::PeriodDoubled { 0.5 } else { 1.0 }, home)?;
+        self.prepare_at(model, model.omega() / f64::from(pattern.map_or(1, Pattern::periods)), home)?;
         let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
         let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
         let judged = wanted.candidates() && conservative;
         let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
-        let (mut failure, mut singular, mut refused) = (None, false, 0);
+        let (mut failure, mut lost, mut refused) = (None, 0, 0);
         let mut add = |mut draft: Draft| {
             if home > 0 {
                 draft.impacts.iter_mut().for_each(|hit| hit.site = home);
@@ -257,26 +282,26 @@ impl Finder {
                     }
                     // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
                     if found.orbits.pop_if(|orbit| !orbit.residual().is_finite()).is_some() {
-                        singular = true;
+                        lost += 1;
                     }
                 }
                 Err(error) => failure = Some(error),
             }
         };
-        let outcome = match (family, &steady, cosine) {
-            (Family::DoubleSided, None, _) => conservative::double_sided(model, response).map(|draft| {
+        let outcome = match (family, pattern, &steady, cosine) {
+            (Family::DoubleSided, _, None, _) => conservative::double_sided(model, response).map(|draft| {
                 add(draft);
                 if let Some(radiation) = &radiation {
                     rises.set(model, response, radiation);
                 }
                 match wanted {
-                    Wanted::All => asymmetric::all(model, response, zeros, &mut add),
-                    Wanted::Candidates => asymmetric::candidates(model, response, rises, zeros, &mut add),
+                    Wanted::All => two_instants::all(model, response, zeros, &mut add),
+                    Wanted::Candidates => two_instants::candidates(model, response, rises, zeros, &mut add),
                     Wanted::Symmetric | Wanted::SymmetricCandidates => {}
                 }
             }),
-            (Family::SingleSided, None, _) => conservative::single_sided(model, response).map(&mut add),
-            (Family::DoubleSided, Some(steady), Some(force)) => {
+            (Family::SingleSided, _, None, _) => conservative::single_sided(model, response).map(&mut add),
+            (Family::DoubleSided, _, Some(steady), Some(force)) => {
                 let narrowed = wanted.candidates() && model.chain().is_ring();
                 let places =
                     if narrowed { forced_places::places(rises, response, (force, model.loss())) } else { None };
@@ -284,49 +309,44 @@ impl Finder {
                 let places = places.map(|(places, _)| places);
                 forced_double::double_sided(model, response, (steady, force), zeros, plane, places, &mut add)
             }
-            (Family::SingleSided, Some(_), Some(force)) => {
+            (Family::SingleSided, _, Some(_), Some(force)) => {
                 forced_single::single_sided(model, response, force, Barrier::Lower)
                     .map(|drafts| drafts.into_iter().for_each(&mut add))
             }
-            (Family::PeriodDoubled, Some(steady), Some(force)) => {
-                forced_double::period_doubled(model, response, (steady, force), zeros, plane, &mut add)
+            (_, Some(pattern), Some(steady), Some(force)) => {
+                forced_double::alike(pattern, model, response, (steady, force), zeros, plane, &mut add)
             }
-            (Family::DoubleSided, Some(steady), None) => {
+            (Family::DoubleSided, _, Some(steady), None) => {
                 forced_harmonics::double_sided(model, response, steady, zeros, plane, &mut add)
             }
-            (Family::SingleSided, Some(steady), None) => {
+            (Family::SingleSided, _, Some(steady), None) => {
                 forced_harmonics::single_sided(model, response, steady, zeros, &mut add)
             }
-            (Family::PeriodDoubled, Some(steady), None) => {
-                forced_harmonics::period_doubled(model, response, steady, plane, &mut add)
+            (_, Some(pattern), Some(steady), None) => {
+                forced_harmonics::alike(pattern, model, response, steady, zeros, plane, &mut add)
             }
-            (Family::Word, ..) | (Family::PeriodDoubled, None, _) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
+            (Family::Word | Family::PeriodDoubled, ..) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
         };
         if let Some(error) = failure {
             return Err(error);
         }
         self.stop.heard()?;
-        let unresolved = self.zeros.unresolved.len() + self.plane.unresolved.len();
-        let exhausted = self.zeros.exhausted + self.plane.exhausted;
         let left_out =
             if conservative && wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
-        // A zero without an orbit of finite numbers.
-        let listed = found.orbits.len() + refused;
-        let lost = singular || listed < self.zeros.simple.len() + self.plane.simple.len();
-        let proof = match (self.zeros.intervals, self.plane.boxes) {
-            (0, 0) => Proof::ClosedForm,
-            (intervals, 0) => Proof::Enclosures { intervals },
-            (_, boxes) => Proof::BranchAndPrune { boxes },
-        };
-        found.completeness = match outcome {
-            _ if unresolved + exhausted > 0 => Completeness::Open { unresolved, exhausted },
-            _ if left_out > 0 => Completeness::Asked { left_out },
-            _ if lost && listed > 0 => Completeness::default(),
-            Ok(()) if listed > 0 => Completeness::All(proof),
-            Err(reason @ NoBreather::NotSearched(_)) => Completeness::None { reason, by: None },
-            Err(reason) if !lost && reason != NoBreather::Singular => Completeness::None { reason, by: Some(proof) },
-            _ => Completeness::None { reason: NoBreather::Singular, by: None },
-        };
+        let listed = found.orbits.len();
+        // A zero without an orbit.
+        let zeros = self.zeros.simple.len() + self.plane.simple.len();
+        found.completeness = Completeness::of(&Searched {
+            listed,
+            refused,
+            lost: lost.max(zeros.saturating_sub(listed + refused)),
+            intervals: self.zeros.intervals,
+            boxes: self.plane.boxes,
+            unresolved: self.zeros.unresolved.len() + self.plane.unresolved.len(),
+            exhausted: self.zeros.exhausted + self.plane.exhausted,
+            left_out,
+            reason: outcome.err(),
+        });
         if wanted == Wanted::All {
             found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
         }

@@ -1,17 +1,20 @@
-//! Forced double-sided and period-doubled breathers: all of them, from the zeros of E(δ) (see `two_impacts`).
+//! Forced breathers of two impacts of one mass, double-sided or both on one barrier: all of them, from the zeros of E(δ) (see
+//! `two_impacts`).
 //!
 //! Eliminating the phase has a price without loss (q = 0). Time reversal then maps solutions to solutions of the same φ,
-//! (d, Y) → (−d, −Y) for a doubled orbit and, at a = 0, (d, X) → (−d, −X) for a double-sided one, and with
+//! (d, Y) → (−d, −Y) with both impacts on one barrier and, at a = 0, (d, X) → (−d, −X) for a double-sided one, and with
 //!
 //! ```text
 //! F = χ₃ sin h − ωD cos h,   H = ωΣ sin h − χ₃ cos h,   Δ = FH
-//! period-doubled         E = F² ((1−a)²χ₃² − Ã²H²)
+//! both on one barrier    E = F² (β²χ₃² − Ã²H²)
 //! double-sided, a = 0    E = H² (χ₃² − Ã²F²)
 //! ```
 //!
 //! such a pair, real or not, is a double zero of E; with little loss its two zeros are closer than can be told apart. In the
 //! plane of φ and ψ they are apart, so that whatever E leaves unresolved is searched for there (`forced_harmonics`).
 //! There, a double zero is a fold.
+
+use std::f64::consts::FRAC_PI_2;
 
 use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, Model, Wave};
@@ -20,10 +23,11 @@ use crate::error::NoBreather;
 use crate::forced_harmonics;
 use crate::forced_single::amplitude_for;
 use crate::one_mass::OneMass;
-use crate::orbit::{Draft, Family};
+use crate::orbit::Draft;
+use crate::pattern::Pattern;
 use crate::planar_roots::PlanarZeros;
 use crate::roots::Zeros;
-use crate::two_impacts::{Pattern, SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, shortest_flight};
+use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, shortest_flight};
 
 /// All double-sided solutions under a cosine of response `steady`; with `places` those whose |δ| is in one of them.
 pub(crate) fn double_sided(
@@ -36,7 +40,7 @@ pub(crate) fn double_sided(
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
-    let problem = TwoImpacts::new(Pattern::DoubleSided, response, omega, a, q, force);
+    let problem = TwoImpacts::new(Pattern::DOUBLE_SIDED, model, response, force);
     let half = 0.5 * response.period();
     let edge = half - shortest_flight(response, omega * force.abs());
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
@@ -53,12 +57,7 @@ pub(crate) fn double_sided(
             return outcome;
         }
     }
-    let mut emit = |solution: TwoImpactSolution| {
-        let phi = half + solution.delta;
-        let psi = phase(solution.theta, phi, omega);
-        let draft = solution.draft(response, Family::DoubleSided, psi, phi);
-        found(draft);
-    };
+    let mut emit = |solution: TwoImpactSolution| found(draft(&problem, &solution));
     let mut count = 0;
     if symmetric {
         // At δ = 0 one condition vanishes; the other, ωD X + q Y = q, is a line that meets the circle.
@@ -146,9 +145,10 @@ fn symmetric_phases(normal_x: f64, q: f64, force: f64) -> [Option<f64>; 2] {
     [Some(direction + opening), (opening > 0.0).then_some(direction - opening)]
 }
 
-/// All period-doubled solutions; `response` is that of the doubled period. The orbit and its shift by one period of the
-/// force are listed once, as the one with φ beyond half the doubled period.
-pub(crate) fn period_doubled(
+/// All solutions with both impacts on one barrier; `response` is that of the orbit's period. Each is listed once, begun at the impact that
+/// [`forced_harmonics::listed`] says.
+pub(crate) fn alike(
+    pattern: Pattern,
     model: &Model,
     response: &ImpulseResponse,
     (steady, force): (&Wave, f64),
@@ -156,30 +156,37 @@ pub(crate) fn period_doubled(
     plane: &mut PlanarZeros,
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
-    let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
     if response.static_stiffness() == 0.0 {
         return Err(NoBreather::NetImpulse);
     }
-    let problem = TwoImpacts::new(Pattern::PeriodDoubled, response, omega, a, q, force);
-    let half = 0.5 * response.period();
-    let alone = search(&problem, model, zeros, &[[SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD)]], LEAST);
+    let problem = TwoImpacts::new(pattern, model, response, force);
+    let range = forced_harmonics::listed(pattern, model, 0.5 * response.period());
+    let alone = search(&problem, model, zeros, &[range], LEAST);
     if !zeros.unresolved.is_empty() {
         let kept = take(zeros, alone.is_some());
         let mut drafts = Vec::new();
-        let outcome = forced_harmonics::period_doubled(model, response, steady, plane, |draft| drafts.push(draft));
+        let found_there = |draft| drafts.push(draft);
+        let outcome = forced_harmonics::alike(pattern, model, response, steady, zeros, plane, found_there);
         if !restored(kept, zeros, plane) {
             drafts.into_iter().for_each(found);
             return outcome;
         }
     }
+    // Without loss δ = 0 solves by itself, for X = 0; Y = Ã and Y = −Ã are one orbit, begun at either impact.
+    let middle = (pattern.turns_round() && model.loss() == 0.0).then(|| problem.with_phase(0.0, FRAC_PI_2)).flatten();
+    let solution = |&delta: &f64| solution(&problem, alone.as_ref(), delta);
     let mut count = 0;
-    for solution in zeros.simple.iter().filter_map(|&delta| solution(&problem, alone.as_ref(), delta)) {
-        let phi = half + solution.delta;
-        let psi = phase(solution.theta, phi, omega);
+    for solution in zeros.simple.iter().filter_map(solution).chain(middle) {
         count += 1;
-        found(solution.draft(response, Family::PeriodDoubled, psi, phi));
+        found(draft(&problem, &solution));
     }
     if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
+}
+
+/// The orbit of a solution.
+fn draft(problem: &TwoImpacts<'_>, solution: &TwoImpactSolution) -> Draft {
+    let phi = 0.5 * problem.response.period() + solution.delta;
+    solution.draft(problem.response, problem.pattern, phase(solution.theta, phi, problem.omega))
 }
 
 /// ψ = θ/ω − φ/2, folded into one period of the force.

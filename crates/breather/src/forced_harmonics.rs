@@ -20,10 +20,11 @@ use crate::enclosure::{Algebra, Dual};
 use crate::error::NoBreather;
 use crate::harmonic_impacts::HarmonicImpacts;
 use crate::lanes::{LANES, Lane};
-use crate::orbit::{Draft, Family};
+use crate::orbit::Draft;
+use crate::pattern::Pattern;
 use crate::planar_roots::PlanarZeros;
 use crate::roots::{Clearance, Enclosed, Zeros, one_by_one};
-use crate::two_impacts::{Pattern, SYMMETRIC, SYMMETRIC_GUARD, shortest_flight};
+use crate::two_impacts::{SYMMETRIC, SYMMETRIC_GUARD, shortest_flight};
 
 /// α Ġ(ψ) + β G(ψ) + γ.
 struct Line<'a> {
@@ -126,15 +127,14 @@ pub(crate) fn double_sided(
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
-    let problem = HarmonicImpacts::new(Pattern::DoubleSided, response, steady, omega, a, q);
+    let pattern = Pattern::DOUBLE_SIDED;
+    let problem = HarmonicImpacts::new(pattern, model, response, steady);
     let (half, repeat) = (0.5 * response.period(), repetition(model));
     let mut count = 0;
     let mut emit = |place: [f64; 2]| {
-        let Some(solution) = problem.solution(place) else { return };
-        let phi = half + solution.delta;
-        let psi = (place[1] - 0.5 * phi).rem_euclid(repeat);
+        let Some(draft) = draft(&problem, response, (pattern, repeat), place) else { return };
         count += 1;
-        found(solution.draft(response, Family::DoubleSided, psi, phi));
+        found(draft);
     };
     let edge = half - shortest_flight(response, steady.bound(1));
     let d = 2.0 * (response.dynamic_at_half() - response.dynamic_at_impulse());
@@ -152,29 +152,60 @@ pub(crate) fn double_sided(
     outcome(count, zeros.unresolved.len() + zeros.exhausted + plane.unresolved.len() + plane.exhausted)
 }
 
-/// All period-doubled solutions; `response` is that of the doubled period. The orbit and its shift by one period of the
-/// force are listed once, as the one with φ beyond half the doubled period.
-pub(crate) fn period_doubled(
+/// The orbit at a zero in the plane, if the conditions determine it.
+fn draft(
+    problem: &HarmonicImpacts<'_>,
+    response: &ImpulseResponse,
+    (pattern, repeat): (Pattern, f64),
+    place: [f64; 2],
+) -> Option<Draft> {
+    let solution = problem.solution(place)?;
+    let psi = (place[1] - 0.5 * (0.5 * response.period() + solution.delta)).rem_euclid(repeat);
+    Some(solution.draft(response, pattern, psi))
+}
+
+/// All solutions with both impacts on one barrier, each begun at the impact that [`listed`] says.
+pub(crate) fn alike(
+    pattern: Pattern,
     model: &Model,
     response: &ImpulseResponse,
     steady: &Wave,
+    zeros: &mut Zeros,
     plane: &mut PlanarZeros,
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
     if response.static_stiffness() == 0.0 {
         return Err(NoBreather::NetImpulse);
     }
-    let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
-    let problem = HarmonicImpacts::new(Pattern::PeriodDoubled, response, steady, omega, a, q);
+    let problem = HarmonicImpacts::new(pattern, model, response, steady);
     let (half, repeat) = (0.5 * response.period(), repetition(model));
-    problem.zeros(plane, SYMMETRIC_GUARD * half, half * (1.0 - SYMMETRIC_GUARD), repeat);
-    let mut count = 0;
-    for &place in &plane.simple {
-        let Some(solution) = problem.solution(place) else { continue };
-        let phi = half + solution.delta;
-        let psi = (place[1] - 0.5 * phi).rem_euclid(repeat);
-        count += 1;
-        found(solution.draft(response, Family::PeriodDoubled, psi, phi));
+    let [from, to] = listed(pattern, model, half);
+    problem.zeros(plane, from, to, repeat);
+    let mut middle = Vec::new();
+    if pattern.turns_round() && model.loss() == 0.0 {
+        // At δ = 0 all that is left is Ġ(ψ) = 0; half a repetition later the other impact begins.
+        let line = Line { steady, velocity: 1.0 / model.omega(), displacement: 0.0, constant: 0.0 };
+        line.zeros(repeat, zeros);
+        let first = zeros.simple.first().copied().unwrap_or_default();
+        zeros.simple.retain(|psi| *psi < first + 0.5 * repeat * (1.0 - SYMMETRIC_GUARD));
+        middle.extend(zeros.simple.iter().map(|psi| [0.0, psi + 0.5 * half]));
     }
-    outcome(count, plane.unresolved.len() + plane.exhausted)
+    let mut count = 0;
+    for &place in plane.simple.iter().chain(&middle) {
+        let Some(draft) = draft(&problem, response, (pattern, repeat), place) else { continue };
+        count += 1;
+        found(draft);
+    }
+    outcome(count, zeros.unresolved.len() + zeros.exhausted + plane.unresolved.len() + plane.exhausted)
+}
+
+/// The δ of orbits with two impacts on one barrier, each of which solves twice, at δ and −δ: in one period of the force it begins with
+/// the shorter flight, doubled with the longer one. Where δ = 0 solves by itself, with impacts alike that repeat after half the time or
+/// without loss, it is left out.
+pub(crate) fn listed(pattern: Pattern, model: &Model, half: f64) -> [f64; 2] {
+    let (edge, guard) = (half * (1.0 - SYMMETRIC_GUARD), SYMMETRIC_GUARD * half);
+    match pattern.turns_round() {
+        true => [-edge, if model.loss() == 0.0 { -guard } else { 0.0 }],
+        false => [guard, edge],
+    }
 }

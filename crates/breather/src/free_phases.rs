@@ -65,7 +65,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
         }
     }
     if let Some(reason) = reason {
-        found.completeness = Completeness::None { reason, by: None };
+        found.completeness = Completeness::not_reached(reason);
         return Ok(());
     }
     let all = solutions.iter().fold(1_usize, |product, list| product.saturating_mul(list.len()));
@@ -107,7 +107,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
     found.completeness = if felt {
         outcome(found, starts, left)
     } else {
-        Completeness::None { reason: NoBreather::NotSearched(Unsearched::FreePhases), by: None }
+        Completeness::not_reached(NoBreather::NotSearched(Unsearched::FreePhases))
     };
     Ok(())
 }

@@ -13,7 +13,7 @@
 //! ```text
 //! position, and Newton's law      D X = P      Σ Y = R      χ₃X + qY = V₁      χ₃Y − qX = V₂
 //! double-sided                    X = m, Y = d,   P = 1 − g_d,  R = a − g_s,      V₁ = v_s,   V₂ = −v_d
-//! period-doubled                  X = d, Y = m,   P = g_d,      R = 1 − a + g_s,  V₁ = −v_s,  V₂ = v_d
+//! both on one barrier, at β       X = d, Y = m,   P = g_d,      R = g_s − β,      V₁ = −v_s,  V₂ = v_d
 //! ```
 //!
 //! Either pair gives X and Y, the other is left; multiplied by the pair's determinants, DΣ and N = q² + χ₃²,
@@ -27,24 +27,27 @@
 //! stiffness g, and everything is measured from δ = 0, where χ₃ and one of sin h_j, cos h_j (j odd) vanish together.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{ImpulseResponse, MAX_HARMONICS, Wave};
+use vibrochain_lattice::{ImpulseResponse, MAX_HARMONICS, Model, Wave};
 
 use crate::patch::Patch;
+use crate::pattern::Pattern;
 use crate::planar_roots::{Planar, PlanarZeros};
-use crate::two_impacts::{Pattern, TwoImpactSolution};
+use crate::two_impacts::TwoImpactSolution;
 
 /// Intervals of δ, and of τ, that a search starts from at most.
 const MOST_PIECES: usize = 256;
 
 /// One parameter point.
 pub(crate) struct HarmonicImpacts<'a> {
-    pub(crate) pattern: Pattern,
-    pub(crate) response: &'a ImpulseResponse,
+    pattern: Pattern,
+    response: &'a ImpulseResponse,
     /// G
-    pub(crate) steady: &'a Wave,
-    pub(crate) omega: f64,
-    pub(crate) asymmetry: f64,
-    pub(crate) loss: f64,
+    steady: &'a Wave,
+    omega: f64,
+    asymmetry: f64,
+    /// −β of impacts on one barrier.
+    gap: f64,
+    loss: f64,
     at_impulse: f64,
     stiffness: f64,
     fourth: f64,
@@ -62,14 +65,8 @@ pub(crate) struct Strip {
 }
 
 impl<'a> HarmonicImpacts<'a> {
-    pub(crate) fn new(
-        pattern: Pattern,
-        response: &'a ImpulseResponse,
-        steady: &'a Wave,
-        omega: f64,
-        asymmetry: f64,
-        loss: f64,
-    ) -> Self {
+    pub(crate) fn new(pattern: Pattern, model: &Model, response: &'a ImpulseResponse, steady: &'a Wave) -> Self {
+        let omega = model.omega();
         // sin(jπ/2) for the odd j.
         let sign = |rate: f64| if (rate / omega).round() % 4.0 == 1.0 { 1.0 } else { -1.0 };
         Self {
@@ -77,8 +74,9 @@ impl<'a> HarmonicImpacts<'a> {
             response,
             steady,
             omega,
-            asymmetry,
-            loss,
+            asymmetry: model.asymmetry(),
+            gap: -pattern.stop(model),
+            loss: model.loss(),
             at_impulse: response.dynamic_at_impulse(),
             stiffness: response.static_stiffness(),
             fourth: response.derivative_bounds()[3],
@@ -110,9 +108,10 @@ impl<'a> HarmonicImpacts<'a> {
     fn right_sides(&self, strip: &Strip, tau: f64, radius: [f64; 2]) -> [Patch; 4] {
         let [g_sum, g_difference, v_sum, v_difference] = self.waves(strip, tau, radius);
         let (a, g) = (self.asymmetry, self.stiffness);
-        match self.pattern {
-            Pattern::DoubleSided => [(-g_difference).shifted(1.0), (-g_sum).shifted(a).scaled(g), v_sum, -v_difference],
-            Pattern::PeriodDoubled => [g_difference, g_sum.shifted(1.0 - a).scaled(g), -v_sum, v_difference],
+        if self.pattern.is_alike() {
+            [g_difference, g_sum.shifted(self.gap).scaled(g), -v_sum, v_difference]
+        } else {
+            [(-g_difference).shifted(1.0), (-g_sum).shifted(a).scaled(g), v_sum, -v_difference]
         }
     }
 
@@ -143,19 +142,15 @@ impl<'a> HarmonicImpacts<'a> {
         };
         let (y, displacement) = if sum.excludes_zero() || self.stiffness == 0.0 {
             // gΣ (Y/g) = R: finite for γ₁ = 0, where Y itself is 0.
-            let rest = match self.pattern {
-                Pattern::DoubleSided => self.asymmetry - self.waves(&strip, tau, [0.0; 2])[0].value,
-                Pattern::PeriodDoubled => 1.0 - self.asymmetry + self.waves(&strip, tau, [0.0; 2])[0].value,
-            };
+            let mean = self.waves(&strip, tau, [0.0; 2])[0].value;
+            let rest = if self.pattern.is_alike() { self.gap + mean } else { self.asymmetry - mean };
             (r.value / sum.value, 4.0 * rest / sum.value)
         } else {
             let y = (self.loss * v1.value + chi3.value * v2.value) / norm;
             (y, 4.0 * y / self.stiffness)
         };
-        let (half_sum, half_difference, static_displacement) = match self.pattern {
-            Pattern::DoubleSided => (x, y, -displacement),
-            Pattern::PeriodDoubled => (y, x, displacement),
-        };
+        let (half_sum, half_difference, static_displacement) =
+            if self.pattern.is_alike() { (y, x, displacement) } else { (x, y, -displacement) };
         let (p1, p2) = (half_sum - half_difference, half_sum + half_difference);
         let finite = p1.is_finite() && p2.is_finite() && tau.is_finite() && static_displacement.is_finite();
         finite.then_some(TwoImpactSolution { delta, p1, p2, theta: self.omega * tau, static_displacement })
@@ -179,12 +174,8 @@ impl Planar for HarmonicImpacts<'_> {
             let (sin, cos) = (rate * delta).sin_cos();
             let cosine = Patch::wave(0, cos, sin, rate, 0.0, radius);
             let sine = Patch::wave(0, sin, -cos, rate, 0.0, radius);
-            match self.pattern {
-                // h_j = jπ/2 + jωδ/2
-                Pattern::DoubleSided => (sine.scaled(-sign), cosine.scaled(sign)),
-                // h_j = jπ + jωδ/2
-                Pattern::PeriodDoubled => (-cosine, -sine),
-            }
+            // h_j = jnπ/2 + jωδ/2, of n periods of the force
+            if self.pattern.turns_round() { (sine.scaled(-sign), cosine.scaled(sign)) } else { (-cosine, -sine) }
         };
         Strip {
             kernels: [difference, chi3, sum],

@@ -2,8 +2,8 @@
 //! large and cancel.
 //!
 //! About the middles of the flights between the impacts (A, half as long as h_A = φ/2) and after them (B, h_B = (T−φ)/2) the motion
-//! is even and odd parts of a free swing and of what the force C cos ωt − S sin ωt adds, σ = −1 turning round for B in a double-sided
-//! orbit. With c, s = cos, sin Ωh and the Wronskians
+//! is even and odd parts of a free swing and of what the force C cos ωt − S sin ωt adds, σ = −1 turning round for B in an orbit of
+//! one period of the force. With c, s = cos, sin Ωh and the Wronskians
 //!
 //! ```text
 //! V = ∫₀ʰ cos Ωt cos ωt dt,   W = −∫₀ʰ sin Ωt sin ωt dt,        2V = P + Q,  2W = Q − P,  P, Q = sin((Ω∓ω)h)/(Ω∓ω)
@@ -14,7 +14,7 @@
 //!
 //! ```text
 //! Δ = q²F₂F₄ − F₁F₃
-//! x = Ω [b̄ (q²F₄ sin y + F₁ sin Ωδ) + 2q b̃ c_A c_B Z]         Z = W_A c_B − W_B c_A   (double-sided; b̃ = 0 for a doubled orbit)
+//! x = Ω [b̄ (q²F₄ sin y + F₁ sin Ωδ) + 2q b̃ c_A c_B Z]         Z = W_A c_B − W_B c_A   (b̃ = 0 for two impacts on one barrier)
 //! y = Ω [b̃ (q²F₂ sin y − F₃ sin Ωδ) − 2q b̄ s_A s_B Z']         Z' = V_A s_B − σ s_A V_B
 //! ```
 //!
@@ -24,8 +24,8 @@ use vibrochain_lattice::{Model, sine_over};
 
 use crate::enclosure::{Algebra, Dual};
 use crate::lanes::{LANES, Lane};
+use crate::pattern::Pattern;
 use crate::roots::{Clearance, Enclosed, Zeros, one_by_one};
-use crate::two_impacts::Pattern;
 
 /// One parameter point.
 pub(crate) struct OneMass {
@@ -54,14 +54,14 @@ impl OneMass {
         if !chain.is_uncoupled() || chain.gamma1() == 0.0 {
             return None;
         }
-        let (a, doubled) = (model.asymmetry(), pattern == Pattern::PeriodDoubled);
+        let alike = pattern.is_alike();
         Some(Self {
             pattern,
             rate: chain.gamma1().sqrt(),
             omega: model.omega(),
-            period: model.period() * if doubled { 2.0 } else { 1.0 },
-            mean: if doubled { a - 1.0 } else { a },
-            half_gap: if doubled { 0.0 } else { -1.0 },
+            period: model.period() * f64::from(pattern.periods()),
+            mean: if alike { pattern.stop(model) } else { model.asymmetry() },
+            half_gap: if alike { 0.0 } else { -1.0 },
             loss: model.loss(),
             amplitude,
         })
@@ -117,21 +117,21 @@ impl OneMass {
         // u_A w_B + u_B w_A and u_A w_B − u_B w_A.
         let even = |u: Both<T>, w: Both<T>| (u.sum * w.sum - u.difference * w.difference).scaled(0.5);
         let odd = |u: Both<T>, w: Both<T>| (u.difference * w.sum - u.sum * w.difference).scaled(0.5);
-        let doubled = self.pattern == Pattern::PeriodDoubled;
-        let (f1, f4, f2, f3) = if doubled {
-            (even(w, s), odd(w, s).scaled(-1.0), even(v, c), odd(v, c).scaled(-1.0))
-        } else {
+        let turns_round = self.pattern.turns_round();
+        let (f1, f4, f2, f3) = if turns_round {
             (odd(w, s), even(w, s).scaled(-1.0), odd(v, c), even(v, c).scaled(-1.0))
+        } else {
+            (even(w, s), odd(w, s).scaled(-1.0), even(v, c), odd(v, c).scaled(-1.0))
         };
         let sin_y = (self.rate * 0.5 * self.period).sin();
         let (sin, cos) = (self.rate * delta).sin_cos();
         let sin_d = wave(sin, -cos, self.rate);
         let cosines = (c.sum * c.sum - c.difference * c.difference).scaled(0.25);
         let sines = (s.sum * s.sum - s.difference * s.difference).scaled(0.25);
-        let z_other = if doubled { odd(v, s) } else { even(v, s) };
+        let z_other = if turns_round { even(v, s) } else { odd(v, s) };
         let mut x = (f4.scaled(q * q * sin_y) + f1 * sin_d).scaled(self.rate * self.mean);
         let mut y = (sines * z_other).scaled(-2.0 * q * self.mean * self.rate);
-        if !doubled {
+        if !self.pattern.is_alike() {
             x = x + (cosines * odd(w, c)).scaled(2.0 * q * self.half_gap * self.rate);
             y = y + (f2.scaled(q * q * sin_y) - f3 * sin_d).scaled(self.half_gap * self.rate);
         }

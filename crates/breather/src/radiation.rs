@@ -34,19 +34,28 @@ pub(crate) struct Radiation {
 }
 
 impl Radiation {
-    /// The limits for orbits without force of one impact site; `None` where all modes are slower than the orbit, so that
+    /// The limits for orbits without force of one impact site of a ring; `None` where all modes are slower than the orbit, so that
     /// nothing is radiated.
     pub(crate) fn of(response: &ImpulseResponse) -> Option<Self> {
+        // A wave in a ring stands, with a crest opposite to where it is driven.
+        Self::heard(response, [0, response.sites() / 2].map(|site| response.shapes().evens(site, 0)))
+    }
+
+    /// The same of impacts of one mass, or of several that are alike, as masses hear them: of each what its modes have of the kernel, see
+    /// [`ImpulseResponse::jet_of`].
+    pub(crate) fn heard<const N: usize>(
+        response: &ImpulseResponse,
+        masses: [impl Iterator<Item = f64>; N],
+    ) -> Option<Self> {
         let (omega, top) = (response.omega(), response.frequencies().last().copied().unwrap_or_default());
         if top < omega {
             return None;
         }
-        // A wave in a ring stands, with a crest opposite to where it is driven.
-        let opposite = response.sites() / 2;
         let count = HARMONICS.min((top / omega).ceil() as usize);
         let harmonics = std::array::from_fn(|j| (j + 1) as f64 * omega);
-        let [near, far]: [[f64; HARMONICS]; 2] = response.driven([0, opposite], harmonics);
-        let limits = std::array::from_fn(|j| FRAC_2_PI * response.period() / near[j].abs().max(far[j].abs()));
+        let swings: [[f64; HARMONICS]; N] = response.driven(masses, harmonics);
+        let most = |j: usize| swings.iter().fold(0.0, |most: f64, swing| most.max(swing[j].abs()));
+        let limits = std::array::from_fn(|j| FRAC_2_PI * response.period() / most(j));
         Some(Self { limits, count, omega })
     }
 

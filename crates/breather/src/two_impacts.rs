@@ -1,7 +1,7 @@
 //! The forced orbits with two impacts a period, reduced to one equation for φ.
 //!
-//! Double-sided (upper barrier at 0, lower at φ) and period-doubled orbits (lower barrier at 0 and at φ) are treated
-//! alike. The paper takes φ as given, eliminates the phase ψ on two branches and solves a(φ) = a by extrapolation. Taken
+//! Double-sided orbits (upper barrier at 0, lower at φ) and those with both impacts on one barrier, in one period of the force or in
+//! two (period-doubled), are treated alike. The paper takes φ as given, eliminates the phase ψ on two branches and solves a(φ) = a by extrapolation. Taken
 //! about the middle of the two impacts the same four conditions become symmetric:
 //!
 //! | letter | meaning |
@@ -14,7 +14,7 @@
 //! ```text
 //! double-sided    D m + Y sin h = 1          Σ d + X cos h = a
 //!                 χ₃ m + q d + ωY cos h = 0  χ₃ d − q m + ωX sin h = 0
-//! period-doubled  D d − Y sin h = 0          Σ m − X cos h = 1 − a
+//! one barrier     D d − Y sin h = 0          Σ m − X cos h = −β              β = a − 1, or a + 1 with p₁, p₂ < 0
 //!                 χ₃ d + q m − ωY cos h = 0  χ₃ m − q d − ωX sin h = 0
 //! ```
 //!
@@ -23,24 +23,25 @@
 //! ```text
 //! Δ = ωχ₃(D cos²h + Σ sin²h) − sin h cos h (S + ω²DΣ)
 //! double-sided    x = aω χ₃ D cos h − a S sin h − ωq Σ cos h      y = ω sin h (χ₃Σ + aqD) − S cos h
-//! period-doubled  x = (1−a)(S sin h − ωχ₃ D cos h)                y = −(1−a) ωq D sin h
+//! one barrier     x = −β(S sin h − ωχ₃ D cos h)                   y = βωq D sin h
 //! ```
 //!
 //! and the one condition left, X² + Y² = Ã², becomes E(φ) = x² + y² − Ã²Δ² = 0: an analytic function without branches of
 //! ψ, without edges of existence and without poles, whose zeros on the period are all the solutions.
 //!
-//! Everything is measured from half the orbit's period, δ = φ − T/2: there χ₃ and one of sin h, cos h vanish
-//! together, and keeping their relative accuracy keeps that of E down to δ → 0, where solutions crowd as q → 0, as
+//! Everything is measured from half the orbit's period, nπ/ω for one of n periods of the force: δ = φ − nπ/ω and h = nπ/2 + ωδ/2.
+//! At δ = 0 χ₃ and one of sin h, cos h vanish together, and keeping their relative accuracy keeps that of E down to δ → 0, where solutions crowd as q → 0, as
 //! a → 0 and at bifurcations. Σ enters as gΣ with the static stiffness g = 1/S₀ (all three above times g): regular
 //! for γ₁ → 0.
 
-use vibrochain_lattice::ImpulseResponse;
+use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
 
 use crate::conservative::two_impact_draft;
 use crate::enclosure::{Algebra, Dual, Enclosure};
 use crate::lanes::{LANES, Lane};
-use crate::orbit::{Draft, Family};
+use crate::orbit::Draft;
+use crate::pattern::Pattern;
 use crate::roots::{Clearance, Enclosed, Zeros};
 
 /// Where δ = 0 solves by itself (a = 0, e = 1 or γ₁ = 0, and always for a doubled orbit), E has a double zero there that
@@ -52,23 +53,18 @@ pub(crate) const SYMMETRIC_GUARD: f64 = 1e-7;
 /// are at δ = 0 to rounding.
 pub(crate) const SYMMETRIC: f64 = 1e-18;
 
-/// Which of the two words.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pattern {
-    DoubleSided,
-    PeriodDoubled,
-}
-
 /// One parameter point of a two-impact problem.
 pub(crate) struct TwoImpacts<'a> {
     pub(crate) pattern: Pattern,
     pub(crate) response: &'a ImpulseResponse,
     /// Frequency ω of the force.
     pub(crate) omega: f64,
-    pub(crate) asymmetry: f64,
-    pub(crate) loss: f64,
+    asymmetry: f64,
+    /// −β of impacts on one barrier.
+    gap: f64,
+    loss: f64,
     /// Ã
-    pub(crate) force: f64,
+    force: f64,
     at_impulse: f64,
     stiffness: f64,
     fourth: f64,
@@ -89,27 +85,22 @@ pub(crate) struct TwoImpactSolution {
 }
 
 impl TwoImpactSolution {
-    /// The orbit of this family with it, ψ and φ told.
-    pub(crate) fn draft(&self, response: &ImpulseResponse, family: Family, psi: f64, phi: f64) -> Draft {
-        two_impact_draft(response, family, psi, phi, (self.p1, self.p2), self.static_displacement)
+    /// The orbit with it, ψ told.
+    pub(crate) fn draft(&self, response: &ImpulseResponse, pattern: Pattern, psi: f64) -> Draft {
+        let phi = 0.5 * response.period() + self.delta;
+        two_impact_draft(response, pattern, psi, phi, (self.p1, self.p2), self.static_displacement)
     }
 }
 
 impl<'a> TwoImpacts<'a> {
-    pub(crate) fn new(
-        pattern: Pattern,
-        response: &'a ImpulseResponse,
-        omega: f64,
-        asymmetry: f64,
-        loss: f64,
-        force: f64,
-    ) -> Self {
+    pub(crate) fn new(pattern: Pattern, model: &Model, response: &'a ImpulseResponse, force: f64) -> Self {
         Self {
             pattern,
             response,
-            omega,
-            asymmetry,
-            loss,
+            omega: model.omega(),
+            asymmetry: model.asymmetry(),
+            gap: -pattern.stop(model),
+            loss: model.loss(),
             force,
             at_impulse: response.dynamic_at_impulse(),
             stiffness: response.static_stiffness(),
@@ -128,12 +119,7 @@ impl<'a> TwoImpacts<'a> {
         let rate = 0.5 * self.omega;
         let phases = deltas.map(|delta| (rate * delta).sin_cos());
         let (sin, cos) = (f64x4::from(phases.map(|(sin, _)| sin)), f64x4::from(phases.map(|(_, cos)| cos)));
-        let wave = |cos, sin| Dual::wave(cos, sin, rate, 1.0, radius);
-        // h = π/2 + ωδ/2 for the double-sided word; π + ωδ/2 for the doubled one, whose period is twice the force's.
-        let (sin_h, cos_h) = match self.pattern {
-            Pattern::DoubleSided => (wave(cos, sin), wave(-sin, cos)),
-            Pattern::PeriodDoubled => (wave(-sin, cos), wave(-cos, -sin)),
-        };
+        let [sin_h, cos_h] = self.pattern.waves(cos, sin).map(|(cos, sin)| Dual::wave(cos, sin, rate, 1.0, radius));
         [difference, slope.scaled(2.0), sum, sin_h, cos_h]
     }
 
@@ -146,11 +132,8 @@ impl<'a> TwoImpacts<'a> {
         let sum = kernel.shifted(self.at_impulse).scaled(-2.0 * self.stiffness).shifted(-4.0);
         let rate = 0.5 * self.omega;
         let (sin, cos) = (rate * delta).sin_cos();
-        let wave = |cos: f64, sin: f64| Dual { function: cos, derivative: -rate * sin };
-        let (sin_h, cos_h) = match self.pattern {
-            Pattern::DoubleSided => (wave(cos, sin), wave(-sin, cos)),
-            Pattern::PeriodDoubled => (wave(-sin, cos), wave(-cos, -sin)),
-        };
+        let [sin_h, cos_h] =
+            self.pattern.waves(cos, sin).map(|(cos, sin)| Dual { function: cos, derivative: -rate * sin });
         [difference, slope.scaled(2.0), sum, sin_h, cos_h]
     }
 
@@ -161,17 +144,14 @@ impl<'a> TwoImpacts<'a> {
         let (d_cos, sum_sin) = (d * cos, sum * sin);
         let determinant = (chi3 * ((d_cos * cos).scaled(g) + sum_sin * sin)).scaled(w)
             - sin * cos * (s.scaled(g) + (d * sum).scaled(w * w));
-        match self.pattern {
-            Pattern::DoubleSided => {
-                let x = (chi3 * d_cos).scaled(a * w * g) - (s * sin).scaled(a * g) - (sum * cos).scaled(w * q);
-                let y = (chi3 * sum_sin + (d * sin).scaled(a * q * g)).scaled(w) - (s * cos).scaled(g);
-                [x, y, determinant]
-            }
-            Pattern::PeriodDoubled => {
-                let gap = (1.0 - a) * g;
-                let x = (s * sin - (chi3 * d_cos).scaled(w)).scaled(gap);
-                [x, (d * sin).scaled(-gap * w * q), determinant]
-            }
+        if self.pattern.is_alike() {
+            let gap = self.gap * g;
+            let x = (s * sin - (chi3 * d_cos).scaled(w)).scaled(gap);
+            [x, (d * sin).scaled(-gap * w * q), determinant]
+        } else {
+            let x = (chi3 * d_cos).scaled(a * w * g) - (s * sin).scaled(a * g) - (sum * cos).scaled(w * q);
+            let y = (chi3 * sum_sin + (d * sin).scaled(a * q * g)).scaled(w) - (s * cos).scaled(g);
+            [x, y, determinant]
         }
     }
 
@@ -196,15 +176,12 @@ impl<'a> TwoImpacts<'a> {
     pub(crate) fn with_phase(&self, delta: f64, theta: f64) -> Option<TwoImpactSolution> {
         let [d, _, sum, sin_h, cos_h] = self.pieces_at(delta).map(|point| point.function);
         let (x, y) = (self.force * theta.cos(), self.force * theta.sin());
-        let (half_sum, half_difference, static_displacement) = match self.pattern {
-            Pattern::DoubleSided => {
-                let rest = self.asymmetry - x * cos_h;
-                ((1.0 - y * sin_h) / d, rest * self.stiffness / sum, -4.0 * rest / sum)
-            }
-            Pattern::PeriodDoubled => {
-                let rest = x * cos_h + 1.0 - self.asymmetry;
-                (rest * self.stiffness / sum, y * sin_h / d, 4.0 * rest / sum)
-            }
+        let (half_sum, half_difference, static_displacement) = if self.pattern.is_alike() {
+            let rest = x * cos_h + self.gap;
+            (rest * self.stiffness / sum, y * sin_h / d, 4.0 * rest / sum)
+        } else {
+            let rest = self.asymmetry - x * cos_h;
+            ((1.0 - y * sin_h) / d, rest * self.stiffness / sum, -4.0 * rest / sum)
         };
         let (p1, p2) = (half_sum - half_difference, half_sum + half_difference);
         let finite = p1.is_finite() && p2.is_finite() && theta.is_finite() && static_displacement.is_finite();

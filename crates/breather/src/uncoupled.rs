@@ -42,7 +42,7 @@ pub(crate) fn find(
     finder.prepare(model, model.omega() / f64::from(periods))?;
     if model.chain().gamma1() == 0.0 {
         let reason = NoBreather::NotSearched(Unsearched::Unheld);
-        found.completeness = Completeness::None { reason, by: None };
+        found.completeness = Completeness::not_reached(reason);
         return Ok(());
     }
     let parts = parts(word);
@@ -54,7 +54,7 @@ pub(crate) fn find(
                 missing += open;
             }
             Err(reason) => {
-                found.completeness = Completeness::None { reason, by: None };
+                found.completeness = Completeness::not_reached(reason);
                 return Ok(());
             }
         }
@@ -87,14 +87,9 @@ pub(crate) fn find(
 
 /// What is known of a list that so many starts have led to, while so many others were left.
 pub(crate) fn outcome(found: &Found, starts: usize, left: usize) -> Completeness {
-    let left = left.saturating_add(found.ended.iter().filter(|ended| !ended.by.is_known()).count());
     // A branch that was lost, or left for want of work, may lead here.
-    if found.orbits.is_empty() && left == 0 {
-        let reason = if starts == 0 { NoBreather::NoStart } else { NoBreather::BranchesEnded };
-        Completeness::None { reason, by: None }
-    } else {
-        Completeness::Followed { starts, left }
-    }
+    let lost = found.ended.iter().filter(|ended| !ended.by.is_known()).count();
+    Completeness::followed(found.orbits.len(), starts, left.saturating_add(lost))
 }
 
 #[cfg(test)]

@@ -163,8 +163,8 @@ impl Template {
         // Those of different masses may: simultaneous ones always do, by rounding.
         hits.iter_mut().filter(|hit| !(0.0..period).contains(&hit.time)).for_each(|hit| {
             hit.time = hit.time.rem_euclid(period);
-            // A time just before 0 may round to the period.
-            hit.time = if hit.time < period { hit.time } else { 0.0 };
+            // Just before 0, by rounding, is the first instant.
+            hit.time = if period - hit.time > SAME_INSTANT * period { hit.time } else { 0.0 };
         });
         let mut order: SmallVec<[usize; 2]> = (0..hits.len()).collect();
         order.sort_by(|&i, &j| hits[i].time.total_cmp(&hits[j].time));

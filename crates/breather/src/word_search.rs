@@ -1,26 +1,26 @@
 //! All orbits of an impact word.
 //!
-//! A word that is a family's name is searched for as the family. One of one or two instants without force and losses has its
-//! impacts at 0 and T/2, where K′ vanishes and Newton's law holds by itself: one linear system, as the closed forms of one site are.
+//! A word that is a family's name is searched for as the family, and so are two impacts of one mass under a force on one barrier. One of
+//! one or two instants without force and losses has impacts at 0 and T/2, where K′ vanishes and Newton's law holds by itself: one linear
+//! system (`positions`), as the closed forms of one site are; `two_instants` and `overdetermined` find those with other times.
 //! All others are followed from masses without coupling (`uncoupled`), or with hardly any where no force tells when each hits
 //! (`free_phases`).
 
-use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
-use crate::completeness::{Completeness, Proof};
-use crate::equations::System;
+use crate::completeness::{Completeness, Searched};
 use crate::error::{BreatherError, NoBreather};
-use crate::finder::{Finder, Found, Wanted};
+use crate::finder::{Finder, Found, Sought, Wanted};
 use crate::free_phases;
-use crate::linear::{Matrix, USUAL, Vector, dot};
-use crate::orbit::{Draft, Family, Hit, Orbit};
-use crate::polish::{STEPS, polish};
+use crate::orbit::{Draft, Family, Orbit};
+use crate::overdetermined;
+use crate::pattern::Pattern;
+use crate::polish::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
+use crate::positions::Positions;
+use crate::radiation::Radiation;
+use crate::two_instants;
 use crate::uncoupled;
 use crate::word::Word;
-
-/// Beyond this reciprocal condition rounding of the kernels leaves no digit of the impulses.
-const SINGULAR: f64 = 16.0 * f64::EPSILON;
 
 /// Residuals beyond this are improved: a sound orbit stays below.
 const IMPROVED: f64 = 1e-14;
@@ -51,33 +51,42 @@ impl Finder {
         wanted: Wanted,
         found: &mut Found,
     ) -> Result<(), BreatherError> {
+        let doubled = !model.is_conservative() && word.family() == Some(Family::PeriodDoubled);
+        self.find_in(model, word, if doubled { 2 } else { 1 }, wanted, found)
+    }
+
+    fn find_in(
+        &mut self,
+        model: &Model,
+        word: &Word,
+        force_periods: u32,
+        wanted: Wanted,
+        found: &mut Found,
+    ) -> Result<(), BreatherError> {
         let layout = model.chain().layout();
         word.check(&layout)?;
-        let word = &*word.in_one_row(&layout);
-        if let Some(family) = word.family()
-            && (model.chain().is_ring() || !model.is_conservative() || family == Family::PeriodDoubled)
-        {
-            let home = if model.chain().is_ring() { 0 } else { word.places()[0].1 };
-            return self.search_at(model, family, home, wanted, found);
+        let row = &*word.in_one_row(&layout);
+        let family = word.family().filter(|family| *family != Family::PeriodDoubled && model.chain().is_ring());
+        let sought = match (model.is_conservative(), family) {
+            (true, family) => family.map(Sought::from),
+            (false, _) => sought(row, force_periods),
+        };
+        if let Some(sought) = sought {
+            // Of a family's name on a ring the site does not matter.
+            let home = if model.chain().is_ring() && word.family().is_some() { 0 } else { row.places()[0].1 };
+            return self.search_at(model, sought, home, wanted, found);
         }
         *found = Found { orbits: std::mem::take(&mut found.orbits), ..Found::default() };
         found.orbits.clear();
-        let answer = if !model.is_conservative() && model.amplitude() == 0.0 {
-            Err(NoBreather::LossWithoutForce)
+        if !model.is_conservative() && model.amplitude() == 0.0 {
+            found.completeness = Completeness::none(NoBreather::LossWithoutForce);
         } else if !model.is_conservative() {
-            return uncoupled::find(self, model, (word, 1), found);
-        } else if word.instants().len() <= 2 {
-            self.reversible(model, word, wanted, found)?
+            return uncoupled::find(self, model, (row, force_periods), found);
+        } else if row.instants().len() > 2 {
+            return free_phases::find(self, model, row, found);
         } else {
-            return free_phases::find(self, model, word, found);
-        };
-        found.completeness = match answer {
-            Ok(()) => Completeness::All(Proof::Reversible),
-            Err(reason) => {
-                let known = matches!(reason, NoBreather::LossWithoutForce | NoBreather::NetImpulse);
-                Completeness::None { reason, by: known.then_some(Proof::ClosedForm) }
-            }
-        };
+            found.completeness = Completeness::of(&self.unforced(model, (word, row), wanted, found)?);
+        }
         Ok(())
     }
 
@@ -105,96 +114,139 @@ impl Finder {
         force_periods: u32,
         found: &mut Found,
     ) -> Result<(), BreatherError> {
-        if force_periods <= 1 || force_periods == 2 && word.family() == Some(Family::PeriodDoubled) {
-            return self.find_word(model, word, Wanted::All, found);
+        if force_periods > 1 && model.is_conservative() {
+            word.check(&model.chain().layout())?;
+            *found = Found { completeness: Completeness::not_reached(NoBreather::NeedsForce), ..Found::default() };
+            return Ok(());
         }
-        let layout = model.chain().layout();
-        word.check(&layout)?;
-        found.orbits.clear();
-        found.ended.clear();
-        let reason = match model {
-            model if model.is_conservative() => NoBreather::NeedsForce,
-            model if model.amplitude() == 0.0 => NoBreather::LossWithoutForce,
-            _ => return uncoupled::find(self, model, (&word.in_one_row(&layout), force_periods), found),
-        };
-        found.completeness = Completeness::None { reason, by: Some(Proof::ClosedForm) };
-        Ok(())
+        self.find_in(model, word, force_periods.max(1), Wanted::All, found)
     }
 
-    fn reversible(
+    /// All orbits of a word of one or two instants without force, and what the search has done: first the one with impacts at 0 and T/2,
+    /// as far as it does not repeat sooner, then those with other times.
+    fn unforced(
         &mut self,
         model: &Model,
-        word: &Word,
+        (word, row): (&Word, &Word),
         wanted: Wanted,
         found: &mut Found,
-    ) -> Result<Result<(), NoBreather>, BreatherError> {
+    ) -> Result<Searched, BreatherError> {
         self.prepare(model, model.omega())?;
-        let draft = match reversible(model, &self.response, word) {
-            Ok(draft) => draft,
-            Err(none) => return Ok(Err(none)),
+        self.zeros.clear();
+        let Self { response, motion, zeros, stop, .. } = self;
+        let response = &*response;
+        let mut searched = Searched::default();
+        let positions = match Positions::new(model, response, row) {
+            Ok(positions) => positions,
+            Err(reason) => return Ok(Searched { reason: Some(reason), ..searched }),
         };
-        if !matches!(wanted, Wanted::All | Wanted::Symmetric) && !draft.is_right_signed() {
-            return Ok(Ok(()));
+        let mut assemble = |draft: Draft, steps: usize| -> Result<Orbit, BreatherError> {
+            let mut orbit = Orbit::assemble(model, response, motion, draft)?;
+            if orbit.residual() > IMPROVED {
+                let mut polished = orbit.clone();
+                polish(&mut polished, steps, response, motion);
+                // Where a fold or a singular matrix is near, rounding may split an instant.
+                if is_in_step(&polished, row) {
+                    orbit = polished;
+                }
+            }
+            Ok(orbit)
+        };
+        let repeats = matches!(row.instants(), [first, second] if first == second);
+        match positions.draft(0.0) {
+            _ if repeats => searched.reason = Some(NoBreather::RepeatsSooner),
+            Ok(draft) if wanted.candidates() && !draft.is_right_signed() => searched.refused += 1,
+            Ok(draft) => match assemble(draft, STEPS)? {
+                orbit if orbit.residual().is_finite() => found.orbits.push(orbit),
+                _ => searched.reason = Some(NoBreather::Singular),
+            },
+            Err(reason) => searched.reason = Some(reason),
         }
-        let mut orbit = Orbit::assemble(model, &self.response, &mut self.motion, draft)?;
-        if orbit.residual() > IMPROVED {
-            polish(&mut orbit, STEPS, &self.response, &mut self.motion);
+        searched.listed = found.orbits.len();
+        let same = positions.same_masses();
+        if row.instants().len() == 1 || wanted == Wanted::Symmetric || same && two_instants::all_slower(response) {
+            return Ok(searched);
         }
-        if !orbit.residual().is_finite() {
-            return Ok(Err(NoBreather::Singular));
+        let (mut radiation, alike) = (None, word.is_alike(model));
+        if alike {
+            let shapes = block(response, row);
+            two_instants::times(response, &shapes, same, zeros);
+            if wanted.candidates() && same {
+                radiation = Radiation::heard(response, [shapes.iter().copied()]);
+            }
+        } else {
+            overdetermined::search(&positions, &word.classes(model, true), wanted.candidates(), zeros);
         }
-        found.orbits.push(orbit);
-        Ok(Ok(()))
+        stop.heard()?;
+        searched.intervals = zeros.intervals;
+        searched.exhausted = zeros.exhausted;
+        // The mirror image in time of one with both instants alike is itself, begun at the other.
+        let signs = if repeats { &[-1.0][..] } else { &[-1.0, 1.0] };
+        let known = zeros.simple.iter().map(|delta| (delta, true));
+        let places = known.chain(zeros.unresolved.iter().map(|delta| (delta, false)));
+        for (delta, simple) in places.flat_map(|(delta, simple)| signs.iter().map(move |sign| (sign * delta, simple))) {
+            let draft = match positions.draft(delta) {
+                // Where two zeros may have merged, nothing is known of orbits.
+                Ok(draft) if simple || !alike => draft,
+                _ => {
+                    (searched.lost, searched.unresolved) =
+                        (searched.lost + usize::from(simple), searched.unresolved + usize::from(!simple));
+                    continue;
+                }
+            };
+            let radiates = || radiation.is_some_and(|radiation| !radiation.allows(of_one_mass(&draft)));
+            if wanted.candidates() && (!draft.is_right_signed() || radiates()) {
+                searched.refused += 1;
+            } else if wanted == Wanted::SymmetricCandidates {
+                searched.left_out += 1;
+            } else {
+                match (assemble(draft, if simple { STEPS } else { STEPS_FROM_AFAR })?, simple) {
+                    (orbit, true) if orbit.residual().is_finite() => found.orbits.push(orbit),
+                    (orbit, false) if orbit.residual() <= CONVERGED => found.orbits.push(orbit),
+                    (_, true) => searched.lost += 1,
+                    // Nearly an orbit.
+                    (_, false) => searched.unresolved += 1,
+                }
+            }
+        }
+        searched.listed = found.orbits.len();
+        Ok(searched)
     }
 }
 
-/// Impulses P and static displacement s from Σ_j P_j K̂_ij + s = a ± 1 and Σ P = g s.
-fn reversible(model: &Model, response: &ImpulseResponse, word: &Word) -> Result<Draft, NoBreather> {
-    let half = 0.5 * response.period();
-    let hits: SmallVec<[(Hit, bool); USUAL]> = (word.instants().iter().zip([false, true]))
-        .flat_map(|(letters, late)| letters.iter().map(move |letter| (letter, late)))
-        .map(|(letter, late)| (Hit::new(letter.site, letter.barrier, if late { half } else { 0.0 }, 0.0), late))
-        .collect();
-    let (n, g) = (hits.len(), response.static_stiffness());
-    if g == 0.0 && [Barrier::Lower, Barrier::Upper].iter().any(|&b| hits.iter().all(|(hit, _)| hit.barrier == b)) {
-        return Err(NoBreather::NetImpulse);
+/// One mass under a force, whose orbits are those of a family or the zeros of E.
+fn sought(row: &Word, force_periods: u32) -> Option<Sought> {
+    let barriers: Vec<Barrier> = row.letters().map(|letter| letter.barrier).collect();
+    match barriers.as_slice() {
+        _ if row.places().len() > 1 => None,
+        [Barrier::Lower] if force_periods == 1 => Some(Family::SingleSided.into()),
+        barriers => Pattern::of(barriers, force_periods).map(Sought::from),
     }
-    // Each pair of sites once: K̂ is symmetric, and a site is hit at both instants as a rule.
-    let mut sites: SmallVec<[usize; USUAL]> = hits.iter().map(|(hit, _)| hit.site).collect();
-    sites.sort_unstable();
-    sites.dedup();
-    let places: SmallVec<[usize; USUAL]> =
-        hits.iter().map(|(hit, _)| sites.partition_point(|&site| site < hit.site)).collect();
-    let mut kernels: SmallVec<[Option<[f64; 2]>; USUAL]> = smallvec![None; sites.len() * sites.len()];
-    let mut kernel = |i: usize, j: usize| {
-        let (low, high) = (places[i].min(places[j]), places[i].max(places[j]));
-        let known = &mut kernels[low * sites.len() + high];
-        known.get_or_insert_with(|| response.dynamics_between(sites[high], sites[low]))
-            [usize::from(hits[i].1 != hits[j].1)]
-    };
-    let matrix = Matrix::from_fn(n + 1, |i, j| match (i < n, j < n) {
-        (true, true) => kernel(i, j),
-        (true, false) | (false, true) => 1.0,
-        (false, false) => -g,
-    });
-    // Impulses are like those of a mass that crosses the gap in half a period.
-    let mut units: Vector = (0..n).map(|_| model.omega()).collect();
-    units.push(1.0);
-    let system = System::new(matrix.clone(), units);
-    if system.reciprocal_condition <= SINGULAR {
-        return Err(NoBreather::Singular);
+}
+
+/// The impacts of each instant of a word are at one time.
+fn is_in_step(orbit: &Orbit, row: &Word) -> bool {
+    let mut impacts = orbit.impacts().iter();
+    row.instants().iter().all(|letters| {
+        let mut times = impacts.by_ref().take(letters.len()).map(|impact| impact.time);
+        times.next().is_some_and(|first| times.all(|time| time == first))
+    })
+}
+
+/// What each mode has of Σ_j σ_j K_0j, 0 being the first impact of the first instant and j those of the last, all alike.
+fn block(response: &ImpulseResponse, row: &Word) -> Vec<f64> {
+    let (first, last) = (row.instants()[0][0], &row.instants()[row.instants().len() - 1]);
+    let mut shapes = vec![0.0; response.modes()];
+    for letter in last {
+        let sign = if letter.barrier == last[0].barrier { 1.0 } else { -1.0 };
+        let modes = response.shapes().evens(first.site, letter.site);
+        shapes.iter_mut().zip(modes).for_each(|(sum, shape)| *sum += sign * shape);
     }
-    let mut rows: Vector = hits.iter().map(|(hit, _)| model.barrier(hit.barrier)).collect();
-    rows.push(0.0);
-    let mut solution = system.solve(&rows);
-    // An inverse leaves its condition times the rounding of the terms; once more, and it is the rounding alone.
-    for (i, row) in rows.iter_mut().enumerate() {
-        *row -= dot(matrix.row(i), &solution);
-    }
-    solution.iter_mut().zip(system.solve(&rows)).for_each(|(x, change)| *x += change);
-    if !solution.iter().all(|x| x.is_finite()) {
-        return Err(NoBreather::Singular);
-    }
-    let impacts = hits.iter().zip(&solution).map(|((hit, _), &impulse)| Hit { impulse, ..*hit }).collect();
-    Ok(Draft::new(response, (Family::Word, 1), 0.0, impacts, solution[n]))
+    shapes
+}
+
+/// Times and impulses of the mass that hits first.
+fn of_one_mass(draft: &Draft) -> impl Iterator<Item = (f64, f64)> + Clone + '_ {
+    let site = draft.impacts[0].site;
+    draft.impacts.iter().filter(move |hit| hit.site == site).map(|hit| (hit.time, hit.impulse))
 }

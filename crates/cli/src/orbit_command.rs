@@ -140,7 +140,7 @@ fn completeness_value(completeness: Completeness) -> Value {
     match proof {
         Some(Proof::Enclosures { intervals }) => value["intervals"] = intervals.into(),
         Some(Proof::BranchAndPrune { boxes }) => value["boxes"] = boxes.into(),
-        Some(Proof::ClosedForm | Proof::Reversible) | None => {}
+        Some(Proof::ClosedForm) | None => {}
     }
     value
 }

@@ -475,9 +475,14 @@ impl ImpulseResponse {
 
     /// Bounds over the open period on |K₀′|, |K₀″|, |K₀‴| and |K₀⁗|, from the modes' amplitudes.
     pub fn derivative_bounds(&self) -> [f64; 4] {
+        self.derivative_bounds_of(&self.squares)
+    }
+
+    /// The same of the kernel whose modes have these shapes, see [`ImpulseResponse::jet_of`].
+    pub fn derivative_bounds_of(&self, shapes: &[f64]) -> [f64; 4] {
         let mut bounds = [0.0; 4];
-        let own = self.own_weights();
         for k in 0..self.modes() {
+            let own = self.weights[k] * shapes.get(k).map_or(1.0, |shape| shape.abs());
             let (frequency, y) = (self.frequencies[k], self.half_phase[k]);
             let sine = if y < 1.0 { y * sinc(y) } else { self.sin_half[k].abs() };
             // K′ of a mode is sin x/(2 sin y) with |x| ≤ y: a soft mode does not reach the crest of its sine.
@@ -485,7 +490,7 @@ impl ImpulseResponse {
             let curvature = if y < 1.0 { 1.0 / (self.period * sinc(y)) } else { 0.5 * frequency / sine };
             let square = frequency * frequency;
             for (bound, term) in bounds.iter_mut().zip([soft, curvature, soft * square, curvature * square]) {
-                *bound += own[k] * term;
+                *bound += own * term;
             }
         }
         bounds
@@ -494,30 +499,36 @@ impl ImpulseResponse {
     /// Dynamic part of K₀, K₀′, K₀″ and K₀‴ at the time T/2 + `offset`, −T/2 < `offset` < T/2. Measured from the middle
     /// of the period because K₀′ vanishes there: it keeps its relative accuracy.
     pub fn jet_from_half(&self, offset: f64) -> KernelJet {
+        self.jet_of(&self.squares, offset)
+    }
+
+    /// The same of any sum of kernels between sites, given by what each mode has of it beside its weight: Σ φ_k(i)φ_k(j) as
+    /// [`Shapes::evens`] tells it. With no shapes at all each mode has 1.
+    pub fn jet_of(&self, shapes: &[f64], offset: f64) -> KernelJet {
         let by_fours = self.modes <= FEW && self.top * offset.abs() <= MOST;
-        if by_fours { self.jet_by_fours(offset) } else { self.jet_one_by_one(offset) }
+        if by_fours { self.jet_by_fours(shapes, offset) } else { self.jet_one_by_one(shapes, offset) }
     }
 
     /// The same, mode by mode: of long lattices, whose sums are kept compensated.
-    fn jet_one_by_one(&self, offset: f64) -> KernelJet {
+    fn jet_one_by_one(&self, shapes: &[f64], offset: f64) -> KernelJet {
         let jet = |k: usize, scale: f64| self.mode_jet(k, offset, scale, self.half_phase[k] < 1.0);
-        let [value, slope, curvature, third] = if self.squares.is_empty() {
+        let [value, slope, curvature, third] = if shapes.is_empty() {
             long_sum(self.modes(), |k| jet(k, self.scales[k]))
         } else {
-            long_sum(self.modes(), |k| jet(k, self.scales[k] * self.squares[k]))
+            long_sum(self.modes(), |k| jet(k, self.scales[k] * shapes[k]))
         };
         KernelJet { value, slope, curvature, third }
     }
 
     /// The same, four modes at a time.
-    fn jet_by_fours(&self, offset: f64) -> KernelJet {
+    fn jet_by_fours(&self, shapes: &[f64], offset: f64) -> KernelJet {
         let zero = f64x4::ZERO;
         let fours =
             |list: &'_ [f64], i: usize| list.as_chunks::<LANES>().0.get(i).map_or(zero, |four| f64x4::from(*four));
         let mut sums = [zero; 4];
         for i in 0..self.frequencies.len() / LANES {
             let scale = fours(&self.scales, i);
-            let scale = if self.squares.is_empty() { scale } else { scale * self.squares_of(i) };
+            let scale = if shapes.is_empty() { scale } else { scale * group_of(shapes, i) };
             let mode = [fours(&self.frequencies, i), scale, fours(&self.offsets, i), fours(&self.half_phase, i)];
             let terms = self.terms(mode, f64x4::splat(offset));
             (0..4).for_each(|i| sums[i] += terms[i]);
@@ -529,15 +540,20 @@ impl ImpulseResponse {
 
     /// As [`ImpulseResponse::jet_from_half`] at four times at once: four values, slopes, curvatures and third derivatives.
     pub fn jets_from_half(&self, offsets: [f64; 4]) -> [[f64; 4]; 4] {
+        self.jets_of(&self.squares, offsets)
+    }
+
+    /// As [`ImpulseResponse::jet_of`] at four times at once.
+    pub fn jets_of(&self, shapes: &[f64], offsets: [f64; 4]) -> [[f64; 4]; 4] {
         let farthest = offsets.iter().fold(0.0, |most: f64, offset| most.max(offset.abs()));
         if self.modes > FEW || self.top * farthest > MOST {
-            let jets = offsets.map(|offset| self.jet_from_half(offset));
+            let jets = offsets.map(|offset| self.jet_of(shapes, offset));
             let of = |part: fn(&KernelJet) -> f64| std::array::from_fn(|i| part(&jets[i]));
             return [of(|jet| jet.value), of(|jet| jet.slope), of(|jet| jet.curvature), of(|jet| jet.third)];
         }
         let mut sums = [f64x4::ZERO; 4];
         for k in 0..self.modes {
-            let scale = self.scales[k] * self.squares.get(k).copied().unwrap_or(1.0);
+            let scale = self.scales[k] * shapes.get(k).copied().unwrap_or(1.0);
             let mode = [self.frequencies[k], scale, self.offsets[k], self.half_phase[k]].map(f64x4::splat);
             let terms = self.terms(mode, f64x4::from(offsets));
             (0..4).for_each(|i| sums[i] += terms[i]);
@@ -570,13 +586,6 @@ impl ImpulseResponse {
             }
         }
         terms
-    }
-
-    /// φ_k² of home over the weights, of four modes.
-    fn squares_of(&self, group: usize) -> f64x4 {
-        let mut four = [0.0; LANES];
-        four.iter_mut().zip(self.squares.iter().skip(group * LANES)).for_each(|(slot, square)| *slot = *square);
-        f64x4::from(four)
     }
 
     /// As [`ImpulseResponse::jet_from_half`], of site `to` where site `from` receives the impulses. What the mean force holds
@@ -639,10 +648,13 @@ impl ImpulseResponse {
         }
     }
 
-    /// Σ b_k² cos(2πkn/M)/(Ω_k² − w²) for each n of `sites` and w of `frequencies`: how far a force cos wt at site 0 makes site n
-    /// swing. Infinite where w meets a mode.
-    pub fn driven<const N: usize, const J: usize>(&self, sites: [usize; N], frequencies: [f64; J]) -> [[f64; J]; N] {
-        let mut shapes = sites.map(|site| self.shapes.evens(site, 0));
+    /// Σ weight·shape/(Ω_k² − w²) for each list of shapes ([`Shapes::evens`] of site n about site i) and w of `frequencies`: how far a
+    /// force cos wt at site i makes site n swing. Infinite where w meets a mode.
+    pub fn driven<const N: usize, const J: usize>(
+        &self,
+        mut shapes: [impl Iterator<Item = f64>; N],
+        frequencies: [f64; J],
+    ) -> [[f64; J]; N] {
         let mut sums = [[0.0; J]; N];
         for (mode, weight) in self.frequencies().iter().zip(self.weights()) {
             let terms = frequencies.map(|w| weight / ((mode - w) * (mode + w)));
@@ -692,6 +704,13 @@ impl ImpulseResponse {
     pub(crate) fn fold(&self, t: f64) -> f64 {
         if (0.0..=self.period).contains(&t) { t } else { t.rem_euclid(self.period) }
     }
+}
+
+/// What four modes have of a kernel; 0 where the last group is not full.
+fn group_of(shapes: &[f64], group: usize) -> f64x4 {
+    let mut four = [0.0; LANES];
+    four.iter_mut().zip(shapes.iter().skip(group * LANES)).for_each(|(slot, shape)| *slot = *shape);
+    f64x4::from(four)
 }
 
 /// Groups of four lists side by side.
@@ -796,7 +815,7 @@ mod tests {
                     let jets = r.jets_from_half([0.0, offset, -offset, 0.3 * offset]);
                     let [value, slope, curvature, third] = jets.map(|jets| jets[1]);
                     let of_times = KernelJet { value, slope, curvature, third };
-                    let (fours, ones) = (r.jet_by_fours(offset), r.jet_one_by_one(offset));
+                    let (fours, ones) = (r.jet_by_fours(&r.squares, offset), r.jet_one_by_one(&r.squares, offset));
                     let own = r.own_weights();
                     let size = |power: i32| -> f64 {
                         let term = |k: usize| {

@@ -2,9 +2,7 @@
 
 use std::cmp::Ordering;
 
-use vibrochain_breather::{
-    BreatherError, Completeness, Family, Finder, Found, NoBreather, Orbit, Sketched, Wanted, Word,
-};
+use vibrochain_breather::{BreatherError, Completeness, Family, Finder, Found, Orbit, Sketched, Wanted, Word};
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Model, Stop};
 
@@ -121,7 +119,7 @@ pub enum Status {
     Ok,
     /// A harmonic meets a mode: no periodic motion is defined.
     Resonance,
-    /// Computed, but orbits that the scene leaves out could live here.
+    /// Computed, but orbits that the scene leaves out, or that no search reaches, could live here.
     Incomplete,
     /// Computed, but two orbits may have merged closer than rounding can tell (a fold), or the search for solutions was
     /// cut short (hundreds of them at very low frequency).
@@ -170,14 +168,9 @@ impl Status {
 
     fn of_list(completeness: Completeness) -> Self {
         match completeness {
-            Completeness::Asked { .. } => Self::Incomplete,
-            // Where nothing is found that could be followed, others may live all the same.
-            Completeness::None {
-                reason: NoBreather::NotSearched(_) | NoBreather::NoStart | NoBreather::BranchesEnded,
-                by: None,
-            } => Self::Incomplete,
-            completeness if completeness.open() != (0, 0) => Self::Unresolved,
-            _ => Self::Ok,
+            completeness if completeness.is_established() => Self::Ok,
+            Completeness::Open { .. } => Self::Unresolved,
+            _ => Self::Incomplete,
         }
     }
 

@@ -157,7 +157,7 @@ impl PyCompleteness {
         self.0.is_established()
     }
 
-    /// str or None : "closed-form", "enclosures", "branch-and-prune", "reversible" or "followed".
+    /// str or None : "closed-form", "enclosures", "branch-and-prune" or "followed".
     #[getter]
     fn by(&self) -> Option<&'static str> {
         match self.0 {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vibrochain_breather::{BreatherError, Family, Finder, Found, MAX_IMPACTS, Word, breathers};
+use vibrochain_breather::{BreatherError, Family, Finder, Found, MAX_IMPACTS, Wanted, Word, breathers};
 use vibrochain_lattice::{Model, Parameter, Short};
 
 use crate::breathers::PyBreathers;
@@ -169,16 +169,23 @@ impl PyModel {
     ) -> PyResult<PyBreathers> {
         let model = self.0;
         let most = i64::try_from(MAX_IMPACTS).unwrap_or(i64::MAX);
-        let periods = force_periods.map_or(Ok(1), |value| whole("force_periods", value, 1, most))? as u32;
+        let periods = force_periods.map(|value| whole("force_periods", value, 1, most)).transpose()?;
         let families = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
         let (name, found) = match families.into_iter().find(|family| family.name() == which) {
             Some(family) => (which.to_owned(), call(py, &model, move || breathers(&model, family))?),
             None => {
                 let word = word(which, &model)?;
                 let name = word.to_string();
+                if model.is_conservative() && periods.is_some_and(|periods| periods > 1) {
+                    let message = "force_periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
+                    return Err(Failure::Request(message.to_owned()).into());
+                }
                 let search = move |_: &_| {
-                    let mut found = Found::default();
-                    Finder::new(model.chain().sites()).find_word_over(&model, &word, periods, &mut found)?;
+                    let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
+                    match periods {
+                        Some(periods) => finder.find_word_over(&model, &word, periods as u32, &mut found)?,
+                        None => finder.find_word(&model, &word, Wanted::All, &mut found)?,
+                    }
                     Ok::<_, BreatherError>(found)
                 };
                 (name, long(py, |_| Ok(()), search)?)

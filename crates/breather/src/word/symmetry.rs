@@ -45,6 +45,42 @@ impl Word {
         if single == of { self < other } else { single }
     }
 
+    /// The classes of impacts that symmetries of the word turn into each other, one after the other in the order of the impacts: those of the
+    /// lattice, with the barriers exchanged where they are centred, and with the instants exchanged by reversal of time if
+    /// `by_reversal`. Their impulses are alike then, but for signs: those of the barriers. Of a word of one or two instants.
+    pub(crate) fn classes(&self, model: &Model, by_reversal: bool) -> Vec<usize> {
+        let layout = model.chain().layout();
+        let centred = model.asymmetry() == 0.0;
+        let all: Vec<(usize, Letter)> =
+            self.instants.iter().enumerate().flat_map(|(i, letters)| letters.iter().map(move |&l| (i, l))).collect();
+        let turns = |&(instant, one): &(usize, Letter), &(image, other): &(usize, Letter)| {
+            let (reversed, exchanged) = (instant != image, one.barrier != other.barrier);
+            let along = moves_between(layout.length, layout.ends, one.site, other.site);
+            let across = moves_between(layout.layers, layout.layer_ends, one.layer, other.layer);
+            let mut moves = along.iter().flat_map(|along| across.iter().map(move |across| [along, across]));
+            (by_reversal || !reversed)
+                && (centred || !exchanged)
+                && moves.any(|step| self.moved(step, reversed, exchanged) == self.instants)
+        };
+        let mut classes: Vec<usize> = Vec::with_capacity(all.len());
+        for (i, impact) in all.iter().enumerate() {
+            let known = (0..i).find(|&j| turns(&all[j], impact)).map(|j| classes[j]);
+            classes.push(known.unwrap_or_else(|| classes.iter().max().map_or(0, |last| last + 1)));
+        }
+        classes
+    }
+
+    /// Whether the impacts of each instant are of one class: to Newton's law they are one impact.
+    pub(crate) fn is_alike(&self, model: &Model) -> bool {
+        let classes = self.classes(model, false);
+        let mut from = 0;
+        self.instants.iter().all(|letters| {
+            let own = &classes[from..from + letters.len()];
+            from += letters.len();
+            own.iter().all(|class| *class == own[0])
+        })
+    }
+
     fn moved(&self, [along, across]: [&Move; 2], reversed: bool, exchanged: bool) -> Vec<Vec<Letter>> {
         let letter = |&Letter { site, layer, barrier }: &Letter| {
             let barrier = match (exchanged, barrier) {
@@ -68,29 +104,44 @@ impl Word {
     }
 }
 
-/// A symmetry of a row of `count` masses: what is at `home` comes to 0, and perhaps the order is turned round.
+/// A symmetry of a row of `count` masses: what is at `home` comes to `to`, and perhaps the order is turned round.
 #[derive(Debug, Clone, Copy)]
 struct Move {
     count: usize,
     home: usize,
+    to: usize,
     mirrored: bool,
 }
 
 impl Move {
     fn of(self, site: usize) -> usize {
         let away = (site + self.count - self.home) % self.count;
-        if self.mirrored { (self.count - away) % self.count } else { away }
+        (self.to + if self.mirrored { self.count - away } else { away }) % self.count
+    }
+}
+
+/// The symmetries of a row that bring one site to another.
+fn moves_between(count: usize, ends: Ends, home: usize, to: usize) -> Vec<Move> {
+    let both = [false, true].map(|mirrored| Move { count, home, to, mirrored });
+    match ends {
+        Ends::Closed => both.to_vec(),
+        Ends::Free | Ends::Fixed => {
+            both.into_iter().filter(|step| if step.mirrored { home + to + 1 == count } else { home == to }).collect()
+        }
     }
 }
 
 /// The symmetries of a row that may make a word with impacts at these sites smallest.
 fn moves(count: usize, ends: Ends, homes: &[usize]) -> Vec<Move> {
-    let shift = |home: usize| [false, true].map(|mirrored| Move { count, home, mirrored });
+    let shift = |home: usize| [false, true].map(|mirrored| Move { count, home, to: 0, mirrored });
     match ends {
         Ends::Closed => homes.iter().flat_map(|&home| shift(home)).collect(),
         // The last mass comes to 0, turned round, or all stay.
         Ends::Free | Ends::Fixed => {
-            vec![Move { count, home: 0, mirrored: false }, Move { count, home: count - 1, mirrored: true }]
+            vec![
+                Move { count, home: 0, to: 0, mirrored: false },
+                Move { count, home: count - 1, to: 0, mirrored: true },
+            ]
         }
     }
 }
@@ -145,8 +196,8 @@ mod tests {
                 .collect();
             let one = Word::new(instants).unwrap();
             let reversed = random.bool();
-            let along = Move { count: 12, home: random.usize(0..12), mirrored: random.bool() };
-            let mut other = one.moved([&along, &Move { count: 1, home: 0, mirrored: false }], reversed, false);
+            let along = Move { count: 12, home: random.usize(0..12), to: 0, mirrored: random.bool() };
+            let mut other = one.moved([&along, &Move { count: 1, home: 0, to: 0, mirrored: false }], reversed, false);
             other.rotate_left(random.usize(0..count));
             let other = Word { instants: other };
             assert_eq!(one.canonical(&free), other.canonical(&free));
