@@ -22,11 +22,13 @@ pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 macro_rules! pickled {
     ($($class:ident)*) => {
         #[derive(Serialize)]
+        #[allow(clippy::enum_variant_names, reason = "each is named after its class")]
         enum Written<'a> {
             $($class(&'a $class)),*
         }
 
         #[derive(Deserialize)]
+        #[allow(clippy::enum_variant_names, reason = "each is named after its class")]
         enum Read {
             $($class($class)),*
         }
@@ -57,11 +59,12 @@ pickled! {
     PyEventCurve PyEvents PyForce PyImpact PyLocated PyModel PyObstruction PyOrbit PyVerdict
 }
 
+/// The version that has written, and what it has.
+type Arguments<'py> = (&'static str, Bound<'py, PyBytes>);
+
 /// What pickle asks for: a callable and its arguments.
 #[pyfunction]
-pub(crate) fn _reduce<'py>(
-    value: &Bound<'py, PyAny>,
-) -> PyResult<(Bound<'py, PyAny>, (&'static str, Bound<'py, PyBytes>))> {
+pub(crate) fn _reduce<'py>(value: &Bound<'py, PyAny>) -> PyResult<(Bound<'py, PyAny>, Arguments<'py>)> {
     let py = value.py();
     let bytes = write(value)
         .ok_or_else(|| PyTypeError::new_err("this is no value of vibrochain"))?

@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn a_line_ends_at_its_limit_when_told_and_when_it_writes_too_much() {
         let told = |program: &str, line: Line, limit: Duration, stop: &Stop| {
-            let setting = setting(program);
+            let setting = Setting { program: program.into(), ..Setting::new(None).unwrap() };
             let refusal = line.run(&setting, limit, stop).unwrap_err();
             // Nothing of it is left.
             assert_eq!(fs::read_dir(setting.folder.path()).unwrap().count(), 0);
