@@ -227,9 +227,8 @@ fn quoted(text: &str) -> String {
     }
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
-    use std::os::unix::fs::PermissionsExt;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -237,6 +236,7 @@ mod tests {
 
     const LONG: Duration = Duration::from_secs(600);
 
+    #[cfg(unix)]
     #[test]
     fn a_line_ends_at_its_limit_when_told_and_when_it_writes_too_much() {
         let told = |program: &str, line: Line, limit: Duration, stop: &Stop| {
@@ -262,8 +262,10 @@ mod tests {
         assert!(told("no such program", Line::new(""), LONG, &never).message.contains("does not run"));
     }
 
+    #[cfg(unix)]
     #[test]
     fn nobody_else_sees_the_folder_and_it_goes() {
+        use std::os::unix::fs::PermissionsExt;
         let setting = Setting::new(None).unwrap();
         let folder = setting.folder.path().to_owned();
         assert_eq!(fs::metadata(&folder).unwrap().permissions().mode() & 0o7777, 0o700);
