@@ -29,6 +29,7 @@
 //! | `shapes` | [`Shapes`]: what each mode makes of each mass; `ring`, `transform`: cosines to the last digit, all masses at once |
 //! | `distinct` | [`DistinctMasses`]: the masses that symmetry leaves |
 //! | `impulse` | [`ImpulseResponse`]: the periodic impulse response K_n(t) in closed form |
+//! | `kernel` | [`BlochKernel`]: the kernel of impacts that grow by a factor each period, of any modes, damped ones too |
 //! | `sines` | sines and cosines of four phases at once |
 //! | `sensitivity` | condition of the impulse response |
 //! | `decay` | [`Decay`], harmonic response, far field in full relative accuracy |
@@ -54,6 +55,7 @@ mod distinct;
 mod error;
 mod force;
 mod impulse;
+mod kernel;
 mod line;
 mod parameter;
 mod params;
@@ -74,6 +76,7 @@ pub use distinct::DistinctMasses;
 pub use error::{LatticeError, MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, Short};
 pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use impulse::{ImpulseResponse, KernelJet};
+pub use kernel::{BlochJet, BlochKernel, BlochMode, SparedModes, Turn, Turned};
 pub use line::Ends;
 pub use parameter::Parameter;
 pub use params::{Barrier, Chain, Layout, MAX_SITES, Model};
