@@ -19,6 +19,7 @@
 //! | `motion` | [`Motion`]: every mass at any time |
 //! | `admissibility`, `watch`, `window`, `grid`, `polynomial` | [`Admissibility`], [`Obstruction`]: physical or what is in the way |
 //! | `unknowns`, `equations`, `polish` | the equations of any impact word, linearised; Newton steps on them |
+//! | `equations::bloch` | [`BlochEquations`]: J(z), the same with a Bloch factor, on any linear structure: multipliers are where it is singular |
 //! | `condition` | [`Condition`]: distance to resonance, grazing and folds; errors |
 //! | `branch`, `corrector`, `resonances`, `symmetries`, `reduction`, `linear` | [`Branch`]: orbits along one parameter, through folds |
 //! | `word` | [`Word`]: which mass meets which barrier, in which order |
@@ -116,6 +117,7 @@ pub use branching::Departure;
 pub use completeness::{Completeness, Proof};
 pub use condition::{Condition, ImpactError, Together};
 pub use ended::{End, Ended};
+pub use equations::{BlochEquations, LinearImpact};
 pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};
