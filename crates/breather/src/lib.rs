@@ -14,6 +14,7 @@
 //! | [`Completeness`], [`Proof`] | whether a list of orbits is all, and how that is known |
 //! | [`Motion`] | every mass at any time |
 //! | [`Admissibility`], [`Obstruction`] | physical or what is in the way |
+//! | [`BlochEquations`] | J(z): the linearised equations of the impacts with a Bloch factor, on any linear structure |
 //! | [`Condition`] | distance to resonance, grazing and folds; errors |
 //! | [`Branch`] | orbits along one parameter, through folds |
 //! | [`Word`] | which mass meets which barrier, in which order; [`Word::enumerate`] lists words of a few sites |
@@ -108,6 +109,7 @@ pub use branching::Departure;
 pub use completeness::{Completeness, Proof};
 pub use condition::{Condition, ImpactError, Together};
 pub use ended::{End, Ended};
+pub use equations::{BlochEquations, LinearImpact};
 pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use motion::{Kinematics, Motion};

@@ -29,6 +29,7 @@
 //! | [`Shapes`] | what each mode makes of each mass |
 //! | [`DistinctMasses`] | the masses that symmetry leaves |
 //! | [`ImpulseResponse`] | the periodic impulse response K_n(t) in closed form |
+//! | [`BlochKernel`] | the kernel K^z of impacts that repeat every period, each z times the one before, of any damped modes |
 //! | [`Decay`] | harmonic response, far field in full relative accuracy |
 //! | [`Propagator`] | exact free flight |
 //! | [`Stop`] | ends long work early |
@@ -53,6 +54,7 @@ mod distinct;
 mod error;
 mod force;
 mod impulse;
+mod kernel;
 mod line;
 mod parameter;
 mod params;
@@ -74,6 +76,7 @@ pub use distinct::DistinctMasses;
 pub use error::{LatticeError, MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, Short};
 pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use impulse::{ImpulseResponse, KernelJet};
+pub use kernel::{BlochJet, BlochKernel, BlochMode, SparedModes, Turn, Turned};
 pub use line::Ends;
 pub use parameter::Parameter;
 pub use params::{Barrier, Chain, Layout, MAX_SITES, Model};

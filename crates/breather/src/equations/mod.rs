@@ -20,6 +20,10 @@ use crate::orbit::{Impact, Orbit};
 use crate::unknowns::{Unknowns, static_displacement};
 use crate::worst::worse;
 
+mod bloch;
+
+pub use bloch::{BlochEquations, LinearImpact};
+
 /// Rounding of one operation, with room for the few that a term takes.
 pub(crate) const UNIT: f64 = 2.0 * f64::EPSILON;
 

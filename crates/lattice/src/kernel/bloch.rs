@@ -1,0 +1,219 @@
+//! The kernel of any list of modes.
+
+use rustfft::num_complex::Complex;
+
+use super::turn::{Turn, Turned};
+
+type C = Complex<f64>;
+
+/// One mode between contacts: how it moves, and what each contact sees of it and gives to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlochMode {
+    /// How its coordinates move.
+    pub turn: Turn,
+    /// δ, the rate at which it dies.
+    pub decay: f64,
+    /// κ: the frequency of a mode that swings, half the distance of two real poles, the inverse of the period for a double pole.
+    pub rate: f64,
+    /// The flight over one period, R = e^{AT}.
+    pub period: Turned,
+    /// Error of the poles e^{λT}.
+    pub pole_error: f64,
+    /// Error of the shapes, against the largest.
+    pub shape_error: f64,
+}
+
+impl BlochMode {
+    /// The poles λ of the impulse response.
+    pub fn rates(&self) -> [C; 2] {
+        let along = self.turn.root() * self.rate;
+        [along - self.decay, -along - self.decay]
+    }
+
+    /// The poles e^{λT} of the kernel in z.
+    pub fn poles(&self) -> [C; 2] {
+        self.period.eigenvalues(self.turn)
+    }
+
+    /// e^{At}
+    pub fn flight(&self, t: f64) -> Turned {
+        self.turn.flight(self.decay, self.rate, t)
+    }
+
+    /// A = −δ + κJ
+    pub fn generator(&self) -> Turned {
+        Turned { even: -self.decay, odd: self.rate }
+    }
+}
+
+/// K^z and its first three derivatives in t, and what they change by with z.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BlochJet {
+    /// K, K′, K″, K‴
+    pub kernel: [C; 4],
+    /// The same, differentiated by z.
+    pub slope: [C; 4],
+}
+
+/// The kernel K^z between contacts, for one period; dimensionless.
+///
+/// ```
+/// use vibrochain_lattice::{BlochKernel, Complex};
+/// // One mass on a spring that a dashpot damps, hit once a period, by z⁻¹ of the impulse a period earlier.
+/// let (frequency, damping, period) = (1.3, 0.2, 4.0);
+/// let mut kernel = BlochKernel::new(period, 1);
+/// kernel.push_oscillator(frequency, damping, &[1.0]);
+/// let (t, z) = (1.1, Complex::new(0.9, 0.4));
+/// let jet = kernel.jet(0, 0, t, z);
+/// let swing = frequency * (1.0 - damping * damping as f64).sqrt();
+/// let answer = |t: f64| (-damping * frequency * t).exp() * (swing * t).sin() / swing;
+/// let sum: Complex<f64> = (0..400).map(|n| z.powi(-n) * answer(t + period * f64::from(n))).sum();
+/// assert!((jet.kernel[0] - sum).norm() < 1e-14);
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BlochKernel {
+    period: f64,
+    contacts: usize,
+    modes: Vec<BlochMode>,
+    /// What a contact sees of a mode's two coordinates, and what a unit impulse at it gives them: [mode][contact]
+    rows: Vec<[f64; 2]>,
+    columns: Vec<[f64; 2]>,
+}
+
+impl BlochKernel {
+    /// A kernel between so many contacts, without modes yet.
+    pub fn new(period: f64, contacts: usize) -> Self {
+        Self { period, contacts, ..Self::default() }
+    }
+
+    /// Adds an oscillator q″ + 2ζΩq′ + Ω²q of real shape: `shapes` are w_iᵀφ at the contacts, φᵀMφ = 1. ζ may be anything, below 0,
+    /// 1 and beyond; Ω = 0 is a rigid mode, whose kernel is infinite at z = 1 alone.
+    pub fn push_oscillator(&mut self, frequency: f64, damping: f64, shapes: &[f64]) {
+        let square = frequency * frequency * (1.0 - damping) * (1.0 + damping);
+        self.push_decaying(damping * frequency, square, shapes);
+    }
+
+    /// The same by rates: poles λ = −δ ± √(−ν²), `square` being ν². A rigid mode with a dashpot c has δ = c/2, ν² = −c²/4.
+    pub fn push_decaying(&mut self, decay: f64, square: f64, shapes: &[f64]) {
+        let (turn, rate) = if square > 0.0 {
+            (Turn::Circular, square.sqrt())
+        } else if square < 0.0 {
+            (Turn::Hyperbolic, (-square).sqrt())
+        } else {
+            (Turn::Parabolic, self.period.recip())
+        };
+        let rows = shapes.iter().map(|shape| [*shape, 0.0]);
+        let columns = shapes.iter().map(|shape| [0.0, shape / rate]);
+        self.push(turn, (decay, rate), rows, columns);
+    }
+
+    /// Adds a complex pole λ and its conjugate: `shapes` are w_iᵀφ at the contacts with φᵀ(2λM + C)φ = 1, so that φφᵀ is the residue
+    /// of (λ²M + λC + K)⁻¹.
+    pub fn push_pole(&mut self, rate: Complex<f64>, shapes: &[Complex<f64>]) {
+        // The complex amplitude ξ, as (Re ξ, −Im ξ).
+        let rows = shapes.iter().map(|shape| [2.0 * shape.re, 2.0 * shape.im]);
+        let columns = shapes.iter().map(|shape| [shape.re, -shape.im]);
+        self.push(Turn::Circular, (-rate.re, rate.im), rows, columns);
+    }
+
+    /// Adds two real poles λ, each with the sign of its residue and its shape: sign·shape_i·shape_j.
+    pub fn push_real_poles(&mut self, rates: [f64; 2], signs: [f64; 2], shapes: [&[f64]; 2]) {
+        let (mean, half) = (0.5 * (rates[0] + rates[1]), 0.5 * (rates[0] - rates[1]));
+        let sum = |[first, second]: [f64; 2]| [(first + second), (first - second)].map(|x| x * 0.5f64.sqrt());
+        let both = |i: usize| [shapes[0][i], shapes[1][i]];
+        let rows = (0..shapes[0].len()).map(|i| sum(both(i)));
+        let columns = (0..shapes[0].len()).map(|i| sum([signs[0] * shapes[0][i], signs[1] * shapes[1][i]]));
+        self.push(Turn::Hyperbolic, (-mean, half), rows, columns);
+    }
+
+    fn push(
+        &mut self,
+        turn: Turn,
+        (decay, rate): (f64, f64),
+        rows: impl Iterator<Item = [f64; 2]>,
+        columns: impl Iterator<Item = [f64; 2]>,
+    ) {
+        let period = turn.flight(decay, rate, self.period);
+        // The exponent carries a relative error of 2ε.
+        let pole_error = f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (-decay * self.period).exp();
+        self.modes.push(BlochMode { turn, decay, rate, period, pole_error, shape_error: 4.0 * f64::EPSILON });
+        self.rows.extend(rows.take(self.contacts));
+        self.columns.extend(columns.take(self.contacts));
+    }
+
+    /// Replaces what the last mode does in a period, and its errors, where they are known better.
+    pub(super) fn know(&mut self, period: Turned, pole_error: f64, shape_error: f64) {
+        if let Some(mode) = self.modes.last_mut() {
+            *mode = BlochMode { period, pole_error, shape_error, ..*mode };
+        }
+    }
+
+    /// The period T.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Number of contacts.
+    pub fn contacts(&self) -> usize {
+        self.contacts
+    }
+
+    /// The modes, as they were added.
+    pub fn modes(&self) -> &[BlochMode] {
+        &self.modes
+    }
+
+    /// What a contact sees of the two coordinates of mode `k`.
+    pub fn row(&self, k: usize, contact: usize) -> [f64; 2] {
+        self.rows[k * self.contacts + contact]
+    }
+
+    /// What a unit impulse at a contact gives to the two coordinates of mode `k`.
+    pub fn column(&self, k: usize, contact: usize) -> [f64; 2] {
+        self.columns[k * self.contacts + contact]
+    }
+
+    /// The velocity that a unit impulse at one contact gives to another, w_iᵀM⁻¹w_j: the inverse of the effective mass for i = j.
+    pub fn mobility(&self, to: usize, from: usize) -> f64 {
+        let of_mode = |k: usize| {
+            let mode = &self.modes[k];
+            pair(mode.turn, self.row(k, to), mode.generator(), self.column(k, from))
+        };
+        (0..self.modes.len()).map(of_mode).sum()
+    }
+
+    /// K^z between two contacts at −T < t ≤ T: for t ≤ 0 the past impacts alone count, K^z(t+T)/z; so t = 0 is just before an impact.
+    pub fn jet(&self, to: usize, from: usize, t: f64, z: Complex<f64>) -> BlochJet {
+        let mut jet = BlochJet::default();
+        for (k, mode) in self.modes.iter().enumerate() {
+            let turn = mode.turn;
+            let resolvent = mode.period.resolvent(turn, z);
+            // Σ z⁻ⁿRⁿ = 1 + R(z−R)⁻¹ from n = 0, and (z−R)⁻¹ times a flight longer by T from n = 1.
+            let squared = turn.product(resolvent, resolvent);
+            let (flight, sum, slope) = if t > 0.0 {
+                let past = turn.product(mode.period.complex(), resolvent);
+                let sum = Turned { even: past.even + 1.0, odd: past.odd };
+                (mode.flight(t), sum, turn.product(mode.period.complex(), squared))
+            } else {
+                (mode.flight(t + self.period), resolvent, squared)
+            };
+            let (row, column) = (self.row(k, to), self.column(k, from));
+            let mut flight = flight.complex();
+            for order in 0..4 {
+                jet.kernel[order] += pair(turn, row, turn.product(flight, sum), column);
+                jet.slope[order] -= pair(turn, row, turn.product(flight, slope), column);
+                flight = turn.product(flight, mode.generator().complex());
+            }
+        }
+        jet
+    }
+}
+
+/// row·(a + bJ)·column
+fn pair<T>(turn: Turn, row: [f64; 2], by: Turned<T>, column: [f64; 2]) -> T
+where
+    T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>,
+{
+    by.even * (row[0] * column[0] + row[1] * column[1])
+        + by.odd * (row[0] * column[1] - turn.sign() * row[1] * column[0])
+}

@@ -1,0 +1,27 @@
+//! The kernel K^z of impacts that repeat every period, each z times the one before: a sum over any list of modes.
+//!
+//! ```text
+//! K^z_ij(t) = Σ_{n≥0} z⁻ⁿ w_iᵀ h(t+nT) w_j,      0 < t ≤ T
+//! ```
+//!
+//! with h the impulse response of M q″ + C q′ + K q. z = 1 is the periodic kernel of orbits; at a multiplier z it carries the
+//! perturbation. A mode is a pair of poles of (λ²M + λC + K)⁻¹: a damped oscillator of real shape ([`BlochKernel::push_oscillator`]),
+//! a complex pole and its conjugate, or two real ones, where the damping mixes the undamped modes ([`BlochKernel::push_pole`],
+//! [`BlochKernel::push_real_poles`]).
+//!
+//! | module | holds |
+//! |---|---|
+//! | `turn` | [`Turn`]: the two-dimensional flow of one mode, e^{At}, regular at critical damping |
+//! | `bloch` | [`BlochKernel`]: modes, their shapes at the contacts, sums over them |
+//! | `lattice_modes` | the modes of a [`crate::Chain`], those of equal frequency merged |
+
+mod bloch;
+mod lattice_modes;
+mod turn;
+
+pub use bloch::{BlochJet, BlochKernel, BlochMode};
+pub use lattice_modes::SparedModes;
+pub use turn::{Turn, Turned};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,103 @@
+//! The flow of one mode: two real coordinates and one commuting algebra.
+//!
+//! A pair of poles λ = −δ ± κ√(−σ) has the generator A = −δ + κJ with J² = −σ. σ = 1 turns (two complex poles), σ = −1 stretches
+//! (two real ones), σ = 0 shears (one double pole: a rigid mode, or critical damping). Flights e^{At}, their sums over periods and
+//! products of these are all of the form a + bJ. So no formula divides by the distance of the two poles, and critical damping needs
+//! no case of its own but σ = 0.
+
+use rustfft::num_complex::Complex;
+use std::ops::{Add, Mul};
+
+type C = Complex<f64>;
+
+/// How the two coordinates of a mode move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turn {
+    /// Two complex poles.
+    Circular,
+    /// Two real poles.
+    Hyperbolic,
+    /// One double pole.
+    Parabolic,
+}
+
+impl Turn {
+    /// σ = −J²
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Circular => 1.0,
+            Self::Hyperbolic => -1.0,
+            Self::Parabolic => 0.0,
+        }
+    }
+
+    /// √(−σ), the eigenvalue of J that belongs to the first pole.
+    pub fn root(self) -> C {
+        match self {
+            Self::Circular => C::new(0.0, 1.0),
+            Self::Hyperbolic => C::new(1.0, 0.0),
+            Self::Parabolic => C::default(),
+        }
+    }
+
+    /// The product of two numbers a + bJ.
+    pub fn product<T>(self, first: Turned<T>, second: Turned<T>) -> Turned<T>
+    where
+        T: Copy + Mul<Output = T> + Add<Output = T> + Mul<f64, Output = T>,
+    {
+        Turned {
+            even: first.even * second.even + first.odd * second.odd * -self.sign(),
+            odd: first.even * second.odd + first.odd * second.even,
+        }
+    }
+
+    /// e^{(−δ + κJ)t}
+    pub fn flight(self, decay: f64, rate: f64, t: f64) -> Turned {
+        let (even, odd) = match self {
+            Self::Circular => {
+                let (sin, cos) = (rate * t).sin_cos();
+                (cos, sin)
+            }
+            Self::Hyperbolic => ((rate * t).cosh(), (rate * t).sinh()),
+            Self::Parabolic => (1.0, rate * t),
+        };
+        // Of a mode without damping the bits stay what they are.
+        let decayed = if decay == 0.0 { 1.0 } else { (-decay * t).exp() };
+        if self == Self::Hyperbolic {
+            // By the two exponentials: cosh and sinh of an overdamped mode may overflow where its flight does not.
+            let (slow, fast) = (((rate - decay) * t).exp(), ((-rate - decay) * t).exp());
+            let odd = if rate * t.abs() < 0.5 { decayed * odd } else { 0.5 * (slow - fast) };
+            return Turned { even: 0.5 * (slow + fast), odd };
+        }
+        Turned { even: decayed * even, odd: decayed * odd }
+    }
+}
+
+/// A number a + bJ.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Turned<T = f64> {
+    /// a
+    pub even: T,
+    /// b
+    pub odd: T,
+}
+
+impl Turned {
+    /// The eigenvalues a ± b√(−σ): of a flight the two factors e^{λt}.
+    pub fn eigenvalues(self, turn: Turn) -> [C; 2] {
+        let along = turn.root() * self.odd;
+        [along + self.even, -along + self.even]
+    }
+
+    /// (z − R)⁻¹ for R = a + bJ, by its two poles: the determinant is a product of distances.
+    pub fn resolvent(self, turn: Turn, z: C) -> Turned<C> {
+        let [first, second] = self.eigenvalues(turn).map(|pole| (z - pole).inv());
+        let scale = first * second;
+        Turned { even: (z - self.even) * scale, odd: scale * self.odd }
+    }
+
+    /// The same number with complex parts.
+    pub fn complex(self) -> Turned<C> {
+        Turned { even: C::new(self.even, 0.0), odd: C::new(self.odd, 0.0) }
+    }
+}
