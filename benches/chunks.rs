@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::time::Instant;
 
-use vibrochain_cli::console::{Console, ctrl_c};
+use vibrochain_cli::common::console::{Console, ctrl_c};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::scene::Scene;

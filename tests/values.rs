@@ -13,7 +13,7 @@ use vibrochain::breather::{
 use vibrochain::eventsim::{EventKind, Limits, Outcome, Simulation, Work};
 use vibrochain::floquet::{Event, Mechanism, Method, Saltation, Search, Tolerance, locate, saltations, stability};
 use vibrochain::lattice::{Barrier, Chain, Force, Harmonic, Model, Parameter};
-use vibrochain_cli::console::{Console, ctrl_c};
+use vibrochain_cli::common::console::{Console, ctrl_c};
 use vibrochain_maps::scene::Scene;
 use vibrochain_testkit::Values::{Either, Even, Is, Log};
 use vibrochain_testkit::{Random, Ranges};

@@ -14,9 +14,9 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 
 use vibrochain_maps::numbers::{real, whole};
 
-use crate::tips;
+use crate::common::tips;
 
-use crate::page_args::{PICTURES, PageArgs};
+use crate::common::page_args::{PICTURES, PageArgs};
 
 pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, EventName, LocateArgs};
 pub use model::{EndsName, FamilyName, LayerEndsName, ModelArgs, SiteFamily, WhichArgs};
@@ -59,7 +59,7 @@ pub struct CommonArgs {
     pub verbose: bool,
     /// Threads for what computes many points [default: all cores, or what RAYON_NUM_THREADS says; with --shard slurm,
     /// SLURM_CPUS_PER_TASK].
-    #[arg(long, global = true, value_name = "N", display_order = 902, value_parser = crate::threads::asked, allow_negative_numbers = true)]
+    #[arg(long, global = true, value_name = "N", display_order = 902, value_parser = crate::common::threads::asked, allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use vibrochain_cli::{entry, program};
+use vibrochain_cli::{common::entry, program};
 
 fn main() -> ExitCode {
     entry::enter(program::run)

@@ -6,14 +6,11 @@ use std::time::Instant;
 use clap::error::ErrorKind;
 
 use crate::args::{Cli, Command, STUDIES, read};
-use crate::console::Console;
-use crate::error::CliError;
-use crate::threads::{cores, number};
-use crate::version::about;
-use crate::{
-    branch_command, curve_command, curves_command, fate_command, locate_command, merge_command, orbit_command,
-    schema_command, setup_command, simulate_command, sweep_command, words_command,
-};
+use crate::common::console::Console;
+use crate::common::error::CliError;
+use crate::common::threads::{cores, number};
+use crate::common::version::about;
+use crate::{branch, curve, curves, fate, locate, orbit, schema, setup, simulate, sweep, sweep::merge, words};
 
 /// Runs `mapgen` with `arguments`, the first of which is its own name.
 ///
@@ -54,19 +51,19 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
 
 fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError> {
     match command {
-        Command::Sweep(args) => sweep_command::run(args, console),
-        Command::Merge(args) => merge_command::run(args, console),
+        Command::Sweep(args) => sweep::run(args, console),
+        Command::Merge(args) => merge::run(args, console),
         #[cfg(feature = "plot")]
-        Command::Draw(args) => crate::draw_command::run(args, console),
-        Command::Orbit(args) => orbit_command::run(args, console),
-        Command::Words(args) => words_command::run(args, console),
-        Command::Locate(args) => locate_command::run(args, console),
-        Command::Branch(args) => branch_command::run(args, console),
-        Command::Curve(args) => curve_command::run(args, console),
-        Command::Curves(args) => curves_command::run(args, console),
-        Command::Simulate(args) => simulate_command::run(args, console),
-        Command::Schema(args) => schema_command::run(args, console),
-        Command::Fate(args) => fate_command::run(args, console),
+        Command::Draw(args) => crate::sweep::draw::run(args, console),
+        Command::Orbit(args) => orbit::run(args, console),
+        Command::Words(args) => words::run(args, console),
+        Command::Locate(args) => locate::run(args, console),
+        Command::Branch(args) => branch::run(args, console),
+        Command::Curve(args) => curve::run(args, console),
+        Command::Curves(args) => curves::run(args, console),
+        Command::Simulate(args) => simulate::run(args, console),
+        Command::Schema(args) => schema::run(args, console),
+        Command::Fate(args) => fate::run(args, console),
         #[cfg(feature = "plot")]
         Command::Stripes(args) => crate::stripes::run(args, console),
         #[cfg(not(feature = "plot"))]
@@ -79,9 +76,9 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Explore(_) => Err(CliError::Request(
             "this build serves no page: build with the feature `explore`, which is on by default".to_owned(),
         )),
-        Command::Init(args) => setup_command::init(args, console),
-        Command::Completions(args) => setup_command::completions(args, console),
-        Command::Man(args) => setup_command::man(args, console),
+        Command::Init(args) => setup::init(args, console),
+        Command::Completions(args) => setup::completions(args, console),
+        Command::Man(args) => setup::man(args, console),
         Command::Study(_) => Err(CliError::Request(format!(
             "{} are studies, a program of their own: cargo run --locked --release -p vibrochain-studies -- --help",
             STUDIES.join(", ")

@@ -7,7 +7,7 @@ use std::path::Path;
 use clap::CommandFactory;
 use tempfile::TempDir;
 use vibrochain_cli::args::{Cli, read};
-use vibrochain_cli::console::Console;
+use vibrochain_cli::common::console::Console;
 use vibrochain_cli::program;
 use vibrochain_lattice::Stop;
 

@@ -48,42 +48,27 @@
 //! # Ok::<(), vibrochain_lattice::LatticeError>(())
 //! ```
 
-mod decay;
-mod display;
-mod distinct;
 mod error;
-mod force;
-mod impulse;
+mod flight;
 mod kernel;
-mod line;
-mod parameter;
-mod params;
-#[cfg(feature = "serde")]
-mod plain;
-mod propagator;
-mod ring;
-mod sensitivity;
-mod shapes;
-mod sines;
-mod small;
-mod spectrum;
-mod steady;
+mod model;
+mod modes;
+mod simd;
 mod stop;
-mod transform;
 
-pub use decay::{Decay, decay, far_field, far_motion, harmonic_response};
-pub use distinct::DistinctMasses;
 pub use error::{LatticeError, MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, Short};
-pub use force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
-pub use impulse::{ImpulseResponse, KernelJet};
+pub use flight::propagator::Propagator;
+pub use kernel::decay::{Decay, decay, far_field, far_motion, harmonic_response};
+pub use kernel::impulse::{ImpulseResponse, KernelJet};
+pub use kernel::steady::Steady;
 pub use kernel::{BlochJet, BlochKernel, BlochMode, SparedModes, Turn, Turned};
-pub use line::Ends;
-pub use parameter::Parameter;
-pub use params::{Barrier, Chain, Layout, MAX_SITES, Model};
-pub use propagator::Propagator;
+pub use model::force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
+pub use model::parameter::Parameter;
+pub use model::params::{Barrier, Chain, Layout, MAX_SITES, Model};
+pub use modes::distinct::DistinctMasses;
+pub use modes::row::Ends;
+pub use modes::shapes::Shapes;
+pub use modes::spectrum::Spectrum;
 pub use rustfft::num_complex::Complex;
-pub use shapes::Shapes;
-pub use small::{sinc, sine_over};
-pub use spectrum::Spectrum;
-pub use steady::Steady;
+pub use simd::small::{sinc, sine_over};
 pub use stop::{Stop, Stopped};

@@ -1,6 +1,6 @@
 //! How colours look to other eyes and on grey paper: for tests that what a legend tells apart can be told apart.
 
-use crate::drawing::Rgb;
+use crate::backend::drawing::Rgb;
 
 /// Who looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

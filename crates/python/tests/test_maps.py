@@ -238,7 +238,7 @@ def test_plot_of_a_slice():
 
 def test_colours_are_those_of_the_programs_pictures():
     """One colour means one thing: of classes in maps, and of families in curves."""
-    code = (ROOT / "crates/plot/src/palette.rs").read_text()
+    code = (ROOT / "crates/plot/src/map/palette.rs").read_text()
     compared = 0
     for classes, colour in re.findall(r"\(Self::Colour, Some\((.*?)\)\) => \[(.*?)\]", code):
         for name in re.findall(r"Class::(\w+)", classes):

@@ -8,8 +8,8 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use vibrochain_breather::{Family, Motion, breathers};
-use vibrochain_cli::console::Console;
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::console::Console;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_eventsim::{Limits, Simulation, Time};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_maps::cell::{Cell, Worker};

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use vibrochain_cli::entry;
+use vibrochain_cli::common::entry;
 use vibrochain_studies::program;
 
 fn main() -> ExitCode {

@@ -3,8 +3,8 @@
 use std::ffi::OsString;
 
 use vibrochain_cli::args::read;
-use vibrochain_cli::console::Console;
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::console::Console;
+use vibrochain_cli::common::error::CliError;
 
 use crate::args::{Cli, Command};
 use crate::{accuracy, errata, figures, loops, refinement, stripes, validate};

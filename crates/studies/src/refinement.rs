@@ -12,9 +12,9 @@ use vibrochain_maps::scene::{Refine, Scene, Values};
 use vibrochain_maps::sweep::{Ended, Job, refined, sweep};
 
 use crate::args::RefinementArgs;
-use vibrochain_cli::console::Console;
-use vibrochain_cli::error::CliError;
-use vibrochain_cli::threads::threads;
+use vibrochain_cli::common::console::Console;
+use vibrochain_cli::common::error::CliError;
+use vibrochain_cli::common::threads::threads;
 use vibrochain_lattice::Stop;
 
 /// The most cells of a finest grid: six bytes each are kept.

@@ -12,8 +12,8 @@ use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
 
 use crate::args::StripesArgs;
-use vibrochain_cli::console::Console;
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::console::Console;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::files::{Output, distinct};
 
 /// γ₁ everywhere.

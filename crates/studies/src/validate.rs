@@ -10,9 +10,9 @@ use vibrochain_floquet::{Complex, Square, Stability, Tolerance, eigenvalues, sta
 use vibrochain_lattice::{Chain, Model, Stop};
 
 use crate::args::ValidateArgs;
-use vibrochain_cli::console::Console;
-use vibrochain_cli::error::CliError;
-use vibrochain_cli::start::{Start, leading_mode_at};
+use vibrochain_cli::common::console::Console;
+use vibrochain_cli::common::error::CliError;
+use vibrochain_cli::simulate::start::{Start, leading_mode_at};
 use vibrochain_maps::files::Output;
 
 /// One parameter point: family, sites, γ₁, γ₂, ω, a, A, e.

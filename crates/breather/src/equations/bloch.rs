@@ -265,8 +265,8 @@ mod tests {
 
     use super::*;
     use crate::equations::Equations;
-    use crate::finder::{Finder, Found, Wanted};
     use crate::orbit::Hit;
+    use crate::search::finder::{Finder, Found, Wanted};
 
     /// Orbits of random words on random lattices, begun a little before their first impact.
     fn orbits(rounds: usize, mut check: impl FnMut(&Orbit, &mut Random)) -> usize {
@@ -392,7 +392,7 @@ mod tests {
             let n = one.size();
             let y: Vec<C> = (0..n).map(|_| C::new(random.unit(), random.unit())).collect();
             // Units: ω is a third.
-            let scaled = |k: usize| if k % 2 == 0 { 1.0 } else { 1.0 / 3.0 };
+            let scaled = |k: usize| if k.is_multiple_of(2) { 1.0 } else { 1.0 / 3.0 };
             for row in 0..n {
                 let left: C = (0..n).map(|j| small[row * n + j] * y[j]).sum();
                 for m in 0..3 {

@@ -15,12 +15,17 @@
 use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{ImpulseResponse, KernelJet};
 
-use crate::linear::{Factors, Matrix, Vector, dot, zeros};
+use crate::equations::linear::{Factors, Matrix, Vector, dot, zeros};
+use crate::equations::unknowns::{Unknowns, static_displacement};
 use crate::orbit::{Impact, Orbit};
-use crate::unknowns::{Unknowns, static_displacement};
 use crate::worst::worse;
 
 mod bloch;
+pub(crate) mod condition;
+pub(crate) mod flights;
+pub(crate) mod linear;
+pub(crate) mod newton;
+pub(crate) mod unknowns;
 
 pub use bloch::{BlochEquations, LinearImpact};
 
@@ -377,7 +382,7 @@ mod tests {
             let Ok(orbit) = Orbit::from_impulses(&model, 1, psi, &hits) else { continue };
             let equations = Equations::new(&orbit, &response);
             let (unknowns, jacobian) = (equations.unknowns, equations.jacobian());
-            let (x, word) = (unknowns.read(&orbit, &response), crate::unknowns::Template::of(&orbit));
+            let (x, word) = (unknowns.read(&orbit, &response), crate::equations::unknowns::Template::of(&orbit));
             let residuals = |x: &[f64]| {
                 let (draft, places) = word.draft(&unknowns, x, &model, &response).unwrap();
                 let mut motion = crate::motion::Motion::vacant(&chain, response.shapes().clone());

@@ -5,12 +5,14 @@
 //! from one interval to the next) and swings them forward.
 
 mod load;
+pub(crate) mod polynomial;
+pub(crate) mod window;
 
 use smallvec::SmallVec;
 use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Steady, Wave};
 
+use crate::admissible::grid::{Flight, stiffnesses};
 use crate::error::BreatherError;
-use crate::grid::{Flight, stiffnesses};
 use crate::lanes::{LANES, Lane, combine, fill, groups};
 use crate::orbit::Orbit;
 

@@ -7,6 +7,7 @@
 //! rotations and reflections of a ring, reflections of a row with ends, the same across layers; reversal of time, where impacts are elastic and no force acts; and exchange of the
 //! barriers where they are centred (half a period later, under a force). [`Word::canonical`] is the smallest of them.
 
+pub(crate) mod enumeration;
 mod symmetry;
 mod text;
 

@@ -9,7 +9,7 @@ use vibrochain_maps::point::Parameter;
 
 use super::model::{ModelArgs, WhichArgs};
 use super::quantity::{OF_BRANCHES, QuantityName, SHOWN_NAMES, among};
-use crate::page_args::{PICTURES, PageArgs};
+use crate::common::page_args::{PICTURES, PageArgs};
 
 /// Events of `mapgen locate`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -7,7 +7,7 @@ use vibrochain_breather::{MAX_IMPACTS, Word};
 use vibrochain_lattice::Force;
 use vibrochain_maps::numbers::{real, whole};
 
-/// Headings of help, which each flag names ([`PICTURES`](crate::page_args::PICTURES)).
+/// Headings of help, which each flag names ([`PICTURES`](crate::common::page_args::PICTURES)).
 const MODEL: &str = "Model";
 const WHICH: &str = "Breathers";
 

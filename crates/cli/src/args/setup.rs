@@ -40,7 +40,7 @@ pub const STUDIES: [&str; 4] = ["validate", "figures", "errata", "accuracy"];
 #[derive(Debug, Args)]
 pub struct SchemaArgs {
     /// Of what.
-    #[arg(value_parser = PossibleValuesParser::new(crate::schemas::names()))]
+    #[arg(value_parser = PossibleValuesParser::new(crate::common::schemas::names()))]
     pub name: Option<String>,
 }
 

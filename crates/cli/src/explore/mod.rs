@@ -14,12 +14,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::args::ExploreArgs;
-use crate::console::Console;
-use crate::error::CliError;
+use crate::common::console::Console;
+use crate::common::error::CliError;
+use crate::common::threads::threads;
 use crate::explore::answers::Program;
 use crate::explore::line::Setting;
-use crate::setup_command::SCENE;
-use crate::threads::threads;
+use crate::setup::SCENE;
 use vibrochain_explore::{Explorer, View, port_will_do};
 use vibrochain_maps::scene::Scene;
 

@@ -5,9 +5,9 @@ use std::path::Path;
 use rayon::ThreadPool;
 use vibrochain_lattice::Stop;
 
-use crate::error::CliError;
+use crate::common::error::CliError;
+use crate::common::table_rows::TableRows;
 use crate::stripes::request::Request;
-use crate::table_rows::TableRows;
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::sweep::{Cells, Ended, sweep};
 use vibrochain_plot::Tile;

@@ -10,7 +10,7 @@ use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{DressedModes, Passing, felt_modes, passings};
 use vibrochain_lattice::Stop;
 
-use crate::error::CliError;
+use crate::common::error::CliError;
 use crate::stripes::cuts::{Carrier, Cut};
 use crate::stripes::request::{Request, family};
 use vibrochain_maps::point::Parameter;

@@ -22,18 +22,18 @@ mod widths;
 use std::path::Path;
 
 use crate::args::StripesArgs;
-use crate::console::Console;
-use crate::error::CliError;
-use crate::picture_files::PictureFiles;
+use crate::common::console::Console;
+use crate::common::error::CliError;
+use crate::common::picture_files::PictureFiles;
+use crate::common::table_manifest::{Manifest, beside, of_scene};
+use crate::common::table_rows::TableRows;
+use crate::common::threads::threads;
 use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
 use crate::stripes::lines::{Line, joined, rows};
 use crate::stripes::request::Request;
 use crate::stripes::table::table;
 use crate::stripes::widths::HEADER;
-use crate::table_manifest::{Manifest, beside, of_scene};
-use crate::table_rows::TableRows;
-use crate::threads::threads;
 use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
 use vibrochain_plot::{Format, MapLine, MapPicture, Palette, Shown, Tile, map_with_lines};
 

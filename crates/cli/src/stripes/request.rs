@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::CliError;
+use crate::common::error::CliError;
 use vibrochain_floquet::felt_modes;
 use vibrochain_maps::point::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};

@@ -4,7 +4,7 @@ use vibrochain_breather::Family;
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::numbers::Number;
 
-use crate::error::CliError;
+use crate::common::error::CliError;
 use crate::stripes::lines::{Line, LinePoint};
 
 /// The names of its columns.

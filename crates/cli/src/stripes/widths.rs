@@ -12,8 +12,8 @@ use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::point::Parameter;
 
-use crate::error::CliError;
-use crate::progress::counter;
+use crate::common::error::CliError;
+use crate::common::progress::counter;
 use crate::stripes::request::Request;
 
 pub(super) const HEADER: [&str; 14] = [

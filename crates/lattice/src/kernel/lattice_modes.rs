@@ -1,6 +1,6 @@
 //! The modes of a lattice as contacts at some of its masses feel them.
 
-use crate::impulse::ImpulseResponse;
+use crate::kernel::impulse::ImpulseResponse;
 
 use super::bloch::BlochKernel;
 use super::turn::Turned;

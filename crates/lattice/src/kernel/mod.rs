@@ -16,7 +16,11 @@
 //! | `lattice_modes` | the modes of a [`crate::Chain`], those of equal frequency merged |
 
 mod bloch;
+pub(crate) mod decay;
+pub(crate) mod impulse;
 mod lattice_modes;
+pub(crate) mod sensitivity;
+pub(crate) mod steady;
 mod turn;
 
 pub use bloch::{BlochJet, BlochKernel, BlochMode};

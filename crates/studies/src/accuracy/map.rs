@@ -8,7 +8,7 @@ use crate::accuracy::Suite;
 use crate::accuracy::meter::Meter;
 use crate::accuracy::paper::{BLUR, Kernels};
 use crate::accuracy::table::{Row, Table};
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::cell::{Class, Status, Task, Worker};
 
 pub(super) const SUITE: Suite = Suite {

@@ -11,7 +11,7 @@ use crate::accuracy::meter::Meter;
 use crate::accuracy::series::{Chi, Series};
 use crate::accuracy::table::{Row, Table};
 use crate::accuracy::{Suite, computation};
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 
 pub(super) const SUITE: Suite = Suite {
     name: "orbits",

@@ -8,8 +8,8 @@ use crate::accuracy::meter::Meter;
 use crate::accuracy::steppers::{dop853, rk4, time_stepping};
 use crate::accuracy::table::{Row, Table};
 use crate::accuracy::{Suite, computation};
-use vibrochain_cli::error::CliError;
-use vibrochain_cli::start::Start;
+use vibrochain_cli::common::error::CliError;
+use vibrochain_cli::simulate::start::Start;
 
 pub(super) const SUITE: Suite = Suite {
     name: "simulation",

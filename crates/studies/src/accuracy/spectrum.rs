@@ -13,7 +13,7 @@ use crate::accuracy::meter::Meter;
 use crate::accuracy::paper::{general_eigenvalues, general_monodromy_of};
 use crate::accuracy::table::{Row, Table};
 use crate::accuracy::{Suite, computation};
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 
 pub(super) const SUITE: Suite = Suite {
     name: "spectrum",

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::fields::Fields;
 
 /// Columns of the CSV file.

@@ -1,7 +1,7 @@
 //! What is claimed beside the commands that show it: each is run, and lines of what it prints are quoted.
 
-use vibrochain_cli::console::Console;
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::console::Console;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_cli::program;
 
 /// A claim, what is to be said to it, and the commands that show it.

@@ -5,7 +5,7 @@ use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum, harmonic_respo
 
 use crate::errata::{Correction, computation};
 use crate::forms::{Form, Kernels, Reading, double_sided, period_doubled};
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 
 /// Harmonics of the printed series of the conservative orbit: it converges like 1/J.
 const HARMONICS: u32 = 1_000_000;

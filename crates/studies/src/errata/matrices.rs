@@ -6,7 +6,7 @@ use vibrochain_lattice::{Chain, Model, Propagator, Spectrum};
 
 use crate::errata::{Correction, computation};
 use crate::validate::ReturnMap;
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 
 /// One factor of a monodromy matrix.
 enum Factor<'a> {

@@ -15,8 +15,8 @@ mod points;
 mod statements;
 
 use crate::args::ErrataArgs;
-use vibrochain_cli::console::Console;
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::console::Console;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::manifest::VERSION;
 

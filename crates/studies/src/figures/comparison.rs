@@ -6,9 +6,9 @@ use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
 use crate::figures::solve::{COLUMNS, RULE, computation, leading, row};
-use vibrochain_cli::error::CliError;
-use vibrochain_cli::recording::orbit_time;
-use vibrochain_cli::start::{Start, leading_mode_at};
+use vibrochain_cli::common::error::CliError;
+use vibrochain_cli::simulate::recording::orbit_time;
+use vibrochain_cli::simulate::start::{Start, leading_mode_at};
 use vibrochain_lattice::Stop;
 use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 

@@ -1,6 +1,6 @@
 //! What comes of a scene: a picture, the numbers behind it, and what is found in them.
 
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::cell::Cell;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;

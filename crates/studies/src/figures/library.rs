@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::files::entries;
 use vibrochain_maps::scene::MAX_BYTES;
 use vibrochain_maps::text::read_text;

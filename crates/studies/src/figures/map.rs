@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use vibrochain_floquet::{Mechanism, Tolerance};
 
 use crate::figures::drawn::{Drawn, Picture};
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Class};
 use vibrochain_maps::scene::Scene;

@@ -6,8 +6,8 @@ use vibrochain_lattice::Spectrum;
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
 use crate::figures::solve::{COLUMNS, RULE, leading, row};
-use vibrochain_cli::caption::beside;
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::caption::beside;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Two instants and their names: the impacts, or the only impact and half a period later.

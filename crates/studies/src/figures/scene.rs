@@ -5,8 +5,8 @@ use vibrochain_breather::Family;
 use vibrochain_lattice::{Layout, MAX_SITES, Model, Short};
 
 use crate::figures::library::Entry;
-use vibrochain_cli::caption::in_common;
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::caption::in_common;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::point::{Parameter, Point};
 use vibrochain_maps::scene::{Scene, Source};
 

@@ -9,7 +9,7 @@ use crate::figures::scene::LineScene;
 use crate::figures::solve::{COLUMNS, RULE, Solved, physical, row};
 use crate::figures::trace;
 use crate::forms::{Kernels, Reading, double_sided};
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::point::{Parameter, Point};
 use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 

@@ -5,7 +5,7 @@ use vibrochain_breather::{Motion, Orbit};
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
 use crate::figures::solve::{COLUMNS, RULE, leading, row};
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Steps of a trace, a few pixels each.

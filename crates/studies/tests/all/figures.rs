@@ -7,7 +7,7 @@ use std::path::Path;
 use predicates::str::contains;
 use serde_json::Value;
 use tempfile::TempDir;
-use vibrochain_cli::console::{Console, ctrl_c};
+use vibrochain_cli::common::console::{Console, ctrl_c};
 use vibrochain_lattice::Stop;
 use vibrochain_studies::program;
 use vibrochain_testkit::studies;

@@ -7,7 +7,7 @@ use vibrochain_truth::DEFAULT_BITS;
 use super::checks::{
     Depth, Row, Spectra, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled,
 };
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::numbers::Number;
 
 /// Everything, in 57 digits, of a few orbits where there are hundreds.

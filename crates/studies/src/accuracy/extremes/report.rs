@@ -7,7 +7,7 @@ use rayon::ThreadPool;
 use super::cases::{CORNERS, Effort, rows};
 use super::checks::Row;
 use super::draws::{Tally, check_draws};
-use vibrochain_cli::error::CliError;
+use vibrochain_cli::common::error::CliError;
 
 /// Columns of the CSV file.
 const COLUMNS: [&str; 7] = ["corner", "case", "quantity", "promised", "delivered", "outcome", "kept"];

@@ -1,0 +1,377 @@
+//! The quick look at a reversible orbit: all masses on a grid of times, and bounds on what they can do in between.
+//!
+//! Half a period of one site's breather is one stretch of linear flight, in which every derivative obeys the equation of
+//! motion, too. If |v̈_n| ≤ B₂ and |v⃛_n| ≤ B₃ on an interval of length h, the mass comes no closer to a barrier than at its
+//! ends by more than B₂h²/8, and has no turning point if these are more than B₂h²/2 apart; its velocity leaves the straight line between
+//! its values at the ends by no more than B₃h²/8, and its tangent by B₃s²/2. The bounds are each mass's own, from accelerations at the nodes and
+//!
+//! ```text
+//! |v⃜_n| ≤ (γ₁+2γ₂)|v̈_n| + γ₂(|v̈_(n−1)| + |v̈_(n+1)|) ,
+//! ```
+//!
+//! as small as what moves: far masses are displaced, but hardly swing. That settles all but a few intervals of the masses
+//! next to the breather; those get their own Taylor polynomial from the modes.
+
+use vibrochain_lattice::{Chain, DistinctMasses};
+use wide::f64x4;
+
+use crate::lanes::{LANES, Lane, dot, groups, total};
+use crate::motion::polynomial::{ORDER, Polynomial};
+
+/// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
+pub(crate) const INTERVAL: f64 = 0.5;
+
+/// Intervals at least: the ends are looked at in a way of their own.
+const FEWEST: usize = 4;
+
+/// Intervals at most: from one to the next the modes are turned on, and rounding adds up. Longer flights go by windows.
+const MOST: usize = 24;
+
+/// Modes at most: a node takes the square of their number in steps, a window only twenty times their number.
+pub(crate) const MOST_MODES: usize = 48;
+
+/// The modes of a ring in the flight that begins with the first impact of an orbit of one site.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Flight<'a> {
+    /// Ω_k, rising.
+    pub(crate) frequencies: &'a [f64],
+    /// cos(2πkn/M) of half the ring, [mode][mass from the one that is hit on] in whole groups; empty of a large ring.
+    pub(crate) shapes: &'a [Lane],
+    /// Displacements and velocities at its start, weights included, in groups of four.
+    pub(crate) start: [&'a [Lane]; 2],
+    /// γ₁ and γ₂, the latter 0 of a ring of one.
+    pub(crate) stiffnesses: (f64, f64),
+}
+
+impl Flight<'_> {
+    fn top_frequency(&self) -> f64 {
+        self.frequencies.last().copied().unwrap_or_default()
+    }
+}
+
+/// Values of all masses at the nodes, and the modes they come from.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Grid {
+    groups: usize,
+    intervals: usize,
+    step: f64,
+    frequencies: Vec<Lane>,
+    /// Displacement and velocity of the modes, [node][mode].
+    displacements: Vec<Lane>,
+    velocities: Vec<Lane>,
+    /// Displacements of the masses, [node][mass].
+    values: Vec<Lane>,
+    /// Their smallest and largest value, and the largest modulus of their accelerations at the nodes.
+    extremes: Vec<[Lane; 3]>,
+    /// Their accelerations, [node][mass].
+    accelerations: Vec<Lane>,
+    /// For each mass a bound on |v̈| in the whole flight; and, from the far end, what lies beyond it in that sum.
+    seconds: Vec<f64>,
+    beyond: Vec<f64>,
+    tops: Vec<Lane>,
+    reaches: Vec<f64>,
+    scratch: Vec<[f64x4; 2]>,
+}
+
+impl Grid {
+    /// Takes over the flight that begins with the first impact of an orbit of one site and lasts for `horizon`. `false` if
+    /// another way is better.
+    pub(crate) fn set(&mut self, flight: Flight<'_>, watched: &DistinctMasses, horizon: f64) -> bool {
+        let Flight { frequencies, .. } = flight;
+        let (modes, radians) = (frequencies.len(), horizon * flight.top_frequency());
+        let is_short = radians <= INTERVAL * MOST as f64;
+        if modes > MOST_MODES || flight.shapes.is_empty() || !is_short {
+            return false;
+        }
+        self.intervals = FEWEST.max((radians / INTERVAL).ceil() as usize);
+        self.groups = groups(modes);
+        self.step = horizon / self.intervals as f64;
+        let size = (self.intervals + 1) * self.groups;
+        for list in [&mut self.displacements, &mut self.velocities, &mut self.values, &mut self.accelerations] {
+            list.resize(size, [0.0; LANES]);
+        }
+        self.extremes.resize(self.groups, [[0.0; LANES]; 3]);
+        self.frequencies.clear();
+        self.frequencies.resize(self.groups, [0.0; LANES]);
+        self.frequencies.as_flattened_mut().iter_mut().zip(frequencies).for_each(|(slot, value)| *slot = *value);
+        // With the number of groups known to the compiler, rows stay in registers.
+        match self.groups {
+            1 => self.sample::<1>(flight, watched),
+            2 => self.sample::<2>(flight, watched),
+            3 => self.sample::<3>(flight, watched),
+            4 => self.sample::<4>(flight, watched),
+            6 => self.sample::<6>(flight, watched),
+            8 => self.sample::<8>(flight, watched),
+            12 => self.sample::<12>(flight, watched),
+            _ => return false,
+        }
+        self.bound(flight, watched)
+    }
+
+    /// Modes and masses at all nodes, and the extremes of the latter.
+    fn sample<const G: usize>(&mut self, flight: Flight<'_>, watched: &DistinctMasses) {
+        let turns = self.turns::<G>();
+        let [mut u, mut w] = flight.start.map(row::<G>);
+        let last = watched.sites().len() - 1;
+        // Two masses may have neighbours that are not next to them in a row.
+        let ends = [0, last].map(|mass| (mass, watched.left()[mass], watched.right()[mass]));
+        let (gamma1, gamma2) = flight.stiffnesses;
+        let (own, side) = (-(gamma1 + 2.0 * gamma2), gamma2);
+        let shapes = flight.shapes.as_chunks::<G>().0;
+        let states = rows_mut::<G>(&mut self.displacements).zip(rows_mut::<G>(&mut self.velocities));
+        let masses = rows_mut::<G>(&mut self.values).zip(rows_mut::<G>(&mut self.accelerations));
+        for ((displacement, velocity), (value, acceleration)) in states.zip(masses) {
+            *displacement = u.map(f64x4::to_array);
+            *velocity = w.map(f64x4::to_array);
+            let mut v = [f64x4::ZERO; G];
+            for (shape, factor) in shapes.iter().zip(displacement.as_flattened()) {
+                for i in 0..G {
+                    v[i] += f64x4::from(shape[i]) * f64x4::splat(*factor);
+                }
+            }
+            *value = v.map(f64x4::to_array);
+            let row = |i: usize| if i < G { v[i].to_array() } else { [0.0; LANES] };
+            for i in 0..G {
+                // v̈_n = −γ₁v_n − γ₂(2v_n − v_(n−1) − v_(n+1))
+                let ([_, .., a], [b, c, d, e], [f, ..]) = (row(i.wrapping_sub(1)), row(i), row(i + 1));
+                let sides = f64x4::from([a, b, c, d]) + f64x4::from([c, d, e, f]);
+                acceleration[i] = (f64x4::splat(own) * v[i] + f64x4::splat(side) * sides).to_array();
+                // On to the next node.
+                let [cos, sin_over, sin_times] = turns[i];
+                (u[i], w[i]) = (u[i] * cos + w[i] * sin_over, w[i] * cos - u[i] * sin_times);
+            }
+            let (value, acceleration) = (value.as_flattened(), acceleration.as_flattened_mut());
+            for (mass, left, right) in ends {
+                acceleration[mass] = own * value[mass] + side * (value[left] + value[right]);
+            }
+        }
+        let infinite = f64x4::splat(f64::INFINITY);
+        let (mut low, mut high, mut top) = ([infinite; G], [-infinite; G], [f64x4::ZERO; G]);
+        for (value, acceleration) in rows_mut::<G>(&mut self.values).zip(rows_mut::<G>(&mut self.accelerations)) {
+            for i in 0..G {
+                let v = f64x4::from(value[i]);
+                (low[i], high[i]) = (low[i].fast_min(v), high[i].fast_max(v));
+                top[i] = top[i].fast_max(f64x4::from(acceleration[i]).abs());
+            }
+        }
+        for (i, extremes) in self.extremes.iter_mut().enumerate().take(G) {
+            *extremes = [low[i], high[i], top[i]].map(f64x4::to_array);
+        }
+    }
+
+    /// What an interval does to each mode.
+    fn turns<const G: usize>(&self) -> [[f64x4; 3]; G] {
+        let frequency = |i: usize| self.frequencies.get(i).map_or(f64x4::ZERO, |group| f64x4::from(*group));
+        std::array::from_fn(|i| turn(frequency(i), f64x4::splat(self.step)))
+    }
+
+    /// Bounds of each mass's own. With c = γh²/8 the largest moduli R_n of accelerations on the whole flight obey
+    /// R ≤ A + CR, where A_n are the largest at nodes and C has c₁+2c₂ on its diagonal and c₂ beside it. (I − C)⁻¹ has no
+    /// negative entry, so that R ≤ r for every r with (I − C)r ≥ A: r = Σ_m θ^|n−m| A_m/(1 − c₁ − 5c₂),
+    /// θ = c₂/(1 − c₁ − 4c₂), is one, if the sum takes the mirror images beyond both ends of the half ring. `false` where
+    /// these could matter.
+    fn bound(&mut self, flight: Flight<'_>, watched: &DistinctMasses) -> bool {
+        let (gamma1, gamma2) = flight.stiffnesses;
+        let eighth = 0.125 * self.step * self.step;
+        let (c1, c2) = (eighth * gamma1, eighth * gamma2);
+        let theta = c2 / (1.0 - c1 - 4.0 * c2);
+        self.tops.clear();
+        self.tops.extend(self.extremes.iter().map(|[_, _, top]| *top));
+        let tops = self.tops.as_flattened().iter().take(watched.sites().len());
+        self.seconds.clear();
+        let (mut sum, mut last) = (0.0, 0.0);
+        self.seconds.extend(tops.clone().map(|top| {
+            (sum, last) = (top + theta * sum, *top);
+            sum
+        }));
+        // What lies beyond each mass, away from the breather. Beyond the far end the images begin with the last mass (odd
+        // rings) or that before it; twice, for what the images beyond the near end, not counted yet, add to them.
+        let mut beyond = 2.0 * (theta * sum).max(sum - last);
+        self.beyond.clear();
+        self.beyond.extend(tops.rev().map(|top| {
+            let next = theta * (top + beyond);
+            std::mem::replace(&mut beyond, next)
+        }));
+        // What adds to mass 0 is what its images, beyond the near end, add to all.
+        let (Some(near), Some(first)) = (self.beyond.last(), self.seconds.first()) else { return false };
+        // Not a number where nothing is accelerated.
+        let images = 1.0 + near / first;
+        if images.is_nan() || images > 2.0 {
+            return false;
+        }
+        let scale = 1.0 / (1.0 - c1 - 5.0 * c2);
+        for (second, beyond) in self.seconds.iter_mut().zip(self.beyond.iter().rev()) {
+            *second = scale * (images * *second + beyond);
+        }
+        true
+    }
+
+    /// Number of intervals.
+    pub(crate) fn intervals(&self) -> usize {
+        self.intervals
+    }
+
+    /// Their length.
+    pub(crate) fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Displacements of all masses at a node, in whole groups.
+    pub(crate) fn node(&self, node: usize) -> &[f64] {
+        self.values.chunks_exact(self.groups).nth(node).unwrap_or_default().as_flattened()
+    }
+
+    /// From a node to the next in the lists below, where a mass has its own number at the first one.
+    pub(crate) fn stride(&self) -> usize {
+        self.groups * LANES
+    }
+
+    /// Displacement of the mass and node at a place.
+    pub(crate) fn value(&self, place: usize) -> f64 {
+        self.values.as_flattened()[place]
+    }
+
+    /// How close to a barrier each mass could come in the whole flight, at asymmetry `a`.
+    pub(crate) fn reaches(&mut self, a: f64) -> &[f64] {
+        let slack = 0.125 * self.step * self.step;
+        let extremes = self.extremes.iter().flat_map(|[low, high, _]| low.iter().zip(high));
+        self.reaches.clear();
+        self.reaches.extend(extremes.zip(&self.seconds).map(|((low, high), second)| {
+            let out = if a - low > high - a { a - low } else { high - a };
+            1.0 - out - slack * second
+        }));
+        &self.reaches
+    }
+
+    /// How far between two nodes a mass can leave the range of its values there.
+    pub(crate) fn slack(&self, mass: usize) -> f64 {
+        0.125 * self.step * self.step * self.seconds[mass]
+    }
+
+    /// The bound on |v̈| of a mass.
+    #[cfg(test)]
+    pub(crate) fn second(&self, mass: usize) -> f64 {
+        self.seconds[mass]
+    }
+
+    /// A bound on |v⃜| of a mass in the whole flight.
+    pub(crate) fn fourth(&self, flight: Flight<'_>, watched: &DistinctMasses, mass: usize) -> f64 {
+        let (gamma1, gamma2) = flight.stiffnesses;
+        let sides = self.seconds[watched.left()[mass]] + self.seconds[watched.right()[mass]];
+        (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides
+    }
+
+    /// The shapes of a mass, as cos(2πkn/M) is symmetric in k and n.
+    fn shapes<'a>(&self, flight: Flight<'a>, mass: usize) -> &'a [Lane] {
+        flight.shapes.get(mass * self.groups..(mass + 1) * self.groups).unwrap_or_default()
+    }
+
+    /// A mass has no turning point in an interval, other than the ends of the flight that are `known` to be one; `fourth` is the
+    /// bound on its |v⃜|.
+    pub(crate) fn is_monotone(
+        &self,
+        (flight, mass): (Flight<'_>, usize),
+        interval: usize,
+        fourth: f64,
+        known: [bool; 2],
+    ) -> bool {
+        let shapes = self.shapes(flight, mass);
+        let [first, last] = [interval, interval + 1].map(|node| dot(shapes, &self.velocities[node * self.groups..]));
+        let (place, accelerations) = (interval * self.stride() + mass, self.accelerations.as_flattened());
+        let (before, after) = (accelerations[place], accelerations[place + self.stride()]);
+        // The third derivative is within B₄h of its mean.
+        let bend = (after - before).abs() + fourth * self.step * self.step;
+        let straight = (first > 0.0) == (last > 0.0) && first.abs().min(last.abs()) > 0.125 * bend * self.step;
+        straight
+            || (interval == 0 && known[0] && before.abs() > 0.5 * bend)
+            || (interval + 1 == self.intervals && known[1] && after.abs() > 0.5 * bend)
+    }
+
+    /// The motion of a mass from a node on, in units of an interval.
+    pub(crate) fn polynomial(&mut self, flight: Flight<'_>, mass: usize, node: usize) -> Polynomial {
+        let shapes = self.shapes(flight, mass);
+        let from = node * self.groups;
+        let states = self.displacements.iter().zip(&self.velocities).skip(from);
+        let step = f64x4::splat(self.step);
+        self.scratch.clear();
+        self.scratch.extend(shapes.iter().zip(states).map(|(shape, (u, w))| {
+            let shape = f64x4::from(*shape);
+            [shape * f64x4::from(*u), shape * f64x4::from(*w) * step]
+        }));
+        let mut coefficients = [0.0; ORDER];
+        for (pair, factors) in coefficients.as_chunks_mut::<2>().0.iter_mut().zip(FACTORS) {
+            let [mut even, mut odd] = [f64x4::ZERO; 2];
+            for (terms, frequency) in self.scratch.iter_mut().zip(&self.frequencies) {
+                even += terms[0];
+                odd += terms[1];
+                let x = f64x4::from(*frequency) * step;
+                let square = x * x;
+                terms[0] *= square * f64x4::splat(factors[0]);
+                terms[1] *= square * f64x4::splat(factors[1]);
+            }
+            *pair = [total(even), total(odd)];
+        }
+        Polynomial { coefficients }
+    }
+}
+
+/// cos Ωh, sin Ωh/Ω and Ω sin Ωh, for Ωh up to [`INTERVAL`].
+pub(crate) fn turn(frequency: f64x4, step: f64x4) -> [f64x4; 3] {
+    let x = frequency * step;
+    let square = x * x;
+    let series = |coefficients: [f64; 8]| {
+        coefficients.into_iter().rev().fold(f64x4::ZERO, |sum, c| sum * square + f64x4::splat(c))
+    };
+    let sin_over = step * series(SINC);
+    [series(COSINE), sin_over, frequency * frequency * sin_over]
+}
+
+/// γ₁ and γ₂ of a ring, the latter without effect on a single mass.
+pub(crate) fn stiffnesses(chain: &Chain) -> (f64, f64) {
+    (chain.gamma1(), if chain.sites() > 1 { chain.gamma2() } else { 0.0 })
+}
+
+/// So many groups, those that are not there 0.
+fn row<const G: usize>(list: &[Lane]) -> [f64x4; G] {
+    std::array::from_fn(|i| list.get(i).map_or(f64x4::ZERO, |group| f64x4::from(*group)))
+}
+
+/// Rows of groups.
+fn rows_mut<const G: usize>(list: &mut [Lane]) -> std::slice::IterMut<'_, [Lane; G]> {
+    list.as_chunks_mut::<G>().0.iter_mut()
+}
+
+/// cos x and sin x/x in powers of −x²; for x ≤ 1/2 the first term left out is below 1e-18.
+const COSINE: [f64; 8] = [
+    1.0,
+    -1.0 / 2.0,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+];
+
+const SINC: [f64; 8] = [
+    1.0,
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+];
+
+/// −1/((i+1)(i+2)) and −1/((i+2)(i+3)) for i = 0, 2, 4, …: from one Taylor coefficient of a swing to the next.
+const FACTORS: [[f64; 2]; ORDER / 2] = {
+    let mut factors = [[0.0; 2]; ORDER / 2];
+    let mut i = 0;
+    while i < ORDER / 2 {
+        let k = (2 * i) as f64;
+        factors[i] = [-1.0 / ((k + 1.0) * (k + 2.0)), -1.0 / ((k + 2.0) * (k + 3.0))];
+        i += 1;
+    }
+    factors
+};

@@ -1,0 +1,194 @@
+//! What a map asks of a conservative breather of one site of a ring, without its orbit: is it physical, by what margin, with which
+//! impulses.
+//!
+//! A fast path: a cell of a map of such breathers takes half the time. The general one is [`Finder::search`] for
+//! [`crate::Wanted::Candidates`] and [`Finder::quick_admissibility`], whose formulas these are, without lists of impacts and sources,
+//! without an [`Orbit`](crate::Orbit) and its [`Motion`](crate::Motion). What needs more is left to it ([`Sketched::Open`]); where
+//! there is an answer it is the general one, margin and impulses to the bit, the residual but for the order of its sums.
+
+use vibrochain_lattice::{ImpulseResponse, Model};
+
+use crate::admissible::check::Impacts;
+use crate::admissible::conservative_modes::Strokes;
+use crate::equations::condition::delicate;
+use crate::error::NoBreather;
+use crate::orbit::Family;
+use crate::search::families::conservative::{crosses, impulse, impulses};
+use crate::search::finder::Finder;
+use crate::search::screens::radiation::Radiation;
+
+/// A physical breather of site 0, with the impulse response it was made from.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Sketched, breathers};
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
+/// let mut finder = Finder::new(21);
+/// let Sketched::One(sketch) = finder.sketch(&model, Family::DoubleSided) else { panic!() };
+/// let orbit = &breathers(&model, Family::DoubleSided)?.orbits[0];
+/// assert_eq!(sketch.impulses(), [orbit.impacts()[0].impulse, orbit.impacts()[1].impulse]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+#[must_use]
+pub struct Sketch<'a> {
+    response: &'a ImpulseResponse,
+    impulses: [f64; 2],
+    one: bool,
+    margin: f64,
+    residual: f64,
+}
+
+/// What lives at a point, of one family.
+#[derive(Debug, Clone, Copy)]
+#[must_use]
+pub enum Sketched<'a> {
+    /// No physical breather.
+    None,
+    /// One.
+    One(Sketch<'a>),
+    /// Only [`Finder::search`] can tell.
+    Open,
+}
+
+impl Finder {
+    /// What lives at a point of one family, double-sided with φ = T/2 or single-sided, of conservative breathers on a coupled ring, where
+    /// that can be told without their orbits.
+    pub fn sketch(&mut self, model: &Model, family: Family) -> Sketched<'_> {
+        self.sketched(model, family).unwrap_or(Sketched::Open)
+    }
+
+    fn sketched(&mut self, model: &Model, family: Family) -> Option<Sketched<'_>> {
+        let chain = model.chain();
+        if !model.is_conservative() || !chain.is_ring() || chain.is_uncoupled() || self.stop.heard().is_err() {
+            return None;
+        }
+        self.prepare(model, model.omega()).ok()?;
+        let response = &self.response;
+        let radiation = *self.radiation.get_or_insert_with(|| Radiation::of(response));
+        let strokes = match family {
+            Family::DoubleSided => {
+                self.rises.clear();
+                if let Some(radiation) = &radiation {
+                    self.rises.set(model, response, radiation);
+                }
+                // There may be others, with φ ≠ T/2.
+                if !self.rises.places().is_empty() {
+                    return None;
+                }
+                let ((p1, p2), static_displacement) = impulses(model, response, response.dynamic_at_half())?;
+                Strokes { impulses: [-2.0 * p2, 2.0 * p1], one: false, static_displacement }
+            }
+            Family::SingleSided => match impulse(model, response) {
+                Ok((p, static_displacement)) => Strokes { impulses: [2.0 * p, 0.0], one: true, static_displacement },
+                Err(NoBreather::NetImpulse) => return Some(Sketched::None),
+                Err(_) => return None,
+            },
+            Family::PeriodDoubled | Family::Word => return None,
+        };
+        let half = 0.5 * response.period();
+        let net_impulse = strokes.static_displacement * response.static_stiffness();
+        if !strokes.is_right_signed()
+            || radiation.is_some_and(|radiation| !radiation.allows_at_halves(strokes.impulses))
+            || strokes.one && crosses(model, response, net_impulse)
+        {
+            return Some(Sketched::None);
+        }
+        let residual = self.easel.take(model, response, &strokes)?;
+        let flight = self.easel.flight(model, response);
+        let impacts = Impacts { asymmetry: model.asymmetry(), one: strokes.one };
+        let margin = self.watch.margin(chain, flight, half, impacts)?;
+        let Strokes { impulses, one, .. } = strokes;
+        let found = Sketch { response, impulses, one, margin, residual };
+        Some(if margin > 0.0 { Sketched::One(found) } else { Sketched::None })
+    }
+}
+
+impl<'a> Sketch<'a> {
+    /// The impulse response of its chain and frequency.
+    pub fn response(&self) -> &'a ImpulseResponse {
+        self.response
+    }
+
+    /// Momenta that the barriers give to the mass, signed: at 0 and T/2, or the one.
+    pub fn impulses(&self) -> &[f64] {
+        &self.impulses[..if self.one { 1 } else { 2 }]
+    }
+
+    /// The smallest distance left to a barrier at a turning point.
+    pub fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// Largest violation of the defining equations, see [`crate::Orbit::residual`].
+    pub fn residual(&self) -> f64 {
+        self.residual
+    }
+
+    /// The largest impulse, as it is signed.
+    pub fn strongest_impulse(&self) -> f64 {
+        let [first, second] = self.impulses;
+        if first.abs() > second.abs() { first } else { second }
+    }
+
+    /// Whether errors could matter to its verdict, see [`Finder::is_delicate`].
+    pub fn is_delicate(&self) -> bool {
+        let sizes = || self.impulses().iter().map(|impulse| impulse.abs());
+        let (least, most) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(f64::MIN_POSITIVE, f64::max));
+        delicate(self.response, self.response.omega(), (0.5 * least, most))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::finder::{Found, Wanted};
+    use vibrochain_lattice::Chain;
+
+    /// Soft and stiff chains, next to resonance, with and without coupling, symmetric or not, small and large.
+    #[test]
+    fn a_sketch_is_what_the_orbit_says() {
+        let mut random = fastrand::Rng::with_seed(19);
+        let (mut quick, mut finder, mut found) = (Finder::new(1), Finder::new(1), Found::default());
+        // No breather, one, left open; by family.
+        let mut seen = [[0; 3]; 2];
+        for _ in 0..6000 {
+            let sites = [1, 2, 3, 4, 5, 6, 11, 21, 40, 64, 120][random.usize(0..11)];
+            let gamma1 = [0.0, 1e-3, 0.2, 0.2, 0.2, 40.0][random.usize(0..6)];
+            let gamma2 = [0.0, 1e-9, 0.1, 0.3, 5.0][random.usize(0..5)] * random.f64();
+            let Ok(chain) = Chain::new(sites, gamma1, gamma2) else { continue };
+            let a = if random.u8(0..4) == 0 { 0.0 } else { 0.9 * random.f64() };
+            let model = Model::conservative(chain, 0.2 + 3.0 * random.f64(), a).unwrap();
+            for (i, family) in [Family::DoubleSided, Family::SingleSided].into_iter().enumerate() {
+                let sketched = quick.sketch(&model, family);
+                let Ok(()) = finder.search(&model, family, Wanted::Candidates, &mut found) else {
+                    assert!(matches!(sketched, Sketched::Open), "{model:?}");
+                    continue;
+                };
+                let physical = |orbit: &crate::Orbit| {
+                    let answer = finder.quick_admissibility(orbit).unwrap();
+                    answer.margin.filter(|_| answer.is_physical()).map(|margin| (orbit.clone(), margin))
+                };
+                let physical: Vec<_> = found.orbits.iter().filter_map(physical).collect();
+                match sketched {
+                    Sketched::Open => seen[i][2] += 1,
+                    Sketched::None => {
+                        assert!(physical.is_empty() && found.completeness.open() == (0, 0), "{model:?} {family:?}");
+                        seen[i][0] += 1;
+                    }
+                    Sketched::One(sketch) => {
+                        let [(orbit, margin)] = physical.as_slice() else { panic!("{model:?} {family:?}") };
+                        let impulses: Vec<f64> = orbit.impacts().iter().map(|impact| impact.impulse).collect();
+                        assert_eq!((sketch.impulses(), sketch.margin()), (impulses.as_slice(), *margin), "{model:?}");
+                        assert_eq!(Some(sketch.strongest_impulse()), orbit.strongest_impulse());
+                        let rounding = 64.0 * f64::EPSILON * sketch.response().condition();
+                        assert!((sketch.residual() - orbit.residual()).abs() < rounding, "{model:?}");
+                        assert_eq!(sketch.is_delicate(), finder.is_delicate(orbit).unwrap(), "{model:?}");
+                        seen[i][1] += 1;
+                    }
+                }
+            }
+        }
+        assert!(seen.iter().all(|[none, one, open]| *none > 300 && *one > 100 && *open > 300), "{seen:?}");
+    }
+}

@@ -1,0 +1,323 @@
+//! All zeros of a smooth function on an interval, each one proved to be alone or reported as unresolved.
+//!
+//! An interval is discarded when an enclosure shows that the function cannot vanish there, settled when the
+//! derivative cannot (at most one zero, found by its change of sign), and halved otherwise. What cannot be decided
+//! at the resolution of the arithmetic is a double zero, or two closer than can be told apart: it is returned as
+//! unresolved, not dropped.
+
+use smallvec::SmallVec;
+use vibrochain_lattice::Stop;
+use wide::f64x4;
+
+use crate::lanes::{LANES, Lane};
+use crate::roots::enclosure::{Dual, Enclosure};
+
+/// How far function and derivative stay away from 0 on an interval: neither has a zero there where this is positive.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Clearance {
+    pub(crate) function: f64,
+    /// Of use only where the function may vanish.
+    pub(crate) derivative: f64,
+    /// A number of the sign that the function surely has at either end; 0 where that is not known.
+    pub(crate) ends: [f64; 2],
+}
+
+impl Clearance {
+    /// Those of four enclosures.
+    pub(crate) fn of(enclosed: &Dual<Enclosure<f64x4>>) -> [Self; LANES] {
+        let [functions, derivatives] =
+            [enclosed.function, enclosed.derivative].map(|enclosure| enclosure.clearance().to_array());
+        let (ends, doubt) = enclosed.function.ends();
+        let (ends, doubt) = (ends.map(f64x4::to_array), doubt.to_array());
+        std::array::from_fn(|i| Self {
+            function: functions[i],
+            derivative: derivatives[i],
+            ends: ends.map(|end| sure(end[i], doubt[i])),
+        })
+    }
+
+    /// Of a function that has no zero there.
+    pub(crate) fn away(function: f64) -> Self {
+        Self { function, derivative: 0.0, ends: [0.0; 2] }
+    }
+}
+
+/// A value that may be wrong by `doubt`, or 0 if that leaves its sign open.
+fn sure(value: f64, doubt: f64) -> f64 {
+    if value.abs() > doubt { value } else { 0.0 }
+}
+
+/// Of functions that know nothing of four intervals at a time.
+pub(crate) fn one_by_one(centres: Lane, radii: Lane, enclose: impl Fn(f64, f64) -> Dual) -> [Clearance; LANES] {
+    std::array::from_fn(|i| {
+        let Dual { function, derivative } = enclose(centres[i], radii[i]);
+        let (ends, doubt) = function.ends();
+        let ends = ends.map(|end| sure(end, doubt));
+        Clearance { function: function.clearance(), derivative: derivative.clearance(), ends }
+    })
+}
+
+/// A function of one variable with an enclosure on any interval.
+pub(crate) trait Enclosed {
+    /// What enclosures say on |x − centre| ≤ radius, for four intervals.
+    fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES];
+
+    /// The function and its derivative at a point.
+    fn at(&self, x: f64) -> (f64, f64);
+}
+
+/// The zeros found.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Zeros {
+    /// Simple zeros, rising.
+    pub(crate) simple: Vec<f64>,
+    /// Centres of intervals, as narrow as can be told apart, on which a double zero may sit.
+    pub(crate) unresolved: Vec<f64>,
+    /// Intervals not looked at because the budget was spent, or the search stopped.
+    pub(crate) exhausted: usize,
+    /// Intervals enclosed.
+    pub(crate) intervals: usize,
+    /// Evaluations spent, those that close in on a zero included.
+    pub(crate) evaluations: usize,
+    stack: Vec<(f64, f64)>,
+    /// Places and widths of zeros, simple or not, in the order in which intervals were looked at.
+    places: Vec<Place>,
+    /// Once raised, what is left is not looked at.
+    pub(crate) stop: Stop,
+}
+
+/// Evaluations per piece that no sound problem needs on average; what is left then is reported as exhausted.
+const MOST_PER_PIECE: usize = 200;
+
+/// And at least this many in all, for problems of few pieces whose zeros crowd.
+const LEAST_BUDGET: usize = 20_000;
+
+/// 2⁻²⁶, the root of the rounding.
+const SMALL: f64 = 1.4901161193847656e-8;
+
+impl Zeros {
+    /// Forgets what was found and spent, but keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.forget();
+        (self.intervals, self.evaluations) = (0, 0);
+    }
+
+    /// Forgets what was found, not what was spent.
+    pub(crate) fn forget(&mut self) {
+        self.simple.clear();
+        self.unresolved.clear();
+        self.exhausted = 0;
+    }
+
+    /// Finds the zeros of `f` between `from` and `to`, starting from about `pieces` equal intervals. Intervals are
+    /// not halved below the width `resolution(centre)`. Zero is a boundary of intervals where it lies inside, so that
+    /// they can shrink towards it without end.
+    pub(crate) fn find(
+        &mut self,
+        f: &impl Enclosed,
+        from: f64,
+        to: f64,
+        pieces: usize,
+        resolution: impl Fn(f64) -> f64,
+    ) {
+        self.stack.clear();
+        let mut share = |from: f64, to: f64, pieces: usize| {
+            // Intervals are kept by their ends, which neighbours share: no gap opens by rounding. Later ones go on the
+            // stack first, so that zeros come out in order.
+            let end = |i: usize| if i == pieces { to } else { from + (to - from) * (i as f64 / pieces as f64) };
+            self.stack.extend((0..pieces).rev().map(|i| (end(i), end(i + 1))));
+        };
+        if from < 0.0 && to > 0.0 {
+            share(0.0, to, pieces.div_ceil(2));
+            share(from, 0.0, pieces.div_ceil(2));
+        } else {
+            share(from, to, pieces);
+        }
+        let budget = self.evaluations + LEAST_BUDGET.max(MOST_PER_PIECE * pieces);
+        self.places.clear();
+        while !self.stack.is_empty() {
+            if self.evaluations > budget || self.stop.is_raised() {
+                self.exhausted += self.stack.len();
+                break;
+            }
+            // Four at a time, the last one again where there are fewer.
+            let taken: SmallVec<[(f64, f64); LANES]> = (0..LANES).map_while(|_| self.stack.pop()).collect();
+            let interval = |i: usize| taken[i.min(taken.len() - 1)];
+            let centres = std::array::from_fn(|i| 0.5 * (interval(i).0 + interval(i).1));
+            let radii = std::array::from_fn(|i| (interval(i).1 - centres[i]).max(centres[i] - interval(i).0));
+            let clearances = f.clearances(centres, radii);
+            self.evaluations += taken.len();
+            self.intervals += taken.len();
+            // The first one goes on the stack last.
+            for i in (0..taken.len()).rev() {
+                let ((low, high), centre, radius) = (taken[i], centres[i], radii[i]);
+                if clearances[i].function > 0.0 {
+                    continue;
+                }
+                if clearances[i].derivative > 0.0 {
+                    if let Some(zero) = self.bracketed(f, low, high, clearances[i].ends) {
+                        self.places.push(Place { zero, width: resolution(zero), simple: true });
+                    }
+                } else if radius <= resolution(centre) {
+                    self.places.push(Place { zero: centre, width: 8.0 * radius, simple: false });
+                } else {
+                    self.stack.push((centre, high));
+                    self.stack.push((low, centre));
+                }
+            }
+        }
+        self.places.sort_unstable_by(|a, b| a.zero.total_cmp(&b.zero));
+        for place in &self.places {
+            push_distinct(if place.simple { &mut self.simple } else { &mut self.unresolved }, place.zero, place.width);
+        }
+    }
+
+    /// The zero of a monotone function on an interval, if its sign changes: Newton kept inside the bracket. `ends` are of the signs that it
+    /// has there, where they are known.
+    fn bracketed(&mut self, f: &impl Enclosed, mut low: f64, mut high: f64, ends: [f64; 2]) -> Option<f64> {
+        let at = |x: f64| f.at(x);
+        let mut end = |x: f64, known: f64| {
+            if known != 0.0 {
+                return known;
+            }
+            self.evaluations += 1;
+            at(x).0
+        };
+        let (f_low, f_high) = (end(low, ends[0]), end(high, ends[1]));
+        if f_low == 0.0 {
+            return Some(low);
+        }
+        if f_high == 0.0 {
+            return Some(high);
+        }
+        if (f_low < 0.0) == (f_high < 0.0) {
+            return None;
+        }
+        let (mut x, mut last) = (0.5 * (low + high), f64::INFINITY);
+        for _ in 0..100 {
+            self.evaluations += 1;
+            let (value, slope) = at(x);
+            if value == 0.0 {
+                return Some(x);
+            }
+            if (value < 0.0) == (f_low < 0.0) {
+                low = x;
+            } else {
+                high = x;
+            }
+            let newton = x - value / slope;
+            let (step, inside) = ((newton - x).abs(), newton > low && newton < high);
+            // A step as small as the root of the rounding is followed by one of its size. One that does not fall, or leaves the
+            // bracket, is rounding of the function.
+            let rounding = last <= SMALL * x.abs() && (!inside || step >= 0.5 * last);
+            if rounding || (inside && step <= f64::EPSILON * x.abs()) {
+                return Some(if inside { newton } else { x });
+            }
+            let middle = 0.5 * (low + high);
+            if !inside && (middle - x).abs() <= f64::EPSILON * x.abs() {
+                return Some(middle);
+            }
+            (x, last) = if inside { (newton, step) } else { (middle, f64::INFINITY) };
+        }
+        Some(x)
+    }
+}
+
+/// A zero, or the middle of an interval that may have two.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    zero: f64,
+    /// Another one closer than this is the same.
+    width: f64,
+    simple: bool,
+}
+
+fn push_distinct(list: &mut Vec<f64>, value: f64, width: f64) {
+    if list.last().is_none_or(|&last| (value - last).abs() > width) {
+        list.push(value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::roots::enclosure::Algebra;
+
+    /// sin²x − level: pairs of zeros that merge as the level goes to 0.
+    struct Pairs {
+        level: f64,
+    }
+
+    impl Pairs {
+        fn enclose(&self, x: f64, radius: f64) -> Dual {
+            let sine = Dual::wave(x.sin(), -x.cos(), 1.0, 1.0, radius);
+            (sine * sine).shifted(-self.level)
+        }
+    }
+
+    impl Enclosed for Pairs {
+        fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES] {
+            one_by_one(centres, radii, |x, radius| self.enclose(x, radius))
+        }
+
+        fn at(&self, x: f64) -> (f64, f64) {
+            self.enclose(x, 0.0).at_centre()
+        }
+    }
+
+    #[test]
+    fn close_pairs_are_told_apart_and_double_zeros_reported() {
+        let resolution = |_: f64| 1e-12;
+        for exponent in [1, 4, 8, 12] {
+            let level = 10f64.powi(-exponent);
+            let mut zeros = Zeros::default();
+            zeros.find(&Pairs { level }, -1.0, 4.0, 7, resolution);
+            let root = level.sqrt().asin();
+            let pi = std::f64::consts::PI;
+            assert_eq!(zeros.simple.len(), 4, "{level}");
+            for (found, expected) in zeros.simple.iter().zip([-root, root, pi - root, pi + root]) {
+                assert!((found - expected).abs() < 4e-16 / root, "{level}: {found} {expected}");
+            }
+            assert!(zeros.unresolved.is_empty() && zeros.evaluations < 500, "{}", zeros.evaluations);
+        }
+        let mut zeros = Zeros::default();
+        zeros.find(&Pairs { level: 0.0 }, -1.0, 4.0, 7, resolution);
+        assert!(zeros.simple.is_empty() && zeros.unresolved.len() == 2, "{zeros:?}");
+    }
+
+    /// x² − 2 with noise like the rounding of many terms of this size.
+    struct Rounded {
+        size: f64,
+    }
+
+    impl Enclosed for Rounded {
+        fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES] {
+            one_by_one(centres, radii, |x, radius| self.enclose(x, radius))
+        }
+
+        fn at(&self, x: f64) -> (f64, f64) {
+            self.enclose(x, 0.0).at_centre()
+        }
+    }
+
+    impl Rounded {
+        fn enclose(&self, x: f64, radius: f64) -> Dual {
+            let noise = self.size * f64::EPSILON * (1e17 * x).sin();
+            Dual::from_jet([x * x - 2.0 + noise, 2.0 * x, 2.0, 0.0], 0.0, radius)
+        }
+    }
+
+    #[test]
+    fn a_zero_is_closed_in_on_in_few_steps_whatever_the_rounding() {
+        for size in [0.0, 1.0, 7.0, 3e2, 1e4, 5e5] {
+            for shift in 0..50 {
+                let mut zeros = Zeros::default();
+                zeros.find(&Rounded { size }, 1.3, 1.6 + 1e-3 * f64::from(shift), 1, |_| 1e-12);
+                assert_eq!(zeros.simple.len(), 1, "{size} {shift}");
+                let error = (zeros.simple[0] - std::f64::consts::SQRT_2).abs();
+                assert!(error <= f64::EPSILON * (1.0 + size), "{size} {shift}: {error}");
+                assert!(zeros.evaluations <= 10, "{size} {shift}: {}", zeros.evaluations);
+            }
+        }
+    }
+}

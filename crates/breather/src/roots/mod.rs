@@ -1,0 +1,6 @@
+//! All zeros of smooth functions of one variable or two, each proved to exist and to be alone, or reported as unresolved.
+
+pub(crate) mod enclosure;
+pub(crate) mod interval;
+pub(crate) mod planar;
+pub(crate) mod taylor2;

@@ -1,0 +1,139 @@
+//! Orbits of two instants without force and losses, at 0 and φ = T/2 + δ, with δ ≠ 0.
+//!
+//! The positions give the impulses P(φ) (`positions`). Without losses Newton's law is
+//!
+//! ```text
+//! Σ_{j at φ} P_j K′_ij(φ) = 0   for each i at 0,          Σ_{i at 0} P_i K′_ij(φ) = 0   for each j at φ.
+//! ```
+//!
+//! All K′ are odd in δ: φ = T/2 always solves, and −δ is the mirror image in time of δ. Of one impact each, at whatever sites and
+//! barriers, K′_ij(φ) = 0 is left (`errata`: "orthogonality, hence φ = π/ω"). So it is with impacts that symmetries turn into each other
+//! ([`crate::Word`]'s `is_alike`): their impulses are alike but for signs σ, and the zeros are those of
+//!
+//! ```text
+//! s(δ) = −Σ_j σ_j K′_0j(φ) = Σ_k a_k sin(Ω_kδ)/Ω_k ,      a_k = b_k² Ω_k / (2 sin(Ω_kT/2)) on a ring, for one site,
+//! ```
+//!
+//! an odd function, so that δ > 0 is enough. Of other groups there are more equations than unknowns (`overdetermined`).
+//!
+//! Where both instants hit the same masses and every mode is slower than the orbit, Ω_kT/2 < π, there are none: −K′ between those masses
+//! is positive definite for 0 < δ < T/2, each mode's sin Ω_kδ/sin Ω_kT/2 being positive, and it takes no impulses to 0.
+//!
+//! [`all`] finds every zero. A map of rings asks only for those that can be physical, and has few of them: [`candidates`] searches the
+//! places that `rises` leaves.
+
+use vibrochain_lattice::{ImpulseResponse, Model};
+use wide::f64x4;
+
+use crate::lanes::{LANES, Lane};
+use crate::orbit::Draft;
+use crate::roots::enclosure::Dual;
+use crate::roots::interval::{Clearance, Enclosed, Zeros};
+use crate::search::families::conservative::{impulses, two_impact_draft};
+use crate::search::families::pattern::Pattern;
+use crate::search::screens::kernel_grid::{MOST, Rises, top};
+
+/// Orbits closer than this part of half a period to the symmetric one, which they branch from, are not told from it; nor are two instants
+/// from one.
+pub(crate) const APART: f64 = 1e-6;
+
+/// Of the sum of its terms' sizes, below which a kernel is rounding.
+pub(crate) const UNFELT: f64 = 1e-14;
+
+/// s(δ), enclosed; of one site of a ring, or home on other lattices, without shapes ([`ImpulseResponse::jet_of`]).
+struct Balance<'a> {
+    response: &'a ImpulseResponse,
+    shapes: &'a [f64],
+    fourth: f64,
+}
+
+impl<'a> Balance<'a> {
+    fn new(response: &'a ImpulseResponse, shapes: &'a [f64]) -> Self {
+        let [.., fourth] = response.derivative_bounds_of(shapes);
+        Self { response, shapes, fourth }
+    }
+}
+
+impl Enclosed for Balance<'_> {
+    fn clearances(&self, deltas: Lane, radii: Lane) -> [Clearance; LANES] {
+        let [_, slope, curvature, third] = self.response.jets_of(self.shapes, deltas).map(f64x4::from);
+        let fourth = f64x4::splat(self.fourth);
+        Clearance::of(&Dual::from_jet([slope, curvature, third, fourth], 0.0, f64x4::from(radii)))
+    }
+
+    fn at(&self, delta: f64) -> (f64, f64) {
+        let jet = self.response.jet_of(self.shapes, delta);
+        (jet.slope, jet.curvature)
+    }
+}
+
+/// Every mode is slower than the orbit.
+pub(crate) fn all_slower(response: &ImpulseResponse) -> bool {
+    top(response) < response.omega()
+}
+
+/// How many pieces a search of 0 < δ < T/2 begins with: a few a wave of the fastest mode; halving does the rest.
+pub(crate) fn pieces(response: &ImpulseResponse) -> usize {
+    (8 + (0.5 * response.period() * top(response)) as usize).min(MOST)
+}
+
+/// All double-sided orbits of one site of a ring.
+pub(crate) fn all(model: &Model, response: &ImpulseResponse, zeros: &mut Zeros, found: impl FnMut(Draft)) {
+    if all_slower(response) {
+        return;
+    }
+    let half = 0.5 * response.period();
+    search(response, &[], zeros, &[(0.0, half)], pieces(response));
+    drafts(model, response, zeros, found);
+}
+
+/// Those that can be physical, in the places that `rises` has found.
+pub(crate) fn candidates(
+    model: &Model,
+    response: &ImpulseResponse,
+    rises: &Rises,
+    zeros: &mut Zeros,
+    found: impl FnMut(Draft),
+) {
+    if rises.places().is_empty() {
+        return;
+    }
+    search(response, &[], zeros, rises.places(), 1);
+    drafts(model, response, zeros, found);
+}
+
+/// The zeros δ > 0 of s, of impacts whose kernels have these shapes in sum, into `zeros`. Between different masses s vanishes for φ = 0,
+/// too, which is one instant and left out.
+pub(crate) fn times(response: &ImpulseResponse, shapes: &[f64], same_masses: bool, zeros: &mut Zeros) {
+    let half = 0.5 * response.period();
+    let to = if same_masses { half } else { half * (1.0 - APART) };
+    // Masses that feel nothing of each other hit whenever they like.
+    let [most, ..] = response.derivative_bounds_of(shapes);
+    let felt = (1..8).any(|i| response.jet_of(shapes, half * f64::from(i) / 8.0).slope.abs() > UNFELT * most);
+    if !felt {
+        zeros.exhausted += 1;
+        return;
+    }
+    search(response, shapes, zeros, &[(0.0, to)], pieces(response));
+}
+
+/// Adds the zeros of s in intervals of δ > 0 to `zeros`, each of them in so many `pieces` to begin with.
+fn search(response: &ImpulseResponse, shapes: &[f64], zeros: &mut Zeros, places: &[(f64, f64)], pieces: usize) {
+    let balance = Balance::new(response, shapes);
+    let shortest = APART * 0.5 * response.period();
+    let resolution = |delta: f64| 64.0 * f64::EPSILON * delta.max(shortest);
+    for &(from, to) in places {
+        zeros.find(&balance, from.max(shortest), to, pieces, resolution);
+    }
+}
+
+/// The double-sided orbits at the zeros of s and their mirror images.
+fn drafts(model: &Model, response: &ImpulseResponse, zeros: &Zeros, mut found: impl FnMut(Draft)) {
+    let half = 0.5 * response.period();
+    for delta in zeros.simple.iter().flat_map(|&zero| [-zero, zero]) {
+        let kernel = response.jet_from_half(delta).value;
+        if let Some((impulses, displacement)) = impulses(model, response, kernel) {
+            found(two_impact_draft(response, Pattern::DOUBLE_SIDED, 0.0, half + delta, impulses, displacement));
+        }
+    }
+}

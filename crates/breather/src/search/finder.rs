@@ -1,0 +1,546 @@
+//! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
+//! same, the impulse response as long as chain and frequency do, and all scratch space.
+
+use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum, Stop, Wave};
+
+use crate::admissible::answer::Admissibility;
+use crate::admissible::check::{Depth, Watch};
+use crate::admissible::conservative_modes::Easel;
+use crate::equations::condition::{Condition, is_delicate};
+use crate::equations::newton::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
+use crate::error::{BreatherError, NoBreather, Unsearched};
+use crate::motion::Motion;
+use crate::orbit::{Draft, Family, Orbit};
+use crate::roots::interval::Zeros;
+use crate::roots::planar::PlanarZeros;
+use crate::search::completeness::{Completeness, Searched};
+use crate::search::families::pattern::Pattern;
+use crate::search::screens::kernel_grid::Rises;
+use crate::search::screens::radiation::Radiation;
+use crate::search::words::ended::Ended;
+use crate::word::Word;
+use crate::{
+    search::families::conservative, search::families::forced_double, search::families::forced_harmonics,
+    search::families::forced_single, search::families::two_instants, search::screens::forced_places,
+};
+
+/// All orbits of a family at a point.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[must_use]
+pub struct Found {
+    /// The orbits, physical or not, in order of φ.
+    #[cfg_attr(feature = "serde", serde(rename = "solutions"))]
+    pub orbits: Vec<Orbit>,
+    /// Whether these are all, why there are none, or what may be missing.
+    pub completeness: Completeness,
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    /// Where branches of a word ended that were followed from γ₂ = 0 and did not come as far as this point.
+    pub ended: Vec<Ended>,
+}
+
+/// Which orbits are asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Wanted {
+    /// All, physical or not.
+    #[default]
+    All,
+    /// Without conservative ones of two instants with φ ≠ T/2.
+    Symmetric,
+    /// Those that could be physical, for less work where none is: not those one of whose impacts has the wrong sign, nor
+    /// those that would make masses of the ring swing beyond their barriers.
+    Candidates,
+    /// Candidates without conservative ones of two instants with φ ≠ T/2; [`Completeness::Asked`] tells where there could be any.
+    SymmetricCandidates,
+}
+
+impl Wanted {
+    pub(crate) fn candidates(self) -> bool {
+        matches!(self, Self::Candidates | Self::SymmetricCandidates)
+    }
+}
+
+/// Orbits of one mass: of a family, or of two impacts that are none's.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sought {
+    family: Family,
+    /// Of two impacts.
+    pattern: Option<Pattern>,
+}
+
+impl From<Family> for Sought {
+    fn from(family: Family) -> Self {
+        let pattern = match family {
+            Family::DoubleSided => Some(Pattern::DOUBLE_SIDED),
+            Family::PeriodDoubled => Some(Pattern::DOUBLED),
+            Family::SingleSided | Family::Word => None,
+        };
+        Self { family, pattern }
+    }
+}
+
+impl From<Pattern> for Sought {
+    fn from(pattern: Pattern) -> Self {
+        Self { family: pattern.family(), pattern: Some(pattern) }
+    }
+}
+
+/// Reusable work space for finding and checking orbits.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_lattice::{Chain, Model};
+/// let mut finder = Finder::new(21);
+/// let mut found = Found::default();
+/// for omega in [1.4, 1.5, 1.6] {
+///     let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, omega, 0.4)?;
+///     finder.find(&model, Family::DoubleSided, &mut found)?;
+///     assert!(finder.admissibility(&found.orbits[0])?.is_physical());
+/// }
+/// # Ok::<(), vibrochain_breather::BreatherError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Finder {
+    spectrum: Option<Spectrum>,
+    pub(crate) response: ImpulseResponse,
+    current: Option<(f64, usize)>,
+    /// Boxed: the last two change places.
+    pub(crate) motion: Box<Motion>,
+    /// That of the orbit found before the last one: of two that a search finds neither is worked out again to be checked.
+    earlier: Box<Motion>,
+    pub(crate) zeros: Zeros,
+    pub(crate) rises: Rises,
+    /// Of the impulse response, once it has been asked for.
+    pub(crate) radiation: Option<Option<Radiation>>,
+    plane: PlanarZeros,
+    pub(crate) watch: Watch,
+    pub(crate) easel: Easel,
+    pub(crate) stop: Stop,
+}
+
+impl Finder {
+    /// A finder for rings of `sites` masses (other lattices work too, at the price of new scratch space).
+    pub fn new(sites: usize) -> Self {
+        let chain = Chain::alone(sites);
+        let response = ImpulseResponse::vacant(&chain);
+        let motion = Box::new(Motion::vacant(&chain, response.shapes().clone()));
+        Self {
+            spectrum: None,
+            response,
+            current: None,
+            earlier: motion.clone(),
+            motion,
+            zeros: Zeros::default(),
+            rises: Rises::default(),
+            radiation: None,
+            plane: PlanarZeros::default(),
+            watch: Watch::default(),
+            easel: Easel::default(),
+            stop: Stop::default(),
+        }
+    }
+
+    /// The same finder, all of whose work ends with [`BreatherError::Stopped`] soon after `stop` is raised.
+    #[must_use]
+    pub fn until(mut self, stop: &Stop) -> Self {
+        self.stop = stop.clone();
+        for copy in [&mut self.zeros.stop, &mut self.plane.stop, &mut self.watch.stop] {
+            *copy = stop.clone();
+        }
+        self
+    }
+
+    /// What ends its work early. Whoever works for long on its orbits looks at it, too.
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// Spectrum and impulse response of the model's chain for impulses of frequency `omega`.
+    pub(crate) fn prepare(&mut self, model: &Model, omega: f64) -> Result<(), BreatherError> {
+        self.prepare_at(model, omega, 0)
+    }
+
+    /// The same, from the view of another site.
+    fn prepare_at(&mut self, model: &Model, omega: f64, home: usize) -> Result<(), BreatherError> {
+        self.stop.heard()?;
+        let chain = model.chain();
+        match &mut self.spectrum {
+            Some(spectrum) if spectrum.chain() == chain => {}
+            Some(spectrum) => {
+                spectrum.reset(*chain);
+                self.current = None;
+            }
+            None => self.spectrum = Some(Spectrum::new(*chain)),
+        }
+        if let Some(spectrum) = &self.spectrum
+            && self.current != Some((omega, home))
+        {
+            (self.current, self.radiation) = (None, None);
+            self.response.reset_at(spectrum, omega, home)?;
+            self.current = Some((omega, home));
+        }
+        Ok(())
+    }
+
+    /// All orbits of `family` at a point, into `found`.
+    ///
+    /// # Errors
+    /// [`BreatherError::Resonance`].
+    pub fn find(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
+        self.search(model, family, Wanted::All, found)
+    }
+
+    /// As [`Finder::find`], without the conservative double-sided orbits with φ ≠ T/2.
+    ///
+    /// # Errors
+    /// As [`Finder::find`].
+    pub fn find_symmetric(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
+        self.search(model, family, Wanted::Symmetric, found)
+    }
+
+    /// The orbits of `family` at a point that are `wanted`, into `found`.
+    ///
+    /// # Errors
+    /// As [`Finder::find`].
+    pub fn search(
+        &mut self,
+        model: &Model,
+        family: Family,
+        wanted: Wanted,
+        found: &mut Found,
+    ) -> Result<(), BreatherError> {
+        self.search_at(model, family.into(), 0, wanted, found)
+    }
+
+    /// The same with the impacts at another site, where sites are not alike.
+    pub(crate) fn search_at(
+        &mut self,
+        model: &Model,
+        Sought { family, pattern }: Sought,
+        home: usize,
+        wanted: Wanted,
+        found: &mut Found,
+    ) -> Result<(), BreatherError> {
+        found.orbits.clear();
+        found.ended.clear();
+        found.completeness = Completeness::default();
+        self.stop.heard()?;
+        self.zeros.clear();
+        self.rises.clear();
+        self.plane.clear();
+        let conservative = model.is_conservative();
+        let out_of_question = match (conservative, family) {
+            (true, Family::PeriodDoubled) => Some(NoBreather::NeedsForce),
+            (false, _) if model.amplitude() == 0.0 => Some(NoBreather::LossWithoutForce),
+            _ => None,
+        };
+        if let Some(reason) = out_of_question {
+            found.completeness = Completeness::none(reason);
+            return Ok(());
+        }
+        // The closed forms without force know that sites are alike; elsewhere words have one of their own.
+        if conservative && !model.chain().is_ring() {
+            let Some(word) = Word::of_family(family) else {
+                found.completeness = Completeness::none(NoBreather::NotSearched(Unsearched::Unnamed));
+                return Ok(());
+            };
+            return self.find_word(model, &word, wanted, found);
+        }
+        let steady = match model.chain().has_walls() {
+            _ if conservative => None,
+            true => Some(model.steady()?.at(home)),
+            false => Some(model.steady_response()?),
+        };
+        // A plain cosine lets the phase be eliminated.
+        let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
+        self.prepare_at(model, model.omega() / f64::from(pattern.map_or(1, Pattern::periods)), home)?;
+        let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
+        let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
+        let judged = wanted.candidates() && conservative;
+        let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
+        let (mut failure, mut lost, mut refused) = (None, 0, 0);
+        let mut add = |mut draft: Draft| {
+            if home > 0 {
+                draft.impacts.iter_mut().for_each(|hit| hit.site = home);
+                draft.sources.iter_mut().for_each(|source| source.site = home);
+            }
+            let impulses = || draft.impacts.iter().map(|hit| (hit.time, hit.impulse));
+            let radiates = || radiation.is_some_and(|radiation| !radiation.allows(impulses()));
+            let crosses = || match (draft.impacts.as_slice(), draft.sources.as_slice()) {
+                ([_], [source]) => judged && conservative::crosses(model, response, source.net_impulse),
+                _ => false,
+            };
+            if wanted.candidates() && (!draft.is_right_signed() || radiates() || crosses()) {
+                refused += 1;
+                return;
+            }
+            std::mem::swap(motion, earlier);
+            match Orbit::assemble(model, response, motion, draft) {
+                Ok(orbit) => {
+                    found.orbits.push(orbit);
+                    // Mirror-symmetric orbits come from closed forms that leave nothing to improve.
+                    if let Some(orbit) = found.orbits.last_mut().filter(|orbit| !orbit.is_reversible()) {
+                        polish(orbit, STEPS, response, motion);
+                    }
+                    // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
+                    if found.orbits.pop_if(|orbit| !orbit.residual().is_finite()).is_some() {
+                        lost += 1;
+                    }
+                }
+                Err(error) => failure = Some(error),
+            }
+        };
+        let outcome = match (family, pattern, &steady, cosine) {
+            (Family::DoubleSided, _, None, _) => conservative::double_sided(model, response).map(|draft| {
+                add(draft);
+                if let Some(radiation) = &radiation {
+                    rises.set(model, response, radiation);
+                }
+                match wanted {
+                    Wanted::All => two_instants::all(model, response, zeros, &mut add),
+                    Wanted::Candidates => two_instants::candidates(model, response, rises, zeros, &mut add),
+                    Wanted::Symmetric | Wanted::SymmetricCandidates => {}
+                }
+            }),
+            (Family::SingleSided, _, None, _) => conservative::single_sided(model, response).map(&mut add),
+            (Family::DoubleSided, _, Some(steady), Some(force)) => {
+                let narrowed = wanted.candidates() && model.chain().is_ring();
+                let places =
+                    if narrowed { forced_places::places(rises, response, (force, model.loss())) } else { None };
+                zeros.intervals += places.map_or(0, |(_, intervals)| intervals);
+                let places = places.map(|(places, _)| places);
+                forced_double::double_sided(model, response, (steady, force), zeros, plane, places, &mut add)
+            }
+            (Family::SingleSided, _, Some(_), Some(force)) => {
+                forced_single::single_sided(model, response, force, Barrier::Lower)
+                    .map(|drafts| drafts.into_iter().for_each(&mut add))
+            }
+            (_, Some(pattern), Some(steady), Some(force)) => {
+                forced_double::alike(pattern, model, response, (steady, force), zeros, plane, &mut add)
+            }
+            (Family::DoubleSided, _, Some(steady), None) => {
+                forced_harmonics::double_sided(model, response, steady, zeros, plane, &mut add)
+            }
+            (Family::SingleSided, _, Some(steady), None) => {
+                forced_harmonics::single_sided(model, response, steady, zeros, &mut add)
+            }
+            (_, Some(pattern), Some(steady), None) => {
+                forced_harmonics::alike(pattern, model, response, steady, zeros, plane, &mut add)
+            }
+            (Family::Word | Family::PeriodDoubled, ..) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
+        };
+        if let Some(error) = failure {
+            return Err(error);
+        }
+        self.stop.heard()?;
+        let left_out =
+            if conservative && wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
+        let listed = found.orbits.len();
+        // A zero without an orbit.
+        let zeros = self.zeros.simple.len() + self.plane.simple.len();
+        found.completeness = Completeness::of(&Searched {
+            listed,
+            refused,
+            lost: lost.max(zeros.saturating_sub(listed + refused)),
+            intervals: self.zeros.intervals,
+            boxes: self.plane.boxes,
+            unresolved: self.zeros.unresolved.len() + self.plane.unresolved.len(),
+            exhausted: self.zeros.exhausted + self.plane.exhausted,
+            left_out,
+            reason: outcome.err(),
+        });
+        if wanted == Wanted::All {
+            found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
+        }
+        Ok(())
+    }
+
+    /// Whether an orbit is physical, see [`Admissibility`]; if not, with the worst obstruction.
+    ///
+    /// # Errors
+    /// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
+    pub fn admissibility(&mut self, orbit: &Orbit) -> Result<Admissibility, BreatherError> {
+        self.check(orbit, Depth::Worst)
+    }
+
+    /// As [`Finder::admissibility`], but stops at the first obstruction found: the same for a physical orbit, sooner done
+    /// with one that is not.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn quick_admissibility(&mut self, orbit: &Orbit) -> Result<Admissibility, BreatherError> {
+        self.check(orbit, Depth::First)
+    }
+
+    fn check(&mut self, orbit: &Orbit, depth: Depth) -> Result<Admissibility, BreatherError> {
+        self.load(orbit)?;
+        if orbit.model().chain().is_kept() {
+            return self.watch.check(orbit, &mut self.motion, depth);
+        }
+        // All modes and all masses of a large lattice are not held together.
+        self.give_back_response();
+        let mut watch = Watch::default();
+        watch.stop = self.stop.clone();
+        let checked = watch.check(orbit, &mut self.motion, depth);
+        self.motion.give_back();
+        checked
+    }
+
+    /// The motion of an orbit, and the impulse response.
+    fn load(&mut self, orbit: &Orbit) -> Result<(), BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        if self.earlier.is_of(orbit, &self.response) {
+            std::mem::swap(&mut self.motion, &mut self.earlier);
+        }
+        self.motion.load(orbit, &self.response);
+        Ok(())
+    }
+
+    fn give_back_response(&mut self) {
+        (self.spectrum, self.current, self.radiation) = (None, None, None);
+        self.response.give_back();
+    }
+
+    /// Gives back what the modes of a large lattice take, to whoever needs the room: what this finder is asked for next it works out
+    /// again. Of lattices that sweeps go through everything is kept.
+    pub fn give_back(&mut self) {
+        if !self.response.chain().is_kept() {
+            self.give_back_response();
+            self.motion.give_back();
+            self.earlier.give_back();
+        }
+    }
+
+    /// The motion of an orbit, in this finder's scratch space.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn motion(&mut self, orbit: &Orbit) -> Result<&mut Motion, BreatherError> {
+        self.load(orbit)?;
+        Ok(&mut self.motion)
+    }
+
+    /// The orbit near one that was given by its impacts roughly ([`Orbit::from_impulses`]), by Newton's method; it must be so near
+    /// that every step improves it. Impulses and, where symmetry in time does not hold them, all times but the first and the phase are
+    /// free. [`Orbit::residual`] tells how well the conditions at the impacts are met.
+    ///
+    /// # Errors
+    /// [`BreatherError::NotConverged`]; as [`Finder::admissibility`].
+    ///
+    /// ```
+    /// use vibrochain_breather::{Finder, Hit, Orbit};
+    /// use vibrochain_lattice::{Barrier, Chain, Model};
+    /// // Two neighbours in phase, roughly.
+    /// let model = Model::conservative(Chain::new(21, 0.2, 0.05)?, 1.5, 0.2)?;
+    /// let half = 0.5 * model.period();
+    /// let both = |barrier, time, impulse| [0, 1].map(|site| Hit::new(site, barrier, time, impulse));
+    /// let hits = [both(Barrier::Upper, 0.0, -1.9), both(Barrier::Lower, half, 1.9)].concat();
+    /// let orbit = Finder::new(21).polish(&Orbit::from_impulses(&model, 1, 0.0, &hits)?)?;
+    /// assert!(orbit.residual() < 1e-14);
+    /// # Ok::<(), vibrochain_breather::BreatherError>(())
+    /// ```
+    pub fn polish(&mut self, orbit: &Orbit) -> Result<Orbit, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        let mut polished = orbit.clone();
+        let violation = polish(&mut polished, STEPS_FROM_AFAR, &self.response, &mut self.motion);
+        if violation <= CONVERGED { Ok(polished) } else { Err(BreatherError::NotConverged { violation }) }
+    }
+
+    /// How far an orbit can be trusted. Not part of a sweep's inner loop: it costs as much as finding the orbit.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    ///
+    /// ```
+    /// use vibrochain_breather::{Family, Finder, Found};
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+    /// let (mut finder, mut found) = (Finder::new(21), Found::default());
+    /// finder.find(&model, Family::DoubleSided, &mut found)?;
+    /// let condition = finder.condition(&found.orbits[0])?;
+    /// assert!(condition.impulse_error(&found.orbits[0]) < 1e-13);
+    /// # Ok::<(), vibrochain_breather::BreatherError>(())
+    /// ```
+    pub fn condition(&mut self, orbit: &Orbit) -> Result<Condition, BreatherError> {
+        self.load(orbit)?;
+        Ok(Condition::of(orbit, &self.response, &mut self.motion))
+    }
+
+    /// Whether errors of an orbit could matter to its verdict: next to a resonance, to grazing or to a fold. Cheap enough
+    /// for a sweep, which asks for [`Finder::condition`] only then.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn is_delicate(&mut self, orbit: &Orbit) -> Result<bool, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        Ok(is_delicate(orbit, &self.response))
+    }
+
+    /// An orbit with the impulse response of its chain and frequency, which this finder keeps.
+    ///
+    /// # Errors
+    /// As [`Finder::admissibility`].
+    pub fn prepared<'a>(&'a mut self, orbit: &'a Orbit) -> Result<Prepared<'a>, BreatherError> {
+        self.prepare(orbit.model(), orbit.frequency())?;
+        Ok(Prepared { orbit, response: &self.response })
+    }
+}
+
+/// An orbit that is being analysed, with the impulse response that belongs to it.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
+/// let (mut finder, mut found) = (Finder::new(21), Found::default());
+/// finder.find(&model, Family::DoubleSided, &mut found)?;
+/// let prepared = finder.prepared(&found.orbits[0])?;
+/// assert_eq!(prepared.response().omega(), prepared.orbit().frequency());
+/// # Ok::<(), vibrochain_breather::BreatherError>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+#[must_use]
+pub struct Prepared<'a> {
+    orbit: &'a Orbit,
+    response: &'a ImpulseResponse,
+}
+
+impl<'a> Prepared<'a> {
+    /// The orbit.
+    pub fn orbit(&self) -> &'a Orbit {
+        self.orbit
+    }
+
+    /// The impulse response of its chain and frequency.
+    pub fn response(&self) -> &'a ImpulseResponse {
+        self.response
+    }
+}
+
+/// All orbits of a family at a point: the one-shot form of [`Finder::find`].
+///
+/// # Errors
+/// [`BreatherError::Resonance`].
+///
+/// ```
+/// use vibrochain_breather::{Family, breathers};
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+/// let found = breathers(&model, Family::DoubleSided)?;
+/// assert!((found.orbits[0].phi().unwrap() - 2.0771604154348533).abs() < 1e-12);
+/// # Ok::<(), vibrochain_breather::BreatherError>(())
+/// ```
+pub fn breathers(model: &Model, family: Family) -> Result<Found, BreatherError> {
+    let mut found = Found::default();
+    Finder::new(model.chain().sites()).find(model, family, &mut found)?;
+    Ok(found)
+}
+
+/// How far an orbit can be trusted: the one-shot form of [`Finder::condition`].
+///
+/// # Errors
+/// As [`Finder::condition`].
+pub fn condition(orbit: &Orbit) -> Result<Condition, BreatherError> {
+    Finder::new(orbit.model().chain().sites()).condition(orbit)
+}

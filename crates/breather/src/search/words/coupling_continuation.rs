@@ -1,0 +1,233 @@
+//! A branch of a word, followed in the coupling from where it is weak or none to the model's: in γ₂ and, where there are layers, then in
+//! γ₃, until there or the event that ends it.
+
+use vibrochain_lattice::{Model, Parameter, Stop};
+
+use crate::branch::{Branch, BranchPoint};
+use crate::error::{BranchError, BreatherError};
+use crate::orbit::{Hit, Orbit};
+use crate::search::words::ended::{End, Ended};
+
+/// What couples masses, in the order in which it is raised.
+const COUPLINGS: [Parameter; 2] = [Parameter::Gamma2, Parameter::Gamma3];
+
+/// The longest and the shortest step, where 1 is a change of coupling as large as that asked for or of the orbit of order 1.
+const LONGEST: f64 = 0.1;
+const SHORTEST: f64 = 1e-7;
+
+/// Steps over a branch point, and how near an event must be to be what ended a branch.
+const OVER: [f64; 3] = [1e-4, 1e-3, 1e-2];
+const NEAR: f64 = 1e-3;
+
+/// How far an orbit may be from where it is looked for, in units of its branch: of masses that are put side by side, and of one that
+/// is followed without a tangent. The shortest of such steps, of the coupling.
+const ASIDE: f64 = 0.3;
+const AHEAD: f64 = 0.1;
+const FINE: f64 = 1e-5;
+
+/// Impulses so many times those at the start grow without bound: beyond, rounding of the kernels, so many times as large, hides the
+/// small sum of them that is left. With e < 1 they stay below some 2/(1 − e) times those at the start, so that a branch is followed
+/// through such a place up to e = 1 − 1e-6.
+const UNBOUNDED: f64 = 1e7;
+
+/// Impulses are measured anew once they have changed by this factor.
+const RESCALED: f64 = 2.0;
+
+/// Terms of kernels that one search may sum up, of each pair of impacts and each mass for every orbit that is assembled: some ten seconds. A
+/// branch of four impacts on a ring of 21 masses takes 2e5.
+const MOST_WORK: u64 = 1_000_000_000;
+
+/// What following may cost in one search, and what ends it early.
+#[derive(Debug)]
+pub(crate) struct Effort {
+    stop: Stop,
+    pub(crate) left: u64,
+}
+
+impl Effort {
+    pub(crate) fn until(stop: &Stop) -> Self {
+        Self { stop: stop.clone(), left: MOST_WORK }
+    }
+
+    pub(crate) fn is_spent(&self) -> bool {
+        self.left == 0
+    }
+
+    /// Takes what orbits such as this one have cost.
+    fn pay(&mut self, evaluations: usize, orbit: &Orbit) {
+        let (impacts, sites) = (orbit.impacts().len() as u64, orbit.model().chain().sites() as u64);
+        self.left = self.left.saturating_sub(evaluations as u64 * impacts * impacts * sites);
+    }
+}
+
+/// A model with this part of all couplings.
+pub(crate) fn with_part(model: &Model, part: f64) -> Result<Model, BreatherError> {
+    let weaker = |model: Model, &coupling: &Parameter| model.with(coupling, part * model.get(coupling));
+    Ok(COUPLINGS.iter().try_fold(*model, weaker)?)
+}
+
+/// Follows masses put side by side, coupled by this part of the model's, to the model. Two couplings are raised in proportion: without a
+/// force there are orbits that need their ratio.
+pub(crate) fn follow_from(
+    rough: &Orbit,
+    part: f64,
+    model: &Model,
+    effort: &mut Effort,
+) -> Result<Result<Orbit, Ended>, BreatherError> {
+    let both = COUPLINGS.iter().all(|&coupling| model.get(coupling) > 0.0);
+    let coupling = COUPLINGS.into_iter().find(|&coupling| model.get(coupling) > 0.0).unwrap_or(Parameter::Gamma2);
+    let ended = |part: f64, by: End| Ok(Err(Ended { coupling, value: part * model.get(coupling), by }));
+    let near = |orbit: &Orbit, part: f64, reach: f64, effort: &mut Effort| -> Result<Option<Orbit>, BreatherError> {
+        effort.stop.heard()?;
+        let model = with_part(model, part)?;
+        let hits: Vec<Hit> = orbit.impacts().iter().map(Hit::from).collect();
+        // What is in the way of one step is none for a shorter one.
+        let Ok(rough) = Orbit::from_impulses(&model, 1, 0.0, &hits) else { return Ok(None) };
+        let Ok(mut branch) = Branch::of_symmetric(&rough, coupling, model.get(coupling)) else { return Ok(None) };
+        let there = branch.nearby(reach).ok();
+        effort.pay(branch.evaluations(), orbit);
+        Ok(there)
+    };
+    let Some(mut orbit) = near(rough, part, ASIDE, effort)? else { return ended(part, End::Lost) };
+    if !both {
+        return follow(&orbit, model, effort);
+    }
+    let (first, mut part, mut step) = (orbit.strength(), part, LONGEST);
+    while part < 1.0 {
+        let next = (part + step).min(1.0);
+        let there = near(&orbit, next, AHEAD, effort)?;
+        let turned = there.as_ref().and_then(outward);
+        match (there, turned) {
+            (Some(there), None) => (orbit, part, step) = (there, next, (1.5 * step).min(LONGEST)),
+            _ if effort.is_spent() => return ended(part, End::Unfinished),
+            _ if step > FINE => step *= 0.5,
+            (_, Some(site)) => return ended(part, End::Grazing { site }),
+            (None, None) => return ended(part, End::Lost),
+        }
+        if orbit.strength() > UNBOUNDED * first {
+            return ended(part, End::Unbounded);
+        }
+    }
+    Ok(Ok(orbit))
+}
+
+/// Follows an orbit of weaker coupling to the model's.
+pub(crate) fn follow(start: &Orbit, model: &Model, effort: &mut Effort) -> Result<Result<Orbit, Ended>, BreatherError> {
+    let mut orbit = start.clone();
+    for coupling in COUPLINGS {
+        match follow_in(&orbit, coupling, model.get(coupling), effort)? {
+            Ok(there) => orbit = there,
+            ended => return Ok(ended),
+        }
+    }
+    Ok(Ok(orbit))
+}
+
+/// Follows an orbit in one coupling, from its own to `target`.
+fn follow_in(
+    start: &Orbit,
+    coupling: Parameter,
+    target: f64,
+    effort: &mut Effort,
+) -> Result<Result<Orbit, Ended>, BreatherError> {
+    if target == start.model().get(coupling) {
+        return Ok(Ok(start.clone()));
+    }
+    let ended = |value: f64, by: End| Ok(Err(Ended { coupling, value, by }));
+    let branch = |error: BranchError| match error {
+        BranchError::Breather(error) => Err(error),
+        _ => ended(0.0, End::Lost),
+    };
+    let mut along = match Branch::of_symmetric(start, coupling, target) {
+        Ok(along) => along.until(&effort.stop),
+        Err(error) => return branch(error),
+    };
+    let mut point = match along.start() {
+        Ok(point) => point,
+        Err(error) => return branch(error),
+    };
+    let (first, mut unit, mut step, mut paid) = (start.strength(), start.strength(), LONGEST, 0);
+    loop {
+        effort.pay(along.evaluations() - paid, start);
+        paid = along.evaluations();
+        if effort.is_spent() {
+            return ended(point.value(), End::Unfinished);
+        }
+        let left = (target - point.value()) / target;
+        let there = left <= step * point.heading();
+        let mut next = if there { along.at(&point, target) } else { along.step(&point, step) };
+        effort.stop.heard()?;
+        if next.is_err() && step >= SHORTEST {
+            step *= 0.5;
+            continue;
+        }
+        if next.is_err() {
+            // A word with a symmetry passes points where others branch off that lack it.
+            let over = OVER.iter().find_map(|&length| along.step_over(&point, length).ok());
+            next = over.filter(|next| next.value() < target).ok_or(BranchError::NoConvergence);
+            step = OVER[0];
+        }
+        let Ok(next) = next else {
+            let here = point.value();
+            let near = along.resonance_within(&point, here + NEAR * target);
+            return ended(here, near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance)));
+        };
+        if next.heading() <= 0.0 {
+            let near = |fold: &BranchPoint| (fold.value() - point.value()).abs() < LONGEST * target;
+            let there = along.fold(&next).ok().filter(near).map_or(point.value(), |fold| fold.value());
+            return ended(there, End::Fold);
+        }
+        if let Some(site) = grazing(&next) {
+            let there = grazing_value(&mut along, &point, &next);
+            // Where a harmonic meets a mode all impulses vanish.
+            let reach = NEAR * there;
+            let resonance = along.resonance_within(&point, there + reach);
+            let resonance = resonance.filter(|(value, _)| (value - there).abs() <= reach);
+            let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
+            return ended(there, by);
+        }
+        let strength = next.orbit().strength();
+        if strength > UNBOUNDED * first {
+            // With losses they are bounded, and the branch goes on where rounding hides it.
+            let elastic = start.model().loss() == 0.0;
+            return ended(pole(&point, &next), if elastic { End::Unbounded } else { End::Lost });
+        }
+        if there && next.value() == target {
+            return Ok(Ok(next.orbit().clone()));
+        }
+        point = next;
+        if !(unit / RESCALED..=unit * RESCALED).contains(&strength) {
+            (point, unit) = (along.rescaled(point), strength);
+        }
+        step = (1.5 * step).min(LONGEST);
+    }
+}
+
+/// Where impulses are infinite that grow between the two points as near a simple pole.
+fn pole(from: &BranchPoint, to: &BranchPoint) -> f64 {
+    let (before, now) = (from.orbit().strength(), to.orbit().strength());
+    to.value() + (to.value() - from.value()) * before / (now - before)
+}
+
+/// The mass whose impact has lost its velocity.
+fn outward(orbit: &Orbit) -> Option<usize> {
+    orbit.impacts().iter().find(|impact| !impact.is_right_signed()).map(|impact| impact.site)
+}
+
+fn grazing(point: &BranchPoint) -> Option<usize> {
+    outward(point.orbit())
+}
+
+/// The coupling between the two points where an impact loses its velocity.
+fn grazing_value(along: &mut Branch, from: &BranchPoint, to: &BranchPoint) -> f64 {
+    let (mut low, mut high) = (from.clone(), to.value());
+    // Bisection: each halves what is left of a step of a tenth.
+    for _ in 0..44 {
+        let middle = 0.5 * (low.value() + high);
+        match along.at(&low, middle) {
+            Ok(point) if grazing(&point).is_none() => low = point,
+            _ => high = middle,
+        }
+    }
+    0.5 * (low.value() + high)
+}

@@ -1,0 +1,269 @@
+//! `mapgen branch`: a branch of breathers as one parameter varies, with all events on it and what branches off.
+
+#[cfg(feature = "plot")]
+pub(crate) mod plot;
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
+pub(crate) mod table;
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_breather::Orbit;
+use vibrochain_floquet::{
+    Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Origin, Station, diagram_until,
+};
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::criterion;
+
+use crate::args::{BranchArgs, QuantityName};
+use crate::branch::table::{HEADER, Table, write};
+use crate::common::caption::describe_without;
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::picture_files::PictureFiles;
+use crate::common::schemas::BRANCH;
+use crate::common::table_manifest::{Manifest, beside};
+use crate::common::which;
+use crate::locate::{Start, error_text, event, evidence_text, located_json, message, range, start, verdict_json};
+use crate::orbit::{point_value, with_word};
+use crate::sweep::report::counted;
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let manifest = beside(args.out.as_deref())?;
+    let files = [
+        ("--out", args.out.as_deref()),
+        ("the manifest of --out", manifest.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
+    let taken = distinct(&args.along.reads(), &files)?;
+    nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
+    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
+    let manifest = Manifest::create(manifest.as_deref())?;
+    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+    let start = start(&args.along, &stop, console)?;
+    if args.plot.is_some() && args.show.contains(&QuantityName::Psi) && start.orbit.model().is_conservative() {
+        let message =
+            "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral_radius";
+        return Err(CliError::Request(message.to_owned()));
+    }
+    let mut course = Course::new(&start.orbit, args.along.free);
+    let [from, to] = range(&start.chosen, course.free, [args.along.from, args.along.to]);
+    (course.from, course.to) = (from.unwrap_or(course.from), to.unwrap_or(course.to));
+    if !args.events.is_empty() {
+        course.events =
+            Event::ALL.into_iter().filter(|one| args.events.iter().any(|name| event(*name) == *one)).collect();
+    }
+    course.generations = if args.switch { args.generations } else { 0 };
+    course.tolerance = start.chosen.tolerance(args.threshold)?;
+    fits(&pictures, args, &course)?;
+    let diagram = diagram_until(&start.orbit, &course, &stop)?;
+    let text = if args.json {
+        format!("{:#}\n", as_json(&start, &course, &diagram))
+    } else {
+        as_text(&start, &course, &diagram, args.all)
+    };
+    console.answer(&text, args.json, taken)?;
+    let fixed = describe_without(start.orbit.model(), course.free);
+    let heading = format!("branches of breathers, {fixed}, {}", criterion(course.tolerance));
+    let table = Table::new(course.free.name(), heading, point_value(start.orbit.model()), &diagram);
+    if let Some(file) = file {
+        write(file, &diagram)?;
+        manifest.finish("branch", table.rows(), &table.about)?;
+    }
+    draw(pictures, args, &course, &table)
+}
+
+/// The orbit with which a branch begins.
+fn head(branch: &FollowedBranch) -> Option<&Orbit> {
+    branch.points().next().map(|point| &point.orbit)
+}
+
+/// How a branch ended, as a sentence. Doubled orbits are no mirror images of each other: begun a period later they are.
+fn ending(branch: &FollowedBranch, course: &Course, value: f64, end: &End) -> String {
+    let doubled = head(branch).is_some_and(|orbit| orbit.force_periods() > 1);
+    if *end == End::Pitchfork && doubled {
+        let free = course.free.name();
+        return format!("the branch ends at {free} = {}, on orbits of half its period", Number(value));
+    }
+    message(course.free, value, end)
+}
+
+fn point_json(point: &DiagramPoint) -> Value {
+    json!({
+        "value": point.value,
+        "period": point.orbit.period(),
+        "phi": point.orbit.phi(),
+        "psi": point.orbit.psi(),
+        "impulses": point.orbit.impacts().iter().map(|impact| impact.impulse).collect::<Vec<_>>(),
+        "margin": point.margin,
+        "physical": point.physical,
+        "stability": point.verdict.as_ref().map(verdict_json),
+    })
+}
+
+fn origin_json(diagram: &Diagram, origin: Origin) -> Value {
+    let event = event_at(diagram, origin.branch, origin.station);
+    let (name, value) = (event.map(|found| found.event.name()), event.map(|found| found.value));
+    json!({ "branch": origin.branch + 1, "event": name, "value": value })
+}
+
+fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> Value {
+    let origin = branch.origin.map(|origin| origin_json(diagram, origin));
+    let ends: Vec<Value> = branch
+        .ends
+        .iter()
+        .map(|(value, end)| json!({ "value": value, "reason": end.name(), "message": ending(branch, course, *value, end) }))
+        .collect();
+    let value = json!({
+        "generation": branch.generation,
+        "origin": origin,
+        "family": head(branch).map(|orbit| orbit.family().name()),
+        "force_periods": head(branch).map(Orbit::force_periods),
+        "points": branch.points().map(point_json).collect::<Vec<_>>(),
+        "events": branch.events().map(located_json).collect::<Vec<_>>(),
+        "untold": branch.untold,
+        "unresolved": branch.unresolved.iter().map(|place| [place.from, place.to]).collect::<Vec<_>>(),
+        "ends": ends,
+    });
+    match head(branch) {
+        Some(orbit) => with_word(orbit, value),
+        None => value,
+    }
+}
+
+fn event_at(diagram: &Diagram, branch: usize, station: usize) -> Option<&Located> {
+    match diagram.branches.get(branch)?.stations.get(station)? {
+        Station::Event(located) => Some(located),
+        Station::Point(_) => None,
+    }
+}
+
+fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
+    let value = json!({
+        "schema": BRANCH,
+        "free": course.free.name(),
+        "parameters": point_value(start.orbit.model()),
+        "family": start.orbit.family().name(),
+        "solution": start.number,
+        "range": [course.from, course.to],
+        "branches": diagram.branches.iter().map(|branch| branch_json(diagram, course, branch)).collect::<Vec<_>>(),
+        "dead_ends": diagram.dead_ends.iter().map(|origin| origin_json(diagram, *origin)).collect::<Vec<_>>(),
+        "complete": diagram.complete,
+        "evaluations": diagram.evaluations,
+        "spectra": diagram.spectra,
+    });
+    with_word(&start.orbit, value)
+}
+
+/// The answer for people. Writing to a String cannot fail.
+fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> String {
+    let free = course.free.name();
+    let mut out = String::new();
+    let _ = writeln!(out, "{}", start.heading(course.free));
+    for (i, branch) in diagram.branches.iter().enumerate() {
+        let _ = write!(out, "\nbranch {}", i + 1);
+        if let Some(origin) = branch.origin
+            && let Some(found) = event_at(diagram, origin.branch, origin.station)
+        {
+            let _ = write!(
+                out,
+                ", {}, leaves branch {} at {free} = {} ({})",
+                which::of_branch(branch),
+                origin.branch + 1,
+                Number(found.value),
+                found.event
+            );
+        }
+        let _ = writeln!(out, ": {}", counted(branch.points().count(), "point"));
+        let mut hidden = 0;
+        for (station, found) in branch.stations.iter().enumerate() {
+            let Station::Event(found) = found else { continue };
+            if !all && !branch.is_physical_about(station) {
+                hidden += 1;
+                continue;
+            }
+            let aside = if branch.is_physical_about(station) { "" } else { "; not physical" };
+            let _ = writeln!(
+                out,
+                "  {free} = {} {}  {}: {}{aside}",
+                Number(found.value),
+                error_text(found),
+                found.event,
+                evidence_text(found)
+            );
+        }
+        if hidden > 0 {
+            let events = if hidden == 1 { "event" } else { "events" };
+            let _ = writeln!(out, "  and {hidden} {events} of orbits that are not physical (--all lists them)");
+        }
+        for place in &branch.unresolved {
+            let (from, to) = (Number(place.from), Number(place.to));
+            let _ = writeln!(out, "  between {free} = {from} and {to} a sign of more that rounding hides");
+        }
+        for (value, end) in &branch.ends {
+            let _ = writeln!(out, "  end: {}", ending(branch, course, *value, end));
+        }
+    }
+    for origin in &diagram.dead_ends {
+        let Some(found) = event_at(diagram, origin.branch, origin.station) else { continue };
+        let _ = writeln!(
+            out,
+            "\nno branch was found to leave branch {} at {free} = {} ({})",
+            origin.branch + 1,
+            Number(found.value),
+            found.event
+        );
+    }
+    if !diagram.complete {
+        let _ = writeln!(out, "\nmore branches leave these than are followed ({})", diagram.branches.len());
+    }
+    let untold: usize = diagram.branches.iter().map(|branch| branch.untold).sum();
+    if untold > 0 {
+        let steps = if untold == 1 { "step" } else { "steps" };
+        let _ = writeln!(
+            out,
+            "\nin {untold} {steps} stripes thinner than the step may be missing: Krein signatures, which tell of them, are not known there"
+        );
+    }
+    let _ = writeln!(out, "\n{} orbits assembled, {} eigenvalue problems", diagram.evaluations, diagram.spectra);
+    out
+}
+
+#[cfg(feature = "plot")]
+fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) -> Result<(), CliError> {
+    if files.is_empty() {
+        return Ok(());
+    }
+    let picture = crate::branch::plot::picture(table, course.free, &args.show, args.all);
+    files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+/// Makes sure that the picture can be made.
+#[cfg(feature = "plot")]
+fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), CliError> {
+    let about = crate::branch::table::About {
+        free: course.free.name().to_owned(),
+        heading: String::new(),
+        parameters: Value::Null,
+        branches: Vec::new(),
+    };
+    let nothing = Table { about, branches: Vec::new() };
+    let picture = crate::branch::plot::picture(&nothing, course.free, &args.show, args.all);
+    files.fit(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn fits(_: &PictureFiles, _: &BranchArgs, _: &Course) -> Result<(), CliError> {
+    Ok(())
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(_: PictureFiles, _: &BranchArgs, _: &Course, _: &Table) -> Result<(), CliError> {
+    Ok(())
+}

@@ -1,0 +1,176 @@
+//! The table of a bifurcation diagram: what `mapgen branch` writes, and all that its picture is drawn from.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use vibrochain_floquet::{Diagram, Event, FollowedBranch, Station, is_physical_about};
+use vibrochain_maps::fields::Fields;
+use vibrochain_maps::files::CsvFile;
+
+use crate::common::error::CliError;
+use crate::common::which;
+
+pub(crate) const HEADER: [&str; 15] = [
+    "branch",
+    "generation",
+    "event",
+    "value",
+    "error",
+    "impulse",
+    "impulses",
+    "phi",
+    "psi",
+    "period",
+    "margin",
+    "physical",
+    "stable",
+    "mechanism",
+    "spectral_radius",
+];
+
+/// What the rows do not say.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct About {
+    /// The parameter that varies, by its name.
+    pub(crate) free: String,
+    /// All that is fixed, for people; and the start.
+    pub(crate) heading: String,
+    pub(crate) parameters: Value,
+    pub(crate) branches: Vec<BranchName>,
+}
+
+/// What the rows do not say of a branch.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct BranchName {
+    pub(crate) name: String,
+    pub(crate) generation: u32,
+    pub(crate) force_periods: u32,
+}
+
+/// A point of a branch, or an event on it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    pub(crate) event: Option<Event>,
+    pub(crate) value: f64,
+    pub(crate) impulses: Vec<f64>,
+    pub(crate) phi: Option<f64>,
+    pub(crate) psi: Option<f64>,
+    pub(crate) period: f64,
+    pub(crate) margin: Option<f64>,
+    pub(crate) physical: Option<bool>,
+    pub(crate) stable: Option<bool>,
+    pub(crate) spectral_radius: Option<f64>,
+}
+
+/// A table with what it is of: the rows of each branch in the order of the way.
+pub(crate) struct Table {
+    pub(crate) about: About,
+    pub(crate) branches: Vec<Vec<Row>>,
+}
+
+fn row(station: &Station) -> Row {
+    let (event, value, orbit, point, physical) = match station {
+        Station::Point(point) => (None, point.value, &point.orbit, Some(point), point.physical),
+        Station::Event(found) => (Some(found.event), found.value, &found.orbit, None, found.physical),
+    };
+    let verdict = point.and_then(|point| point.verdict);
+    Row {
+        event,
+        value,
+        impulses: orbit.impacts().iter().map(|impact| impact.impulse).collect(),
+        phi: orbit.phi(),
+        psi: orbit.psi(),
+        period: orbit.period(),
+        margin: point.and_then(|point| point.margin),
+        physical,
+        stable: verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
+        spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
+    }
+}
+
+impl Row {
+    /// Whether the orbits about one of these rows are physical.
+    pub(crate) fn is_physical_about(rows: &[Self], at: usize) -> bool {
+        is_physical_about(rows, at, |row| (row.event, row.physical))
+    }
+
+    fn read(fields: &mut Fields<'_, &str>, about: &About) -> Result<(usize, Self), String> {
+        let number: usize = fields.read(|text| {
+            let number = text.parse().ok()?;
+            (1..=about.branches.len()).contains(&number).then_some(number)
+        })?;
+        fields.value::<u32>()?;
+        let event = fields.read(|text| match text {
+            "" => Some(None),
+            text => Event::ALL.into_iter().find(|event| event.name() == text).map(Some),
+        })?;
+        let value = fields.finite()?;
+        let _error: Option<f64> = fields.number()?;
+        let _strongest: f64 = fields.value()?;
+        let impulses = fields.numbers()?;
+        let (phi, psi, period, margin) = (fields.number()?, fields.number()?, fields.finite()?, fields.number()?);
+        let (physical, stable) = (fields.number()?, fields.number()?);
+        let _mechanism = fields.text();
+        let spectral_radius = fields.number()?;
+        Ok((number, Self { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius }))
+    }
+}
+
+impl Table {
+    pub(crate) fn new(free: &str, heading: String, parameters: Value, diagram: &Diagram) -> Self {
+        let periods = |branch: &FollowedBranch| branch.points().next().map_or(1, |point| point.orbit.force_periods());
+        let name = |branch: &FollowedBranch| BranchName {
+            name: which::of_branch(branch),
+            generation: branch.generation,
+            force_periods: periods(branch),
+        };
+        let branches = diagram.branches.iter().map(name).collect();
+        let about = About { free: free.to_owned(), heading, parameters, branches };
+        let rows = |branch: &FollowedBranch| branch.stations.iter().map(row).collect();
+        Self { about, branches: diagram.branches.iter().map(rows).collect() }
+    }
+
+    pub(crate) fn rows(&self) -> u64 {
+        self.branches.iter().map(|rows| rows.len() as u64).sum()
+    }
+
+    /// Reads a row of a table.
+    pub(crate) fn take(&mut self, fields: &mut Fields<'_, &str>) -> Result<(), String> {
+        let (number, row) = Row::read(fields, &self.about)?;
+        self.branches[number - 1].push(row);
+        Ok(())
+    }
+}
+
+/// Writes the rows of a diagram.
+pub(crate) fn write(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let flag = |value: Option<bool>| value.map_or(String::new(), |value| value.to_string());
+    for (i, branch) in diagram.branches.iter().enumerate() {
+        for station in &branch.stations {
+            let (orbit, error, verdict) = match station {
+                Station::Point(point) => (&point.orbit, None, point.verdict),
+                Station::Event(found) => (&found.orbit, Some(found.error), None),
+            };
+            let row = row(station);
+            let impulses: Vec<String> = row.impulses.iter().map(f64::to_string).collect();
+            table.row([
+                (i + 1).to_string(),
+                branch.generation.to_string(),
+                row.event.map_or("", Event::name).to_owned(),
+                row.value.to_string(),
+                number(error.filter(|error| error.is_finite())),
+                orbit.strongest_impulse().unwrap_or(0.0).to_string(),
+                impulses.join(" "),
+                number(row.phi),
+                number(row.psi),
+                row.period.to_string(),
+                number(row.margin),
+                flag(row.physical),
+                flag(row.stable),
+                verdict.and_then(|verdict| verdict.mechanism).map_or(String::new(), |m| m.name().to_owned()),
+                number(row.spectral_radius),
+            ])?;
+        }
+    }
+    Ok(table.finish()?)
+}

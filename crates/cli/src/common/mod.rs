@@ -1,0 +1,23 @@
+//! What commands share: the console, models and orbits asked for, pictures, tables in chunks.
+
+pub(crate) mod border_search;
+pub mod caption;
+pub(crate) mod chunked_run;
+pub mod console;
+pub mod entry;
+pub mod error;
+pub mod model;
+pub mod page_args;
+pub(crate) mod picture_files;
+pub(crate) mod pictures;
+pub(crate) mod progress;
+pub mod schemas;
+pub(crate) mod solution;
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
+pub(crate) mod table_manifest;
+#[cfg(feature = "plot")]
+pub(crate) mod table_rows;
+pub mod threads;
+pub(crate) mod tips;
+pub(crate) mod version;
+pub mod which;

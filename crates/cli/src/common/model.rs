@@ -1,0 +1,205 @@
+//! The model a command is asked about: flags, a scene's file, or a file with some values changed by flags.
+
+use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::{Ends, Layout, MAX_SITES, Model, Parameter, Short};
+use vibrochain_maps::point::Point;
+use vibrochain_maps::scene::{Given, tolerance_from};
+
+use crate::args::{EndsName, LayerEndsName, ModelArgs};
+use crate::common::console::Console;
+use crate::common::error::CliError;
+
+/// A model, and the file it was taken from.
+#[derive(Debug)]
+pub struct Chosen {
+    /// The model, checked.
+    pub model: Model,
+    /// What --scene has read; its values may have been changed.
+    pub scene: Option<Given>,
+    /// What flags have changed of it, for people.
+    pub changed: Option<String>,
+}
+
+impl Chosen {
+    /// From which growth on an orbit counts as unstable: as the flag --threshold has it, or else the scene.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] for a value out of range.
+    pub fn tolerance(&self, threshold: Option<f64>) -> Result<Tolerance, CliError> {
+        match threshold {
+            Some(threshold) => tolerance_from(threshold).map_err(CliError::Request),
+            None => Ok(self.scene.as_ref().and_then(|scene| scene.tolerance).unwrap_or(Tolerance::Rounding)),
+        }
+    }
+}
+
+/// [`model`], with a remark about what flags have changed of the file.
+///
+/// # Errors
+/// As [`model`].
+pub fn chosen(args: &ModelArgs, console: &mut Console<'_>) -> Result<Chosen, CliError> {
+    let chosen = model(args)?;
+    chosen.changed.iter().for_each(|changed| console.summary(changed));
+    if let Some(remark) =
+        springs(&chosen.model.chain().layout(), chosen.model.chain().gamma2()).filter(|_| args.ends.is_none())
+    {
+        console.summary(remark);
+    }
+    Ok(chosen)
+}
+
+/// What is easily overlooked of two masses that nobody has given ends.
+pub(crate) fn springs(layout: &Layout, gamma2: f64) -> Option<&'static str> {
+    let twice = layout.length == 2 && layout.ends == Ends::Closed && gamma2 > 0.0;
+    twice.then_some("a ring of two masses has two springs of gamma2 between them: with one spring its ends are \"free\" (--ends free)")
+}
+
+/// The model of the flags and of the file they name.
+///
+/// # Errors
+/// [`CliError::Request`] for a value out of range, one that is missing, or a file that cannot be read.
+pub fn model(args: &ModelArgs) -> Result<Chosen, CliError> {
+    let scene = args.scene.as_deref().map(Given::read).transpose()?;
+    let given = scene.as_ref();
+    let layout = layout(args, given)?;
+    let mut changed = Changed::default();
+    changed.counts(args, given);
+    let mut point = Point::of(layout);
+    for &parameter in Parameter::of(layout.layers) {
+        let flag = flag(args, parameter);
+        let there = given.and_then(|given| given.get(parameter));
+        if let (Some(flag), Some(there)) = (flag, there) {
+            changed.value(parameter.name(), Short(flag), Short(there), flag != there);
+        }
+        let value = match flag.or(there) {
+            Some(value) => value,
+            None => absent(args, given, parameter)?,
+        };
+        point = point.with(parameter, value);
+    }
+    if layout.layers == 1 && args.gamma3.is_some() {
+        return Err(CliError::Request("--gamma3 couples layers, of which there is one: give --layers, too".to_owned()));
+    }
+    // A force by its harmonics, unless the flags have a plain one.
+    let harmonics = given.and_then(|given| given.force.as_ref()).filter(|_| args.amplitude.is_none());
+    if let Some(force) = args.force.as_ref().or(harmonics) {
+        point = point.under(force);
+    }
+    if let Some(there) = given.and_then(|given| given.force.as_ref()) {
+        match (&args.force, args.amplitude) {
+            (Some(force), _) => changed.value("force", force, there, force != there),
+            (None, Some(amplitude)) => {
+                changed.value("amplitude", Short(amplitude), format_args!("force {there}"), true)
+            }
+            (None, None) => {}
+        }
+    }
+    let model = point.model()?;
+    let changed = given.and_then(|given| changed.told(given));
+    Ok(Chosen { model, scene, changed })
+}
+
+/// What flags have changed of a file.
+#[derive(Default)]
+struct Changed(Vec<String>);
+
+impl Changed {
+    fn told(&self, given: &Given) -> Option<String> {
+        (!self.0.is_empty()).then(|| format!("{} with {}", given.path.display(), self.0.join(", ")))
+    }
+
+    fn value(&mut self, name: &str, now: impl std::fmt::Display, there: impl std::fmt::Display, differs: bool) {
+        if differs {
+            self.0.push(format!("{name} = {now} (there {there})"));
+        }
+    }
+
+    /// Numbers and ends.
+    fn counts(&mut self, args: &ModelArgs, given: Option<&Given>) {
+        let Some(Layout { length, ends: along, layers, layer_ends }) = given.map(|given| given.layout) else { return };
+        for (name, flag, there) in [("sites", args.sites, length), ("layers", args.layers, layers)] {
+            if let Some(flag) = flag {
+                self.value(name, flag, there, usize::try_from(flag) != Ok(there));
+            }
+        }
+        let ends = [("ends", args.ends.map(ends), along), ("layer_ends", args.layer_ends.map(rows_ends), layer_ends)];
+        for (name, flag, there) in ends {
+            if let Some(flag) = flag {
+                self.value(name, flag.name(), there.name(), flag != there);
+            }
+        }
+    }
+}
+
+fn ends(name: EndsName) -> Ends {
+    match name {
+        EndsName::Closed => Ends::Closed,
+        EndsName::Free => Ends::Free,
+        EndsName::Fixed => Ends::Fixed,
+    }
+}
+
+fn rows_ends(name: LayerEndsName) -> Ends {
+    match name {
+        LayerEndsName::Closed => Ends::Closed,
+        LayerEndsName::Free => Ends::Free,
+    }
+}
+
+fn layout(args: &ModelArgs, given: Option<&Given>) -> Result<Layout, CliError> {
+    let count = |name: &str, flag: Option<i64>, there: Option<usize>, most: usize| {
+        let Some(value) = flag else { return Ok(there.unwrap_or(1)) };
+        let range = format!("{name} = {value} is out of range: give a whole number from 1 to {most}");
+        usize::try_from(value).ok().filter(|count| (1..=most).contains(count)).ok_or(CliError::Request(range))
+    };
+    let there = given.map(|given| given.layout);
+    let length = count("sites", args.sites, there.map(|there| there.length), MAX_SITES)?;
+    let layers = count("layers", args.layers, there.map(|there| there.layers), MAX_SITES / length)?;
+    if layers > MAX_SITES / length {
+        let most = MAX_SITES / layers;
+        return Err(CliError::Request(format!(
+            "sites = {length} is out of range: in {layers} layers give a whole number from 1 to {most}"
+        )));
+    }
+    Ok(Layout {
+        length,
+        ends: args.ends.map(ends).or(there.map(|there| there.ends)).unwrap_or(Ends::Closed),
+        layers,
+        layer_ends: args.layer_ends.map(rows_ends).or(there.map(|there| there.layer_ends)).unwrap_or(Ends::Free),
+    })
+}
+
+fn flag(args: &ModelArgs, parameter: Parameter) -> Option<f64> {
+    match parameter {
+        Parameter::Gamma1 => args.gamma1,
+        Parameter::Gamma2 => args.gamma2,
+        Parameter::Omega => args.omega,
+        Parameter::Asymmetry => args.asymmetry,
+        Parameter::Amplitude => args.amplitude,
+        Parameter::Restitution => args.restitution,
+        Parameter::Gamma3 => args.gamma3,
+    }
+}
+
+/// The value of a parameter that neither flags nor file give.
+fn absent(args: &ModelArgs, given: Option<&Given>, parameter: Parameter) -> Result<f64, CliError> {
+    let name = parameter.name();
+    let request = |message: String| Err(CliError::Request(message));
+    let forced = args.amplitude.is_some()
+        || args.force.is_some()
+        || given.is_some_and(|given| given.force.is_some() || given.get(Parameter::Amplitude).is_some());
+    if parameter == Parameter::Amplitude && args.force.is_some() {
+        return Ok(0.0);
+    }
+    if let Some((given, axis)) = given.and_then(|given| Some((given, given.axis(parameter)?))) {
+        let [from, to] = axis.limits().map(Short);
+        return request(format!("{name} is swept by {}, from {from} to {to}: give --{name}", given.path.display()));
+    }
+    match parameter {
+        Parameter::Amplitude => Ok(0.0),
+        Parameter::Restitution if !forced => Ok(1.0),
+        Parameter::Restitution => request("restitution is missing: a force needs --restitution".to_owned()),
+        Parameter::Gamma3 => request("gamma3 is missing: layers need --gamma3".to_owned()),
+        _ => request(format!("{name} is missing: give --{name}")),
+    }
+}

@@ -1,0 +1,198 @@
+//! The breathers that a command is asked about: of a family, of an impact word, or near a given one.
+
+use std::path::Path;
+
+use clap::ValueEnum;
+use serde::Deserialize;
+use vibrochain_breather::{BreatherError, Family, Finder, Found, Hit, Limit, Orbit, Wanted, Word};
+use vibrochain_floquet::FollowedBranch;
+use vibrochain_lattice::{Barrier, Model};
+
+use crate::args::{FamilyName, WhichArgs};
+use crate::common::console::Console;
+use crate::common::error::CliError;
+use crate::common::schemas::{self, ORBIT, expect};
+use vibrochain_maps::cell::SYMMETRIC;
+use vibrochain_maps::numbers::{Number, plain};
+use vibrochain_maps::scene::Given;
+
+/// The family of that name.
+pub fn family(name: FamilyName) -> Family {
+    match name {
+        FamilyName::DoubleSided => Family::DoubleSided,
+        FamilyName::SingleSided => Family::SingleSided,
+        FamilyName::PeriodDoubled => Family::PeriodDoubled,
+    }
+}
+
+/// What the flags ask for, or else the file that the model comes from: the orbit it holds, or its only family or word.
+///
+/// # Errors
+/// [`CliError::Request`] where neither says it.
+pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichArgs, CliError> {
+    let request = |message: String| Err(CliError::Request(message));
+    if which.force_periods.is_some() && (which.family.is_some() || which.near.is_some()) {
+        return request("--force-periods says how long a word is: give it with --word".to_owned());
+    }
+    let Some(scene) = scene.filter(|_| which.family.is_none() && which.word.is_none() && which.near.is_none()) else {
+        return Ok(which.clone());
+    };
+    let none = WhichArgs { family: None, word: None, force_periods: None, near: None };
+    if scene.has_orbits {
+        return Ok(WhichArgs { near: Some(scene.path.clone()), ..none });
+    }
+    let path = scene.path.display();
+    match scene.families.as_slice() {
+        [] => request(format!("{path} does not say which breathers: give --family, --word or --near")),
+        [one] if one == SYMMETRIC => Ok(WhichArgs { family: Some(FamilyName::DoubleSided), ..none }),
+        [one] => match FamilyName::from_str(one, false) {
+            Ok(family) => Ok(WhichArgs { family: Some(family), ..none }),
+            Err(_) => {
+                let word = one.parse().map_err(|error| CliError::Request(format!("{path}: families: {error}")))?;
+                Ok(WhichArgs { word: Some(word), force_periods: which.force_periods, ..none })
+            }
+        },
+        several => request(format!("{path} has {}: say which by --family, --word or --near", several.join(", "))),
+    }
+}
+
+/// Their name in headings, and all there are, or those that completeness speaks of.
+///
+/// # Errors
+/// [`CliError`]; that there is none is an answer.
+pub(crate) fn find(
+    which: &WhichArgs,
+    model: &Model,
+    finder: &mut Finder,
+    console: Option<&mut Console<'_>>,
+) -> Result<(String, Found), CliError> {
+    let mut found = Found::default();
+    if let Some(name) = which.family {
+        search(model, &mut found, |model, found| finder.find(model, family(name), found))?;
+        return Ok((family(name).name().to_owned(), found));
+    }
+    if let Some(word) = &which.word {
+        word.check(&model.chain().layout()).map_err(|error| CliError::Request(format!("--word: {error}")))?;
+        let canonical = word.canonical(model);
+        if let (true, Some(console)) = (canonical != *word, console) {
+            console.summary(&format!("{word} is the word {canonical}"));
+        }
+        let Some(periods) = which.force_periods else {
+            search(model, &mut found, |model, found| finder.find_word(model, &canonical, Wanted::All, found))?;
+            return Ok((canonical.to_string(), found));
+        };
+        if model.is_conservative() && periods > 1 {
+            let message =
+                "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
+            return Err(CliError::Request(message.to_owned()));
+        }
+        search(model, &mut found, |model, found| finder.find_word_over(model, &canonical, periods, found))?;
+        return Ok((over(&canonical.to_string(), periods), found));
+    }
+    let Some(path) = &which.near else {
+        return Err(CliError::Request("give --family, --word, --near FILE or --scene FILE".to_owned()));
+    };
+    let near = read(path, model)?;
+    found.orbits.push(finder.polish(&near).map_err(|error| CliError::from(error).about("--near"))?);
+    Ok((Word::of(&near).to_string(), found))
+}
+
+/// A search; at a resonance, without one, what becomes there of the orbits beside it.
+fn search(
+    model: &Model,
+    found: &mut Found,
+    mut find: impl FnMut(&Model, &mut Found) -> Result<(), BreatherError>,
+) -> Result<(), CliError> {
+    let resonance = match find(model, found) {
+        Err(BreatherError::Resonance(resonance)) => resonance,
+        other => return Ok(other?),
+    };
+    let limits = Limit::all(model, &resonance, |model| {
+        let mut beside = Found::default();
+        match find(model, &mut beside) {
+            Ok(()) => Ok(beside.orbits),
+            Err(BreatherError::Stopped) => Err(BreatherError::Stopped),
+            Err(_) => Ok(Vec::new()),
+        }
+    })?;
+    let told = limits.first().map(|limit| format!("; {limit}")).unwrap_or_default();
+    Err(CliError::IllPosed(format!("{resonance}{told}")))
+}
+
+/// What the orbits of a branch are called.
+pub(crate) fn of_branch(branch: &FollowedBranch) -> String {
+    let Some(orbit) = branch.points().next().map(|point| &point.orbit) else { return String::new() };
+    match (orbit.family(), orbit.force_periods()) {
+        // A word that has become that of a family.
+        (Family::Word, 1) => Word::of(orbit)
+            .family()
+            .filter(|family| *family != Family::PeriodDoubled)
+            .map_or_else(|| orbit.name(), |family| family.name().to_owned()),
+        (Family::Word, periods) => over(&orbit.name(), periods),
+        _ => orbit.name(),
+    }
+}
+
+/// The name of a word of so many periods of the force.
+fn over(word: &str, periods: u32) -> String {
+    if periods == 1 { word.to_owned() } else { format!("{word} in {periods} periods of the force") }
+}
+
+#[derive(Deserialize)]
+struct OrbitFile {
+    #[serde(default, deserialize_with = "schemas::text")]
+    schema: Option<String>,
+    #[serde(default)]
+    solutions: Vec<OrbitFile>,
+    #[serde(default)]
+    impacts: Vec<ImpactEntry>,
+    psi: Option<f64>,
+    period: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct ImpactEntry {
+    site: usize,
+    #[serde(default)]
+    layer: usize,
+    barrier: String,
+    time: f64,
+    impulse: f64,
+}
+
+/// The orbit of a file, with its impacts at the same parts of the period, as one of `model`: roughly.
+fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
+    let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
+    let wrong = |what: &str| {
+        let form = r#"give {"impacts":[{"site":0,"barrier":"upper","time":0,"impulse":-1.5},…],"psi":0,"period":4.2}"#;
+        CliError::Request(format!("{}: {what}; {form}", path.display()))
+    };
+    let mut file: OrbitFile = serde_json::from_str(&text).map_err(|error| wrong(&plain(&error.to_string())))?;
+    expect(path, file.schema.as_deref(), ORBIT)?;
+    if file.impacts.is_empty() && !file.solutions.is_empty() {
+        file = file.solutions.swap_remove(0);
+    }
+    let latest = file.impacts.iter().map(|impact| impact.time).fold(0.0, f64::max);
+    if file.period.is_none() && latest >= model.period() {
+        return Err(wrong(&format!(
+            "the key `period` is missing: an impact at t = {} is in no single period of omega = {}, 2π/omega = {}",
+            Number(latest),
+            Number(model.omega()),
+            Number(model.period())
+        )));
+    }
+    // Of another frequency: the same parts of the period.
+    let periods = file.period.map_or(1.0, |period| (period / model.period()).round().max(1.0));
+    let stretch = file.period.map_or(1.0, |period| periods * model.period() / period);
+    let barrier = |name: &str| [Barrier::Lower, Barrier::Upper].into_iter().find(|barrier| barrier.name() == name);
+    let mut hits = Vec::new();
+    for &ImpactEntry { site, layer, barrier: ref name, time, impulse } in &file.impacts {
+        let barrier = barrier(name).ok_or_else(|| wrong(&format!("`{name}` is no barrier, lower and upper are")))?;
+        let layout = model.chain().layout();
+        let place = layout.index(site, layer).ok_or_else(|| wrong(&format!("{layout} have no site {site}:{layer}")))?;
+        hits.push(Hit::new(place, barrier, time * stretch, impulse));
+    }
+    hits.sort_by(|one, other| one.time.total_cmp(&other.time));
+    let psi = file.psi.unwrap_or(0.0) * stretch;
+    Orbit::from_impulses(model, periods as u32, psi, &hits).map_err(|error| wrong(&error.to_string()))
+}

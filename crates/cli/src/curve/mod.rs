@@ -1,0 +1,264 @@
+//! `mapgen curve`: the curve of an event as two parameters vary.
+
+#[cfg(feature = "plot")]
+pub(crate) mod plot;
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
+pub(crate) mod table;
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_floquet::{
+    CurvePoint, EventCurve, Located, Search, SpecialPoint, Walk, Window, curve_along, locate_until,
+};
+use vibrochain_lattice::{Parameter, Short};
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::numbers::Number;
+
+use crate::args::CurveArgs;
+use crate::common::caption::{in_common, in_words};
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::picture_files::PictureFiles;
+use crate::common::schemas::CURVE;
+use crate::common::table_manifest::{Manifest, beside};
+use crate::curve::table::{About, header, write};
+use crate::locate::{Start, event, message, range, start};
+use crate::orbit::{point_value, with_word};
+
+/// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
+const ON_IT: f64 = 2.0;
+const ALIKE: f64 = 1e-3;
+
+/// The curves, and the window they are in.
+struct Curves {
+    window: Window,
+    list: Vec<EventCurve>,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let manifest = beside(args.out.as_deref())?;
+    let files = [
+        ("--out", args.out.as_deref()),
+        ("the manifest of --out", manifest.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
+    let taken = distinct(&args.along.reads(), &files)?;
+    nothing_else(args.json, taken)?;
+    let [first, second] = [args.along.free, args.and];
+    if first == second {
+        return Err(CliError::Request(format!("--free and --and are both {}: give two parameters", first.name())));
+    }
+    let stop = (console.interrupt)()?;
+    let header = header([first.name(), second.name()]);
+    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
+    let manifest = Manifest::create(manifest.as_deref())?;
+    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+    let start = start(&args.along, &stop, console)?;
+    let window = window(args, &start)?;
+    let search = Search { event: event(args.event), free: first, from: window.from[0], to: window.to[0] };
+    let mut curves = Curves { window, list: Vec::new() };
+    fits(&pictures, &curves)?;
+    let answer = locate_until(&start.orbit, &search, &stop)?;
+    for located in &answer.located {
+        if !curves.holds(located, args.tolerance) {
+            let walk = Walk { stop: stop.clone(), ..Walk::new(curves.window, args.tolerance) };
+            curves.list.push(curve_along(&located.orbit, located.event, located.evidence, &walk)?);
+        }
+    }
+    let text = if args.json {
+        format!("{:#}\n", curves.as_json(&start))
+    } else {
+        curves.as_text(&start, &search, &answer.ends)
+    };
+    console.answer(&text, args.json, taken)?;
+    let heading = curves.heading(&start);
+    if let Some(file) = file {
+        write(file, &curves.list)?;
+        let count: usize = curves.list.iter().map(|curve| curve.points.len()).sum();
+        let about = About::new(&curves.window, heading.clone(), point_value(start.orbit.model()));
+        manifest.finish("curve", count as u64, &about)?;
+    }
+    draw(pictures, &heading, &curves)
+}
+
+/// The ranges of both parameters.
+fn window(args: &CurveArgs, start: &Start) -> Result<Window, CliError> {
+    let parameters = [args.along.free, args.and];
+    let asked = [[args.along.from, args.along.to], [args.and_from, args.and_to]];
+    let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
+    for i in 0..2 {
+        let usual = Search::new(&start.orbit, event(args.event), parameters[i]);
+        let [least, most] = range(&start.chosen, parameters[i], asked[i]);
+        (from[i], to[i]) = (least.unwrap_or(usual.from), most.unwrap_or(usual.to));
+    }
+    for (flag, value) in [("--and-from", args.and_from), ("--and-to", args.and_to)] {
+        let Some(value) = value else { continue };
+        let model = start.orbit.model().with(parameters[1], value);
+        let _ = model.map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
+    }
+    let value = start.orbit.model().get(parameters[1]);
+    if !(from[1] <= value && value <= to[1] && from[1] < to[1]) {
+        let here = format!("{} = {}, where the search starts", parameters[1].name(), Short(value));
+        let message = format!(
+            "--and-from {} and --and-to {} are no range around {here}: give one that holds it",
+            Short(from[1]),
+            Short(to[1])
+        );
+        return Err(CliError::Request(message));
+    }
+    Ok(Window { parameters, from, to })
+}
+
+impl Curves {
+    /// Whether an event lies on one of the curves that were followed already.
+    fn holds(&self, located: &Located, tolerance: f64) -> bool {
+        let place = self.window.parts(self.window.place(located.orbit.model()));
+        let impulses = |orbit: &vibrochain_breather::Orbit| -> Vec<f64> {
+            orbit.impacts().iter().map(|impact| impact.impulse).collect()
+        };
+        let own = impulses(&located.orbit);
+        let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
+        self.list.iter().any(|curve| {
+            curve.points.windows(2).any(|pair| {
+                let [from, to] = [&pair[0], &pair[1]].map(|point| self.window.parts(point.values));
+                let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
+                let square = chord[0] * chord[0] + chord[1] * chord[1];
+                let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
+                let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
+                let (a, b) = (impulses(&pair[0].orbit), impulses(&pair[1].orbit));
+                apart <= ON_IT * tolerance
+                    && own.len() == a.len()
+                    && own.len() == b.len()
+                    && own
+                        .iter()
+                        .zip(a.iter().zip(&b))
+                        .all(|(own, (a, b))| (a + share * (b - a) - own).abs() <= ALIKE * strongest)
+            })
+        })
+    }
+
+    /// What is in the heading of a picture: the event, and what all points of all curves have in common.
+    fn heading(&self, start: &Start) -> String {
+        let event = self.list.first().map_or(String::new(), |curve| {
+            format!("{} of {} breathers, ", in_words(curve.event.name()), start.orbit.name())
+        });
+        let ends = self.list.iter().flat_map(|curve| [curve.points.first(), curve.points.last()]).flatten();
+        let mut models: Vec<_> = ends.map(|point| point.orbit.model()).collect();
+        models.push(start.orbit.model());
+        format!("{event}{}", in_common(&models))
+    }
+
+    fn as_json(&self, start: &Start) -> Value {
+        let point = |point: &CurvePoint| {
+            json!({
+                "values": point.values,
+                "error": point.error.is_finite().then_some(point.error),
+                "angle": point.angle,
+                "physical": point.physical,
+                "impulses": point.orbit.impacts().iter().map(|impact| impact.impulse).collect::<Vec<_>>(),
+                "phi": point.orbit.phi(),
+                "psi": point.orbit.psi(),
+            })
+        };
+        let special = |curve: &EventCurve, one: &SpecialPoint| {
+            json!({
+                "special": one.special.to_string(),
+                "point": one.point,
+                "values": curve.points[one.point].values,
+                "error": one.error,
+            })
+        };
+        let list: Vec<Value> = self
+            .list
+            .iter()
+            .map(|curve| {
+                json!({
+                    "event": curve.event.name(),
+                    "points": curve.points.iter().map(point).collect::<Vec<_>>(),
+                    "special": curve.special.iter().map(|one| special(curve, one)).collect::<Vec<_>>(),
+                    "ends": curve.ends.iter().map(ToString::to_string).collect::<Vec<_>>(),
+                    "evaluations": curve.evaluations,
+                    "spectra": curve.spectra,
+                })
+            })
+            .collect();
+        let value = json!({
+            "schema": CURVE,
+            "parameters": point_value(start.orbit.model()),
+            "family": start.orbit.family().name(),
+            "solution": start.number,
+            "free": self.window.parameters.map(Parameter::name),
+            "from": self.window.from,
+            "to": self.window.to,
+            "curves": list,
+        });
+        with_word(&start.orbit, value)
+    }
+
+    /// The answer for people. Writing to a String cannot fail.
+    fn as_text(&self, start: &Start, search: &Search, ends: &[(f64, vibrochain_floquet::End); 2]) -> String {
+        let [first, second] = self.window.parameters.map(Parameter::name);
+        let mut out = String::new();
+        let _ = writeln!(out, "{} of {}", search.event, start.heading(search.free));
+        if self.list.is_empty() {
+            let _ = writeln!(out, "\nno {} along {first}: nothing to follow", search.event);
+            for (way, (value, end)) in ["down", "up"].into_iter().zip(ends) {
+                let _ = writeln!(out, "{way}: {}", message(search.free, *value, end));
+            }
+        }
+        let place = |point: &CurvePoint| {
+            format!("{first} = {}, {second} = {}", Number(point.values[0]), Number(point.values[1]))
+        };
+        for (i, curve) in self.list.iter().enumerate() {
+            let worst = curve.points.iter().map(|point| point.error).fold(0.0, f64::max);
+            let _ = writeln!(
+                out,
+                "\ncurve {}: {} points, known to {worst:.0e} of the window or better",
+                i + 1,
+                curve.points.len()
+            );
+            for one in &curve.special {
+                let at = &curve.points[one.point];
+                let aside = if at.physical == Some(false) { "; not physical" } else { "" };
+                let _ = writeln!(out, "  {} ± {:.0e}  {}{aside}", place(at), one.error, one.special);
+            }
+            for (point, end) in [curve.points.first(), curve.points.last()].into_iter().zip(&curve.ends) {
+                let Some(point) = point else { continue };
+                let _ = writeln!(out, "  end: {}, {end}", place(point));
+            }
+        }
+        let (orbits, spectra) = self.list.iter().fold((0, 0), |(a, b), one| (a + one.evaluations, b + one.spectra));
+        let _ = writeln!(out, "\n{orbits} orbits assembled, {spectra} eigenvalue problems");
+        out
+    }
+}
+
+#[cfg(feature = "plot")]
+fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliError> {
+    if files.is_empty() {
+        return Ok(());
+    }
+    let picture = crate::curve::plot::picture(heading, &curves.window, &crate::curve::table::rows(&curves.list));
+    files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+/// Makes sure that the picture can be made.
+#[cfg(feature = "plot")]
+fn fits(files: &PictureFiles, curves: &Curves) -> Result<(), CliError> {
+    files.fit(|page| vibrochain_plot::curves_picture(&crate::curve::plot::picture("", &curves.window, &[]), page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn fits(_: &PictureFiles, _: &Curves) -> Result<(), CliError> {
+    Ok(())
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(_: PictureFiles, _: &str, _: &Curves) -> Result<(), CliError> {
+    Ok(())
+}

@@ -1,0 +1,69 @@
+//! The picture of curves of events in the plane of two parameters.
+
+use std::collections::BTreeMap;
+
+use vibrochain_floquet::Window;
+use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
+
+use crate::common::caption::in_words;
+use crate::curve::table::Row;
+
+/// Colours of curves, by turns; what is not physical is grey.
+const COLOURS: usize = 5;
+const GREY: usize = 5;
+
+/// What a legend calls points whose orbit is none that can live.
+const NOT_PHYSICAL: &str = "not physical";
+
+/// The picture of the curves in a window.
+pub(crate) fn picture(heading: &str, window: &Window, curves: &[Vec<Row>]) -> Curves {
+    let [x, y] = window.parameters;
+    let pane = Pane {
+        x: format!("{} {}", x.meaning(), x.symbol()),
+        y: format!("{} {}", y.meaning(), y.symbol()),
+        x_range: Some(window.from[0]..window.to[0]),
+        scale: Scale::Between(window.from[1]..window.to[1]),
+        series: series(curves),
+        ..Pane::default()
+    };
+    Curves { title: heading.to_owned(), columns: 1, panes: vec![pane], pane: (1000, 720), ..Curves::default() }
+}
+
+/// The lines of each curve, physical parts and others, then marks for what is special.
+fn series(curves: &[Vec<Row>]) -> Vec<Series> {
+    let mut all = Vec::new();
+    let mut marks: BTreeMap<&str, Vec<(f64, f64)>> = BTreeMap::new();
+    for (i, curve) in curves.iter().enumerate() {
+        let line = |physical: bool| part(curve, physical);
+        let is_seen = |points: &[(f64, f64)]| points.iter().any(|point| point.0.is_finite());
+        let name = if is_seen(&line(true)) { format!("curve {}", i + 1) } else { String::new() };
+        // Of two curves of one colour the later is thicker.
+        let (colour, stroke) = (i % COLOURS, Stroke::Solid(2 + 2 * (i / COLOURS).min(3) as u32));
+        all.push(Series { name, colour, stroke, mark: Mark::None, points: line(true) });
+        let (colour, stroke) = (GREY, Stroke::Dashed(2));
+        // All of them have one entry.
+        let is_told = all.iter().any(|series| series.name == NOT_PHYSICAL);
+        let name = if is_seen(&line(false)) && !is_told { NOT_PHYSICAL } else { "" }.to_owned();
+        all.push(Series { name, colour, stroke, mark: Mark::None, points: line(false) });
+        for Row { values: [x, y], special, .. } in curve {
+            for name in special {
+                marks.entry(name).or_default().push((*x, *y));
+            }
+        }
+    }
+    for (shape, (name, points)) in marks.into_iter().enumerate() {
+        let (name, stroke, mark) = (in_words(name), Stroke::None, Mark::Filled(shape));
+        all.push(Series { name, colour: 4, stroke, mark, points });
+    }
+    all
+}
+
+/// The points whose orbits are physical, or those whose are not, with breaks between.
+fn part(curve: &[Row], physical: bool) -> Vec<(f64, f64)> {
+    let of = |pair: &[Row]| {
+        let is = pair.iter().all(|point| point.physical) == physical;
+        let [from, to] = [&pair[0], &pair[1]].map(|point| (point.values[0], point.values[1]));
+        if is { vec![from, to] } else { vec![(f64::NAN, f64::NAN)] }
+    };
+    curve.windows(2).flat_map(of).collect()
+}

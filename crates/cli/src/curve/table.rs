@@ -1,0 +1,112 @@
+//! The table of curves of an event in the plane of two parameters: what `mapgen curve` writes, and all that its picture is drawn from.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use vibrochain_floquet::{CurvePoint, EventCurve, SpecialPoint, Window};
+use vibrochain_lattice::Parameter;
+use vibrochain_maps::fields::Fields;
+use vibrochain_maps::files::CsvFile;
+
+use crate::common::error::CliError;
+
+/// The names of the columns for two parameters.
+pub(crate) fn header(parameters: [&'static str; 2]) -> [&'static str; 12] {
+    let [x, y] = parameters;
+    ["curve", "event", x, y, "error", "special", "special_error", "angle", "physical", "impulses", "phi", "psi"]
+}
+
+/// What the rows do not say.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct About {
+    /// The two parameters, by their names, and the window that was looked at.
+    pub(crate) free: [String; 2],
+    pub(crate) from: [f64; 2],
+    pub(crate) to: [f64; 2],
+    /// All that is fixed, for people; and the start.
+    pub(crate) heading: String,
+    pub(crate) parameters: Value,
+}
+
+impl About {
+    pub(crate) fn new(window: &Window, heading: String, parameters: Value) -> Self {
+        let free = window.parameters.map(|parameter| parameter.name().to_owned());
+        Self { free, from: window.from, to: window.to, heading, parameters }
+    }
+
+    /// The window, if these are parameters and values of one.
+    pub(crate) fn window(&self) -> Option<Window> {
+        let [x, y] = [0, 1].map(|i| Parameter::from_name(&self.free[i]));
+        let window = Window { parameters: [x?, y?], from: self.from, to: self.to };
+        (0..2).all(|i| self.from[i] < self.to[i]).then_some(window)
+    }
+}
+
+/// A point of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    pub(crate) values: [f64; 2],
+    pub(crate) physical: bool,
+    /// What happens there besides, by its names.
+    pub(crate) special: Vec<String>,
+}
+
+/// The points of each curve.
+pub(crate) type Rows = Vec<Vec<Row>>;
+
+fn special(curve: &EventCurve, at: usize) -> impl Iterator<Item = &SpecialPoint> {
+    curve.special.iter().filter(move |one| one.point == at)
+}
+
+/// What the picture needs of curves.
+pub(crate) fn rows(curves: &[EventCurve]) -> Rows {
+    let row = |curve: &EventCurve, (k, point): (usize, &CurvePoint)| Row {
+        values: point.values,
+        physical: point.physical == Some(true),
+        special: special(curve, k).map(|one| one.special.to_string()).collect(),
+    };
+    curves.iter().map(|curve| curve.points.iter().enumerate().map(|one| row(curve, one)).collect()).collect()
+}
+
+/// Reads a row of a table.
+pub(crate) fn take(curves: &mut Rows, fields: &mut Fields<'_, &str>) -> Result<(), String> {
+    let count = curves.len();
+    // Curves come one after the other.
+    let number = fields.read(|text| text.parse().ok().filter(|number| (count.max(1)..=count + 1).contains(number)))?;
+    let _event = fields.text();
+    let values = [fields.finite()?, fields.finite()?];
+    let _error: Option<f64> = fields.number()?;
+    let special = fields.text().split(' ').filter(|name| !name.is_empty()).map(str::to_owned).collect();
+    let _errors: [Option<f64>; 2] = [fields.number()?, fields.number()?];
+    let physical: Option<bool> = fields.number()?;
+    curves.resize_with(number, Vec::new);
+    if let Some(curve) = curves.last_mut() {
+        curve.push(Row { values, physical: physical == Some(true), special });
+    }
+    Ok(())
+}
+
+/// Writes the points of curves.
+pub(crate) fn write(mut table: CsvFile, curves: &[EventCurve]) -> Result<(), CliError> {
+    let number = |value: Option<f64>| value.filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string());
+    for (i, curve) in curves.iter().enumerate() {
+        for (k, point) in curve.points.iter().enumerate() {
+            let names: Vec<String> = special(curve, k).map(|one| one.special.to_string()).collect();
+            let impulses: Vec<String> = point.orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
+            table.row([
+                (i + 1).to_string(),
+                curve.event.to_string(),
+                point.values[0].to_string(),
+                point.values[1].to_string(),
+                number(Some(point.error)),
+                names.join(" "),
+                number(special(curve, k).next().map(|one| one.error)),
+                number(point.angle),
+                point.physical.map_or(String::new(), |physical| physical.to_string()),
+                impulses.join(" "),
+                number(point.orbit.phi()),
+                number(point.orbit.psi()),
+            ])?;
+        }
+    }
+    Ok(table.finish()?)
+}

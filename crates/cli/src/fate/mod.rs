@@ -1,0 +1,337 @@
+//! `mapgen fate`: many perturbed runs from the breathers of a scene, and what they end in.
+
+pub(crate) mod plot;
+pub(crate) mod report;
+
+use std::path::{Path, PathBuf};
+
+use rayon::ThreadPool;
+use vibrochain_fate::{CellFates, Diagram, Ensemble, Fates, From, MAX_POINTS};
+use vibrochain_lattice::Stop;
+use vibrochain_maps::error::MapError;
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::sweep::{Content, Ended, Job, Plan, Settings, Watcher};
+
+use crate::args::{FateArgs, StartFrom};
+use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::picture_files::PictureFiles;
+use crate::common::progress::counter;
+use crate::common::table_manifest::{Manifest, beside, of_scene};
+use crate::common::threads::threads;
+use crate::fate::plot::Plot;
+use crate::fate::report::Totals;
+
+/// The most runs of one command: years of work.
+const MAX_RUNS: u64 = 100_000_000;
+
+/// What manifests call the tables.
+pub(crate) const ENDS: &str = "fate";
+pub(crate) const SECTION: &str = "fate --diagram";
+
+/// Points that a diagram keeps of each run, unless more or fewer are asked for.
+const POINTS: u64 = 100;
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`].
+pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let fates = asked(args);
+    let ensemble = &fates.ensemble;
+    let plan = Plan::of_ensemble(&args.scene, fates.settings(), fates.chunk_cells())?;
+    let scene = &plan.scene;
+    // (clap does not ask for --diagram where something is given that conflicts with it.)
+    if args.diagram.is_none() && (args.carry || args.points.is_some()) {
+        let flag = if args.carry { "--carry" } else { "--points" };
+        return Err(CliError::Request(format!("{flag} is of a diagram: give --diagram FILE, too, without --starts")));
+    }
+    ensemble.check(scene.base.sites()).map_err(|error| CliError::Request(error.to_string()))?;
+    let runs = scene.cells().saturating_mul(args.starts);
+    if args.diagram.is_none() && runs > MAX_RUNS {
+        let cells = scene.cells();
+        let message =
+            format!("{cells} cells with --starts {} are {runs} runs, the limit is {MAX_RUNS}: give fewer", args.starts);
+        return Err(CliError::Request(message));
+    }
+    // (That of a shard is a folder.)
+    let table = args.out.as_deref().filter(|_| args.shard.is_none());
+    let place = table.map(place).transpose()?.flatten();
+    let parts = place.as_ref().and(table).map(parts_path);
+    let manifests = [beside(table)?, beside(args.diagram.as_deref())?];
+    let files = [
+        ("--out", args.out.as_deref()),
+        ("the manifest of --out", manifests[0].as_deref()),
+        ("the folder of chunks", parts.as_deref()),
+        ("--diagram", args.diagram.as_deref()),
+        ("the manifest of --diagram", manifests[1].as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
+    let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
+    nothing_else(args.json, taken)?;
+    match &args.diagram {
+        Some(path) => diagram(args, path, scene, ensemble, taken, console),
+        None => Ends { args, plan: &plan, fates: &fates, taken }.run(place.as_deref(), console),
+    }
+}
+
+/// What is asked of every cell.
+fn asked(args: &FateArgs) -> Fates {
+    let ensemble = Ensemble {
+        starts: args.starts,
+        size: args.perturb,
+        seed: args.seed,
+        periods: args.periods,
+        transient: args.transient,
+        tolerance: args.tolerance,
+        leave: args.leave,
+    };
+    let from = match args.breathers {
+        StartFrom::Class => From::Class,
+        StartFrom::Every => From::Every,
+        StartFrom::Unstable => From::Unstable,
+    };
+    Fates { ensemble, from }
+}
+
+/// The command that computes chunks of an ensemble, but for its last words.
+pub(crate) fn command(scene_file: &Path, out: &Path, settings: &Settings) -> Vec<String> {
+    let mut words = vec![format!("mapgen fate {} --out {}", quoted(scene_file), quoted(out))];
+    let usual = Fates::default().settings();
+    let given = settings.iter().filter(|(name, value)| usual.get(*name) != Some(value));
+    words.extend(given.map(|(name, value)| format!("--{name} {value}")));
+    words
+}
+
+/// What has been seen of the cells: their counts, and what pictures need.
+pub(crate) struct Seen<'a> {
+    scene: &'a Scene,
+    ensemble: &'a Ensemble,
+    plot: Plot,
+    totals: Totals,
+    rows: u64,
+}
+
+impl<'a> Seen<'a> {
+    /// # Errors
+    /// [`CliError::Request`] for pictures that cannot be.
+    pub(crate) fn new(scene: &'a Scene, ensemble: &'a Ensemble, files: PictureFiles) -> Result<Self, CliError> {
+        let plot = Plot::of_ends(files, scene)?;
+        Ok(Self { scene, ensemble, plot, totals: Totals::default(), rows: 0 })
+    }
+
+    /// What it all has come to.
+    pub(crate) fn answer(&self, json: bool) -> String {
+        let Self { scene, ensemble, totals, .. } = self;
+        if json { format!("{:#}\n", totals.as_json(scene, ensemble)) } else { totals.as_text(scene, ensemble) }
+    }
+
+    /// Writes what the table is of, and draws the pictures.
+    pub(crate) fn finish(self, manifest: Manifest) -> Result<(), CliError> {
+        manifest.finish(ENDS, self.rows, &of_scene(self.scene, Some(self.ensemble)))?;
+        self.plot.finish(self.scene, self.ensemble)
+    }
+}
+
+impl Watcher<CellFates> for Seen<'_> {
+    fn looks(&self) -> bool {
+        true
+    }
+
+    fn begin(&mut self) {
+        self.totals = Totals::default();
+        self.rows = 0;
+        self.plot.begin();
+    }
+
+    fn cell(&mut self, _: u64, cell: &CellFates) {
+        self.totals.add(cell);
+        // A cell without any has a row, too.
+        self.rows += cell.breathers.len().max(1) as u64;
+        self.plot.see(cell);
+    }
+}
+
+/// Many runs from the breathers of every cell.
+struct Ends<'a> {
+    args: &'a FateArgs,
+    plan: &'a Plan,
+    fates: &'a Fates,
+    /// Whether a file goes to standard output.
+    taken: bool,
+}
+
+impl Ends<'_> {
+    /// `place` is the plain file that --out leads to, if that is one.
+    fn run(&self, place: Option<&Path>, console: &mut Console<'_>) -> Result<(), CliError> {
+        let Self { args, plan, fates, taken } = *self;
+        args.page.checked(args.plot.is_some(), "--plot")?;
+        let (shard, given) = shard_of(args.shard)?;
+        if let (Some(shard), Some(folder)) = (shard, &args.out) {
+            let stop = (console.interrupt)()?;
+            let pool = threads(console.threads.or(given))?;
+            return self.chunked(&pool, &stop, console.threads).shard("--out", folder, shard, console);
+        }
+        let stop = (console.interrupt)()?;
+        let files = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+        let mut seen = Seen::new(&plan.scene, &fates.ensemble, files)?;
+        // Destinations first: an impossible one should not cost a computation.
+        if let (Some(_), Some(out)) = (place, &args.out) {
+            drop(fates.create(out, &plan.scene, 1)?);
+        }
+        let manifest = Manifest::create(beside(args.out.as_deref())?.as_deref())?;
+        let pool = threads(console.threads)?;
+        let run = self.chunked(&pool, &stop, console.threads);
+        // Two kinds of lines on one terminal are none.
+        let progress = console.progress && !taken;
+        match (&args.out, place) {
+            (None, _) => {
+                self.alone(&run, &mut seen, progress)?;
+                console.answer(&seen.answer(args.json), args.json, taken)?;
+                seen.finish(manifest)
+            }
+            (Some(out), None) if args.resume => Err(nothing_to_resume("--out", out)),
+            (Some(out), None) => {
+                let (table, ..) = run.stream(out, &mut seen, progress)?;
+                table.commit()?;
+                console.answer(&seen.answer(args.json), args.json, taken)?;
+                seen.finish(manifest)
+            }
+            (Some(out), Some(place)) => {
+                let gathered = run.gather(out, &parts_path(out), &mut seen, console)?;
+                let answer = seen.answer(args.json);
+                run.settle(gathered, place, console, |table| {
+                    table.commit()?;
+                    seen.finish(manifest)
+                })?;
+                console.answer(&answer, args.json, taken)
+            }
+        }
+    }
+
+    /// Without a table.
+    fn alone(&self, run: &ChunkedRun<'_, Fates>, seen: &mut Seen<'_>, progress: bool) -> Result<(), CliError> {
+        let (scene, (steps, things)) = (&self.plan.scene, run.steps);
+        let bar = counter(scene.cells() * steps, 0, things, progress);
+        let job = Job { scene, pool: run.pool, stop: run.stop };
+        let whole = 0..scene.cells();
+        let ended = self.fates.compute(&job, &[whole], true, &|runs| bar.inc(runs), &mut |block| {
+            block.made.cells.iter().for_each(|(number, cell)| seen.cell(*number, cell));
+            Ok(())
+        });
+        bar.finish_and_clear();
+        if is_stopped(ended)? { Err(CliError::Interrupted) } else { Ok(()) }
+    }
+
+    /// `threads` as asked for.
+    fn chunked<'a>(&'a self, pool: &'a ThreadPool, stop: &'a Stop, threads: Option<usize>) -> ChunkedRun<'a, Fates> {
+        let Self { args, plan, fates, .. } = *self;
+        let again = self.again(threads);
+        let steps = (args.starts, "runs");
+        ChunkedRun { content: fates, plan, pool, stop, resume: args.resume, steps, again }
+    }
+
+    /// The command that goes on with this one.
+    fn again(&self, threads: Option<usize>) -> String {
+        let Self { args, fates, .. } = *self;
+        let Some(out) = &args.out else { return String::new() };
+        let mut words = command(&args.scene, out, &fates.settings());
+        words.extend(args.plot.iter().map(|path| format!("--plot {}", quoted(path))));
+        words.extend(args.page.words());
+        words.extend(args.json.then(|| "--json".to_owned()));
+        words.extend(threads.map(|threads| format!("--threads {threads}")));
+        words.extend(args.shard.map(|shard| format!("--shard {shard}")));
+        words.push("--resume".to_owned());
+        words.join(" ")
+    }
+}
+
+fn diagram(
+    args: &FateArgs,
+    path: &Path,
+    scene: &Scene,
+    ensemble: &Ensemble,
+    taken: bool,
+    console: &mut Console<'_>,
+) -> Result<(), CliError> {
+    let [axis] = scene.axes.as_slice() else {
+        let axes = scene.axes.len();
+        return Err(CliError::Request(format!("--diagram needs a scene with one axis, this one has {axes}")));
+    };
+    let most = args.periods.min(MAX_POINTS);
+    let points = args.points.unwrap_or(POINTS.min(most));
+    if !(1..=most).contains(&points) {
+        let message = format!("--points {points} is out of range: give a whole number from 1 to {most}");
+        return Err(CliError::Request(message));
+    }
+    let diagram = Diagram { scene, ensemble, points, carry: args.carry };
+    let sites = diagram.sites();
+    let columns = |name: &'static str| sites.iter().map(move |site| format!("{name}_{site}"));
+    let header = [axis.parameter.name().to_owned(), "period".to_owned()];
+    let header = header.into_iter().chain(columns("displacement")).chain(columns("velocity"));
+    let stop = (console.interrupt)()?;
+    let mut file = CsvFile::create("--diagram", path, header)?;
+    let manifest = Manifest::create(beside(Some(path))?.as_deref())?;
+    let mut plot = Plot::of_diagram(PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?, scene)?;
+    let pool = threads(console.threads)?;
+    let bar = counter(scene.cells(), 0, "cells", console.progress && !taken);
+    let job = Job { scene, pool: &pool, stop: &stop };
+    let (mut cells, mut incomplete, mut rows) = (0_u64, 0_u64, 0_u64);
+    let ended = diagram.compute(
+        &job,
+        |cells| bar.inc(cells),
+        |column| {
+            cells += 1;
+            incomplete += u64::from(!column.complete);
+            let value = axis.value(column.number as usize);
+            rows += column.points.len() as u64;
+            for point in &column.points {
+                if let Some((displacement, _)) = point.states.first() {
+                    plot.see_point(value, *displacement);
+                }
+                let states = point.states.iter().map(|state| state.0).chain(point.states.iter().map(|state| state.1));
+                let row = [Number(value).to_string(), point.period.to_string()];
+                file.row(row.into_iter().chain(states.map(|x| Number(x).to_string())))?;
+            }
+            Ok::<(), MapError>(())
+        },
+    );
+    bar.finish_and_clear();
+    let stopped = is_stopped(ended)?;
+    if !stopped || cells > 0 {
+        file.finish()?;
+        manifest.finish(SECTION, rows, &of_scene(scene, Some(ensemble)))?;
+    }
+    if stopped {
+        return Err(kept(&args.diagram, args.plot.is_some(), cells, scene.cells()));
+    }
+    let carried = if args.carry { ", each from the end of the one before" } else { "" };
+    let mut text = format!("{cells} runs of {} periods{carried}, {points} points each\n", args.periods);
+    if incomplete > 0 {
+        text += &format!("{incomplete} of them could not be completed\n");
+    }
+    console.answer(&text, false, taken)?;
+    plot.finish(scene, ensemble)
+}
+
+fn is_stopped<T>(ended: Ended<MapError, T>) -> Result<bool, CliError> {
+    match ended {
+        Ended::Complete(_) => Ok(false),
+        Ended::Stopped => Ok(true),
+        Ended::Failed(error) => Err(error.into()),
+    }
+}
+
+/// What an early end leaves.
+fn kept(file: &Option<PathBuf>, plot: bool, done: u64, cells: u64) -> CliError {
+    let picture = if plot { "; no picture was drawn" } else { "" };
+    match file {
+        Some(path) if done > 0 => {
+            CliError::Paused(format!("{} holds the first {done} of {cells} cells, whole{picture}", path.display()))
+        }
+        _ => CliError::Interrupted,
+    }
+}

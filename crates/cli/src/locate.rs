@@ -1,0 +1,360 @@
+//! `mapgen locate`: where a breather bifurcates or grazes as one parameter varies.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_breather::{Finder, Orbit};
+use vibrochain_floquet::{
+    Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate_until,
+};
+use vibrochain_lattice::{Model, Parameter, Short, Stop};
+
+use crate::args::{AlongArgs, EventName, LocateArgs};
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::model::{Chosen, chosen};
+use crate::common::schemas::LOCATE;
+use crate::common::which;
+use crate::orbit::{orbit_value, point_value, with_layer, with_word};
+use crate::sweep::report::counted;
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::numbers::Number;
+
+pub(crate) fn event(name: EventName) -> Event {
+    match name {
+        EventName::Grazing => Event::Grazing,
+        EventName::Pitchfork => Event::Pitchfork,
+        EventName::PeriodDoubling => Event::PeriodDoubling,
+        EventName::NeimarkSacker => Event::NeimarkSacker,
+        EventName::Fold => Event::Fold,
+    }
+}
+
+/// The orbit to start from, its number among all solutions, and theirs.
+pub(crate) struct Start {
+    pub(crate) orbit: Orbit,
+    pub(crate) number: usize,
+    pub(crate) count: usize,
+    /// Where its model comes from.
+    pub(crate) chosen: Chosen,
+}
+
+/// The range of a parameter: as flags have it, or else as the scene sweeps it.
+pub(crate) fn range(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 2]) -> [Option<f64>; 2] {
+    let axis = chosen.scene.as_ref().and_then(|scene| scene.axis(parameter));
+    let [least, most] = axis.map_or([None; 2], |axis| axis.limits().map(Some));
+    [flags[0].or(least), flags[1].or(most)]
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let taken = distinct(&args.along.reads(), &[("--out", args.out.as_deref())])?;
+    nothing_else(args.json, taken)?;
+    let header = HEADER.map(|name| if name == FREE { args.along.free.name() } else { name });
+    let stop = (console.interrupt)()?;
+    let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
+    let start = start(&args.along, &stop, console)?;
+    let mut search = Search::new(&start.orbit, event(args.event), args.along.free);
+    let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
+    (search.from, search.to) = (from.unwrap_or(search.from), to.unwrap_or(search.to));
+    let mut answer = locate_until(&start.orbit, &search, &stop)?;
+    answer.located.sort_by(|one, other| one.value.total_cmp(&other.value));
+    let text = if args.json {
+        format!("{:#}\n", as_json(&start, &search, &answer))
+    } else {
+        as_text(&start, &search, &answer)
+    };
+    console.answer(&text, args.json, taken)?;
+    let Some(mut table) = table else { return Ok(()) };
+    answer.located.iter().try_for_each(|found| table.row(fields(found)))?;
+    Ok(table.finish()?)
+}
+
+/// Stands in the header for the parameter that varies.
+const FREE: &str = "value";
+
+const HEADER: [&str; 9] = ["event", FREE, "error", "impulses", "phi", "psi", "period", "physical", "multiplier"];
+
+/// A row of the table.
+fn fields(found: &Located) -> [String; 9] {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let orbit = &found.orbit;
+    let impulses: Vec<String> = orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
+    let multiplier = match found.evidence {
+        Evidence::Multiplier(mu) => format!("{} {}", mu.re, mu.im),
+        Evidence::Touch(_) | Evidence::Impact(_) => String::new(),
+    };
+    [
+        found.event.name().to_owned(),
+        found.value.to_string(),
+        number(found.error.is_finite().then_some(found.error)),
+        impulses.join(" "),
+        number(orbit.phi()),
+        number(orbit.psi()),
+        orbit.period().to_string(),
+        found.physical.map_or(String::new(), |physical| physical.to_string()),
+        multiplier,
+    ]
+}
+
+/// The range that is searched must hold the start; what does not is told by its flag.
+fn around(free: Parameter, range: [Option<f64>; 2], model: &Model) -> Result<(), CliError> {
+    let start = model.get(free);
+    let here = format!("{} = {}, where the search starts", free.name(), Short(start));
+    let message = match range.into() {
+        (Some(from), Some(to)) if from >= to => {
+            format!("--from {} is not below --to {}: give a range around {here}", Short(from), Short(to))
+        }
+        (Some(from), _) if from > start => format!("--from {} is above {here}: give at most that", Short(from)),
+        (_, Some(to)) if to < start => format!("--to {} is below {here}: give at least that", Short(to)),
+        _ => return Ok(()),
+    };
+    Err(CliError::Request(message))
+}
+
+/// The solution asked for, physical or not; otherwise the first physical one.
+pub(crate) fn start(args: &AlongArgs, stop: &Stop, console: &mut Console<'_>) -> Result<Start, CliError> {
+    let chosen = chosen(&args.model, console)?;
+    let which = which::wanted(&args.which, chosen.scene.as_ref())?;
+    let (model, free) = (&chosen.model, args.free);
+    for (flag, value) in [("--from", args.from), ("--to", args.to)] {
+        let Some(value) = value else { continue };
+        // In the range of the parameter, told before any work.
+        model.with(free, value).map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
+    }
+    around(free, range(&chosen, free, [args.from, args.to]), model)?;
+    let mut finder = Finder::new(model.chain().sites()).until(stop);
+    let (_, found) = which::find(&which, model, &mut finder, None)?;
+    let count = found.orbits.len();
+    if let Some(reason) = found.completeness.reason() {
+        return Err(CliError::IllPosed(format!("no orbit to start from: {reason}")));
+    }
+    if let Some(number) = args.solution.filter(|&number| number == 0 || number > count) {
+        let message = format!("--solution {number} is out of range: there are {count}, give 1 to {count}");
+        return Err(CliError::Request(message));
+    }
+    for (i, orbit) in found.orbits.into_iter().enumerate() {
+        let wanted = match args.solution {
+            Some(number) => number == i + 1,
+            None => finder.quick_admissibility(&orbit)?.is_physical(),
+        };
+        if wanted {
+            return Ok(Start { orbit, number: i + 1, count, chosen });
+        }
+    }
+    if count == 0 {
+        let message = format!("no orbit was found to start from, and the list is {}", found.completeness);
+        return Err(CliError::IllPosed(message));
+    }
+    Err(CliError::IllPosed(format!(
+        "none of the {count} orbits is physical; --solution K starts from one that is not, `mapgen orbit` lists them"
+    )))
+}
+
+pub(crate) fn verdict_json(verdict: &Verdict) -> Value {
+    json!({
+        "stable": verdict.stable,
+        "marginal": verdict.marginal,
+        "mechanism": verdict.mechanism.map(Mechanism::name),
+        "spectral_radius": verdict.spectral_radius,
+        "leading": [verdict.leading.re, verdict.leading.im],
+    })
+}
+
+fn evidence_json(model: &Model, evidence: &Evidence) -> Value {
+    match evidence {
+        Evidence::Multiplier(multiplier) => json!({ "multiplier": [multiplier.re, multiplier.im] }),
+        Evidence::Touch(touch) => {
+            let value = json!({ "site": touch.site, "barrier": touch.barrier.name(), "time": touch.time });
+            with_layer(model, touch.site, value)
+        }
+        Evidence::Impact(impact) => json!({ "impact": impact }),
+    }
+}
+
+pub(crate) fn located_json(found: &Located) -> Value {
+    let sides: Vec<Value> = found
+        .verdicts
+        .iter()
+        .map(|(value, verdict)| json!({ "value": value, "stability": verdict_json(verdict) }))
+        .collect();
+    let branching = found.branching.as_ref().map(|branching| {
+        let orbits: Vec<Value> = branching
+            .orbits
+            .iter()
+            .map(|branched| {
+                let mut value = orbit_value(&branched.orbit);
+                value["physical"] = branched.physical.into();
+                value["stability"] = branched.verdict.as_ref().map_or(Value::Null, verdict_json);
+                value
+            })
+            .collect();
+        json!({ "value": branching.value, "side": side(branching.above), "orbits": orbits })
+    });
+    json!({
+        "event": found.event.name(),
+        "value": found.value,
+        "error": found.error.is_finite().then_some(found.error),
+        "evidence": evidence_json(found.orbit.model(), &found.evidence),
+        "physical": found.physical,
+        "orbit": orbit_value(&found.orbit),
+        "sides": sides,
+        "branching": branching,
+        "evaluations": found.evaluations,
+    })
+}
+
+fn side(above: bool) -> &'static str {
+    if above { "above" } else { "below" }
+}
+
+fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
+    let ends: Vec<Value> = answer
+        .ends
+        .iter()
+        .map(|(value, end)| json!({ "value": value, "reason": end.name(), "message": message(search.free, *value, end) }))
+        .collect();
+    let value = json!({
+        "schema": LOCATE,
+        "event": search.event.name(),
+        "free": search.free.name(),
+        "parameters": point_value(start.orbit.model()),
+        "family": start.orbit.family().name(),
+        "solution": start.number,
+        "range": [search.from, search.to],
+        "points": answer.located.iter().map(located_json).collect::<Vec<_>>(),
+        "unresolved": answer.unresolved.iter().map(|place| [place.from, place.to]).collect::<Vec<_>>(),
+        "ends": ends,
+        "evaluations": answer.evaluations,
+        "spectra": answer.spectra,
+    });
+    with_word(&start.orbit, value)
+}
+
+/// How the way in one direction ended, as a sentence.
+pub(crate) fn message(free: Parameter, value: f64, end: &End) -> String {
+    let here = format!("{} = {}", free.name(), Number(value));
+    match end {
+        End::Range => format!("searched to {here}"),
+        End::Fold { error } => format!("the branch ends in a fold at {here} ± {error:.0e}"),
+        End::Closed => format!("the branch is back at its start, {here}"),
+        End::Pitchfork => format!("the branch ends at {here}, where it meets its own mirror image"),
+        End::Resonance(resonance) => {
+            format!("resonance at {here}: harmonic {} meets mode {}", resonance.harmonic, resonance.mode)
+        }
+        End::Unbounded => format!("the impulses grow without bound towards {here}"),
+        End::ImpulsesVanish => {
+            format!("the impulses vanish at {here}: the breather ends on the motion that the force drives alone")
+        }
+        End::Lost(error) => format!("the branch was lost at {here}: {error}"),
+        End::Unwatched(error) => format!("stopped at {here}: {error}"),
+    }
+}
+
+impl Start {
+    /// Which breathers, where all but the free parameter stand, and where that one starts.
+    pub(crate) fn heading(&self, free: Parameter) -> String {
+        let model = self.orbit.model();
+        format!(
+            "{} breathers, {}, {}; from solution {} of {} at {} = {}",
+            self.orbit.name(),
+            model.chain().layout(),
+            fixed(model, free),
+            self.number,
+            self.count,
+            free.name(),
+            Number(model.get(free))
+        )
+    }
+}
+
+/// All parameters but the free one.
+fn fixed(model: &Model, free: Parameter) -> String {
+    let said = |parameter: Parameter| match parameter {
+        Parameter::Amplitude if model.force().cosine_amplitude().is_none() => {
+            Some(format!("force = {}", model.force()))
+        }
+        parameter if parameter == free => None,
+        parameter => Some(format!("{} = {}", parameter.name(), Number(model.get(parameter)))),
+    };
+    let said: Vec<String> = Parameter::of(model.chain().layers()).iter().copied().filter_map(said).collect();
+    said.join(", ")
+}
+
+/// The answer for people. Writing to a String cannot fail.
+fn as_text(start: &Start, search: &Search, answer: &Answer) -> String {
+    let mut out = String::new();
+    let name = search.free.name();
+    let _ = writeln!(out, "{} of {}", search.event.name(), start.heading(search.free));
+    let count = answer.located.len();
+    if count > 0 {
+        let _ = writeln!(out, "{}{}", counted(count, "event"), if count > 1 { ", along the parameter" } else { "" });
+    }
+    for found in &answer.located {
+        located_text(&mut out, name, found);
+    }
+    for place in &answer.unresolved {
+        let (from, to) = (Number(place.from), Number(place.to));
+        let _ =
+            writeln!(out, "\na sign of one between {name} = {from} and {to}: rounding hides where, none is claimed");
+    }
+    if answer.located.is_empty() && answer.unresolved.is_empty() {
+        let [(down, _), (up, _)] = &answer.ends;
+        let _ = writeln!(out, "\nno {} between {name} = {} and {}", search.event.name(), Number(*down), Number(*up));
+    }
+    let _ = writeln!(out);
+    for (direction, (value, end)) in ["down", "up"].into_iter().zip(&answer.ends) {
+        let _ = writeln!(out, "{direction}: {}", message(search.free, *value, end));
+    }
+    let _ = writeln!(out, "{} orbits assembled, {} eigenvalue problems", answer.evaluations, answer.spectra);
+    out
+}
+
+pub(crate) fn error_text(found: &Located) -> String {
+    if found.error.is_finite() { format!("± {:.0e}", found.error) } else { "(error unknown)".to_owned() }
+}
+
+/// What shows an event.
+pub(crate) fn evidence_text(found: &Located) -> String {
+    match found.evidence {
+        Evidence::Multiplier(mu) if mu.im == 0.0 => format!("multiplier {}", mu.re),
+        Evidence::Multiplier(mu) => format!("multiplier {} ± {}i", mu.re, mu.im.abs()),
+        Evidence::Touch(touch) => {
+            let (site, barrier) = (found.orbit.model().chain().layout().name(touch.site), touch.barrier);
+            format!("site {site} touches the {barrier} barrier at t = {}", Number(touch.time))
+        }
+        Evidence::Impact(impact) => format!("impact {impact} has no velocity left"),
+    }
+}
+
+fn located_text(out: &mut String, name: &str, found: &Located) {
+    let _ = writeln!(out, "\n{name} = {} {}", Number(found.value), error_text(found));
+    let _ = writeln!(out, "  {}", evidence_text(found));
+    let _ = writeln!(out, "  {}", found.orbit);
+    if found.physical == Some(false) && matches!(found.evidence, Evidence::Multiplier(_)) {
+        let _ = writeln!(out, "  not physical there");
+    }
+    for (value, verdict) in &found.verdicts {
+        let _ = writeln!(out, "  at {name} = {}: {verdict}", Number(*value));
+    }
+    if let Some(branching) = &found.branching {
+        let which = if branching.orbits.len() == 1 { "the doubled orbit" } else { "the asymmetric pair" };
+        let _ =
+            writeln!(out, "  {which} exists {} it; at {name} = {}:", side(branching.above), Number(branching.value));
+        branching.orbits.iter().for_each(|branched| branched_text(out, branched));
+    }
+}
+
+fn branched_text(out: &mut String, branched: &BranchedOrbit) {
+    let _ = writeln!(out, "    {}", branched.orbit);
+    let physical = match branched.physical {
+        Some(true) => "physical",
+        Some(false) => "not physical",
+        None => "not checked",
+    };
+    let stability = branched.verdict.as_ref().map_or("stability unknown".to_owned(), Verdict::to_string);
+    let _ = writeln!(out, "    {physical}, {stability}");
+}

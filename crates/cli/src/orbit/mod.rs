@@ -1,0 +1,554 @@
+//! `mapgen orbit`: all breathers of a family at one point.
+
+pub(crate) mod modes;
+pub(crate) mod multiplier_file;
+#[cfg(feature = "plot")]
+pub(crate) mod plots;
+pub(crate) mod trajectory;
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_breather::{
+    BreatherError, Completeness, Ended, Family, Finder, Found, NoBreather, Obstruction, Orbit, Proof, Word,
+};
+use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
+use vibrochain_lattice::{Ends, Model};
+
+use crate::args::OrbitArgs;
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::model::chosen;
+use crate::common::schemas::ORBIT;
+use crate::common::solution::Solution;
+use crate::common::which;
+use crate::orbit::modes::OrbitModes;
+use crate::orbit::multiplier_file::MultiplierFile;
+use crate::orbit::trajectory::OrbitTrajectory;
+use vibrochain_maps::files::distinct;
+use vibrochain_maps::force;
+use vibrochain_maps::numbers::Number;
+
+/// The most multipliers of a solution that JSON lists.
+const MOST_LISTED: usize = 4096;
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`]; that there is no orbit is an answer.
+pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let chosen = chosen(&args.model, console)?;
+    let model = chosen.model;
+    let which = which::wanted(&args.which, chosen.scene.as_ref())?;
+    let tolerance = chosen.tolerance(args.threshold)?;
+    let taken = distinct(
+        &[("--scene", args.model.scene.as_deref()), ("--near", args.which.near.as_deref())],
+        &[
+            ("--multipliers", args.multipliers.as_deref()),
+            ("--plot", args.plot.as_deref()),
+            ("--all-plots", args.all_plots.as_deref()),
+            ("--trajectory", args.trajectory.as_deref()),
+        ],
+    )?;
+    nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
+    let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
+    let trajectory = OrbitTrajectory::open(args, &model)?;
+    let plot = Plot::open(args)?;
+    let mut finder = Finder::new(model.chain().sites()).until(&stop);
+    let (name, mut found) = which::find(&which, &model, &mut finder, Some(console))?;
+    let mut solutions = Vec::new();
+    for orbit in std::mem::take(&mut found.orbits) {
+        // Of a large lattice the check gives back what the condition needs.
+        let condition = finder.condition(&orbit)?;
+        let admissibility = finder.admissibility(&orbit)?;
+        // Of a large ring its work space holds more than all answers.
+        let multipliers = Analyser::default().multipliers(&orbit, &mut finder, tolerance);
+        let leading = multipliers.as_ref().ok().map(|all| all.verdict).filter(|v| v.mechanism.is_some());
+        let modes = OrbitModes::of(&orbit, &mut finder, leading.map(|verdict| verdict.leading), args.json);
+        let phases = drifting(&orbit, &mut finder, leading)?;
+        // Stability that was stopped is not told as one that could not be computed.
+        stop.heard().map_err(BreatherError::from)?;
+        solutions.push(Solution { orbit, admissibility, condition, multipliers, modes, phases });
+    }
+    let text = if args.json {
+        let value = json(&model, &solutions, &found);
+        format!("{value:#}\n")
+    } else {
+        text(&model, &name, &solutions, &found)
+    };
+    console.answer(&text, args.json, taken)?;
+    if let Some(file) = file {
+        file.finish(&solutions, &mut finder)?;
+    }
+    trajectory.map_or(Ok(()), |table| table.finish(&solutions))?;
+    plot.finish(&solutions, console)?;
+    if let Some(NoBreather::NotSearched(_)) = found.completeness.reason() {
+        let message = "this word cannot be searched for: whether it has orbits here is not known";
+        return Err(CliError::IllPosed(message.to_owned()));
+    }
+    match solutions.iter().find_map(|solution| solution.multipliers.as_ref().err()) {
+        Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),
+        None => Ok(()),
+    }
+}
+
+/// The most masses whose eigenvectors are worked out beside the verdict: a tenth of a second.
+const MOST_MASSES: usize = 100;
+
+/// Which breathers of a word run ahead, and which fall behind, as it loses stability through +1 without force.
+fn drifting(
+    orbit: &Orbit,
+    finder: &mut Finder,
+    leading: Option<Verdict>,
+) -> Result<Option<Vec<(usize, f64)>>, CliError> {
+    let asked = leading.is_some_and(|verdict| verdict.mechanism == Some(Mechanism::PlusOne))
+        && orbit.impact_site().is_none()
+        && orbit.model().is_conservative()
+        && orbit.model().chain().sites() <= MOST_MASSES;
+    let mode = if asked { leading_modes(orbit, 1)?.pop() } else { None };
+    Ok(mode.map(|mode| phases(orbit, &mode, finder)).transpose()?)
+}
+
+/// The point as JSON; a plain cosine by its amplitude, any other force by its harmonics.
+pub(crate) fn point_value(model: &Model) -> Value {
+    let chain = model.chain();
+    let mut parameters = json!({
+        "sites": chain.length(),
+        "gamma1": chain.gamma1(),
+        "gamma2": chain.gamma2(),
+        "omega": model.omega(),
+        "asymmetry": model.asymmetry(),
+    });
+    if chain.ends() != Ends::Closed {
+        parameters["ends"] = chain.ends().name().into();
+    }
+    if chain.layers() > 1 {
+        parameters["layers"] = chain.layers().into();
+        parameters["layer_ends"] = chain.layer_ends().name().into();
+        parameters["gamma3"] = chain.gamma3().into();
+    }
+    match model.force().cosine_amplitude() {
+        Some(amplitude) => parameters["amplitude"] = amplitude.into(),
+        None => parameters["force"] = force::value(model.force()),
+    }
+    parameters["restitution"] = model.restitution().into();
+    parameters
+}
+
+/// How the list is known to be complete: by which means, and how many enclosures it took.
+fn completeness_value(completeness: Completeness) -> Value {
+    let proof = completeness.proof();
+    let mut value = json!({ "established": proof.is_some(), "by": proof.map(Proof::name) });
+    if let Completeness::Followed { starts, .. } = completeness {
+        (value["by"], value["starts"]) = ("followed".into(), starts.into());
+    }
+    match proof {
+        Some(Proof::Enclosures { intervals }) => value["intervals"] = intervals.into(),
+        Some(Proof::BranchAndPrune { boxes }) => value["boxes"] = boxes.into(),
+        Some(Proof::ClosedForm) | None => {}
+    }
+    value
+}
+
+fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
+    let (unresolved, exhausted) = found.completeness.open();
+    let mut value = json!({
+        "schema": ORBIT,
+        "parameters": point_value(model),
+        "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
+        "reason": found.completeness.reason().map(|reason| reason.to_string()),
+        "completeness": completeness_value(found.completeness),
+        "unresolved": unresolved,
+        "exhausted": exhausted,
+    });
+    if !found.ended.is_empty() {
+        let ended = |ended: &Ended| json!({ ended.coupling.name(): ended.value, "message": ended.told(&model.chain().layout()) });
+        value["ended"] = found.ended.iter().map(ended).collect();
+    }
+    value
+}
+
+/// `value` with its `site`, a mass counted through all layers, as the site of its layer, and with that `layer` where there are
+/// several.
+pub(crate) fn with_layer(model: &Model, index: usize, mut value: Value) -> Value {
+    let (site, layer) = model.chain().layout().place(index);
+    value["site"] = site.into();
+    if model.chain().layers() > 1 {
+        value["layer"] = layer.into();
+    }
+    value
+}
+
+/// The orbit itself as JSON: period, phases, impacts, residual.
+pub(crate) fn orbit_value(orbit: &Orbit) -> Value {
+    let impacts: Vec<Value> = orbit
+        .impacts()
+        .iter()
+        .map(|impact| {
+            let value = json!({
+                "site": impact.site,
+                "barrier": impact.barrier.name(),
+                "time": impact.time,
+                "impulse": impact.impulse,
+                "velocity_before": impact.velocity_before,
+                "velocity_after": impact.velocity_after,
+            });
+            with_layer(orbit.model(), impact.site, value)
+        })
+        .collect();
+    let value = json!({
+        "family": orbit.family().name(),
+        "period": orbit.period(),
+        "phi": orbit.phi(),
+        "psi": orbit.psi(),
+        "impacts": impacts,
+        "residual": orbit.residual(),
+    });
+    with_word(orbit, value)
+}
+
+/// `value`, which names the orbit's `family`, with the `word` of one that is of none.
+pub(crate) fn with_word(orbit: &Orbit, mut value: Value) -> Value {
+    if orbit.family() == Family::Word {
+        value["word"] = Word::of(orbit).to_string().into();
+    }
+    value
+}
+
+impl Solution {
+    fn json(&self) -> Value {
+        let orbit = &self.orbit;
+        let mut value = orbit_value(orbit);
+        value["condition"] = json!({
+            "resonance": self.condition.resonance,
+            "grazing": self.condition.grazing,
+            "fold": self.condition.fold,
+            "impulse_error": finite(self.condition.impulse_error(orbit)),
+            "time_error": finite(self.condition.time_error(orbit)),
+        });
+        value["physical"] = self.admissibility.is_physical().into();
+        value["margin"] = self.admissibility.margin.into();
+        value["obstruction"] = self.admissibility.obstruction.map(|found| obstruction(orbit.model(), found)).into();
+        value["stability"] = Value::Null;
+        match &self.multipliers {
+            Ok(all) => {
+                let verdict = all.verdict;
+                let counted = all.is_empty();
+                let listed = all.len() <= MOST_LISTED && !counted;
+                let pairs = || all.sorted().map(|m| [m.re, m.im]).collect::<Vec<_>>();
+                let multipliers = listed.then(pairs);
+                value["stability"] = json!({
+                    "stable": verdict.stable,
+                    "marginal": verdict.marginal,
+                    "mechanism": verdict.mechanism.map(|mechanism| mechanism.name()),
+                    "spectral_radius": verdict.spectral_radius,
+                    "growth": verdict.growth(),
+                    "resolution": finite(verdict.resolution),
+                    "method": verdict.method.name(),
+                    "multipliers": multipliers,
+                });
+                if multipliers.is_none() {
+                    let note = if counted {
+                        "those on the circle are counted only, on a lattice as large as this".to_owned()
+                    } else {
+                        format!("{} of them: --multipliers FILE writes them as CSV", all.len())
+                    };
+                    value["stability"]["multipliers_note"] = note.into();
+                }
+                if let Some(doubt) = verdict.method.doubt() {
+                    value["stability"]["doubt"] = doubt.to_string().into();
+                }
+            }
+            Err(error) => value["stability_error"] = error.to_string().into(),
+        }
+        if let Some(phases) = &self.phases {
+            let of = |&(site, ahead): &(usize, f64)| {
+                with_layer(orbit.model(), site, json!({ "site": site, "ahead": ahead }))
+            };
+            value["phases"] = phases.iter().map(of).collect();
+        }
+        value["modes"] = self.modes.as_ref().map(OrbitModes::json).into();
+        value["own_mode"] = self.modes.as_ref().and_then(OrbitModes::own_json).into();
+        value["collision"] = self.modes.as_ref().and_then(OrbitModes::collision_json).into();
+        value
+    }
+}
+
+/// An estimated error for people: from 1 on, or without bound, nothing is known.
+fn estimate(error: f64) -> String {
+    if error < 1.0 { format!("{error:.0e}") } else { "unknown".to_owned() }
+}
+
+/// An estimate that has no bound is `null`, not a number.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// What is in the way: kind, site, time, and by how much.
+fn obstruction(model: &Model, obstruction: Obstruction) -> Value {
+    let message = obstruction.told(&model.chain().layout());
+    match obstruction {
+        Obstruction::Crossing { site, barrier, time, excess } => {
+            let value = json!({ "kind": "crossing", "site": site, "barrier": barrier.name(), "time": time, "excess": excess, "message": message });
+            with_layer(model, site, value)
+        }
+        Obstruction::WrongSign { impact, site, time, velocity_before } => {
+            let value = json!({ "kind": "wrong-sign", "impact": impact, "site": site, "time": time, "velocity_before": velocity_before, "message": message });
+            with_layer(model, site, value)
+        }
+    }
+}
+
+fn complex(z: Complex<f64>) -> String {
+    if z.im == 0.0 {
+        format!("{}", z.re)
+    } else {
+        format!("{} {} {}i", z.re, if z.im < 0.0 { '-' } else { '+' }, z.im.abs())
+    }
+}
+
+/// The answer for people.
+fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> String {
+    let (mut out, completeness, layout) = (String::new(), found.completeness, model.chain().layout());
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "{name} breathers, {model}");
+    match completeness.reason() {
+        Some(NoBreather::NotSearched(why)) => {
+            let _ = writeln!(out, "not searched: {why}");
+            return out;
+        }
+        // Where nothing shows that there is none, none was found.
+        Some(reason) => {
+            let none = if completeness.is_established() { "none" } else { "none was found" };
+            let _ = writeln!(out, "{none}: {reason}");
+        }
+        None => {
+            let physical = solutions.iter().filter(|solution| solution.admissibility.is_physical()).count();
+            let plural = if solutions.len() == 1 { "" } else { "s" };
+            let _ = writeln!(out, "{} solution{plural}, {physical} physical", solutions.len());
+        }
+    }
+    let _ = writeln!(out, "the list is {completeness}");
+    let (unresolved, exhausted) = completeness.open();
+    if unresolved > 0 {
+        let places = if unresolved == 1 { "place" } else { "places" };
+        let _ = writeln!(out, "{unresolved} {places} where two more may have merged: next to a fold");
+    }
+    if exhausted > 0 && matches!(completeness, Completeness::Followed { .. }) {
+        let _ = writeln!(
+            out,
+            "{exhausted} combinations of the masses' orbits and phases were not tried, or not followed to an end"
+        );
+    } else if exhausted > 0 {
+        let _ = writeln!(
+            out,
+            "the search for solutions was cut short ({exhausted} intervals left): the list may be incomplete"
+        );
+    }
+    for ended in &found.ended {
+        let _ = writeln!(out, "a branch from masses without coupling ends: {}", ended.told(&layout));
+    }
+    for (i, solution) in solutions.iter().enumerate() {
+        let orbit = &solution.orbit;
+        let _ = write!(out, "\nsolution {}: period {}", i + 1, Number(orbit.period()));
+        for (name, value) in [("phi", orbit.phi()), ("psi", orbit.psi())] {
+            if let Some(value) = value {
+                let _ = write!(out, ", {name} {}", Number(value));
+            }
+        }
+        let _ = writeln!(out);
+        for impact in orbit.impacts() {
+            let _ = writeln!(out, "  impact of {}", impact.told(&layout));
+        }
+        let _ = writeln!(out, "  {}", solution.admissibility.told(&layout));
+        let _ = match &solution.multipliers {
+            Ok(Multipliers { verdict, .. }) => {
+                let how = match verdict.mechanism {
+                    Some(mechanism) => format!("unstable ({})", mechanism.name()),
+                    None if verdict.marginal => "marginal (closer to the border than its own error)".to_owned(),
+                    None => "stable".to_owned(),
+                };
+                // Structure puts it on the circle exactly, or the eigenvalue has an error.
+                let error = match verdict.resolution {
+                    0.0 => String::new(),
+                    resolution => format!(" ± {}", estimate(resolution)),
+                };
+                writeln!(
+                    out,
+                    "  {how}: spectral radius {}{error}, leading multiplier {}",
+                    verdict.spectral_radius,
+                    complex(verdict.leading)
+                )
+            }
+            Err(error) => writeln!(out, "  stability unknown: {error}"),
+        };
+        if let Some(phases) = &solution.phases {
+            let ahead: Vec<String> =
+                phases.iter().map(|(site, ahead)| format!("site {} by {ahead:.3}", layout.name(*site))).collect();
+            let _ = writeln!(out, "  the breathers drift apart: ahead are {}", ahead.join(", "));
+        }
+        if let Some(doubt) = solution.multipliers.as_ref().ok().and_then(|all| all.verdict.method.doubt()) {
+            let _ = writeln!(out, "  by a dense matrix: {doubt}");
+        }
+        if let Some(modes) = &solution.modes {
+            let _ = writeln!(out, "  {modes}");
+        }
+        let condition = &solution.condition;
+        let _ = writeln!(
+            out,
+            "  residual {:.1e}; errors: impulses {}, times {} of a period",
+            orbit.residual(),
+            estimate(condition.impulse_error(orbit)),
+            estimate(condition.time_error(orbit))
+        );
+        let _ = writeln!(out, "  {condition}");
+    }
+    out
+}
+
+#[cfg(feature = "plot")]
+use with_plot::Plot;
+#[cfg(not(feature = "plot"))]
+use without_plot::Plot;
+
+#[cfg(feature = "plot")]
+mod with_plot {
+    use std::path::PathBuf;
+
+    use vibrochain_breather::{Impact, Motion};
+
+    use super::{CliError, Console, Multipliers, OrbitArgs, Solution};
+    use crate::args::FormatName;
+    use crate::common::caption::describe;
+    use crate::orbit::plots;
+    use vibrochain_maps::files::Output;
+    use vibrochain_maps::files::{name_within, promises_folder};
+    use vibrochain_plot::{Format, OrbitPanels, Page, orbit_picture};
+
+    /// Points of a trace: a few pixels each, smooth to the eye.
+    const SAMPLES: usize = 160;
+
+    /// Orbits beyond this are left to the printed list.
+    const MOST: usize = 8;
+
+    pub(super) struct Plot {
+        one: Option<(Page, Output)>,
+        /// The folder of --all-plots.
+        all: Option<(Page, PathBuf)>,
+    }
+
+    impl Plot {
+        pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
+            let page = args.page.page(match args.format {
+                _ if args.svg => Format::Svg,
+                FormatName::Png => Format::Png,
+                FormatName::Svg => Format::Svg,
+                FormatName::Pdf => Format::Pdf,
+            })?;
+            args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
+            if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
+                && name_within(folder, plot).is_some_and(|name| plots::is_own(&name))
+            {
+                let message = format!("--plot {} is a name that --all-plots uses: name another", plot.display());
+                return Err(CliError::Request(message));
+            }
+            let all = args.all_plots.as_deref().map(|folder| {
+                promises_folder("--all-plots", folder)?;
+                std::fs::create_dir_all(folder)
+                    .map_err(|error| CliError::file("cannot make folder", folder, &error))?;
+                Ok::<_, CliError>((page, folder.to_owned()))
+            });
+            let one = args.plot.as_deref().map(|plot| args.page.open("--plot", Some(plot))).transpose()?.flatten();
+            if let Some((page, _)) = &one {
+                let nothing = OrbitPanels {
+                    caption: String::new(),
+                    x: "site",
+                    profiles: Vec::new(),
+                    traces: Vec::new(),
+                    barriers: (-1.0, 1.0),
+                };
+                orbit_picture(&[nothing], page.to_measure()).map_err(|error| CliError::Request(error.0))?;
+            }
+            Ok(Self { one, all: all.transpose()? })
+        }
+
+        pub(super) fn finish(self, solutions: &[Solution], console: &mut Console<'_>) -> Result<(), CliError> {
+            if let Some((page, folder)) = &self.all {
+                for (i, solution) in solutions.iter().enumerate().take(MOST) {
+                    plots::write(folder, *page, i + 1, &solution.orbit, solution.multipliers.as_ref().ok())?;
+                }
+                let (drawn, folder) = (solutions.len().min(MOST), folder.display());
+                console.summary(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
+            }
+            let Some((page, file)) = self.one else { return Ok(()) };
+            let mut panels = Vec::new();
+            for (i, solution) in solutions.iter().enumerate().take(MOST) {
+                panels.push(panel(i, solution)?);
+            }
+            if panels.is_empty() {
+                // The answer has been printed; that there is nothing to draw is not a failure.
+                let path = file.path().display();
+                console.remark(&format!("nothing to plot: there is no solution, {path} was not written"));
+                return Ok(());
+            }
+            let bytes = orbit_picture(&panels, page).map_err(|error| CliError::Computation(error.to_string()))?;
+            Ok(file.finish_with(&bytes)?)
+        }
+    }
+
+    fn panel(i: usize, solution: &Solution) -> Result<OrbitPanels, vibrochain_breather::BreatherError> {
+        let orbit = &solution.orbit;
+        let model = orbit.model();
+        let mut motion = Motion::of(orbit)?;
+        let at = |impacts: &[Impact]| format!("at t = {:.4}", impacts.first().map_or(0.0, |impact| impact.time));
+        let profiles = plots::profiles(orbit, &mut motion, at);
+        // Between samples the tips of a trace, which are its impacts, would be cut off.
+        let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period()).rem_euclid(1.0));
+        let mut parts: Vec<f64> = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).chain(impacts).collect();
+        parts.sort_by(f64::total_cmp);
+        let traces = orbit
+            .hit_sites()
+            .into_iter()
+            .map(|site| {
+                let at = |part: &f64| (*part, motion.at(site, part * orbit.period()).displacement);
+                (site, parts.iter().map(at).collect())
+            })
+            .collect();
+        let state = match (&solution.admissibility.is_physical(), &solution.multipliers) {
+            (false, _) => "not physical".to_owned(),
+            (true, Err(_)) => "physical".to_owned(),
+            (true, Ok(Multipliers { verdict, .. })) => match verdict.mechanism {
+                None if verdict.marginal => "marginal".to_owned(),
+                None => "stable".to_owned(),
+                Some(mechanism) => {
+                    format!("unstable, {}, |μ| = {:.6}", plots::loss(mechanism), verdict.spectral_radius)
+                }
+            },
+        };
+        let caption = format!("{} breather {}: {}; {state}", orbit.name(), i + 1, describe(model));
+        let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
+        Ok(OrbitPanels { caption, x: plots::along(orbit), profiles, traces, barriers })
+    }
+}
+
+#[cfg(not(feature = "plot"))]
+mod without_plot {
+    use super::{CliError, Console, OrbitArgs, Solution};
+
+    pub(super) struct Plot;
+
+    impl Plot {
+        pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
+            if args.plot.is_some() || args.all_plots.is_some() {
+                let message = "--plot and --all-plots need a build with the feature `plot`";
+                return Err(CliError::Request(message.to_owned()));
+            }
+            Ok(Self)
+        }
+
+        pub(super) fn finish(self, _: &[Solution], _: &mut Console<'_>) -> Result<(), CliError> {
+            Ok(())
+        }
+    }
+}

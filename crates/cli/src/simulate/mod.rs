@@ -1,0 +1,410 @@
+//! `mapgen simulate`: an event-driven run from an orbit or from any state.
+
+pub(crate) mod animate;
+pub(crate) mod pace;
+pub mod recording;
+pub(crate) mod section;
+pub mod start;
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use vibrochain_breather::{Finder, Motion, Orbit};
+use vibrochain_eventsim::{Event, Limits, Outcome, Report, Simulation, Time};
+use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
+use vibrochain_floquet::{Analyser, Tolerance};
+use vibrochain_lattice::{Short, Stop};
+
+use crate::args::{Direction, SimulateArgs};
+use crate::common::caption::perturbed;
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::model::{Chosen, chosen};
+use crate::common::schemas::SIMULATE;
+use crate::common::which;
+use crate::orbit::point_value;
+use crate::simulate::animate::Film;
+use crate::simulate::pace::Pace;
+use crate::simulate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
+use crate::simulate::section::Section;
+use crate::simulate::start::{Start, leading_mode_at};
+use vibrochain_maps::files::distinct;
+use vibrochain_maps::numbers::Number;
+
+/// Samples that may be asked for in all; more would be centuries of work.
+const MAX_STEPS: u64 = 1 << 48;
+
+/// Windows of flight that a run may need at least, impacts aside; of a single mass 1e15 are some three years.
+const MAX_WINDOWS: f64 = 1e15;
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`].
+pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let chosen = chosen(&args.model, console)?;
+    let model = chosen.model;
+    if args.samples == 0 || args.samples > 1_000_000 {
+        let message = format!("--samples {} is out of range: give a whole number from 1 to 1000000", args.samples);
+        return Err(CliError::Request(message));
+    }
+    let periods = args.periods;
+    if !(periods >= 0.0 && periods.is_finite()) {
+        return Err(CliError::Request(format!("--periods {periods} is out of range: give a number from 0")));
+    }
+    if periods * args.samples as f64 > MAX_STEPS as f64 {
+        let message = format!(
+            "--periods {periods} with {} samples each is out of range: give at most {MAX_STEPS} samples in all",
+            args.samples
+        );
+        return Err(CliError::Request(message));
+    }
+    let taken = distinct(
+        &[
+            ("--scene", args.model.scene.as_deref()),
+            ("--near", args.which.near.as_deref()),
+            ("--state", args.state.as_deref()),
+        ],
+        &[
+            ("--impacts", args.impacts.as_deref()),
+            ("--trajectory", args.trajectory.as_deref()),
+            ("--section", args.section.as_deref()),
+            ("--plot", args.plot.as_deref()),
+            ("--animate", args.animate.as_deref()),
+        ],
+    )?;
+    nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
+    let (start, home) = starting_point(args, &chosen, &stop, console)?;
+    let orbit = home.as_ref().map(|home| &home.orbit);
+    let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
+        .map_err(|error| CliError::Request(error.to_string()))?;
+    let end = Time::new(&model, periods.trunc() as u64, periods.fract());
+    let windows = simulation.least_windows(end);
+    if windows > MAX_WINDOWS && args.max_impacts.is_none() {
+        return Err(CliError::Request(format!(
+            "--periods {periods} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
+            Number(model.omega()),
+            // Half of it, so that the one digit is not rounded beyond the limit.
+            0.5 * periods / windows * MAX_WINDOWS
+        )));
+    }
+
+    let mut impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
+    let mut trajectory =
+        args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
+    let mut section = Section::open(args, &model, orbit, &start)?;
+    let mut plot = Plot::open(args, &model, orbit, &start)?;
+    let mut film = Film::open(args, &model, orbit)?;
+
+    // Samples if somebody wants them, the last one at the end; otherwise the end alone.
+    let samples = if trajectory.is_some() || plot.is_wanted() || film.is_wanted() { args.samples } else { 0 };
+    let sampled = (periods * samples as f64) as u64;
+    let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
+    let mut pace = Pace::new(periods, args.max_impacts, console);
+    let portion = Limits::portion(model.chain().sites());
+    let mut counts = Counts::default();
+    let pattern = orbit.map(Pattern::of);
+    let mut witness = Witness::new(&model, pattern.as_ref().map(|pattern| (pattern, start.time)));
+    let mut observe = |event: &Event,
+                       impacts: &mut Option<ImpactTable>,
+                       section: &mut Option<Section>,
+                       plot: &mut Plot,
+                       film: &mut Film| {
+        counts.see(event, impacts);
+        witness.see(event);
+        plot.hit(event);
+        film.hit(event);
+        section.iter_mut().for_each(|section| section.see(event));
+    };
+    let begin = Limits::until(Time::new(&model, 0, 0.0));
+    let mut report = simulation.run(&begin, |event| observe(event, &mut impacts, &mut section, &mut plot, &mut film));
+    let mut step = 0_u64;
+    let mut stopped = false;
+    loop {
+        trajectory.iter_mut().try_for_each(|trajectory| trajectory.write(&simulation))?;
+        plot.see(&simulation);
+        film.see(&simulation);
+        let unwritten = impacts.as_mut().and_then(|table| table.failure.take());
+        if let Some(error) = unwritten.or_else(|| section.as_mut().and_then(Section::failed)) {
+            return Err(error);
+        }
+        if stopped || report.outcome != Outcome::TimeReached || step >= total {
+            break;
+        }
+        step += 1;
+        let time = if step > sampled {
+            end
+        } else {
+            Time::new(&model, step / samples, (step % samples) as f64 / samples as f64)
+        };
+        // In portions of work, so that Ctrl-C is heard however long a period takes; with the looks of the section on the way.
+        loop {
+            let look = section.as_ref().and_then(|section| section.due(time));
+            let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
+            let limits = Limits { until: look.or(Some(time)), impacts: left, flights: portion, ..Limits::default() };
+            report = simulation.run(&limits, |event| observe(event, &mut impacts, &mut section, &mut plot, &mut film));
+            stopped = stop.is_raised();
+            pace.see(&report, console);
+            if let (Some(_), Outcome::TimeReached, Some(section)) = (look, report.outcome, &mut section) {
+                section.look(&simulation)?;
+            } else if report.outcome != Outcome::WorkLimit {
+                break;
+            }
+            if stopped {
+                break;
+            }
+        }
+    }
+    pace.finish();
+
+    // What was simulated is kept, however the run ended.
+    impacts.map_or(Ok(()), ImpactTable::finish)?;
+    trajectory.map_or(Ok(()), Trajectory::finish)?;
+    section.map_or(Ok(()), Section::finish)?;
+    plot.finish()?;
+    film.finish()?;
+    let distance = orbit.map(|orbit| deviation(orbit, &simulation, start.time)).transpose()?;
+    let told = Told {
+        args,
+        simulation: &simulation,
+        report: &report,
+        stopped,
+        start: start.time,
+        home: home.as_ref(),
+        fate: witness.outcome(simulation.time()),
+        distance,
+        events: counts.events,
+    };
+    let text = if args.json { format!("{:#}\n", told.value()) } else { told.text(console.verbose) };
+    console.answer(&text, args.json, taken)?;
+    match report.outcome {
+        _ if stopped => Err(interrupted(args, &simulation)),
+        Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
+        Outcome::Cascade { site, barrier, bounces } => Err(CliError::Computation(format!(
+            "site {} has met the {barrier} barrier {bounces} times in a cascade that does not end: with restitution 1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1",
+            model.chain().layout().name(site)
+        ))),
+        Outcome::WorkLimit => {
+            Err(CliError::Computation("the limit on work was reached; simulate fewer periods".to_owned()))
+        }
+    }
+}
+
+/// The orbit that a run begins on, its number among all solutions, and theirs.
+struct Home {
+    orbit: Orbit,
+    number: usize,
+    count: usize,
+}
+
+/// The state to start from and the orbit to compare with.
+fn starting_point(
+    args: &SimulateArgs,
+    chosen: &Chosen,
+    stop: &Stop,
+    console: &mut Console<'_>,
+) -> Result<(Start, Option<Home>), CliError> {
+    if let Some(path) = &args.state {
+        return Ok((start::read(path, args.psi)?, None));
+    }
+    let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
+    let mut finder = Finder::new(model.chain().sites()).until(stop);
+    let (_, mut found) = which::find(&which, model, &mut finder, Some(console))?;
+    let count = found.orbits.len();
+    let mut taken = None;
+    for (i, orbit) in found.orbits.drain(..).enumerate() {
+        let physical = finder.admissibility(&orbit)?.is_physical();
+        if args.solution.map_or(physical, |number| number == i + 1) {
+            taken = Some((Home { orbit, number: i + 1, count }, physical));
+            break;
+        }
+    }
+    let home = match (taken, args.solution, found.completeness.reason()) {
+        (Some((home, true)), _, _) => home,
+        (Some((_, false)), Some(number), _) => {
+            return Err(CliError::Request(format!("solution {number} is not physical; `mapgen orbit` tells why")));
+        }
+        (_, Some(number), None) if count > 0 => {
+            return Err(CliError::Request(format!(
+                "--solution {number} is out of range: there are {count}, give 1 to {count}"
+            )));
+        }
+        (_, _, Some(reason)) => return Err(CliError::IllPosed(format!("no orbit to start from: {reason}"))),
+        _ if count == 0 => {
+            let message = format!("no orbit was found to start from, and the list is {}", found.completeness);
+            return Err(CliError::IllPosed(message));
+        }
+        _ => {
+            return Err(CliError::IllPosed(format!("no orbit to start from: none of {count} solutions is physical")));
+        }
+    };
+    let orbit = &home.orbit;
+    let mut start = Start::on(orbit)?;
+    if let Some(size) = args.perturb {
+        if !size.is_finite() {
+            return Err(CliError::Request(format!("--perturb {} is out of range: give a finite size", Short(size))));
+        }
+        match args.direction {
+            Direction::Random => start.perturb_at_random(model, size, args.seed),
+            Direction::Unstable => {
+                let verdict = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding)?.verdict;
+                if verdict.stable {
+                    let message = "--direction unstable: this breather is stable, it has no such direction; use --direction random";
+                    return Err(CliError::Request(message.to_owned()));
+                }
+                let mode = leading_mode_at(orbit, start.time, stop)?;
+                start.perturb_along(model, size, &mode);
+            }
+        }
+    }
+    Ok((start, Some(home)))
+}
+
+/// Largest distance of any mass from the orbit, now.
+fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, CliError> {
+    let mut motion = Motion::of(orbit)?;
+    motion.at(0, orbit_time(orbit, simulation.time(), start));
+    let state = simulation.state();
+    let masses = state.displacement.iter().enumerate();
+    Ok(masses.map(|(n, u)| (u - motion.site(n).displacement).abs()).fold(0.0, f64::max))
+}
+
+/// What is there of a run that was interrupted.
+fn interrupted(args: &SimulateArgs, simulation: &Simulation) -> CliError {
+    let time = simulation.time();
+    let files = [&args.impacts, &args.trajectory, &args.section, &args.plot, &args.animate].into_iter().flatten();
+    let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
+    let kept = match files.as_slice() {
+        [] => "no file was asked for".to_owned(),
+        [one] => format!("{one} holds the run up to there"),
+        several => format!("{} hold the run up to there", several.join(", ")),
+    };
+    CliError::Paused(format!("the run ends after {} of {} periods; {kept}", pace::periods(time), args.periods))
+}
+
+/// Events seen.
+#[derive(Debug, Default)]
+struct Counts {
+    events: u64,
+}
+
+impl Counts {
+    fn see(&mut self, event: &Event, table: &mut Option<ImpactTable>) {
+        self.events += 1;
+        if let Some(table) = table {
+            table.write(event);
+        }
+    }
+}
+
+/// What is told of a run.
+struct Told<'a> {
+    args: &'a SimulateArgs,
+    simulation: &'a Simulation,
+    report: &'a Report,
+    stopped: bool,
+    /// Time of the start, on the clock of the orbit.
+    start: f64,
+    home: Option<&'a Home>,
+    fate: vibrochain_fate::Outcome,
+    /// From the orbit, at the end.
+    distance: Option<f64>,
+    events: u64,
+}
+
+impl Told<'_> {
+    /// For programs, with the state at the end.
+    fn value(&self) -> Value {
+        let (simulation, fate) = (self.simulation, &self.fate);
+        let (work, time, state) = (simulation.work(), simulation.time(), simulation.state());
+        let outcome = match self.report.outcome {
+            _ if self.stopped => "interrupted",
+            Outcome::TimeReached => "time-reached",
+            Outcome::ImpactsReached => "impacts-reached",
+            Outcome::Cascade { .. } => "cascade",
+            Outcome::WorkLimit => "work-limit",
+        };
+        let word = match &fate.end {
+            Some(End::Another(word)) => Some(word.to_string()),
+            _ => None,
+        };
+        // The force repeats: its phase at the end needs no whole periods.
+        let psi = (state.psi + time.offset()).rem_euclid(simulation.model().period());
+        json!({
+            "schema": SIMULATE,
+            "outcome": outcome,
+            "parameters": point_value(simulation.model()),
+            "solution": self.home.map(|home| home.number),
+            "start": self.start,
+            "periods": time.periods(),
+            "offset": time.offset(),
+            "events": self.events,
+            "impacts": work.impacts,
+            "sticks": work.sticks,
+            "releases": work.releases,
+            "energy": simulation.energy(),
+            "left": fate.left,
+            "end": fate.end.as_ref().map(End::name),
+            "word": word,
+            "distance": self.distance,
+            "state": { "displacement": state.displacement, "velocity": state.velocity, "psi": psi },
+        })
+    }
+
+    /// For people. Writing to a String cannot fail.
+    fn text(&self, verbose: bool) -> String {
+        let (work, time, model) = (self.simulation.work(), self.simulation.time(), self.simulation.model());
+        let mut out = String::new();
+        let from = match self.home {
+            Some(Home { orbit, number, count }) => format!("{} breather, solution {number} of {count}", orbit.name()),
+            None => "from a state".to_owned(),
+        };
+        let _ = writeln!(out, "{from}{}; {model}", perturbed(self.args));
+        let end = match self.report.outcome {
+            _ if self.stopped => ", interrupted",
+            Outcome::TimeReached => "",
+            Outcome::ImpactsReached => ", number of impacts reached",
+            Outcome::Cascade { .. } => ", a cascade of impacts could not be resolved",
+            Outcome::WorkLimit => ", limit on work reached",
+        };
+        let rests = match work.sticks {
+            0 => String::new(),
+            1 => ", 1 rest on a barrier".to_owned(),
+            rests => format!(", {rests} rests on a barrier"),
+        };
+        let _ = writeln!(out, "{} periods, {} impacts{rests}{end}", pace::periods(time), work.impacts);
+        let _ = writeln!(out, "outcome: {}", self.outcome());
+        if let Some(distance) = self.distance {
+            let _ = writeln!(out, "largest distance from the orbit at the end: {distance:.3e}");
+        }
+        if verbose {
+            let _ = writeln!(
+                out,
+                "events {}, windows of flight {}, restarts {}, bounds {}, masses watched {}, refinements {}",
+                self.events, work.windows, work.restarts, work.bounds, work.watched, work.refinements
+            );
+        }
+        out
+    }
+
+    /// What the run has come to, in a sentence.
+    fn outcome(&self) -> String {
+        let last = self.simulation.time().periods().min(LOOKED_AT);
+        let ends = match &self.fate.end {
+            Some(End::Another(word)) => format!("its impacts repeat as {word}"),
+            Some(End::Quiet) => format!("there is no impact in its last {last} periods"),
+            None if self.simulation.time().periods() < 2 => "it is too short to tell".to_owned(),
+            _ => "its impacts do not repeat".to_owned(),
+        };
+        match (self.home, self.fate.left, &self.fate.end) {
+            (Some(_), None, Some(End::Breather)) => "it stays on the breather".to_owned(),
+            (Some(_), None, None) => "it stays near the breather".to_owned(),
+            (Some(_), Some(left), Some(End::Breather)) => {
+                format!("it left the breather after {left:.1} periods and has come back to it")
+            }
+            (Some(_), Some(left), _) => format!("it left the breather after {left:.1} periods; at the end {ends}"),
+            _ => ends,
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! How far a long simulation is and how long it will take, for people: a bar on a terminal, elsewhere a line now and then.
+
+use std::time::{Duration, Instant};
+
+use indicatif::ProgressBar;
+use vibrochain_eventsim::{Report, Time};
+
+use crate::common::console::Console;
+use crate::common::progress::bar;
+use vibrochain_maps::text::duration;
+
+/// Where no terminal shows a bar, the first line comes after this time, each further one when the time has doubled: a short
+/// run says nothing, a log of days holds some twenty lines.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Steps of the bar.
+const STEPS: u64 = 1_000_000;
+
+/// A time in periods, in digits that tell it from zero.
+pub(crate) fn periods(time: Time) -> String {
+    let periods = time.periods() as f64 + time.part();
+    if periods == 0.0 || periods >= 1e-3 { format!("{periods:.6}") } else { format!("{periods:.3e}") }
+}
+
+/// The pace of a run.
+pub(crate) struct Pace {
+    bar: ProgressBar,
+    begun: Instant,
+    next: Duration,
+    periods: f64,
+    impacts: Option<u64>,
+}
+
+impl Pace {
+    /// Of a run that ends after so many periods, or impacts if they come first.
+    pub(crate) fn new(periods: f64, impacts: Option<u64>, console: &Console<'_>) -> Self {
+        let bar = bar(STEPS, "{bar:32} {percent:>3}%  {msg}", console.progress);
+        Self { bar, begun: Instant::now(), next: PATIENCE, periods, impacts }
+    }
+
+    /// Tells, if it is time to.
+    pub(crate) fn see(&mut self, report: &Report, console: &mut Console<'_>) {
+        let elapsed = self.begun.elapsed();
+        // The bar draws itself less often than it is told.
+        let due = if console.progress { Duration::from_millis(100) } else { elapsed };
+        if elapsed < self.next {
+            return;
+        }
+        self.next = elapsed + due;
+        let part = self.part(report);
+        let text = self.text(report, part, elapsed);
+        if console.progress {
+            self.bar.set_position((part * STEPS as f64) as u64);
+            self.bar.set_message(text);
+        } else {
+            let advice = "Ctrl-C ends it here and keeps its files";
+            console.summary(&format!("after {}: {text}; {advice}", duration(elapsed.as_secs_f64())));
+        }
+    }
+
+    pub(crate) fn finish(self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// The part of the run that is done.
+    fn part(&self, report: &Report) -> f64 {
+        let time = (report.time.periods() as f64 + report.time.part()) / self.periods.max(f64::MIN_POSITIVE);
+        let impacts = self.impacts.map_or(0.0, |most| report.work.impacts as f64 / most.max(1) as f64);
+        time.max(impacts).min(1.0)
+    }
+
+    fn text(&self, report: &Report, part: f64, elapsed: Duration) -> String {
+        let left = elapsed.as_secs_f64() * (1.0 - part) / part;
+        let left =
+            if left.is_finite() { format!("about {} left", duration(left)) } else { "no end in sight".to_owned() };
+        format!("{} of {} periods, {} impacts, {left}", periods(report.time), self.periods, report.work.impacts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_eventsim::{Outcome, Work};
+    use vibrochain_lattice::{Chain, Model};
+
+    use super::*;
+
+    #[test]
+    fn what_is_left_follows_from_time_or_impacts_whichever_end_is_nearer() {
+        let model = Model::conservative(Chain::new(1, 1.0, 0.0).unwrap(), 2.0, 0.0).unwrap();
+        let quiet = |pace: &Pace, part: f64, impacts: u64, seconds: u64| {
+            let work = Work { impacts, ..Work::default() };
+            let report = Report { outcome: Outcome::WorkLimit, time: Time::new(&model, 0, part), work };
+            pace.text(&report, pace.part(&report), Duration::from_secs(seconds))
+        };
+        let (mut out, mut err) = (Vec::new(), Vec::new());
+        let interrupt = crate::common::console::ctrl_c;
+        let console = Console::new(&mut out, &mut err, &interrupt);
+        let pace = Pace::new(20.0, None, &console);
+        assert_eq!(quiet(&pace, 5.0, 10, 10), "5.000000 of 20 periods, 10 impacts, about 30.0 s left");
+        assert_eq!(quiet(&pace, 2e-9, 7, 10), "2.000e-9 of 20 periods, 7 impacts, about 3168.8 years left");
+        assert_eq!(quiet(&pace, 0.0, 0, 10), "0.000000 of 20 periods, 0 impacts, no end in sight");
+        let pace = Pace::new(20.0, Some(100), &console);
+        assert_eq!(quiet(&pace, 2.0, 50, 10), "2.000000 of 20 periods, 50 impacts, about 10.0 s left");
+        let short = Pace::new(0.25, None, &console);
+        assert_eq!(quiet(&short, 0.125, 0, 4), "0.125000 of 0.25 periods, 0 impacts, about 4.0 s left");
+    }
+}

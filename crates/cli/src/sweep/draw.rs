@@ -1,0 +1,237 @@
+//! `mapgen draw`: pictures of a table that has been written, without computing it again.
+
+use std::path::Path;
+
+use vibrochain_fate::{Ensemble, Fates};
+use vibrochain_lattice::Parameter;
+use vibrochain_maps::files::distinct;
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::sweep::{Cells, Watcher};
+use vibrochain_plot::curves_picture;
+
+use crate::args::{DrawArgs, OF_BRANCHES, QuantityName, SHOWN};
+use crate::branch::table::Table;
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::picture_files::{PictureFiles, of_no_map};
+use crate::common::pictures::Pictures;
+use crate::common::table_manifest::{OfRuns, manifest_path, read};
+use crate::common::table_rows::TableRows;
+use crate::common::threads::threads;
+use crate::fate::plot::Plot;
+use crate::fate::{ENDS, SECTION};
+use crate::stripes;
+use crate::sweep::report::{counted, size};
+
+/// Columns of a table that are told of one that is not known.
+const TOLD: usize = 6;
+
+/// Tables that have a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Cells,
+    Ends,
+    Section,
+    Branch,
+    Curve,
+    Lines,
+}
+
+impl Kind {
+    /// By the names of its columns.
+    fn of(columns: &[&str]) -> Result<Self, String> {
+        let has = |name: &str| columns.contains(&name);
+        let is_diagram = || {
+            columns.get(1) == Some(&"period") && columns.get(2).is_some_and(|name| name.starts_with("displacement_"))
+        };
+        let is_curve = || {
+            let [x, y] = [2, 3].map(|i| columns.get(i).copied().and_then(Parameter::from_name));
+            x.zip(y).is_some_and(|(x, y)| columns == crate::curve::table::header([x.name(), y.name()]))
+        };
+        if columns == crate::branch::table::HEADER {
+            Ok(Self::Branch)
+        } else if columns == stripes::COLUMNS {
+            Ok(Self::Lines)
+        } else if is_curve() {
+            Ok(Self::Curve)
+        } else if has("share_breather") {
+            Ok(Self::Ends)
+        } else if is_diagram() && Parameter::from_name(columns[0]).is_some() {
+            Ok(Self::Section)
+        } else if has("class") && has("status") {
+            Ok(Self::Cells)
+        } else if columns.first() == Some(&"border") {
+            Err("it has the borders of a window, and not what lives between them, which is what the picture of `mapgen curves` shows: \
+                 draw that anew, or draw a table of sweep with --curves"
+                .to_owned())
+        } else {
+            let mut told = columns.iter().take(TOLD).copied().collect::<Vec<_>>().join(",");
+            if columns.len() > TOLD {
+                told += ",…";
+            }
+            Err(format!(
+                "no picture is known of the columns {told}: give a table of sweep, merge, fate, branch, curve or stripes"
+            ))
+        }
+    }
+
+    /// Its command, as messages have it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Cells => "sweep",
+            Self::Ends => ENDS,
+            Self::Section => SECTION,
+            Self::Branch => "branch",
+            Self::Curve => "curve",
+            Self::Lines => stripes::LINES,
+        }
+    }
+
+    /// Refuses flags that are of other tables.
+    fn takes(self, args: &DrawArgs) -> Result<(), CliError> {
+        let flags = [
+            ("--show", !args.show.is_empty(), "of sweep or branch", matches!(self, Self::Cells | Self::Branch)),
+            ("--all", args.all, "of branch or stripes", matches!(self, Self::Branch | Self::Lines)),
+            ("--map", args.map.is_some(), "of stripes", self == Self::Lines),
+        ];
+        if let Some((flag, _, whose, _)) = flags.iter().find(|(_, given, _, taken)| *given && !taken) {
+            let name = self.name();
+            return Err(CliError::Request(format!("{flag} is of tables {whose}, this is one of {name}: leave it out")));
+        }
+        if self == Self::Cells {
+            Ok(())
+        } else {
+            of_no_map(&args.pictures, false, &format!("this is a table of {}", self.name()))
+        }
+    }
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`CliError`].
+pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let wanted = &args.pictures;
+    let outputs = wanted.beside(&[]);
+    if outputs.is_empty() {
+        return Err(CliError::Request("nothing is asked for: give --plot FILE, .png, .svg or .pdf".to_owned()));
+    }
+    let manifest = manifest_path(&args.table);
+    let source = args.scene.as_deref().unwrap_or(&manifest);
+    let inputs =
+        [("the table", Some(args.table.as_path())), ("the scene", Some(source)), ("--map", args.map.as_deref())];
+    nothing_else(false, distinct(&inputs, &outputs)?)?;
+    let table = TableRows::open("table", &args.table)?;
+    let kind = Kind::of(&table.columns()).map_err(|what| table.wrong(&what))?;
+    kind.takes(args)?;
+    if args.scene.is_none() && !manifest.exists() {
+        let what = if kind == Kind::Cells { "the scene of the table" } else { "its manifest" };
+        let message =
+            format!("{} is not there, which says what the table is of: give {what} by --scene", manifest.display());
+        return Err(CliError::Request(message));
+    }
+    let told = match kind {
+        Kind::Cells => cells(args, table, source, console)?,
+        Kind::Ends => ends(PictureFiles::asked(wanted)?, table, source)?,
+        Kind::Section => section(PictureFiles::asked(wanted)?, table, source)?,
+        Kind::Branch => branch(args, table, source)?,
+        Kind::Curve => curve(PictureFiles::asked(wanted)?, table, source)?,
+        Kind::Lines => {
+            let Some(map) = args.map.as_deref() else {
+                let what =
+                    "it has the lines alone: give the table of the map that they lie on, of the same scene, by --map";
+                return Err(table.wrong(what));
+            };
+            let (rows, _): (_, serde_json::Value) = read(source, stripes::LINES)?;
+            let lines = stripes::redraw(PictureFiles::asked(wanted)?, (table, rows), source, map, args.all)?;
+            counted(lines, "line")
+        }
+    };
+    console.summary(&told);
+    Ok(())
+}
+
+fn cells(args: &DrawArgs, table: TableRows, source: &Path, console: &mut Console<'_>) -> Result<String, CliError> {
+    let scene = Scene::read(source)?;
+    let pool = threads(console.threads)?;
+    let show = match args.show.as_slice() {
+        [] => QuantityName::default(),
+        [one] => *one,
+        [..] => {
+            return Err(CliError::Request("--show: the cells of a map have one colour: give one of these".to_owned()));
+        }
+    };
+    let stop = (console.interrupt)()?;
+    let mut pictures = Pictures::plan(&args.pictures, show, &scene)?;
+    pictures.begin();
+    let summary = table.cells(&Cells, &scene, &mut |number, cell| pictures.cell(number, cell))?;
+    let told = pictures.find_borders(&pool, &stop, console.progress)?;
+    pictures.finish()?;
+    Ok(size(&scene, &summary) + &told)
+}
+
+/// What the tables of ensembles are of: rows, scene, runs.
+fn of_runs(source: &Path, command: &str) -> Result<(u64, Scene, Ensemble), CliError> {
+    let (rows, OfRuns { ensemble }) = read(source, command)?;
+    let (scene, ensemble) = (Scene::read(source)?, Ensemble::from(ensemble));
+    ensemble
+        .check(scene.base.sites())
+        .map_err(|error| CliError::Request(format!("manifest {}: {error}", source.display())))?;
+    Ok((rows, scene, ensemble))
+}
+
+fn ends(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
+    let (_, scene, ensemble) = of_runs(source, ENDS)?;
+    let mut plot = Plot::of_ends(files, &scene)?;
+    let fates = Fates { ensemble, ..Fates::default() };
+    table.cells(&fates, &scene, &mut |_, cell| plot.see(cell))?;
+    plot.finish(&scene, &ensemble)?;
+    Ok(counted(scene.cells(), "cell"))
+}
+
+fn section(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
+    let (rows, scene, ensemble) = of_runs(source, SECTION)?;
+    if scene.axes.len() != 1 || table.columns()[0] != scene.axes[0].parameter.name() {
+        return Err(table.wrong(&format!("it is not over the axis of its scene, {}", scene.axis_names())));
+    }
+    let mut plot = Plot::of_diagram(files, &scene)?;
+    table.rows(rows, |fields| {
+        let value = fields.finite()?;
+        let _period: u64 = fields.value()?;
+        plot.see_point(value, fields.finite()?);
+        Ok(())
+    })?;
+    plot.finish(&scene, &ensemble)?;
+    Ok(counted(rows, "point"))
+}
+
+fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, CliError> {
+    let (rows, about): (_, crate::branch::table::About) = read(source, "branch")?;
+    let wrong = |what: String| CliError::Request(format!("manifest {}: {what}", source.display()));
+    let free = Parameter::from_name(&about.free);
+    let free = free.ok_or_else(|| wrong(format!("its free parameter is `{}`", about.free)))?;
+    let branches = about.branches.iter().map(|_| Vec::new()).collect();
+    let mut diagram = Table { about, branches };
+    table.rows(rows, |fields| diagram.take(fields))?;
+    if let Some(other) = args.show.iter().find(|name| !OF_BRANCHES.contains(name)) {
+        let known = OF_BRANCHES.map(|name| name.to_string()).join(", ");
+        return Err(CliError::Request(format!("--show {other} is of maps: of a branch give some of {known}")));
+    }
+    let shown = if args.show.is_empty() { &SHOWN[..] } else { &args.show };
+    let picture = crate::branch::plot::picture(&diagram, free, shown, args.all);
+    PictureFiles::asked(&args.pictures)?.draw(|page| curves_picture(&picture, page))?;
+    Ok(format!("{} branches of {rows} points and events", diagram.branches.len()))
+}
+
+fn curve(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
+    let (rows, about): (_, crate::curve::table::About) = read(source, "curve")?;
+    let window = about.window().filter(|window| table.columns()[2..4] == window.parameters.map(Parameter::name));
+    let Some(window) = window else {
+        return Err(table.wrong(&format!("its columns are not those of the window in {}", source.display())));
+    };
+    let mut curves = Vec::new();
+    table.rows(rows, |fields| crate::curve::table::take(&mut curves, fields))?;
+    let picture = crate::curve::plot::picture(&about.heading, &window, &curves);
+    files.draw(|page| curves_picture(&picture, page))?;
+    Ok(format!("{} of {}", counted(curves.len(), "curve"), counted(rows, "point")))
+}

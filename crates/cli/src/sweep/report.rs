@@ -1,0 +1,86 @@
+//! What a sweep has found, in a few lines for people.
+
+use crate::common::threads::cores;
+use vibrochain_floquet::Tolerance;
+use vibrochain_maps::cell::{Class, Status};
+use vibrochain_maps::manifest::Effort;
+use vibrochain_maps::scene::{Refine, Scene};
+use vibrochain_maps::summary::{SLOW, Summary};
+
+/// "1 cell", "2 cells".
+pub(crate) fn counted(count: impl TryInto<u64>, thing: &str) -> String {
+    // (A count that is beyond 64 bits is none that a machine can hold.)
+    let count = count.try_into().unwrap_or(u64::MAX);
+    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
+}
+
+/// "400 × 300": the points of the axes.
+pub(crate) fn grid(scene: &Scene) -> String {
+    scene.axes.iter().map(|axis| axis.points().to_string()).collect::<Vec<_>>().join(" × ")
+}
+
+/// What a table has: its cells, or its leaves where the grid is refined.
+pub(crate) fn size(scene: &Scene, summary: &Summary) -> String {
+    let (cells, finest) = (summary.cells(), scene.finest());
+    match scene.refine {
+        None => format!("{} ({})", counted(cells, "cell"), grid(scene)),
+        Some(Refine { depth }) => {
+            let (leaves, coarse, fine) = (summary.computed, grid(scene), grid(&finest));
+            format!("{leaves} leaves for {cells} cells ({fine}: {coarse}, refined {depth} times)")
+        }
+    }
+}
+
+/// The summary of a finished table.
+pub(crate) fn report(scene: &Scene, summary: &Summary, effort: Option<&Effort>) -> String {
+    let cells = summary.cells();
+    let mut lines = vec![size(scene, summary)];
+    let share = |count: u64| 100.0 * count as f64 / cells as f64;
+    for (class, &count) in Class::ALL.iter().zip(&summary.classes).filter(|(_, count)| **count > 0) {
+        lines.push(format!("  {:<16} {count:>9}  {:5.1} %", class.name(), share(count)));
+    }
+    // Under a force hardly anything is strictly stable, and most of it grows so slowly that nobody sees it.
+    if summary.slow > 0 && scene.task.tolerance == Tolerance::Rounding {
+        let unstable = [Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord];
+        let unstable: u64 = unstable.iter().map(|class| summary.classes[*class as usize]).sum();
+        lines.push(format!(
+            "{} of the {unstable} unstable cells grow by less than {} % a period: --threshold {SLOW} calls them stable",
+            summary.slow,
+            100.0 * SLOW
+        ));
+    }
+    for (status, &count) in Status::ALL.iter().zip(&summary.statuses).skip(1).filter(|(_, count)| **count > 0) {
+        lines.push(format!("  status {:<16} {count:>9}", status.name()));
+    }
+    lines.extend(effort.map(speed));
+    lines.push(format!("worst residual of an orbit {:.1e}", summary.worst_residual));
+    lines.extend(scene.may_miss().map(|what| format!("may have missed: {what}")));
+    lines.join("\n")
+}
+
+/// How fast it went.
+pub(crate) fn speed(effort: &Effort) -> String {
+    speed_on(effort, cores())
+}
+
+/// The same, on a machine of so many cores.
+fn speed_on(effort: &Effort, cores: usize) -> String {
+    let Effort { threads, computed_cells, wall_seconds } = *effort;
+    // Threads that share a core do not each have one.
+    let per_cell = wall_seconds * 1e6 * threads.min(cores) as f64 / computed_cells.max(1) as f64;
+    let plural = if threads == 1 { "" } else { "s" };
+    format!("{wall_seconds:.3} s on {threads} thread{plural}, {per_cell:.2} µs per cell and core")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_beyond_the_cores_make_no_cell_dearer() {
+        let told = |threads| speed_on(&Effort { threads, computed_cells: 1_000_000, wall_seconds: 1.5 }, 2);
+        assert_eq!(told(1), "1.500 s on 1 thread, 1.50 µs per cell and core");
+        assert_eq!(told(2), "1.500 s on 2 threads, 3.00 µs per cell and core");
+        assert_eq!(told(200), "1.500 s on 200 threads, 3.00 µs per cell and core");
+    }
+}

@@ -1,0 +1,3 @@
+//! Exact free flight.
+
+pub(crate) mod propagator;

@@ -1,0 +1,104 @@
+//! Values in words, one line each; numbers in the fewest digits that read back the same.
+
+use std::fmt::{Display, Formatter, Result};
+
+use crate::error::Short;
+use crate::model::force::{Force, Harmonic};
+use crate::model::parameter::Parameter;
+use crate::model::params::{Barrier, Chain, Layout, Model};
+use crate::modes::row::Ends;
+
+/// The name in files.
+impl Display for Barrier {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.pad(self.name())
+    }
+}
+
+/// The name in files.
+impl Display for Ends {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.pad(self.name())
+    }
+}
+
+/// The name in files.
+impl Display for Parameter {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.pad(self.name())
+    }
+}
+
+/// As the flag `--force` of `mapgen` takes it: number:amplitude:phase.
+impl Display for Force {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        for (i, Harmonic { number, amplitude, phase }) in self.harmonics().iter().enumerate() {
+            let comma = if i == 0 { "" } else { "," };
+            write!(f, "{comma}{number}:{}:{}", Short(*amplitude), Short(*phase))?;
+        }
+        Ok(())
+    }
+}
+
+/// "21 masses (N = 20)", "12 masses, free ends", "11 masses × 2 layers".
+impl Display for Layout {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{} {}", self.length, if self.length == 1 { "mass" } else { "masses" })?;
+        // The paper's letter, of what it treats.
+        if self.is_ring() && self.length > 1 {
+            write!(f, " (N = {})", self.length - 1)?;
+        }
+        if self.layers > 1 {
+            write!(f, " × {} layers", self.layers)?;
+        }
+        if self.ends != Ends::Closed {
+            write!(f, ", {} ends", self.ends)?;
+        }
+        // The first and last of two layers are neighbours anyway, if by one spring only.
+        let closed = self.layers > 1 && self.layer_ends != Ends::Free;
+        if closed { write!(f, ", {} layers", self.layer_ends) } else { Ok(()) }
+    }
+}
+
+impl Display for Chain {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let (gamma1, gamma2) = (Short(self.gamma1()), Short(self.gamma2()));
+        write!(f, "{}, gamma1 = {gamma1}, gamma2 = {gamma2}", self.layout())?;
+        if self.layers() > 1 { write!(f, ", gamma3 = {}", Short(self.gamma3())) } else { Ok(()) }
+    }
+}
+
+impl Display for Model {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{}, omega = {}, asymmetry = {}, ", self.chain(), Short(self.omega()), Short(self.asymmetry()))?;
+        match self.force().cosine_amplitude() {
+            Some(amplitude) => write!(f, "amplitude = {}", Short(amplitude))?,
+            None => write!(f, "force = {}", self.force())?,
+        }
+        write!(f, ", restitution = {}", Short(self.restitution()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_one_line_of_words() {
+        let chain = Chain::new(1, 0.2, 1e-9).unwrap();
+        let plain = Model::forced(chain, 1.5, 0.1 + 0.2, 0.0, 1.0).unwrap();
+        let words = "1 mass, gamma1 = 0.2, gamma2 = 1e-9, omega = 1.5, asymmetry = 0.30000000000000004";
+        assert_eq!(plain.to_string(), format!("{words}, amplitude = 0, restitution = 1"));
+        let ring = Chain::new(21, 0.2, 0.1).unwrap();
+        assert_eq!(ring.to_string(), "21 masses (N = 20), gamma1 = 0.2, gamma2 = 0.1");
+        let layered = Chain::new(4, 0.2, 0.1).unwrap().with_ends(Ends::Fixed).with_layers(2, 0.3, Ends::Free).unwrap();
+        let expected = "4 masses × 2 layers, fixed ends, gamma1 = 0.2, gamma2 = 0.1, gamma3 = 0.3";
+        assert_eq!(layered.to_string(), expected);
+        let terms =
+            [(5, -0.03, 0.5), (1, 0.1, 0.0)].map(|(number, amplitude, phase)| Harmonic { number, amplitude, phase });
+        let force = Force::new(&terms).unwrap();
+        let model = Model::with_force(chain, 1.5, 0.1 + 0.2, &force, 0.9).unwrap();
+        assert_eq!(model.to_string(), format!("{words}, force = 1:0.1:0,5:-0.03:0.5, restitution = 0.9"));
+        assert_eq!(format!("{} {:>6}", Parameter::Gamma1, Barrier::Upper), "gamma1  upper");
+    }
+}

@@ -1,0 +1,379 @@
+//! What the picture of a map shows of its cells, collected as they come.
+//!
+//! Of more than thousands along an axis a few share a place, and none of them is left out, or a stripe one cell wide would be there or
+//! not as its column happens to be. Classes have their shares of the place; of a number the one that stands out is kept.
+
+use std::ops::Range;
+
+use vibrochain_maps::cell::Cell;
+use vibrochain_maps::extent::Extent;
+use vibrochain_maps::scene::{Axis, Scene};
+
+use crate::backend::drawing::Rgb;
+use crate::map::palette::{Palette, Tile};
+use crate::map::quantity::{Bar, Quantity, Shade};
+
+/// Places along an axis, at most: viewers open a picture of so many pixels.
+const MOST: usize = 6000;
+
+/// How many cells along an axis share a place.
+pub(crate) fn sharing(axis: &Axis) -> usize {
+    axis.points().div_ceil(MOST).max(1)
+}
+
+/// Places along an axis.
+pub(crate) fn places(axis: &Axis) -> usize {
+    axis.points().div_ceil(sharing(axis))
+}
+
+/// Whether the picture of a sweep over one axis shows cell number `cell`: all do, unless there are thousands.
+pub fn is_shown(axis: &Axis, cell: u64) -> bool {
+    cell.is_multiple_of(sharing(axis) as u64)
+}
+
+/// What is kept of the cells of a map.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// Columns and rows of cells, how many of each share a place, and places.
+    points: [usize; 2],
+    sharing: [usize; 2],
+    places: [usize; 2],
+    kept: Kept,
+}
+
+/// By places, the lowest row first; without any until the first cell comes.
+#[derive(Debug, Clone)]
+enum Kept {
+    /// What is drawn in each cell, by its number among those that have occurred.
+    Tiles(Vec<Tile>, Vec<u8>),
+    /// The same where several cells share a place.
+    Mixed(Vec<Tile>, Vec<Mix>),
+    Numbers(Quantity, Vec<Shade>),
+}
+
+/// The tiles of a place, by their numbers, and how many cells have each: a million cells along an axis are 167 a place, whose square is
+/// less than 65 536.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Mix {
+    tiles: [u8; KINDS],
+    cells: [u16; KINDS],
+}
+
+/// Kinds of tiles that a place can have. Where five meet, the last one counts as the fourth.
+const KINDS: usize = 4;
+
+/// What no cell has been.
+const UNSEEN: u8 = u8::MAX;
+
+impl Mix {
+    fn add(&mut self, tile: u8, cells: usize) {
+        let free = |i: &usize| self.cells[*i] == 0 || self.tiles[*i] == tile;
+        let i = (0..KINDS).find(free).unwrap_or(KINDS - 1);
+        if self.cells[i] == 0 {
+            self.tiles[i] = tile;
+        }
+        self.cells[i] = self.cells[i].saturating_add(u16::try_from(cells).unwrap_or(u16::MAX));
+    }
+
+    /// The tiles with their shares of the place.
+    fn shares(&self) -> impl Iterator<Item = (u8, f32)> {
+        let all: f32 = self.cells.map(f32::from).iter().sum();
+        let pairs = self.tiles.into_iter().zip(self.cells);
+        pairs.filter(|(_, cells)| *cells > 0).map(move |(tile, cells)| (tile, f32::from(cells) / all))
+    }
+}
+
+/// The number of a tile among those that have occurred: there are fewer kinds than numbers.
+fn number(known: &mut Vec<Tile>, tile: Tile) -> u8 {
+    let at = known.iter().position(|other| *other == tile).unwrap_or_else(|| {
+        known.push(tile);
+        known.len() - 1
+    });
+    u8::try_from(at).unwrap_or(UNSEEN)
+}
+
+impl Shown {
+    /// Of the classes of a scene's cells; of no cell of one that has not two axes.
+    pub fn classes(scene: &Scene) -> Self {
+        Self::of(scene, |is_shared| {
+            if is_shared { Kept::Mixed(Vec::new(), Vec::new()) } else { Kept::Tiles(Vec::new(), Vec::new()) }
+        })
+    }
+
+    /// Of a number.
+    pub fn numbers(scene: &Scene, quantity: Quantity) -> Self {
+        Self::of(scene, |_| Kept::Numbers(quantity, Vec::new()))
+    }
+
+    fn of(scene: &Scene, kept: impl FnOnce(bool) -> Kept) -> Self {
+        let each = |count: fn(&Axis) -> usize| scene.plane().map_or([0; 2], |axes| axes.map(count));
+        let sharing = each(sharing);
+        Self { points: each(Axis::points), sharing, places: each(places), kept: kept(sharing != [1; 2]) }
+    }
+
+    /// Forgets what was seen.
+    pub fn clear(&mut self) {
+        match &mut self.kept {
+            Kept::Tiles(known, all) => (known.clear(), all.clear()),
+            Kept::Mixed(known, all) => (known.clear(), all.clear()),
+            Kept::Numbers(_, all) => ((), all.clear()),
+        };
+    }
+
+    /// Takes cell number `number` of the scene.
+    pub fn cell(&mut self, number: u64, cell: &Cell) {
+        self.put(self.square(number), || Tile::from(cell), |quantity| quantity.shade(cell));
+    }
+
+    /// The same, of which the tile is known alone.
+    pub fn tile(&mut self, number: u64, tile: Tile) {
+        self.put(self.square(number), || tile, |_| Shade::Unknown);
+    }
+
+    /// Takes a cell that stands for all of a square.
+    pub fn square_of(&mut self, extent: Extent, cell: &Cell) {
+        self.put(extent, || Tile::from(cell), |quantity| quantity.shade(cell));
+    }
+
+    fn square(&self, number: u64) -> Extent {
+        let columns = self.points[0].max(1) as u64;
+        let [column, row] = [number % columns, number / columns].map(|place| place as u32);
+        Extent { column, row, size: 1 }
+    }
+
+    fn put(&mut self, square: Extent, tile: impl FnOnce() -> Tile, shade: impl FnOnce(Quantity) -> Shade) {
+        let all = self.places[0] * self.places[1];
+        let within = |first: u32, i: usize| {
+            let first = first as usize;
+            shared(first..(first + square.size as usize).min(self.points[i]), self.sharing[i])
+        };
+        let (columns, rows) = (within(square.column, 0), within(square.row, 1));
+        let wide = self.places[0];
+        let places = rows.flat_map(|(row, high)| columns.clone().map(move |(column, wide)| (column, row, wide * high)));
+        let places = places.map(|(column, row, cells)| (row * wide + column, cells));
+        match &mut self.kept {
+            Kept::Tiles(known, kept) => {
+                kept.resize(all, UNSEEN);
+                let tile = number(known, tile());
+                places.for_each(|(place, _)| kept[place] = tile);
+            }
+            Kept::Mixed(known, kept) => {
+                kept.resize(all, Mix::default());
+                let tile = number(known, tile());
+                places.for_each(|(place, cells)| kept[place].add(tile, cells));
+            }
+            Kept::Numbers(quantity, kept) => {
+                kept.resize(all, Shade::Nothing);
+                let shade = shade(*quantity);
+                places.for_each(|(place, _)| kept[place] = quantity.outstanding(kept[place], shade));
+            }
+        }
+    }
+
+    /// Columns and rows of places.
+    pub(crate) fn places(&self) -> [usize; 2] {
+        self.places
+    }
+
+    /// What has occurred, if classes are shown.
+    pub(crate) fn tiles(&self) -> &[Tile] {
+        match &self.kept {
+            Kept::Tiles(known, _) | Kept::Mixed(known, _) => known,
+            Kept::Numbers(..) => &[],
+        }
+    }
+
+    /// The scale of the number, if one is shown.
+    pub(crate) fn bar(&self) -> Option<Bar> {
+        match &self.kept {
+            Kept::Tiles(..) | Kept::Mixed(..) => None,
+            Kept::Numbers(quantity, kept) => Some(Bar::of(*quantity, kept)),
+        }
+    }
+
+    /// The colours of a place at a pixel, with their shares; its numbers on the scale `bar`.
+    pub(crate) fn colours(
+        &self,
+        place: usize,
+        [x, y]: [u32; 2],
+        palette: Palette,
+        bar: Option<Bar>,
+        mut each: impl FnMut(Rgb, f32),
+    ) {
+        let of = |known: &[Tile], tile: u8| match known.get(usize::from(tile)) {
+            Some(tile) => palette.pixel(*tile, x, y),
+            None => palette.unknown(x, y),
+        };
+        match &self.kept {
+            Kept::Tiles(known, kept) => each(of(known, kept.get(place).copied().unwrap_or(UNSEEN)), 1.0),
+            Kept::Mixed(known, kept) => match kept.get(place).filter(|mix| **mix != Mix::default()) {
+                Some(mix) => mix.shares().for_each(|(tile, share)| each(of(known, tile), share)),
+                None => each(palette.unknown(x, y), 1.0),
+            },
+            Kept::Numbers(_, kept) => {
+                let shade = kept.get(place).copied().unwrap_or(Shade::Unknown);
+                each(bar.map_or(palette.unknown(x, y), |bar| bar.colours.pixel(palette, shade, x, y)), 1.0);
+            }
+        }
+    }
+}
+
+/// The places of some cells along an axis of which so many share one, each with how many of them it has.
+fn shared(cells: Range<usize>, sharing: usize) -> impl Iterator<Item = (usize, usize)> + Clone {
+    let sharing = sharing.max(1);
+    (cells.start / sharing..cells.end.div_ceil(sharing)).map(move |place| {
+        let (first, end) = ((place * sharing).max(cells.start), ((place + 1) * sharing).min(cells.end));
+        (place, end.saturating_sub(first))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use vibrochain_floquet::Mechanism;
+    use vibrochain_maps::cell::Class;
+
+    use super::*;
+    use crate::backend::format::Format;
+    use crate::backend::page::{Page, Purpose};
+    use crate::map::raster::Raster;
+    use crate::map::sheet::Sheet;
+    use crate::map::span;
+
+    fn scene(columns: usize, rows: usize) -> Scene {
+        let text = format!(
+            "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
+             x = {{ parameter = \"omega\", from = 0.4, to = 3.0, points = {columns} }}\n\
+             y = {{ parameter = \"gamma2\", from = 0.1, to = 0.2, points = {rows} }}\n[compute]\nfamilies = [\"double-sided\"]\n"
+        );
+        Scene::parse(Path::new("scene.toml"), &text).unwrap()
+    }
+
+    const EMPTY: Tile = Tile { class: Some(Class::None), mechanism: None };
+    const STABLE: Tile = Tile { class: Some(Class::StableDouble), mechanism: None };
+    const UNSTABLE: Tile = Tile { class: Some(Class::UnstableDouble), mechanism: Some(Mechanism::PeriodDoubling) };
+
+    fn raster(scene: &Scene, shown: &Shown, page: Page) -> Raster {
+        let [x, y] = scene.plane().unwrap();
+        let placed = Sheet::new(scene, [x, y], [span(x), span(y)]).placed(shown.places(), page);
+        let colours = |place: usize, at: [u32; 2], each: &mut dyn FnMut(Rgb, f32)| {
+            shown.colours(place, at, Palette::Colour, None, each);
+        };
+        Raster::of(shown.places(), &placed, &colours)
+    }
+
+    #[test]
+    fn a_stripe_of_one_cell_is_as_dark_wherever_it_lies() {
+        let columns = 12_801;
+        let scene = scene(columns, 2);
+        let [light, dark] = [EMPTY, STABLE].map(|tile| f64::from(Palette::Colour.pixel(tile, 0, 0)[0]));
+        let mut looked = 0;
+        for page in [Page::from(Format::Png), Purpose::Column.page(Format::Pdf), Purpose::Slide.page(Format::Svg)] {
+            for stripe in [0, 1, 2, 3, 4, 5, 4000, 6401, 8765, 12_799, 12_800] {
+                let mut shown = Shown::classes(&scene);
+                let tile = |cell: usize| if cell % columns == stripe { STABLE } else { EMPTY };
+                (0..2 * columns).for_each(|cell| shown.tile(cell as u64, tile(cell)));
+                let raster = raster(&scene, &shown, page);
+                let [wide, high] = raster.size.map(|side| side as usize);
+                assert!((1000..=4267).contains(&wide), "{wide}");
+                let row = &raster.rgb[3 * wide * (high / 2)..][..3 * wide];
+                let found: f64 = row.chunks(3).map(|pixel| (light - f64::from(pixel[0])) / (light - dark)).sum();
+                let expected = wide as f64 / columns as f64;
+                // Each of the pixels that it meets is rounded.
+                assert!((found - expected).abs() < 0.01, "{wide} {stripe}: {found} {expected}");
+                looked += 1;
+            }
+        }
+        assert_eq!(looked, 33);
+    }
+
+    #[test]
+    fn of_numbers_the_one_that_stands_out_is_kept() {
+        let scene = scene(2, 18_000);
+        let cell = |value: f64| Cell { spectral_radius: Some(1.0 + value), margin: Some(value), ..Cell::EMPTY };
+        for (quantity, expected) in [(Quantity::SpectralRadius, 0.5), (Quantity::Margin, 0.125)] {
+            for at in [0, 1, 2, 9001, 17_999_u64] {
+                let mut shown = Shown::numbers(&scene, quantity);
+                for row in 0..18_000 {
+                    let value = if row == at { expected } else { 0.25 };
+                    // What has none hides none.
+                    shown.cell(2 * row, &cell(value));
+                    shown.cell(2 * row + 1, &if row == at { cell(value) } else { Cell::EMPTY });
+                }
+                let Kept::Numbers(_, kept) = &shown.kept else { panic!("{shown:?}") };
+                assert_eq!((shown.places, kept.len()), ([2, 6000], 12_000));
+                let place = 2 * (at / 3) as usize;
+                assert_eq!(kept[place..place + 2], [Shade::Number(expected as f32); 2]);
+                let others = kept.iter().enumerate().filter(|(i, _)| i / 2 != place / 2);
+                let usual = |i: usize| if i.is_multiple_of(2) { Shade::Number(0.25) } else { Shade::Nothing };
+                assert!(others.clone().count() == 11_998 && others.clone().all(|(i, shade)| *shade == usual(i)));
+            }
+        }
+        let unknown = Shade::Unknown;
+        assert_eq!(Quantity::Margin.outstanding(Shade::Nothing, unknown), unknown);
+        assert_eq!(Quantity::Margin.outstanding(unknown, Shade::Nothing), unknown);
+        assert_eq!(Quantity::Margin.outstanding(unknown, Shade::Number(0.0)), Shade::Number(0.0));
+    }
+
+    /// Squares of any size leave what all their cells would, one by one.
+    #[test]
+    fn squares_are_all_of_their_cells() {
+        let tiles = [EMPTY, STABLE, UNSTABLE];
+        let mut compared = 0;
+        for columns in [12_800_u32, 640] {
+            let scene = scene(columns as usize, 64);
+            let mut squares = Vec::new();
+            for first in (0..columns).step_by(64) {
+                let size = [64, 16, 4, 1][(first / 64 % 4) as usize];
+                for (row, column) in (0..64).step_by(size).flat_map(|row| (0..64).step_by(size).map(move |i| (row, i)))
+                {
+                    let tile = tiles[(7 * row + 5 * column + first as usize / 64) / 3 % 3];
+                    squares.push((Extent { column: first + column as u32, row: row as u32, size: size as u32 }, tile));
+                }
+            }
+            let (mut whole, mut single) = (Shown::classes(&scene), Shown::classes(&scene));
+            for (extent, tile) in &squares {
+                whole.put(*extent, || *tile, |_| Shade::Unknown);
+                for (row, column) in (0..extent.size).flat_map(|row| (0..extent.size).map(move |i| (row, i))) {
+                    let (row, column) = (extent.row + row, extent.column + column);
+                    single.tile(u64::from(row) * u64::from(columns) + u64::from(column), *tile);
+                }
+            }
+            let [wide, high] = whole.places;
+            assert_eq!(whole.sharing, [if columns == 640 { 1 } else { 3 }, 1]);
+            for place in 0..wide * high {
+                let of = |shown: &Shown| {
+                    let mut all: Vec<(Rgb, f32)> = Vec::new();
+                    shown.colours(place, [0; 2], Palette::Colour, None, |colour, share| all.push((colour, share)));
+                    all.sort_by_key(|(colour, _)| *colour);
+                    all
+                };
+                let found = of(&whole);
+                assert_eq!(found, of(&single));
+                assert!((found.iter().map(|(_, share)| share).sum::<f32>() - 1.0).abs() < 1e-6);
+                compared += 1;
+            }
+        }
+        assert!(compared > 300_000, "{compared}");
+    }
+
+    #[test]
+    fn a_place_has_four_kinds_and_a_fifth_counts_as_the_last() {
+        let mut mix = Mix::default();
+        [3, 1, 3, 2, 7, 9, 9].into_iter().for_each(|tile| mix.add(tile, 2));
+        assert_eq!((mix.tiles, mix.cells), ([3, 1, 2, 7], [4, 2, 2, 6]));
+        assert_eq!(mix.shares().map(|(_, share)| share).sum::<f32>(), 1.0);
+        mix.add(1, 1 << 20);
+        assert_eq!(mix.cells[1], u16::MAX);
+    }
+
+    #[test]
+    fn a_line_of_thousands_of_cells_shows_as_many_as_it_can() {
+        let scene = scene(12_001, 2);
+        let axis = &scene.axes[0];
+        let shown: Vec<u64> = (0..12_001).filter(|&cell| is_shown(axis, cell)).collect();
+        assert_eq!(shown, (0..4001).map(|i| 3 * i).collect::<Vec<u64>>());
+        assert_eq!((sharing(axis), places(axis), sharing(&scene.axes[1])), (3, 4001, 1));
+    }
+}

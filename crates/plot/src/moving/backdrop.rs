@@ -1,0 +1,149 @@
+//! What stands still in a moving picture, and where masses are at each instant.
+
+use tiny_skia::Pixmap;
+
+use crate::axes::axis::Axis;
+use crate::axes::frame::{Frame, below, left_of};
+use crate::backend::drawing::{DIM, Drawing, Line, Place, Rgb};
+use crate::backend::format::PlotError;
+use crate::backend::page::Page;
+use crate::backend::pixels::{over, raster};
+use crate::map::palette::LINES;
+use crate::moving::motion::Animation;
+use crate::text::headings::{CAPTION, Title};
+
+/// Pictures for which an impact glows, each weaker.
+const GLOW: usize = 4;
+
+/// Width, and height of the panel of a layer.
+const WIDTH: f64 = 860.0;
+const BAND: f64 = 250.0;
+
+/// More masses than this are not joined by lines: they lie close enough.
+pub(crate) const JOINED: usize = 64;
+
+/// Of impacts: red enough to be seen beside the masses.
+pub(crate) const HIT: Rgb = [214, 60, 40];
+
+/// What stands still, and where masses move.
+pub(crate) struct Stage<'a> {
+    pub(crate) picture: &'a Animation,
+    pub(crate) page: Page,
+    pub(crate) ground: Drawing,
+    frames: Vec<Frame>,
+    pub(crate) radius: f64,
+    /// Where the time that has passed is shown: from, to, and how high.
+    pub(crate) clock: [f64; 3],
+}
+
+impl<'a> Stage<'a> {
+    pub(crate) fn new(picture: &'a Animation, layers: usize, page: Page) -> Self {
+        let (em, wide) = (page.font, page.width.unwrap_or(page.px(WIDTH)));
+        let title = Title::new(&picture.title, CAPTION, wide, em);
+        let (lower, upper) = picture.barriers;
+        let air = 0.12 * (upper - lower);
+        let y = Axis::numbers(lower - air..upper + air);
+        let x = Axis::numbers(picture.lowest as f64 - 0.8..(picture.lowest + picture.length as i64) as f64 - 0.2);
+        let band = wide * BAND / WIDTH;
+        let left = page.snap(left_of(&y, "displacement u", band, &page) + 0.3 * em);
+        let top = title.foot();
+        let mut ground =
+            Drawing::new([wide, top + (layers as f64) * (band + below(true, &page)) + 0.6 * em], &picture.title);
+        title.draw(&mut ground);
+        let mut frames = Vec::new();
+        for layer in 0..layers {
+            let above = top + layer as f64 * (band + below(true, &page)) + 0.7 * em;
+            let corners = [[left, page.snap(above)], [page.snap(wide - 1.4 * em), page.snap(above + band - 0.7 * em)]];
+            let frame = Frame { corners, x: x.clone(), y: y.clone(), ticks: 0.0 };
+            for barrier in [lower, upper] {
+                let y = frame.place((0.0, barrier))[1];
+                ground.line(vec![[corners[0][0], y], [corners[1][0], y]], Line::new(DIM, page.px(2.0)).crisp());
+            }
+            let name = if layers == 1 { "site".to_owned() } else { format!("site, layer {layer}") };
+            frame.axes(&mut ground, [&name, "displacement u"], &page);
+            frames.push(frame);
+        }
+        let spacing = frames.first().map_or(wide, |frame| frame.size()[0]) / picture.length as f64;
+        let clock = [left, wide - 1.4 * em, top + 0.25 * em];
+        Self { picture, page, ground, frames, radius: (0.4 * spacing).clamp(page.px(1.0), page.px(7.0)), clock }
+    }
+
+    /// Where a mass stands.
+    pub(crate) fn place(&self, mass: usize, u: f64) -> Option<Place> {
+        let Animation { length, lowest, .. } = self.picture;
+        let frame = self.frames.get(mass / length)?;
+        let site = (mass % length) as i64;
+        // A ring is cut open across from site 0.
+        let n = if site >= lowest + *length as i64 { site - *length as i64 } else { site };
+        Some(frame.place((n as f64, u)))
+    }
+
+    /// The masses of each layer from left to right.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = Vec<usize>> {
+        let Animation { length, lowest, .. } = self.picture;
+        let (length, lowest) = (*length, *lowest);
+        (0..self.frames.len()).map(move |layer| {
+            let from = lowest..lowest + length as i64;
+            from.map(|n| layer * length + n.rem_euclid(length as i64) as usize).collect()
+        })
+    }
+
+    /// How brightly an impact of a mass on a barrier glows at an instant, from 0 to 1.
+    pub(crate) fn glow(&self, at: usize, impact: (usize, bool)) -> f64 {
+        let instants = &self.picture.instants;
+        let since = (0..GLOW.min(instants.len())).find(|since| {
+            // What happened at the end glows at the beginning: it goes round.
+            instants[(at + instants.len() - since) % instants.len()].impacts.contains(&impact)
+        });
+        since.map_or(0.0, |since| 1.0 - since as f64 / GLOW as f64)
+    }
+
+    /// All impacts there are, each once.
+    pub(crate) fn impacts(&self) -> Vec<(usize, bool)> {
+        let mut all: Vec<(usize, bool)> =
+            self.picture.instants.iter().flat_map(|instant| instant.impacts.iter().copied()).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    pub(crate) fn barrier(&self, (mass, upper): (usize, bool)) -> Option<Place> {
+        self.place(mass, if upper { self.picture.barriers.1 } else { self.picture.barriers.0 })
+    }
+
+    /// What moves, at an instant.
+    fn drawing(&self, at: usize, impacts: &[(usize, bool)]) -> Drawing {
+        let mut drawing = Drawing::new(self.ground.size, "");
+        let u = &self.picture.instants[at].displacement;
+        let place = |mass: usize| self.place(mass, u.get(mass).copied().unwrap_or(0.0));
+        if self.picture.length <= JOINED {
+            for row in self.rows() {
+                drawing
+                    .line(row.iter().filter_map(|mass| place(*mass)).collect(), Line::new(LINES[5], self.page.px(1.0)));
+            }
+        }
+        for &impact in impacts {
+            let glow = self.glow(at, impact);
+            if let (true, Some(centre)) = (glow > 0.0, self.barrier(impact)) {
+                let ring = Line { opacity: glow, ..Line::new(HIT, self.page.px(3.0)) };
+                drawing.circle(centre, self.radius + self.page.px(4.0), None, Some(ring));
+            }
+        }
+        for mass in 0..u.len() {
+            if let Some(centre) = place(mass) {
+                drawing.circle(centre, self.radius, Some(LINES[0]), None);
+            }
+        }
+        let [from, to, y] = self.clock;
+        let part = (at + 1) as f64 / self.picture.instants.len() as f64;
+        drawing.line(vec![[from, y], [from + part * (to - from), y]], Line::new(LINES[1], self.page.px(2.0)));
+        drawing
+    }
+
+    /// All pictures, as pixels.
+    pub(crate) fn pixmaps(&self) -> Result<impl Iterator<Item = Pixmap> + '_, PlotError> {
+        let (ground, impacts) = (raster(&self.ground, self.page.scale())?, self.impacts());
+        let scale = self.page.scale();
+        Ok((0..self.picture.instants.len()).map(move |at| over(&ground, &self.drawing(at, &impacts), scale)))
+    }
+}
