@@ -27,12 +27,11 @@ pub(crate) struct Alone {
     pub(crate) later: u32,
 }
 
+/// What was found, or why there is nothing.
+type Orbits<T> = Result<Result<T, NoBreather>, BreatherError>;
+
 /// Those of a mass without force and losses that hits these barriers, in turn, in a period of the word.
-pub(crate) fn without_force(
-    model: &Model,
-    barriers: &[Barrier],
-    stop: &Stop,
-) -> Result<Result<Vec<Alone>, NoBreather>, BreatherError> {
+pub(crate) fn without_force(model: &Model, barriers: &[Barrier], stop: &Stop) -> Orbits<Vec<Alone>> {
     let n = barriers.len();
     let in_turns = n.is_multiple_of(2) && (0..n).all(|i| barriers[i] != barriers[(i + 1) % n]);
     let base: &[Barrier] = match barriers.first() {
@@ -68,7 +67,7 @@ pub(crate) fn under_force(
     barriers: &[Barrier],
     periods: u32,
     stop: &Stop,
-) -> Result<Result<(Vec<Alone>, usize), NoBreather>, BreatherError> {
+) -> Orbits<(Vec<Alone>, usize)> {
     let chain = Chain::new(1, model.chain().gamma1(), 0.0)?;
     let model = Model::with_force(chain, model.omega(), model.asymmetry(), model.force(), model.restitution())?;
     let n = barriers.len();
@@ -100,17 +99,9 @@ pub(crate) fn under_force(
     Ok(if list.is_empty() && open == 0 { Err(why.unwrap_or(NoBreather::NoStart)) } else { Ok((list, open)) })
 }
 
-/// The hits of one period.
-type Hits = Vec<Beat>;
-
 /// Those of a mass alone that do not repeat sooner than after `own` periods of the force: their hits by its clock, in its periods; and
 /// at how many places others may be missing.
-fn in_periods(
-    model: &Model,
-    barriers: &[Barrier],
-    own: u32,
-    stop: &Stop,
-) -> Result<Result<(Vec<Hits>, usize), NoBreather>, BreatherError> {
+fn in_periods(model: &Model, barriers: &[Barrier], own: u32, stop: &Stop) -> Orbits<(Vec<Vec<Beat>>, usize)> {
     let sought = match (barriers, own) {
         ([Barrier::Lower], 1) => Some(Sought::from(Family::SingleSided)),
         ([_], _) => None,
