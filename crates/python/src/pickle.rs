@@ -22,11 +22,13 @@ pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 macro_rules! pickled {
     ($($class:ident)*) => {
         #[derive(Serialize)]
+        #[allow(clippy::enum_variant_names, reason = "as the classes are called")]
         enum Written<'a> {
             $($class(&'a $class)),*
         }
 
         #[derive(Deserialize)]
+        #[allow(clippy::enum_variant_names, reason = "as the classes are called")]
         enum Read {
             $($class($class)),*
         }
@@ -59,6 +61,7 @@ pickled! {
 
 /// What pickle asks for: a callable and its arguments.
 #[pyfunction]
+#[allow(clippy::type_complexity, reason = "that is what it asks for")]
 pub(crate) fn _reduce<'py>(
     value: &Bound<'py, PyAny>,
 ) -> PyResult<(Bound<'py, PyAny>, (&'static str, Bound<'py, PyBytes>))> {
