@@ -47,7 +47,7 @@ pub(crate) struct System {
     pub(crate) matrix: Matrix,
     inverse: Matrix,
     /// Natural sizes of the unknowns.
-    pub(crate) units: Vector,
+    units: Vector,
     /// Reciprocal condition number of J, rows and columns scaled.
     pub(crate) reciprocal_condition: f64,
 }
