@@ -33,8 +33,8 @@ const FINEST: f64 = 1e-9;
 /// Terms of modes' sums that a search may take, some seconds; a cell of a map takes a ten-thousandth of it.
 const MOST_TERMS: usize = 100_000_000;
 
-/// Rounding of the rows relative to their terms, with a lot to spare.
-const ROUNDING: f64 = 1e-12;
+/// Rounding of kernels relative to their terms: eight times what enclosures allow for (`enclosure`).
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Adds the places of 0 < δ < T/2 where all rows may vanish to the unresolved ones; with `judged` those alone where every impulse can
 /// have the right sign.
@@ -206,7 +206,8 @@ impl<'a, 'b> Rows<'a, 'b> {
         // e, with the worst signs.
         let changes = self.summed(false, |pair, across| {
             let change = jets[pair].slope.abs() * radius + 0.5 * self.bounds[pair][1] * radius * radius;
-            if across { change + ROUNDING * jets[pair].value.abs() } else { 0.0 }
+            let rounding = ROUNDING * jets[pair].value.abs().max(positions.still[pair][0].abs());
+            if across { change + rounding } else { rounding }
         });
         let moved = |by: &[f64]| -> Vector {
             let sizes: Vector = by[..n].iter().map(|x| x.abs()).collect();
