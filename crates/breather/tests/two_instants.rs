@@ -230,7 +230,8 @@ fn lists_of_two_instants_are_complete() {
                         panic!("{text} {model}: {time} {impulses:?} is missing: {:?}, {listed:?}", found.completeness)
                     };
                     for (impact, impulse) in orbit.impacts().iter().zip(impulses) {
-                        assert!((impact.impulse - impulse).abs() < 1e-6 * impulse.abs().max(1.0), "{text} {model}");
+                        let apart = (impact.impulse - impulse).abs();
+                        assert!(apart < 1e-6 * impulse.abs().max(1.0), "{text} {model}: {time} {impulses:?} {orbit:?}");
                     }
                 }
                 let sound =

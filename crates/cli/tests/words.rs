@@ -47,7 +47,8 @@ fn checked_words_are_printed_with_their_numbers() {
         let answer = orbit(&desk, &format!("--word {word} {flags}"));
         let solution = &answer["solutions"][0];
         assert_eq!(solution["word"], case.word);
-        assert_eq!(answer["completeness"]["by"], "reversible");
+        let proof = answer["completeness"]["by"].as_str().unwrap();
+        assert!(answer["completeness"]["established"] == true && ["closed-form", "enclosures"].contains(&proof));
         assert_eq!(solution["physical"], case.physical.unwrap(), "{word}");
         for impact in solution["impacts"].as_array().unwrap() {
             let same = |hit: &&vibrochain_breather::Hit| {
@@ -321,6 +322,35 @@ fn words_of_many_instants_and_of_several_periods_of_the_force() {
     let uncoupled = MODEL.replace("--gamma2 0.05", "--gamma2 0");
     let none = desk.run(&format!("orbit --word 0+,3+,0-,3- {uncoupled}")).with(3, &["is not known"]).out;
     assert!(none.contains("whenever they like"), "{none}");
+}
+
+/// Two impacts on one barrier: without a force a word of one period like others, which `--near` finds again; under one in a period of it,
+/// if it is asked for, or doubled.
+#[test]
+fn two_impacts_on_one_barrier_are_found_and_found_again() {
+    let desk = Desk::new();
+    let free = "--sites 5 --gamma1 .4 --gamma2 .42 --omega .343 --asymmetry .2";
+    let printed = desk.run(&format!("orbit --word 0-,0- {free} --json")).with(0, &[]).out;
+    fs::write(desk.path("alike.json"), &printed).unwrap();
+    let [listed, near] =
+        [format!("--word 0-,0- {free}"), format!("--near alike.json {free}")].map(|flags| orbit(&desk, &flags));
+    assert_eq!(listed["completeness"]["established"], true);
+    for answer in [&listed, &near] {
+        let solution = &answer["solutions"][0];
+        assert!(solution["physical"] == true && solution["stable"] == true, "{solution}");
+        let second = &solution["impacts"][1];
+        assert!((second["time"].as_f64().unwrap() - 6.801_142_509_463_48).abs() < 1e-12);
+        assert!((second["impulse"].as_f64().unwrap() - 0.631_175_282_223_376_5).abs() < 1e-12);
+    }
+    let _ = desk.run(&format!("orbit --word 0-,0- --force-periods 2 {free}")).with(2, &["omega/N"]);
+    let forced = "--sites 1 --gamma1 1 --gamma2 0 --omega .7 --asymmetry .95 --amplitude .1 --restitution .8";
+    let one = orbit(&desk, &format!("--word 0-,0- --force-periods 1 {forced}"));
+    let is_known = |solution: &&serde_json::Value| solution["physical"] == true && solution["stable"] == true;
+    let known = one["solutions"].as_array().unwrap().iter().find(is_known).unwrap();
+    assert!((known["spectral_radius"].as_f64().unwrap() - 0.784_290_4).abs() < 1e-6, "{known}");
+    let period = |answer: &serde_json::Value| answer["solutions"][0]["period"].as_f64().unwrap();
+    let doubled = orbit(&desk, &format!("--word 0-,0- {forced}"));
+    assert!((period(&doubled) - 2.0 * period(&one)).abs() < 1e-12);
 }
 
 /// At a resonance with a mode that a word does not push the limit is told; one that it does push takes its impulses away.

@@ -136,7 +136,7 @@ impl PyModel {
     ///     a word of impacts: instants separated by commas or spaces, in each the sites that hit the upper (+) or lower (-)
     ///     barrier, as in "0+3+,0-3-"; SITE:LAYER where there are layers.
     /// force_periods : int
-    ///     Periods of the force in one period of a word; 1 unless it is given, of "0-,0-" 2. No meaning for families.
+    ///     Periods of the force in one period of a word; 1 unless it is given, of "0-,0-" under a force 2. No meaning for families.
     ///
     /// Returns
     /// -------
@@ -178,7 +178,7 @@ impl PyModel {
                 let name = word.to_string();
                 if model.is_conservative() && periods.is_some_and(|periods| periods > 1) {
                     let message = "force_periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
-                    return Err(Failure::Request(message.to_owned()).into());
+                    return Err(Failure::request(message).into());
                 }
                 let search = move |_: &_| {
                     let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());

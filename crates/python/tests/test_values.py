@@ -172,3 +172,15 @@ def test_multipliers_are_of_the_whole_chain(orbit):
     assert orbit.stability(threshold=0.01).stable
     with pytest.raises(vc.RequestError, match="threshold = -1 is out of range"):
         orbit.stability(threshold=-1)
+
+
+def test_two_impacts_on_one_barrier_take_as_many_periods_as_are_asked_for():
+    forced = vc.Model(vc.Chain(1, 1.0, 0.0), 0.7, 0.95, amplitude=0.1, restitution=0.8)
+    one = forced.breathers("0-,0-", force_periods=1)
+    assert one.completeness.established and {orbit.force_periods for orbit in one.orbits} == {1}
+    assert any(abs(orbit.impacts[1].time - 2.43423366690096) < 1e-12 for orbit in one.orbits)
+    assert {orbit.force_periods for orbit in forced.breathers("0-,0-").orbits} == {2}
+    free = vc.Model(vc.Chain(5, 0.4, 0.42), 0.343, 0.2)
+    assert free.breathers("0-,0-").orbits[0].force_periods == 1
+    with pytest.raises(vc.RequestError, match="omega/N"):
+        free.breathers("0-,0-", force_periods=2)

@@ -56,7 +56,7 @@ pub(crate) struct System {
     pub(crate) matrix: Matrix,
     inverse: Matrix,
     /// Natural sizes of the unknowns.
-    pub(crate) units: Vector,
+    units: Vector,
     /// Reciprocal condition number of J, rows and columns scaled.
     pub(crate) reciprocal_condition: f64,
 }
@@ -148,6 +148,7 @@ impl<'a> Equations<'a> {
         let mut position = still + force[0] - self.orbit.model().barrier(impact.barrier);
         let mut newton = force[1] + 0.5 * loss * impact.impulse;
         let (mut length, mut velocity) = (steady.bound(0).max(1.0), steady.bound(1));
+        let forced = velocity > 0.0;
         for j in 0..self.count() {
             let (jet, impulse) = (self.jet(i, j), self.impulse(j));
             position += impulse * jet.value;
@@ -156,8 +157,13 @@ impl<'a> Equations<'a> {
                 velocity += (0.5 * loss * impulse).abs();
             } else {
                 newton += impulse * jet.slope;
-                // Between sites K′ is a sum of parts as large as at one site, ½ in all, however small.
-                let size = if self.impact(j).site == impact.site { jet.slope.abs() } else { jet.slope.abs().max(0.5) };
+                // Between sites K′ is a sum of parts as large as at one site, ½ in all, however small; without a force it may vanish at
+                // one site, too, and leave no other term.
+                let size = if forced && self.impact(j).site == impact.site {
+                    jet.slope.abs()
+                } else {
+                    jet.slope.abs().max(0.5)
+                };
                 velocity += impulse.abs() * size;
             }
         }

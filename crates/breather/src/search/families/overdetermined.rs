@@ -18,11 +18,10 @@
 //! The rows of s/δ do not vanish at δ = 0. If no mass is hit at both instants all s vanish at φ = 0, too, and s/(T/2−δ) takes the place
 //! of s/δ in the outer half.
 
-use smallvec::SmallVec;
 use vibrochain_lattice::KernelJet;
 
 use crate::equations::System;
-use crate::equations::linear::{Matrix, USUAL, Vector, dot};
+use crate::equations::linear::{Matrix, Vector, dot};
 use crate::orbit::WRONG_SIGN;
 use crate::roots::interval::Zeros;
 use crate::search::families::positions::Positions;
@@ -34,8 +33,8 @@ const FINEST: f64 = 1e-9;
 /// Terms of modes' sums that a search may take, some seconds; a cell of a map takes a ten-thousandth of it.
 const MOST_TERMS: usize = 100_000_000;
 
-/// Rounding of the rows relative to their terms, with a lot to spare.
-const ROUNDING: f64 = 1e-12;
+/// Rounding of kernels relative to their terms: eight times what enclosures allow for (`enclosure`).
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Adds the places of 0 < δ < T/2 where all rows may vanish to the unresolved ones; with `judged` those alone where every impulse can
 /// have the right sign.
@@ -78,22 +77,37 @@ struct Rows<'a, 'b> {
     judged: bool,
     /// No mass is hit at both instants.
     apart: bool,
-    /// B₁ to B₄ of each pair of masses.
-    bounds: SmallVec<[[f64; 4]; USUAL]>,
+    /// Of each pair of masses what its modes have of the kernel, what its static part lacks, and B₁ to B₄.
+    shapes: Vec<Vec<f64>>,
+    drops: Vec<f64>,
+    bounds: Vec<[f64; 4]>,
     half: f64,
+}
+
+/// The rows of s/δ about a place, by head and class, and how far they can be off.
+struct Slopes {
+    rows: Matrix,
+    wide: Matrix,
+}
+
+/// τ (P, s, 1) of the classes about a place, and how far it can be off.
+struct Impulses {
+    scaled: Vector,
+    doubt: Vector,
 }
 
 impl<'a, 'b> Rows<'a, 'b> {
     fn new(positions: &'a Positions<'b>, classes: &'a [usize], judged: bool) -> Self {
         let response = positions.response();
-        let bounds = positions.each_pair(|one, other| {
-            let shapes: Vec<f64> = response.shapes().evens(one, other).collect();
-            response.derivative_bounds_of(&shapes)
-        });
-        let (apart, half) = (!positions.share_masses(), 0.5 * response.period());
+        let shapes = positions.each_pair(|one, other| response.shapes().evens(one, other).collect::<Vec<f64>>());
+        let bounds = shapes.iter().map(|shapes| response.derivative_bounds_of(shapes)).collect();
+        // As the positions have it half a period apart.
+        let drop = |(shapes, still): (&Vec<f64>, &[f64; 2])| response.jet_of(shapes, 0.0).value - still[1];
+        let drops = shapes.iter().zip(&positions.still).map(drop).collect();
         let count = classes.iter().max().map_or(0, |last| last + 1);
         let heads = (0..count).filter_map(|class| classes.iter().position(|other| *other == class)).collect();
-        Self { positions, classes, heads, judged, apart, bounds, half }
+        let (apart, half) = (!positions.share_masses(), 0.5 * response.period());
+        Self { positions, classes, heads, judged, apart, shapes, drops, bounds, half }
     }
 
     /// Whether masses hit at one instant feel those hit at the other: else all hit whenever they like.
@@ -101,96 +115,140 @@ impl<'a, 'b> Rows<'a, 'b> {
         let positions = self.positions;
         let felt = |jet: &KernelJet, bounds: &[f64; 4]| jet.slope.abs() > UNFELT * bounds[0];
         (1..8).any(|i| {
-            let jets = positions.jets(self.half * f64::from(i) / 8.0);
+            let jets = self.jets(self.half * f64::from(i) / 8.0);
             let across = |i: usize, j: usize| positions.is_across(i, j).then(|| positions.pair(i, j));
             let mut pairs = (0..positions.hits.len()).flat_map(|i| (0..i).filter_map(move |j| across(i, j)));
             pairs.any(|pair| felt(&jets[pair], &self.bounds[pair]))
         })
     }
 
+    /// Kernels of each pair of masses at φ.
+    fn jets(&self, delta: f64) -> Vec<KernelJet> {
+        let response = self.positions.response();
+        let pairs = self.shapes.iter().zip(&self.drops);
+        pairs
+            .map(|(shapes, drop)| {
+                let jet = response.jet_of(shapes, delta);
+                KernelJet { value: jet.value - drop, ..jet }
+            })
+            .collect()
+    }
+
+    /// The barrier's sign of an impact, that of its impulse in its class.
+    fn sign(&self, impact: usize) -> f64 {
+        self.positions.hits[impact].0.barrier.sign()
+    }
+
+    /// Of what acts from each impact on each, what acts on the head of a class from all of another, by the pair of masses and by whether
+    /// they hit at different instants.
+    fn summed(&self, signed: bool, of: impl Fn(usize, bool) -> f64) -> Matrix {
+        let mut sums = Matrix::zeros(self.heads.len());
+        for (row, &i) in self.heads.iter().enumerate() {
+            for (j, &class) in self.classes.iter().enumerate() {
+                let sign = if signed { self.sign(i) * self.sign(j) } else { 1.0 };
+                sums[(row, class)] += sign * of(self.positions.pair(i, j), self.positions.is_across(i, j));
+            }
+        }
+        sums
+    }
+
     /// Whether no orbit of the word has its δ within `radius` of `centre`.
     fn exclude(&self, centre: f64, radius: f64) -> bool {
-        let positions = self.positions;
-        let jets = positions.jets(centre);
-        let n = self.heads.len();
-        let sign = |i: usize| positions.hits[i].0.barrier.sign();
-        // Of what acts from each impact on each, what acts on the head of a class from all of another.
-        let summed = |of: &dyn Fn(usize, usize) -> f64| {
-            let mut sums = Matrix::zeros(n);
-            for (row, &i) in self.heads.iter().enumerate() {
-                (0..self.classes.len()).for_each(|j| sums[(row, self.classes[j])] += sign(i) * sign(j) * of(i, j));
-            }
-            sums
+        let jets = self.jets(centre);
+        let slopes = self.slopes(&jets, centre, radius);
+        if self.judged && slopes.are_one_way() {
+            return true;
+        }
+        let Some(impulses) = self.impulses(&jets, radius) else { return false };
+        self.judged && impulses.point_both_ways() || slopes.exclude(&impulses)
+    }
+
+    fn slopes(&self, jets: &[KernelJet], centre: f64, radius: f64) -> Slopes {
+        let scale = if self.apart && centre > 0.5 * self.half { self.half - centre } else { centre };
+        let slope = |pair: usize| jets[pair].slope / scale;
+        let wide = |pair: usize| {
+            let [_, second, third, _] = self.bounds[pair];
+            0.5 * third * radius + ROUNDING * (slope(pair).abs() + second)
         };
-        let worst_of = |of: &dyn Fn(usize, usize) -> f64| {
-            summed(&|i, j| if positions.is_across(i, j) { sign(i) * sign(j) * of(i, j) } else { 0.0 })
+        Slopes {
+            rows: self.summed(true, |pair, across| if across { slope(pair) } else { 0.0 }),
+            wide: self.summed(false, |pair, across| if across { wide(pair) } else { 0.0 }),
+        }
+    }
+
+    /// `None` where too little is known of them.
+    fn impulses(&self, jets: &[KernelJet], radius: f64) -> Option<Impulses> {
+        let (positions, n) = (self.positions, self.heads.len());
+        let kernels =
+            self.summed(true, |pair, across| if across { jets[pair].value } else { positions.still[pair][0] });
+        let net = |class: usize| {
+            self.classes.iter().enumerate().filter(|(_, of)| **of == class).map(|(j, _)| self.sign(j)).sum::<f64>()
         };
-        let full = positions.matrix(|pair| jets[pair].value);
-        let (kernels, count) = (summed(&|i, j| full[(i, j)]), self.classes.len());
-        let net = |class: usize| (0..count).filter(|&j| self.classes[j] == class).map(sign).sum::<f64>();
         let matrix = Matrix::from_fn(n + 1, |i, j| match (i < n, j < n) {
             (true, true) => kernels[(i, j)],
-            (true, false) => sign(self.heads[i]),
+            (true, false) => self.sign(self.heads[i]),
             (false, true) => net(j),
-            (false, false) => full[(count, count)],
+            (false, false) => -positions.response().static_stiffness(),
         });
-        let stops: Vector = self.heads.iter().map(|&i| sign(i) * positions.stops[i]).chain([0.0]).collect();
-        let mut units: Vector = (0..n).map(|_| positions.response().omega()).collect();
-        units.push(1.0);
-        let system = System::new(matrix, units);
-        // (P, s, τ), of length 1.
-        let mut solution = system.solve(&stops);
-        solution.push(1.0);
-        let units: Vector = system.units.iter().copied().chain([1.0]).collect();
-        let length = solution.iter().zip(&units).map(|(x, unit)| (x / unit).powi(2)).sum::<f64>().sqrt();
-        if !(length > 0.0 && length.is_finite()) {
-            return false;
+        let stops: Vector = self.heads.iter().map(|&i| self.sign(i) * positions.stops[i]).chain([0.0]).collect();
+        // Impulses are like those of a mass that crosses the gap in half a period.
+        let units: Vector = (0..n).map(|_| positions.response().omega()).chain([1.0, 1.0]).collect();
+        let mut scaled = matrix.solve(&stops)?;
+        scaled.push(1.0);
+        let length = scaled.iter().zip(&units).map(|(x, unit)| (x / unit).powi(2)).sum::<f64>().sqrt();
+        if !length.is_finite() {
+            return None;
         }
-        solution.iter_mut().for_each(|x| *x /= length);
-        let border: Vector = solution.iter().zip(&units).map(|(x, unit)| x / (unit * unit)).collect();
+        scaled.iter_mut().for_each(|x| *x /= length);
+        let border: Vector = scaled.iter().zip(&units).map(|(x, unit)| x / (unit * unit)).collect();
         let stops: Vector = stops.iter().map(|stop| -stop).collect();
-        let system = System::new(system.matrix.bordered(&stops, &border), units);
-        // e, summed with the worst signs, times a vector.
-        let changes = worst_of(&|i, j| {
-            let pair = positions.pair(i, j);
+        let system = System::new(matrix.bordered(&stops, &border), units);
+        // e, with the worst signs.
+        let changes = self.summed(false, |pair, across| {
             let change = jets[pair].slope.abs() * radius + 0.5 * self.bounds[pair][1] * radius * radius;
-            change + ROUNDING * jets[pair].value.abs()
+            let rounding = ROUNDING * jets[pair].value.abs().max(positions.still[pair][0].abs());
+            if across { change + rounding } else { rounding }
         });
         let moved = |by: &[f64]| -> Vector {
-            (0..n + 2)
-                .map(|i| {
-                    if i < n { dot(changes.row(i), &by.iter().map(|x| x.abs()).collect::<Vector>()[..n]) } else { 0.0 }
-                })
-                .collect()
+            let sizes: Vector = by[..n].iter().map(|x| x.abs()).collect();
+            (0..n + 2).map(|i| if i < n { dot(changes.row(i), &sizes) } else { 0.0 }).collect()
         };
-        let first = system.spread(&moved(&solution));
-        if system.spread(&moved(&first)).iter().zip(&first).any(|(second, first)| *second > 0.5 * first) {
-            return false;
-        }
-        let doubt = |j: usize| 2.0 * first[j];
-        if self.judged {
-            let room = 2.0 * WRONG_SIGN * (0..n).map(|j| solution[j].abs() + doubt(j)).fold(0.0, f64::max);
-            // How each surely points, with τ > 0 or < 0: P = σ times the class's.
-            let outward = (0..n).map(|class| -solution[class]);
-            let surely = |size: f64, j: usize| size.abs() > doubt(j) + room;
-            let ways = outward.enumerate().filter(|&(j, size)| surely(size, j)).map(|(_, size)| size > 0.0);
-            let forward = solution[n + 1].abs() > doubt(n + 1);
-            let [mut inside, mut outside] = [false, forward && solution[n + 1] > 0.0];
-            ways.for_each(|out| if out { outside = true } else { inside = true });
-            if inside && outside {
-                return true;
-            }
-        }
-        let scale = if self.apart && centre > 0.5 * self.half { self.half - centre } else { centre };
-        let slopes =
-            summed(&|i, j| if positions.is_across(i, j) { jets[positions.pair(i, j)].slope / scale } else { 0.0 });
-        let wide = worst_of(&|i, j| {
-            let (pair, slope) = (positions.pair(i, j), jets[positions.pair(i, j)].slope / scale);
-            0.5 * self.bounds[pair][2] * radius + ROUNDING * (slope.abs() + self.bounds[pair][1])
-        });
+        let first = system.spread(&moved(&scaled));
+        let second = system.spread(&moved(&first));
+        let shrinks = second.iter().zip(&first).all(|(second, first)| *second <= 0.5 * first);
+        shrinks.then(|| Impulses { scaled, doubt: first.iter().map(|first| 2.0 * first).collect() })
+    }
+}
+
+impl Slopes {
+    /// Some row has terms of one sign alone, if every impulse has the right one.
+    fn are_one_way(&self) -> bool {
+        let n = self.rows.size();
         (0..n).any(|i| {
-            let doubts = |j: usize| wide[(i, j)] * solution[j].abs() + (slopes[(i, j)].abs() + wide[(i, j)]) * doubt(j);
-            dot(slopes.row(i), &solution[..n]).abs() > (0..n).map(doubts).sum()
+            let felt = || (0..n).filter(|&j| self.wide[(i, j)] > 0.0);
+            let surely = |sign: f64| felt().all(|j| sign * self.rows[(i, j)] > self.wide[(i, j)]);
+            felt().next().is_some() && (surely(1.0) || surely(-1.0))
         })
+    }
+
+    /// Some row cannot vanish.
+    fn exclude(&self, Impulses { scaled, doubt }: &Impulses) -> bool {
+        let n = self.rows.size();
+        (0..n).any(|i| {
+            let (rows, wide) = (self.rows.row(i), self.wide.row(i));
+            let doubts = (0..n).map(|j| wide[j] * scaled[j].abs() + (rows[j].abs() + wide[j]) * doubt[j]).sum();
+            dot(rows, &scaled[..n]).abs() > doubts
+        })
+    }
+}
+
+impl Impulses {
+    /// Two impulses surely point different ways, or one surely points the wrong way.
+    fn point_both_ways(&self) -> bool {
+        let (scaled, doubt, n) = (&self.scaled, &self.doubt, self.scaled.len() - 2);
+        let largest = (0..n).map(|j| scaled[j].abs() + doubt[j]).fold(0.0, f64::max);
+        let surely = |sign: f64| (0..n).any(|j| sign * scaled[j] > doubt[j] + 2.0 * WRONG_SIGN * largest);
+        // P is the class's times the barrier's sign, and points into the gap if that is negative.
+        surely(1.0) && (surely(-1.0) || scaled[n + 1] > doubt[n + 1])
     }
 }

@@ -3,7 +3,7 @@
 //! Impulses P and static displacement s of impacts at 0 and φ = T/2 + δ follow from Σ_j P_j K̂_ij + s = a ± 1 and Σ P = g s.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, KernelJet, Model};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::equations::System;
 use crate::equations::linear::{Matrix, USUAL, Vector, dot};
@@ -24,7 +24,7 @@ pub(crate) struct Positions<'a> {
     sites: SmallVec<[usize; USUAL]>,
     places: SmallVec<[usize; USUAL]>,
     /// K̂ of each pair of masses at one instant, and half a period apart.
-    still: SmallVec<[[f64; 2]; USUAL]>,
+    pub(crate) still: Vec<[f64; 2]>,
     /// a ± 1 of each impact, and the 0 of the net impulse.
     pub(crate) stops: Vector,
 }
@@ -49,7 +49,7 @@ impl<'a> Positions<'a> {
         let places = hits.iter().map(|(hit, _)| sites.partition_point(|&site| site < hit.site)).collect();
         let mut stops: Vector = hits.iter().map(|(hit, _)| model.barrier(hit.barrier)).collect();
         stops.push(0.0);
-        let mut positions = Self { model, response, hits, sites, places, still: SmallVec::new(), stops };
+        let mut positions = Self { model, response, hits, sites, places, still: Vec::new(), stops };
         positions.still = positions.each_pair(|one, other| response.dynamics_between(one, other));
         Ok(positions)
     }
@@ -59,10 +59,7 @@ impl<'a> Positions<'a> {
     }
 
     /// Something of each pair of masses, kernels being symmetric, in the order of [`Positions::pair`].
-    pub(crate) fn each_pair<T>(&self, mut of: impl FnMut(usize, usize) -> T) -> SmallVec<[T; USUAL]>
-    where
-        [T; USUAL]: smallvec::Array<Item = T>,
-    {
+    pub(crate) fn each_pair<T>(&self, mut of: impl FnMut(usize, usize) -> T) -> Vec<T> {
         let sites = &self.sites;
         (0..sites.len())
             .flat_map(|high| (0..=high).map(move |low| (high, low)))
@@ -92,19 +89,15 @@ impl<'a> Positions<'a> {
         self.hits.len() > self.sites.len()
     }
 
-    /// The matrix of the linear system; `across` holds K̂ of each pair of masses at φ.
-    pub(crate) fn matrix(&self, across: impl Fn(usize) -> f64) -> Matrix {
+    /// The linear system; `across` holds K̂ of each pair of masses at φ.
+    fn system(&self, across: impl Fn(usize) -> f64) -> Option<System> {
         let (n, g) = (self.hits.len(), self.response.static_stiffness());
-        Matrix::from_fn(n + 1, |i, j| match (i < n, j < n) {
+        let matrix = Matrix::from_fn(n + 1, |i, j| match (i < n, j < n) {
             (true, true) if self.is_across(i, j) => across(self.pair(i, j)),
             (true, true) => self.still[self.pair(i, j)][0],
             (true, false) | (false, true) => 1.0,
             (false, false) => -g,
-        })
-    }
-
-    fn system(&self, across: impl Fn(usize) -> f64) -> Option<System> {
-        let (n, matrix) = (self.hits.len(), self.matrix(across));
+        });
         // Impulses are like those of a mass that crosses the gap in half a period.
         let mut units: Vector = (0..n).map(|_| self.model.omega()).collect();
         units.push(1.0);
@@ -124,11 +117,6 @@ impl<'a> Positions<'a> {
         solution
     }
 
-    /// Kernels of each pair of masses at φ.
-    pub(crate) fn jets(&self, delta: f64) -> SmallVec<[KernelJet; USUAL]> {
-        self.each_pair(|one, other| self.response.jet_between(one, other, delta))
-    }
-
     /// The orbit with these times, if Newton's law holds.
     ///
     /// # Errors
@@ -137,8 +125,8 @@ impl<'a> Positions<'a> {
         let system = if delta == 0.0 {
             self.system(|pair| self.still[pair][1])
         } else {
-            let jets = self.jets(delta);
-            self.system(|pair| jets[pair].value)
+            let values = self.each_pair(|one, other| self.response.jet_between(one, other, delta).value);
+            self.system(|pair| values[pair])
         };
         let solution = self.solve(&system.ok_or(NoBreather::Singular)?);
         if !solution.iter().all(|x| x.is_finite()) {

@@ -224,12 +224,12 @@ fn sought(row: &Word, force_periods: u32) -> Option<Sought> {
     }
 }
 
-/// The impacts of each instant of a word are at one time.
+/// The impacts of each instant of a word are at one time, in its order.
 fn is_in_step(orbit: &Orbit, row: &Word) -> bool {
     let mut impacts = orbit.impacts().iter();
     row.instants().iter().all(|letters| {
-        let mut times = impacts.by_ref().take(letters.len()).map(|impact| impact.time);
-        times.next().is_some_and(|first| times.all(|time| time == first))
+        let at_once: Vec<_> = impacts.by_ref().take(letters.len()).collect();
+        at_once.iter().zip(letters).all(|(impact, letter)| impact.site == letter.site && impact.time == at_once[0].time)
     })
 }
 
