@@ -9,7 +9,8 @@
 //! |---|---|
 //! | `saltation` | [`Saltation`]: a perturbation through an impact |
 //! | `monodromy` | [`full_monodromy`], [`even_monodromy`] |
-//! | `secular` | [`Secular`]: multipliers as zeros of a scalar function |
+//! | `spectrum` | [`ImpactSpectrum`]: all multipliers of one orbit of any word, as the zeros of one determinant |
+//! | `secular` | [`Secular`]: the same determinant where one site takes all impacts, or two mirror each other, for maps |
 //! | `stripes` | [`DressedModes`], [`Collision`], [`Stripe`]: which modes collide, and how wide stripes are |
 //! | `analyser`, `by_secular`, `by_partners` | [`stability`], [`Analyser`]: the path that fits an orbit |
 //! | `all_multipliers` | [`Multipliers`]: all multipliers in order, made as they are asked for |
@@ -63,6 +64,7 @@ mod reversible;
 mod reversible_word;
 mod saltation;
 mod secular;
+mod spectrum;
 
 mod square;
 mod stripes;
@@ -91,6 +93,7 @@ pub use secular::{
     SecularMultipliers, SecularVerdict, Standing, multiplier_modes,
 };
 
+pub use spectrum::ImpactSpectrum;
 pub use square::Square;
 pub use stripes::{
     Collision, DressedModes, NoStripe, OwnMode, Passing, Signature, Stripe, StripeEnd, StripeFinder, StripeLine,
