@@ -5,10 +5,10 @@
 //! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
 //! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference, or of half a period |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
-//! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
-//! | the same, other sites, on a lattice of more than 1000 masses | inertia of the secular matrix: a count |
+//! | reversible words of other sites on a lattice of more than 1000 masses | inertia of the secular matrix: a count |
 //! | impacts at several sites under a force or with losses or at other times, on such a lattice | turns of the secular function: a count |
-//! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
+//! | all other words, masses without coupling, and whatever the forms above doubt | `spectrum`: the zeros of the impacts' determinant |
+//! | what that cannot count; words of several sites and doubts in a map, unless the verdict is open | dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
 
@@ -21,6 +21,7 @@ use crate::dense::{Dense, WORTH_A_MATRIX, is_reduced, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::secular::{ForcedSecular, Inertia, MOST_IMPACTS, OutsideCircle, Pair, Partners, Secular, SecularError};
+use crate::spectrum::{Spectrum, spectrum};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -270,6 +271,14 @@ impl Analyser {
                 Err(Failure::SecularError(why)) => doubt = Some(why),
             }
         }
+        let counts = !self.dense_only && orbit.model().chain().sites() <= WORTH_A_MATRIX;
+        // A map asks for no more than the verdict, and of few masses a matrix has that sooner: ten times for N = 20.
+        if counts && thorough {
+            match spectrum(question, finder)? {
+                Ok(answer) => return Ok((answer.verdict, answer.listed(orbit))),
+                Err(why) => doubt = doubt.or(Some(why)),
+            }
+        }
         if let Some(doubt) = doubt {
             let chain = orbit.model().chain();
             let modes = if is_reduced(orbit) { chain.even_modes() } else { chain.sites() };
@@ -279,15 +288,16 @@ impl Analyser {
             }
         }
         let verdict = self.dense.judge(question, finder)?;
-        let method = Method::Dense(doubt);
-        let tried = doubt.is_some() || alone && !self.dense_only;
-        let open = tried && verdict.resolution > 0.0 && (thorough || verdict.marginal);
-        if open && let Some(settled) = self.settled_from_matrix(question, finder, &verdict)? {
-            let multipliers = if thorough { self.forced.symmetric_multipliers() } else { Vec::new() };
-            return Ok((Verdict { method, ..settled }, multipliers));
+        if counts
+            && verdict.marginal
+            && !thorough
+            && let Ok(Spectrum { verdict: better, .. }) = spectrum(question, finder)?
+            && better.resolution < verdict.resolution
+        {
+            return Ok((better, Vec::new()));
         }
         let multipliers = if thorough { self.dense.multipliers(orbit) } else { Vec::new() };
-        Ok((Verdict { method, ..verdict }, multipliers))
+        Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
     }
 
     /// A word whose multipliers are counted along circles.

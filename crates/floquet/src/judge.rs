@@ -110,9 +110,7 @@ impl Dense {
             error = if orbital.is_nan() { f64::INFINITY } else { error.max(orbital) };
         }
         let judge = Judge { dense: self, orbit, structure: Structure::of(orbit), norm, error };
-        let (verdict, reach) = (judge.verdict(tolerance, careful), judge.split());
-        (self.reach, self.rounding) = (reach, (norm * rounding).sqrt());
-        Ok(verdict)
+        Ok(judge.verdict(tolerance, careful))
     }
 }
 

@@ -9,7 +9,8 @@
 //! |---|---|
 //! | [`Saltation`] | a perturbation through an impact |
 //! | [`full_monodromy`], [`even_monodromy`] | a perturbation through a period |
-//! | [`Secular`] | multipliers as zeros of a scalar function |
+//! | [`ImpactSpectrum`] | all multipliers of one orbit of any word, as the zeros of one determinant |
+//! | [`Secular`] | the same determinant where one site takes all impacts, or two mirror each other, for maps |
 //! | [`DressedModes`], [`Collision`], [`Stripe`] | which modes collide, and how wide stripes are |
 //! | [`stability`], [`Analyser`] | multipliers and verdict, by the path that fits an orbit |
 //! | [`Multipliers`] | all multipliers in order, made as they are asked for |
@@ -61,6 +62,7 @@ mod reversible;
 mod reversible_word;
 mod saltation;
 mod secular;
+mod spectrum;
 
 mod square;
 mod stripes;
@@ -89,6 +91,7 @@ pub use secular::{
     SecularMultipliers, SecularVerdict, Standing, multiplier_modes,
 };
 
+pub use spectrum::ImpactSpectrum;
 pub use square::Square;
 pub use stripes::{
     Collision, DressedModes, NoStripe, OwnMode, Passing, Signature, Stripe, StripeEnd, StripeFinder, StripeLine,

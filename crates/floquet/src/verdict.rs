@@ -135,8 +135,8 @@ pub enum Method {
     /// From the secular function: zeros of a scalar function, counted or found.
     #[default]
     Secular,
-    /// From a matrix: for most impacts at several sites, for masses without coupling (2 × 2: one mass alone is left), where it
-    /// was asked for ([`crate::Analyser::dense`]); with the doubt where the secular function had no answer.
+    /// From a matrix: where it was asked for ([`crate::Analyser::dense`]), and where a verdict alone is asked for of impacts at several
+    /// sites or of masses without coupling; with the doubt where the secular function had no answer.
     Dense(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::doubt"))] Option<SecularError>),
 }
 

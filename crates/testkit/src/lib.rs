@@ -12,6 +12,7 @@ mod reference;
 mod ring;
 pub mod scenes;
 mod schema;
+mod structures;
 pub mod svg;
 mod words;
 
@@ -24,4 +25,5 @@ pub use random::Random;
 pub use reference::{Case, reference};
 pub use ring::{ReturnMap, Ring, dense, stiffness};
 pub use schema::{Schema, checked, written};
+pub use structures::{Before, Structure, StructureImpact, structures};
 pub use words::{WordCase, words};

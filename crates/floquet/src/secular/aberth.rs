@@ -1,4 +1,5 @@
-//! Ehrlich and Aberth's simultaneous iteration for the zeros of f(z) = 1 + Σ ρ/(z−p) + conj.
+//! Ehrlich and Aberth's simultaneous iteration for the zeros of a function with known poles p, for f(z) = 1 + Σ ρ/(z−p) + conj. and for
+//! the determinant of an orbit's equations ([`crate::spectrum`]).
 //!
 //! Newton's correction uses the numerator's logarithmic derivative, f′/f + Σ 1/(z−p), and repels the other approximations. f is real on
 //! the real axis: its zeros are real or come in conjugate pairs, of which one is worked out for both. Each pair of poles has a pair to
@@ -10,7 +11,7 @@ use nalgebra::Complex;
 
 use super::error::SecularError;
 use super::growth::modulus;
-use super::rational::Rational;
+use super::rational::{Rational, Value};
 use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
@@ -23,6 +24,27 @@ pub(crate) enum Start {
     Beside,
     /// Between the poles, none paired.
     Between,
+}
+
+/// A function that is real on the real axis, has poles that are known and as many zeros as these.
+pub(crate) trait Meromorphic {
+    /// f, f′ and what goes with them.
+    fn evaluate(&mut self, z: C) -> Value;
+}
+
+impl Meromorphic for Rational {
+    fn evaluate(&mut self, z: C) -> Value {
+        Rational::evaluate(self, z)
+    }
+}
+
+/// When a step is the last.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Last {
+    /// As a part of the modulus.
+    pub(crate) of_modulus: f64,
+    /// As a part of the distance to the nearest other approximation.
+    pub(crate) of_distance: f64,
 }
 
 /// Work space.
@@ -59,6 +81,9 @@ const SETTLED: f64 = 1e-9;
 /// What a step of Newton's method may be that is taken thereafter.
 const POLISH: f64 = 1e-7;
 
+/// A step that rounding makes longer or shorter by more than this part of it leads nowhere.
+const LOST: f64 = 0.3;
+
 /// Steps of Newton's method at most.
 const LAST_STEPS: usize = 3;
 
@@ -67,7 +92,7 @@ impl Aberth {
     /// they repel the others and stay, which goes with a start between the poles.
     pub(crate) fn solve(
         &mut self,
-        form: &Rational,
+        form: &mut Rational,
         angles: &[f64],
         trivial: usize,
         start: Start,
@@ -80,26 +105,8 @@ impl Aberth {
             self.put(wanted - 2, self.roots[0]);
             (0..trivial).for_each(|i| self.put(i, C::new(1.0, 0.0)));
         }
-        self.settled.clear();
-        self.settled.resize(wanted, false);
-        self.settled[..trivial].fill(true);
-        for sweep in 0..SWEEPS {
-            if sweep == PATIENCE {
-                for i in (0..wanted).step_by(2) {
-                    if !self.settled[i] {
-                        self.part(i, self.roots[i]);
-                    }
-                }
-            }
-            for i in 0..wanted {
-                if !(self.settled[i] || self.paired[i / 2] && i % 2 == 1) {
-                    self.step(form, i, if start == Start::Beside { LAST } else { SETTLED });
-                }
-            }
-            if self.settled.iter().all(|settled| *settled) {
-                break;
-            }
-        }
+        let of_modulus = if start == Start::Beside { LAST } else { SETTLED };
+        self.iterate(form, trivial, Last { of_modulus, of_distance: 0.0 });
         self.errors.clear();
         self.errors.resize(trivial, 0.0);
         for i in trivial..wanted {
@@ -117,9 +124,53 @@ impl Aberth {
         if found == wanted { Ok(()) } else { Err(SecularError::Incomplete { found, wanted }) }
     }
 
+    /// The zeros of any function of this kind from as many starts, two of which are paired if they follow each other and are conjugates,
+    /// the first in an even place; true where all have settled. Zeros that are known to begin with stay, `known` of them in front.
+    pub(crate) fn solve_from(
+        &mut self,
+        form: &mut impl Meromorphic,
+        starts: impl Iterator<Item = C>,
+        known: usize,
+        last: Last,
+    ) -> bool {
+        self.roots.clear();
+        self.roots.extend(starts);
+        let conjugates = |pair: &[C]| matches!(pair, [one, other] if one.im != 0.0 && *other == one.conj());
+        self.paired.clear();
+        self.paired.extend(self.roots.chunks(2).map(conjugates));
+        self.spread();
+        self.iterate(form, known, last);
+        self.settled.iter().all(|settled| *settled)
+    }
+
+    /// Sweeps until all have settled, or long enough.
+    fn iterate(&mut self, form: &mut impl Meromorphic, known: usize, last: Last) {
+        let wanted = self.roots.len();
+        self.settled.clear();
+        self.settled.resize(wanted, false);
+        self.settled[..known].fill(true);
+        for sweep in 0..SWEEPS {
+            if sweep == PATIENCE {
+                for i in (0..wanted).step_by(2) {
+                    if !self.settled[i] {
+                        self.part(i, self.roots[i]);
+                    }
+                }
+            }
+            for i in 0..wanted {
+                if !(self.settled[i] || self.paired[i / 2] && i % 2 == 1) {
+                    self.step(form, i, last);
+                }
+            }
+            if self.settled.iter().all(|settled| *settled) {
+                break;
+            }
+        }
+    }
+
     /// Two for each pole of the upper half plane.
     fn begin(&mut self, form: &Rational, angles: &[f64], start: Start) {
-        let Self { roots, paired, order, root_re, root_im, .. } = self;
+        let Self { roots, paired, order, .. } = self;
         let m = angles.len();
         order.clear();
         order.extend(0..m as u32);
@@ -146,6 +197,12 @@ impl Aberth {
         }
         paired.clear();
         paired.resize(m, start == Start::Beside);
+        self.spread();
+    }
+
+    /// Lays the approximations out in groups of four.
+    fn spread(&mut self) {
+        let Self { roots, root_re, root_im, .. } = self;
         // Those that fill up the last group are too far away to repel.
         fill(root_re, roots.iter().map(|z| z.re), 1e150);
         fill(root_im, roots.iter().map(|z| z.im), 0.0);
@@ -168,12 +225,12 @@ impl Aberth {
     }
 
     /// One step of one of them, and of its conjugate; one of `last` settles it.
-    fn step(&mut self, form: &Rational, i: usize, last: f64) {
+    fn step(&mut self, form: &mut impl Meromorphic, i: usize, last: Last) {
         let z = self.roots[i];
         let value = form.evaluate(z);
         let mut log = value.slope / value.f + value.poles;
         // All others repel; from itself it has no distance.
-        let (mut re, mut im) = (ZERO, ZERO);
+        let (mut re, mut im, mut nearest) = (ZERO, ZERO, ZERO);
         let (x, y) = (all(z.re), all(z.im));
         for (root_re, root_im) in self.root_re.iter().zip(&self.root_im) {
             let (u, v) = (x - four(*root_re), y - four(*root_im));
@@ -182,6 +239,7 @@ impl Aberth {
             let scale = itself.select(ZERO, ONE / itself.select(ONE, square));
             re += u * scale;
             im -= v * scale;
+            nearest = nearest.fast_max(scale);
         }
         log -= C::new(total(re), total(im));
         let step = C::new(1.0, 0.0) / log;
@@ -196,9 +254,12 @@ impl Aberth {
                 self.put(i + 1, next.conj());
             }
         }
-        let small = last * last * z.norm_sqr().max(1e-6);
+        let nearest = nearest.to_array().into_iter().fold(f64::MIN_POSITIVE, f64::max).recip();
+        let [of_modulus, of_distance] = [last.of_modulus, last.of_distance].map(|last| last * last);
+        let small = (of_modulus * z.norm_sqr().max(1e-6)).max(of_distance * nearest);
         let zero = 2.0 * f64::EPSILON * value.noise;
-        if step.norm_sqr() <= small || value.f.norm_sqr() <= zero * zero {
+        let lost = value.slope_error > LOST * modulus(log) * modulus(value.f);
+        if step.norm_sqr() <= small || value.f.norm_sqr() <= zero * zero || lost {
             self.settled[i] = true;
             self.settled[i + usize::from(pair)] = true;
         }

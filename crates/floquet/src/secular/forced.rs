@@ -225,7 +225,7 @@ impl SecularMultipliers {
     }
 
     fn iterate(&mut self, start: Start) -> Result<(), SecularError> {
-        self.aberth.solve(&self.form, &self.angles, self.trivial, start)?;
+        self.aberth.solve(&mut self.form, &self.angles, self.trivial, start)?;
         self.certify(&self.aberth.roots, &self.aberth.errors)
     }
 

@@ -22,12 +22,13 @@ pub(crate) struct Rational {
 /// A zero this close to its pole is no start: f is not known there.
 const HIDDEN: f64 = 1e-10;
 
-/// f, f′, Σ 1/(z−p), and a bound of the rounding error of f.
-pub(super) struct Value {
-    pub(super) f: C,
-    pub(super) slope: C,
-    pub(super) poles: C,
-    pub(super) noise: f64,
+/// f, f′, Σ 1/(z−p), a bound of the rounding error of f in units of ε, and an estimate of that of f′ where f tells of none.
+pub(crate) struct Value {
+    pub(crate) f: C,
+    pub(crate) slope: C,
+    pub(crate) poles: C,
+    pub(crate) noise: f64,
+    pub(crate) slope_error: f64,
 }
 
 impl Rational {
@@ -58,6 +59,7 @@ impl Rational {
             slope: C::new(total(s_re), total(s_im)),
             poles: C::new(total(p_re), total(p_im)),
             noise: 1.0 + total(noise),
+            slope_error: 0.0,
         }
     }
 

@@ -1,0 +1,245 @@
+//! det(z−M)/det(z−R) of an orbit as a function of z, from its equations J(z); and J(z) with the nearest poles kept apart.
+//!
+//! f′/f = tr J⁻¹J′ costs O(n r²) for n modes and r impacts. Next to a simple pole q with its dyad a·c, J is bordered:
+//!
+//! ```text
+//! (z−q)·det J = det [ J without the pole   a   ]
+//!                   [ −q·c                 z−q ]
+//! ```
+//!
+//! which is regular there: a multiplier is told from its pole however close the two are.
+
+use nalgebra::{Complex, DMatrix};
+use vibrochain_breather::BlochEquations;
+use vibrochain_lattice::Turn;
+
+use crate::secular::{Meromorphic, Value, modulus};
+
+type C = Complex<f64>;
+
+/// Poles closer than this part of z are bordered: beyond, sums over them lose fewer digits than estimates of errors are wide.
+const NEAR: f64 = 1e-2;
+
+/// The most poles that are bordered: where many crowd, these are the nearest, and what is lost on the others is estimated.
+const MOST_NEAR: usize = 6;
+
+/// In place of an infinite f′/f.
+const HUGE: f64 = 1e200;
+
+/// A simple pole of one mode.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pole {
+    pub(super) mode: usize,
+    /// q = e^{λT}, and λ.
+    pub(super) value: C,
+    pub(super) rate: C,
+    /// The eigenvalue of the mode's turn that belongs to it.
+    pub(super) root: C,
+    /// Error of q.
+    pub(super) error: f64,
+}
+
+/// J₀ of one form: errors of its entries, and what they change by with the time of their row's impact.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Constant {
+    pub(super) errors: Vec<f64>,
+    pub(super) slides: Vec<f64>,
+}
+
+/// The function, with what its evaluation needs.
+#[derive(Debug)]
+pub(crate) struct SpectralFunction<'a> {
+    pub(super) equations: &'a BlochEquations,
+    /// All poles, and the simple ones with their modes.
+    pub(super) poles: Vec<C>,
+    pub(super) simple: Vec<Pole>,
+    /// Sizes of A_k and C_k: [mode][row].
+    pub(super) row_sizes: Vec<f64>,
+    pub(super) column_sizes: Vec<f64>,
+    /// Relative errors of both, by mode.
+    pub(super) relative: Vec<f64>,
+    /// Of J₀ outside and inside.
+    pub(super) constants: [Constant; 2],
+    matrix: Vec<C>,
+    derivative: Vec<C>,
+}
+
+impl<'a> SpectralFunction<'a> {
+    pub(crate) fn new(equations: &'a BlochEquations) -> Self {
+        let (modes, size) = (equations.kernel().modes(), equations.size());
+        let impacts = equations.impacts();
+        let first = impacts.first().map_or(0.0, |impact| impact.time);
+        let longest = impacts.iter().map(|impact| impact.time - first).fold(0.0, f64::max);
+        let (mut poles, mut simple) = (Vec::new(), Vec::new());
+        let (mut row_sizes, mut column_sizes, mut relative) = (Vec::new(), Vec::new(), Vec::new());
+        let mut constants =
+            [(); 2].map(|()| Constant { errors: vec![0.0; size * size], slides: vec![0.0; size * size] });
+        let length = |[x, y]: &[f64; 2]| (x * x + y * y).sqrt();
+        for (k, mode) in modes.iter().enumerate() {
+            let values = mode.poles();
+            poles.extend(values);
+            if mode.turn != Turn::Parabolic {
+                let (rates, root) = (mode.rates(), mode.turn.root());
+                let pole = |(value, rate, root)| Pole { mode: k, value, rate, root, error: mode.pole_error };
+                simple.extend([(values[0], rates[0], root), (values[1], rates[1], -root)].map(pole));
+            }
+            let (rows, columns) = (equations.rows(k), equations.columns(k));
+            row_sizes.extend(rows.iter().map(length));
+            column_sizes.extend(columns.iter().map(length));
+            let error = f64::EPSILON * (6.0 + 3.0 * (mode.rate + mode.decay.abs()) * longest) + mode.shape_error;
+            relative.push(error);
+            for (i, row) in rows.iter().enumerate() {
+                let moved = turned(mode.turn, *row, mode.decay, mode.rate);
+                for (j, column) in columns.iter().enumerate() {
+                    let earlier = impacts[i / 2].time > impacts[j / 2].time;
+                    let (form, sign) = if earlier { (0, 1.0) } else { (1, -1.0) };
+                    let Constant { errors, slides } = &mut constants[form];
+                    errors[i * size + j] += 2.0 * error * row_sizes[k * size + i] * column_sizes[k * size + j];
+                    if i / 2 != j / 2 {
+                        slides[i * size + j] += sign * (moved[0] * column[0] + moved[1] * column[1]);
+                    }
+                }
+            }
+        }
+        for (form, Constant { errors, .. }) in constants.iter_mut().enumerate() {
+            let entries = equations.constant(form == 1);
+            errors.iter_mut().zip(entries).for_each(|(error, entry)| *error += 4.0 * f64::EPSILON * entry.abs());
+        }
+        let (matrix, derivative) = (Vec::new(), Vec::new());
+        Self { equations, poles, simple, row_sizes, column_sizes, relative, constants, matrix, derivative }
+    }
+
+    /// The simple poles next to z, the nearest first.
+    pub(super) fn near(&self, z: C) -> Vec<Pole> {
+        let reach = NEAR * NEAR * z.norm_sqr();
+        let distance = |pole: &Pole| (z - pole.value).norm_sqr();
+        let mut near: Vec<Pole> = self.simple.iter().filter(|pole| distance(pole) < reach).copied().collect();
+        near.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        near.truncate(MOST_NEAR);
+        near
+    }
+
+    /// a and c of a simple pole.
+    pub(super) fn dyad(&self, pole: &Pole) -> [Vec<C>; 2] {
+        let rows = self.equations.rows(pole.mode).iter().map(|[x, y]| pole.root * *y + *x);
+        let columns = self.equations.columns(pole.mode).iter().map(|[x, y]| (pole.root.inv() * *y + *x) * 0.5);
+        [rows.collect(), columns.collect()]
+    }
+
+    /// J(z) bordered by the poles `near`, and its derivative, by rows of `size` + the number of these.
+    pub(super) fn bordered(&self, z: C, near: &[Pole]) -> [DMatrix<C>; 2] {
+        let size = self.equations.size();
+        let apart: Vec<usize> = near.iter().map(|pole| pole.mode).collect();
+        let (mut entries, mut slopes) = (Vec::new(), Vec::new());
+        self.equations.fill_without(z, &apart, &mut entries, Some(&mut slopes));
+        let is_near = |pole: &Pole| near.iter().any(|other| other.mode == pole.mode && other.root == pole.root);
+        // The other pole of a mode whose one pole is near.
+        for pole in self.simple.iter().filter(|pole| apart.contains(&pole.mode) && !is_near(pole)) {
+            let [a, c] = self.dyad(pole);
+            let inverse = (z - pole.value).inv();
+            let (factor, slope) = (pole.value * inverse, pole.value * inverse * inverse);
+            for (i, a) in a.iter().enumerate() {
+                for (j, c) in c.iter().enumerate() {
+                    entries[i * size + j] += factor * a * c;
+                    slopes[i * size + j] -= slope * a * c;
+                }
+            }
+        }
+        let all = size + near.len();
+        let mut matrix = DMatrix::zeros(all, all);
+        let mut derivative = DMatrix::zeros(all, all);
+        for i in 0..size {
+            for j in 0..size {
+                (matrix[(i, j)], derivative[(i, j)]) = (entries[i * size + j], slopes[i * size + j]);
+            }
+        }
+        for (place, pole) in near.iter().enumerate() {
+            let [a, c] = self.dyad(pole);
+            let border = size + place;
+            for i in 0..size {
+                matrix[(i, border)] = a[i];
+                matrix[(border, i)] = -pole.value * c[i];
+            }
+            matrix[(border, border)] = z - pole.value;
+            derivative[(border, border)] = C::new(1.0, 0.0);
+        }
+        [matrix, derivative]
+    }
+}
+
+impl Meromorphic for SpectralFunction<'_> {
+    /// f is told as 1: the iteration asks for f′/f alone.
+    fn evaluate(&mut self, z: C) -> Value {
+        let size = self.equations.size();
+        self.equations.fill(z, &mut self.matrix, Some(&mut self.derivative));
+        let factors = DMatrix::from_row_slice(size, size, &self.matrix).lu();
+        let quotient = factors.solve(&DMatrix::from_row_slice(size, size, &self.derivative));
+        // At a zero to the last digit, or at a pole, the step is none.
+        let finite = |value: &C| value.re.is_finite() && value.im.is_finite();
+        let told = quotient.map(|quotient| (quotient.trace(), f64::EPSILON * size as f64 * quotient.norm()));
+        let (slope, slope_error) = told.filter(|(slope, _)| finite(slope)).unwrap_or((C::new(HUGE, 0.0), 0.0));
+        let poles = self.poles.iter().map(|pole| (z - pole).inv()).filter(finite).sum();
+        Value { f: C::new(1.0, 0.0), slope, poles, noise: 0.0, slope_error }
+    }
+}
+
+/// row·A for A = −δ + κJ
+pub(super) fn turned(turn: Turn, [x, y]: [f64; 2], decay: f64, rate: f64) -> [f64; 2] {
+    [-decay * x - turn.sign() * rate * y, rate * x - decay * y]
+}
+
+impl SpectralFunction<'_> {
+    /// The sum of all zeros, tr M, from f far out: Σq − tr J₀⁻¹ΣA_kR_kC_k; with its error, `slide` and `time` being those
+    /// of the orbit's accelerations and times.
+    pub(super) fn trace(&self, slide: f64, time: f64) -> Option<(C, f64)> {
+        let size = self.equations.size();
+        let mut first = DMatrix::<f64>::zeros(size, size);
+        for (k, mode) in self.equations.kernel().modes().iter().enumerate() {
+            let (turn, period) = (mode.turn, mode.period);
+            for (i, [x, y]) in self.equations.rows(k).iter().enumerate() {
+                let seen = [x * period.even - turn.sign() * y * period.odd, x * period.odd + y * period.even];
+                for (j, column) in self.equations.columns(k).iter().enumerate() {
+                    first[(i, j)] += seen[0] * column[0] + seen[1] * column[1];
+                }
+            }
+        }
+        let constant = DMatrix::from_row_slice(size, size, self.equations.constant(false));
+        let constant_size = constant.norm();
+        let inverse = constant.try_inverse()?;
+        let reach = inverse.norm() * first.norm();
+        let top = self.equations.kernel().modes().iter().map(|mode| mode.rate).fold(0.0, f64::max);
+        let moved = slide * inverse.norm() + 2.0 * time * top * (1.0 + inverse.norm() * constant_size);
+        let error = (8.0 * f64::EPSILON * size as f64 + moved) * reach;
+        Some((self.poles.iter().sum::<C>() - (inverse * first).trace(), error))
+    }
+}
+
+/// The same function of ν = ½(z + 1/z), where neither impacts nor modes lose energy: a multiplier comes with its inverse, f is real for
+/// real ν, and a pair that is on the circle, or real, is one real zero.
+#[derive(Debug)]
+pub(super) struct OfHalfSum<'f, 'a>(pub(super) &'f mut SpectralFunction<'a>);
+
+/// The multiplier of modulus 1 or more that belongs to ν.
+pub(super) fn outer(nu: C) -> C {
+    let root = (nu - 1.0).sqrt() * (nu + 1.0).sqrt();
+    let (plus, minus) = (nu + root, nu - root);
+    if plus.norm_sqr() >= minus.norm_sqr() { plus } else { minus }
+}
+
+impl Meromorphic for OfHalfSum<'_, '_> {
+    fn evaluate(&mut self, nu: C) -> Value {
+        let z = outer(nu);
+        let value = self.0.evaluate(z);
+        let by = z * z * 2.0 / (z * z - 1.0);
+        let finite = |value: &C| value.re.is_finite() && value.im.is_finite();
+        let slope = Some(value.slope * by).filter(finite).unwrap_or(C::new(HUGE, 0.0));
+        let modes = self.0.equations.kernel().modes();
+        let poles: Vec<C> = modes.iter().map(|mode| (nu - mode.period.even).inv()).filter(finite).collect();
+        // z is rounded otherwise than ν, which is felt next to a pole.
+        let nearest = poles.iter().map(|pole| pole.norm_sqr()).fold(0.0, f64::max);
+        let slope_error = value.slope_error * modulus(by) + 4.0 * f64::EPSILON * modulus(nu) * nearest;
+        let slope_error = if slope_error.is_finite() { slope_error } else { 0.0 };
+        let poles = poles.into_iter().sum();
+        Value { slope, poles, slope_error, ..value }
+    }
+}

@@ -1,0 +1,343 @@
+//! Multipliers refined by null vectors of the bordered equations, with their errors.
+//!
+//! With xᵀB = By = 0 a first-order change of B moves z by −xᵀδBy/xᵀB′y. Errors of x and y count to second order. As −xᵀBy/xᵀB′y is a
+//! step of Newton's method besides, the multiplier is settled on the way. m multipliers that are no farther apart than their errors
+//! are refined together: with the m null vectors of both sides they are the eigenvalues of the pencil XᵀBY + δXᵀB′Y.
+
+use nalgebra::{Complex, DMatrix, Schur};
+use smallvec::{SmallVec, smallvec};
+use vibrochain_lattice::{Turn, Turned};
+
+use super::function::{Pole, SpectralFunction};
+use crate::secular::modulus;
+
+type C = Complex<f64>;
+
+/// Steps at most: the first is as good as the start, the second has the digits there are.
+const STEPS: usize = 12;
+
+/// A pole that is not bordered and whose error is not small against its distance is not followed to first order.
+const TOO_NEAR: f64 = 1e-2;
+
+/// Sweeps that make rows and columns alike in size.
+const BALANCE: usize = 3;
+
+/// Errors of the orbit's own data at one impact, of one origin.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct DataError {
+    /// Of g″⁻/(ωP).
+    pub(crate) slide: f64,
+    /// Of the time since the first impact.
+    pub(crate) time: f64,
+}
+
+/// Errors of one origin at all impacts, with their signs.
+pub(crate) type Origin = SmallVec<[DataError; 2]>;
+
+/// A multiplier and its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Refined {
+    pub(crate) z: C,
+    /// Of rounding and of the orbit's own data.
+    pub(crate) error: f64,
+}
+
+/// xᵀBy, xᵀB′y and bounds of their errors, the last of the former from the orbit's data.
+#[derive(Debug, Clone, Copy, Default)]
+struct Product {
+    value: C,
+    slope: C,
+    value_error: f64,
+    slope_error: f64,
+    data: f64,
+}
+
+/// Null vectors of B(z) on both sides, columns of `left` and `right`, and how singular B is.
+struct Null {
+    near: Vec<Pole>,
+    left: DMatrix<C>,
+    right: DMatrix<C>,
+    /// Norm of |x||B||y| with B balanced.
+    norm: f64,
+    /// The least singular value that is not taken for 0, on the same scale.
+    second: f64,
+}
+
+impl SpectralFunction<'_> {
+    /// The multiplier next to `start`; `None` where first order is not enough.
+    pub(crate) fn refine(&self, start: C, data: &[Origin]) -> Option<Refined> {
+        let mut z = start;
+        for _ in 0..STEPS {
+            let null = self.null(z, 1)?;
+            let (x, y) = (null.left.column(0), null.right.column(0));
+            let Product { value, slope, value_error, slope_error, data } =
+                self.product(z, &null.near, (x.as_slice(), y.as_slice()), data)?;
+            // Errors of x and y, of both at once.
+            let off = 16.0 * f64::EPSILON * null.norm;
+            let error = value_error + off * off / null.second;
+            let slope_size = modulus(slope) - slope_error;
+            // Not a number is none, either.
+            let sound = slope_size > 0.0;
+            if !sound {
+                return None;
+            }
+            let step = value / slope;
+            // What the step is too long or too short by is of second order in it.
+            if modulus(step) * slope_size <= error {
+                let error = (error + data) / slope_size + modulus(step) + 2.0 * f64::EPSILON * modulus(z);
+                return error.is_finite().then_some(Refined { z, error });
+            }
+            z -= step;
+            if !(z.re.is_finite() && z.im.is_finite()) {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// `count` multipliers next to `start` together, each with the error of all.
+    pub(crate) fn refine_together(&self, start: C, count: usize, data: &[Origin]) -> Option<(Vec<Refined>, bool)> {
+        let mut z = start;
+        for step in 0.. {
+            let null = self.null(z, count)?;
+            let (mut values, mut slopes) = (DMatrix::zeros(count, count), DMatrix::zeros(count, count));
+            let (mut error, mut slope_error) = (0.0, 0.0);
+            for i in 0..count {
+                for j in 0..count {
+                    let (x, y) = (null.left.column(i), null.right.column(j));
+                    let product = self.product(z, &null.near, (x.as_slice(), y.as_slice()), data)?;
+                    (values[(i, j)], slopes[(i, j)]) = (product.value, product.slope);
+                    error += (product.value_error + product.data).powi(2);
+                    slope_error += product.slope_error.powi(2);
+                }
+            }
+            let off = 16.0 * f64::EPSILON * null.norm;
+            let error = error.sqrt() + count as f64 * off * off / null.second;
+            let definite = self.is_definite(z, &null, &slopes, slope_error.sqrt());
+            let singular = slopes.clone().svd(false, false).singular_values;
+            let least = singular.iter().copied().fold(f64::INFINITY, f64::min) - slope_error.sqrt();
+            if least.is_nan() || least <= 0.0 {
+                return None;
+            }
+            let moves = -(slopes.lu().solve(&values)?);
+            let mean = moves.trace() / count as f64;
+            let spread = (&moves - DMatrix::identity(count, count) * mean).norm();
+            let reach = error / least;
+            if step + 1 < STEPS && modulus(mean) > reach.max(spread) {
+                z += mean;
+                continue;
+            }
+            let shifts = Schur::try_new(moves, f64::EPSILON, 100 * count)?.eigenvalues()?;
+            // All of them are within the spread of their mean; a pencil that is no multiple of one matrix moves them by a root.
+            let m = count as f64;
+            let error = 2.0 * (reach + spread.powf(1.0 - 1.0 / m) * reach.powf(1.0 / m)).min(2.0 * (reach + spread));
+            let error = error + 2.0 * f64::EPSILON * modulus(z);
+            let refined = shifts.iter().map(|shift| Refined { z: z + shift, error });
+            return error.is_finite().then(|| (refined.collect(), definite));
+        }
+        None
+    }
+
+    /// Whether the Krein form is definite on the space of several multipliers next to z: then all of them are on the unit circle, if
+    /// neither impacts nor modes lose energy. J is Hermitian there, so that the left null vectors are the right ones' conjugates, and the
+    /// form is xᵀ(iz dJ/dz)y.
+    fn is_definite(&self, z: C, null: &Null, slopes: &DMatrix<C>, slope_error: f64) -> bool {
+        let (size, count) = (self.equations.size(), slopes.nrows());
+        let (left, right) = (null.left.rows(0, size), null.right.rows(0, size));
+        // X = conj(Y)·S
+        let conjugate = right.conjugate();
+        let Some(mix) = (conjugate.adjoint() * &conjugate).lu().solve(&(conjugate.adjoint() * left)) else {
+            return false;
+        };
+        let rest = (&conjugate * &mix - left).norm();
+        let Some(form) = mix.transpose().lu().solve(slopes) else { return false };
+        let form = form * (C::new(0.0, 1.0) * z);
+        let hermitian = (&form + form.adjoint()) * C::new(0.5, 0.0);
+        let off = (&form - form.adjoint()).norm();
+        let values = hermitian.symmetric_eigenvalues();
+        let least = values.iter().map(|value| value.abs()).fold(f64::INFINITY, f64::min);
+        let largest = values.iter().map(|value| value.abs()).fold(0.0, f64::max);
+        let one_sign = values.iter().all(|value| *value > 0.0) || values.iter().all(|value| *value < 0.0);
+        let sound = rest < 1e-3 * left.norm() && off < 0.1 * least && slope_error < 0.1 * least;
+        one_sign && sound && least > 1e-6 * largest && count > 0
+    }
+
+    /// The `count` null vectors of B(z).
+    fn null(&self, z: C, count: usize) -> Option<Null> {
+        let near = self.near(z);
+        let [mut matrix, _] = self.bordered(z, &near);
+        let size = matrix.nrows();
+        let finite = |entry: &C| entry.re.is_finite() && entry.im.is_finite();
+        if count > size || !matrix.iter().all(finite) {
+            return None;
+        }
+        let (mut rows, mut columns) = (vec![1.0; size], vec![1.0; size]);
+        for _ in 0..BALANCE {
+            for i in 0..size {
+                let largest = matrix.row(i).iter().map(|entry| modulus(*entry)).fold(0.0, f64::max);
+                let by = largest.sqrt().recip();
+                if by.is_normal() {
+                    rows[i] *= by;
+                    matrix.row_mut(i).iter_mut().for_each(|entry| *entry *= by);
+                }
+            }
+            for j in 0..size {
+                let largest = matrix.column(j).iter().map(|entry| modulus(*entry)).fold(0.0, f64::max);
+                let by = largest.sqrt().recip();
+                if by.is_normal() {
+                    columns[j] *= by;
+                    matrix.column_mut(j).iter_mut().for_each(|entry| *entry *= by);
+                }
+            }
+        }
+        let svd = matrix.try_svd(true, true, f64::EPSILON, 0)?;
+        let (u, v) = (svd.u?, svd.v_t?);
+        let values = svd.singular_values;
+        let mut order: Vec<usize> = (0..size).collect();
+        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+        let left = DMatrix::from_fn(size, count, |i, k| u[(i, order[k])].conj() * rows[i]);
+        let right = DMatrix::from_fn(size, count, |j, k| v[(order[k], j)].conj() * columns[j]);
+        let second = order.get(count).map_or(f64::INFINITY, |&k| values[k]);
+        Some(Null { near, left, right, norm: values.max(), second })
+    }
+
+    /// The products with two vectors of B(z).
+    fn product(&self, z: C, near: &[Pole], (x, y): (&[C], &[C]), data: &[Origin]) -> Option<Product> {
+        const EPSILON: f64 = f64::EPSILON;
+        let (equations, size) = (self.equations, self.equations.size());
+        let (n, inside) = (size / 2, equations.is_inside(z));
+        let of_time = data.iter().flatten().any(|error| error.time != 0.0);
+        let mut slides: SmallVec<[C; 8]> = smallvec![C::default(); n];
+        let mut out = Product::default();
+        let mut sizes = 0.0;
+        let constant = &self.constants[usize::from(inside)];
+        for (i, x) in x[..size].iter().enumerate() {
+            for (j, y) in y[..size].iter().enumerate() {
+                let at = i * size + j;
+                let (product, length) = (x * y, modulus(*x) * modulus(*y));
+                let term = product * equations.constant(inside)[at];
+                out.value += term;
+                out.value_error += length * constant.errors[at];
+                sizes += modulus(term);
+                if of_time && i / 2 != j / 2 {
+                    let slide = product * constant.slides[at];
+                    slides[i / 2] += slide;
+                    slides[j / 2] -= slide;
+                }
+            }
+        }
+        for (k, mode) in equations.kernel().modes().iter().enumerate() {
+            let (rows, columns) = (equations.rows(k), equations.columns(k));
+            let sum = |v: &[C], table: &[[f64; 2]]| {
+                let add = |[p, q]: [C; 2], (v, [s, t]): (&C, &[f64; 2])| [p + v * *s, q + v * *t];
+                v.iter().zip(table).fold([C::default(); 2], add)
+            };
+            let length = |v: &[C], table: &[f64]| v.iter().zip(table).map(|(v, size)| modulus(*v) * size).sum::<f64>();
+            let (xi, eta) = (sum(&x[..size], rows), sum(&y[..size], columns));
+            let (sizes_of_rows, sizes_of_columns) =
+                (&self.row_sizes[k * size..(k + 1) * size], &self.column_sizes[k * size..(k + 1) * size]);
+            let relative = self.relative[k];
+            // Of real poles the sum of both coordinates is longer than their length.
+            let widest = if mode.turn == Turn::Circular { 1.0 } else { std::f64::consts::SQRT_2 };
+            let (a_error, c_error) = (
+                widest * relative * length(&x[..size], sizes_of_rows),
+                widest * 0.5 * relative * length(&y[..size], sizes_of_columns),
+            );
+            if mode.turn == Turn::Parabolic {
+                self.add_double_pole(z, k, [xi, eta], (2.0 * a_error, 4.0 * c_error), &mut out);
+                continue;
+            }
+            for pole in self.simple.iter().skip(self.simple_of(k)).take(2) {
+                let a = xi[0] + pole.root * xi[1];
+                let c = (eta[0] + eta[1] / pole.root) * 0.5;
+                let border = near.iter().position(|other| other.mode == k && other.root == pole.root);
+                // What the columns send on, and what the rows have received.
+                let (sent, received) = if let Some(place) = border {
+                    let (xs, ys) = (x[size + place], y[size + place]);
+                    let own = xs * (z - pole.value) * ys;
+                    let terms = [a * ys, -(xs * pole.value * c), own];
+                    out.value += terms[0] + terms[1] + terms[2];
+                    out.slope += xs * ys;
+                    let length: f64 = terms.iter().map(|term| modulus(*term)).sum();
+                    sizes += length;
+                    let rounding = pole.error + 2.0 * EPSILON * modulus(z);
+                    out.value_error += a_error * modulus(ys)
+                        + c_error * modulus(xs * pole.value)
+                        + modulus(xs * ys) * rounding
+                        + modulus(xs * c) * pole.error
+                        + 6.0 * EPSILON * length;
+                    out.slope_error += 4.0 * EPSILON * modulus(xs * ys);
+                    (ys, -(xs * pole.value))
+                } else {
+                    let inverse = (z - pole.value).inv();
+                    let near = modulus(inverse);
+                    if pole.error * near >= TOO_NEAR || near.is_nan() {
+                        return None;
+                    }
+                    let factor = if inside { z } else { pole.value } * inverse;
+                    let dyad = a * c;
+                    let size = modulus(dyad);
+                    let dyad_error = a_error * modulus(c) + c_error * modulus(a) + a_error * c_error;
+                    let steep = near * near * modulus(pole.value);
+                    out.value += factor * dyad;
+                    out.slope -= pole.value * inverse * inverse * dyad;
+                    sizes += modulus(factor) * size;
+                    out.value_error += modulus(factor) * (dyad_error + 6.0 * EPSILON * size)
+                        + near * near * modulus(z).max(modulus(pole.value)) * pole.error * size;
+                    out.slope_error += steep * (dyad_error + (8.0 * EPSILON + 3.0 * pole.error * near) * size);
+                    (factor * c, factor * a)
+                };
+                if of_time {
+                    for (i, slide) in slides.iter_mut().enumerate() {
+                        let pair = 2 * i..2 * i + 2;
+                        let [p, q] = sum(&x[pair.clone()], &rows[pair.clone()]);
+                        let [s, t] = sum(&y[pair.clone()], &columns[pair]);
+                        let (own_a, own_c) = (p + pole.root * q, (s + t / pole.root) * 0.5);
+                        *slide += pole.rate * (own_a * sent - received * own_c);
+                    }
+                }
+            }
+        }
+        // Of adding up.
+        out.value_error += EPSILON * (equations.kernel().modes().len() as f64).sqrt() * sizes;
+        out.data = data
+            .iter()
+            .map(|origin| {
+                let moves = origin
+                    .iter()
+                    .enumerate()
+                    .take(n)
+                    .map(|(i, error)| x[2 * i + 1] * y[2 * i + 1] * error.slide + slides[i] * error.time);
+                modulus(moves.sum::<C>())
+            })
+            .sum();
+        Some(out)
+    }
+
+    /// Where the simple poles of a mode begin.
+    fn simple_of(&self, mode: usize) -> usize {
+        self.simple.partition_point(|pole| pole.mode < mode)
+    }
+
+    /// What a mode with a double pole adds.
+    fn add_double_pole(&self, z: C, k: usize, [xi, eta]: [[C; 2]; 2], (a, c): (f64, f64), out: &mut Product) {
+        let mode = &self.equations.kernel().modes()[k];
+        let turn = mode.turn;
+        let resolvent = mode.period.resolvent(turn, z);
+        let past = turn.product(mode.period.complex(), resolvent);
+        let inside = self.equations.is_inside(z);
+        let sum = if inside { Turned { even: resolvent.even * z, odd: resolvent.odd * z } } else { past };
+        let slope = turn.product(past, resolvent);
+        let pair = |by: Turned<C>| {
+            by.even * (xi[0] * eta[0] + xi[1] * eta[1]) + by.odd * (xi[0] * eta[1] - xi[1] * eta[0] * turn.sign())
+        };
+        let size = |by: Turned<C>| modulus(by.even) + modulus(by.odd);
+        let length = |v: [C; 2]| modulus(v[0]) + modulus(v[1]);
+        let (x, y) = (length(xi), length(eta));
+        let error = a * y + c * x + a * c + 8.0 * f64::EPSILON * x * y;
+        out.value += pair(sum);
+        out.slope -= pair(slope);
+        out.value_error += size(sum) * error + size(slope) * mode.pole_error * x * y;
+        out.slope_error += size(slope) * error;
+    }
+}

@@ -1,0 +1,309 @@
+//! All zeros: found together, refined one by one or, where they are too close for that, together, and counted.
+
+use nalgebra::Complex;
+use vibrochain_breather::BlochEquations;
+use vibrochain_lattice::Turn;
+
+use super::function::{OfHalfSum, SpectralFunction, outer};
+use super::refine::{Origin, Refined};
+use super::starts::DEAD;
+use crate::secular::{Aberth, Last, Meromorphic, Nu, modulus};
+
+type C = Complex<f64>;
+
+/// The iteration is of third order: a step of this part of what lies between zeros leaves Newton's method next to nothing to do.
+const LAST: Last = Last { of_modulus: 1e-13, of_distance: 1e-3 };
+
+/// An error this many times smaller than the distance to the next zero is one of first order.
+const ALONE: f64 = 8.0;
+
+/// Room for what estimates of errors leave out in the checks of sum and product.
+const ROOM: f64 = 16.0;
+
+/// One zero in its own plane, of z or of ν = ½(z + 1/z).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Zero {
+    /// z, or the one of modulus 1 or more of two that belong to ν.
+    pub(crate) z: C,
+    /// ν by its distances from ±1; nothing in the plane of z.
+    pub(crate) nu: Nu,
+    /// Error in its plane.
+    pub(crate) error: f64,
+    /// It has been told from all others, or together with the few next to it from the rest. Of others it is known alone that as many
+    /// are within the errors.
+    pub(crate) settled: bool,
+    /// No zero of another group is within the errors.
+    pub(crate) apart: bool,
+    /// It is one of several that structure keeps on the circle together.
+    pub(crate) held: bool,
+}
+
+/// All zeros of f.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Zeros {
+    /// Without those that are known to begin with.
+    pub(crate) list: Vec<Zero>,
+    /// They are zeros in ν, of two multipliers each.
+    pub(crate) reciprocal: bool,
+    /// Every one is apart from the rest, and their sum and product are what they must be.
+    pub(crate) certified: bool,
+}
+
+/// Whether neither impacts nor modes lose energy: a multiplier comes with its inverse.
+fn is_reciprocal(equations: &BlochEquations) -> bool {
+    let (modes, impacts) = (equations.kernel().modes(), equations.impacts());
+    impacts.iter().all(|impact| impact.restitution == 1.0)
+        && modes.iter().all(|mode| mode.decay == 0.0 && mode.turn != Turn::Hyperbolic)
+}
+
+/// All multipliers of the modes that feel the impacts, but the trivial pair of a conservative orbit.
+pub(crate) fn zeros(equations: &BlochEquations, conservative: bool, data: &[Origin]) -> Zeros {
+    let reciprocal = is_reciprocal(equations);
+    let mut search = Search { function: SpectralFunction::new(equations), reciprocal, conservative, data };
+    let (starts, dead) = search.function.starts();
+    let beside = search.attempt(starts, dead);
+    if beside.certified {
+        return beside;
+    }
+    // Two that have ended at one zero have begun too close to it.
+    let (starts, dead) = search.function.turned_starts();
+    let turned = search.attempt(starts, dead);
+    if turned.certified { turned } else { beside }
+}
+
+struct Search<'a> {
+    function: SpectralFunction<'a>,
+    reciprocal: bool,
+    conservative: bool,
+    data: &'a [Origin],
+}
+
+impl Search<'_> {
+    /// All zeros from these starts, two for each mode, of which the first `dead` pairs are multipliers that have died out.
+    fn attempt(&mut self, pairs: Vec<[C; 2]>, dead: usize) -> Zeros {
+        let half_sum = |z: C| (z + z.inv()) * 0.5;
+        let mut starts: Vec<C> = if self.reciprocal {
+            pairs.iter().map(|pair| half_sum(pair[0])).collect()
+        } else {
+            pairs.into_iter().flatten().collect()
+        };
+        let per_mode = if self.reciprocal { 1 } else { 2 };
+        let dead = per_mode * dead;
+        let mut known = dead;
+        if self.conservative && starts.len() >= dead + per_mode {
+            // In place of the starts next to +1.
+            let distance = |k: &usize| modulus(starts[*k] - 1.0);
+            let first = (dead..starts.len()).step_by(per_mode).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            for k in 0..per_mode {
+                starts.swap(dead + k, first.unwrap_or(dead) + k);
+                starts[dead + k] = C::new(1.0, 0.0);
+            }
+            known += per_mode;
+        }
+        let mut aberth = Aberth::default();
+        let ended = if self.reciprocal {
+            aberth.solve_from(&mut OfHalfSum(&mut self.function), starts.into_iter(), known, LAST)
+        } else {
+            aberth.solve_from(&mut self.function, starts.into_iter(), known, LAST)
+        };
+        let roots: Vec<C> = aberth.roots.drain(..).collect();
+        let mut list = self.settled(&roots[known..]);
+        // A multiplier that has died out is not told from 0.
+        let of_dead = |z: &C| Zero { error: DEAD, ..Zero::new(*z, true) };
+        list.extend(roots[..dead].iter().map(of_dead));
+        let known_enough = |zero: &Zero| zero.apart && zero.error <= USELESS * (1.0 + modulus(zero.z));
+        let certified = ended && list.iter().all(known_enough) && self.is_complete(&list, known > dead);
+        Zeros { list, reciprocal: self.reciprocal, certified }
+    }
+
+    /// Distance of two zeros in their plane.
+    fn distance(&self, a: &Zero, b: &Zero) -> f64 {
+        if !self.reciprocal {
+            return modulus(a.z - b.z);
+        }
+        let close = |from: fn(&Nu) -> f64| (from(&a.nu) - from(&b.nu)).abs();
+        close(|nu| nu.below).min(close(|nu| nu.above)).hypot(a.nu.im - b.nu.im)
+    }
+
+    /// A refined multiplier in its plane.
+    fn placed(&self, Refined { z, error }: Refined, settled: bool) -> Zero {
+        if !self.reciprocal {
+            return Zero { error, ..Zero::new(z, settled) };
+        }
+        // ν ∓ 1 = (z ∓ 1)²/2z
+        let [below, above] = [z - 1.0, z + 1.0].map(|root| root * root / (z * 2.0));
+        let nu = Nu { below: below.re, above: above.re, im: above.im };
+        let inverse = z.inv();
+        let slope = 0.5 * modulus((z - 1.0) * (z + 1.0)) * inverse.norm_sqr();
+        let error =
+            error * slope + 0.5 * error * error * inverse.norm_sqr() + 2.0 * f64::EPSILON * modulus(nu.complex());
+        Zero { nu, error, ..Zero::new(z, settled) }
+    }
+
+    /// The multiplier next to an approximation in its plane.
+    fn multiplier(&self, root: C) -> C {
+        if self.reciprocal { outer(root) } else { root }
+    }
+
+    /// How far from an approximation there may be one of `close` zeros that are close together: one is within as many steps of
+    /// Newton's method.
+    fn reach(&mut self, root: C, close: usize) -> f64 {
+        let value =
+            if self.reciprocal { OfHalfSum(&mut self.function).evaluate(root) } else { self.function.evaluate(root) };
+        let mut log = value.slope + value.poles;
+        if self.conservative {
+            log -= (root - 1.0).inv() * if self.reciprocal { 1.0 } else { 2.0 };
+        }
+        8.0 * close as f64 / (modulus(log) - value.slope_error).max(f64::MIN_POSITIVE)
+    }
+
+    /// The zeros next to approximations, no two the same.
+    fn settled(&mut self, roots: &[C]) -> Vec<Zero> {
+        let count = roots.len();
+        let mut zeros: Vec<Zero> = Vec::with_capacity(count);
+        let mut plain: Vec<bool> = Vec::with_capacity(count);
+        for (i, root) in roots.iter().enumerate() {
+            // The first of two conjugates has been refined for both.
+            if i % 2 == 1 && !self.reciprocal && *root == roots[i - 1].conj() && plain[i - 1] {
+                zeros.push(Zero { z: zeros[i - 1].z.conj(), ..zeros[i - 1] });
+                plain.push(true);
+                continue;
+            }
+            let z = self.multiplier(*root);
+            let refined = self.function.refine(z, self.data);
+            plain.push(refined.is_some());
+            zeros.push(self.placed(refined.unwrap_or(Refined { z, error: 0.0 }), refined.is_some()));
+        }
+        let near = |search: &Self, a: &Zero, b: &Zero| search.distance(a, b) <= ALONE * (a.error + b.error);
+        let mut group: Vec<usize> = (0..count).collect();
+        for i in 0..count {
+            for j in i + 1..count {
+                if near(self, &zeros[i], &zeros[j]) && group[i] != group[j] {
+                    let (keep, drop) = (group[i].min(group[j]), group[i].max(group[j]));
+                    group.iter_mut().filter(|own| **own == drop).for_each(|own| *own = keep);
+                }
+            }
+        }
+        for first in 0..count {
+            let members: Vec<usize> = (first..count).filter(|&i| group[i] == first).collect();
+            if group[first] != first || members.len() == 1 && plain[first] {
+                continue;
+            }
+            let centre = members.iter().map(|&i| roots[i]).sum::<C>() / members.len() as f64;
+            let farthest = members.iter().map(|&i| modulus(roots[i] - centre)).fold(0.0, f64::max);
+            let together = self.function.refine_together(self.multiplier(centre), members.len(), self.data);
+            let found = together.map(|(found, held)| {
+                // Two in ν that nothing holds on the real axis may have left it.
+                let settled = held || !self.reciprocal;
+                found.into_iter().map(|refined| Zero { held, ..self.placed(refined, settled) }).collect::<Vec<_>>()
+            });
+            let begun = self.placed(Refined { z: self.multiplier(centre), error: 0.0 }, false);
+            // Where the pencil leads elsewhere it was not as many zeros that were close.
+            let here = |zero: &Zero| self.distance(zero, &begun) <= STRAY * (farthest + zero.error);
+            match found.filter(|found| found.iter().all(here)) {
+                Some(found) => members.iter().zip(found).for_each(|(&i, zero)| zeros[i] = zero),
+                None => {
+                    for &i in &members {
+                        let error = self.reach(roots[i], members.len()) + 2.0 * farthest;
+                        let z = self.multiplier(roots[i]);
+                        zeros[i] = Zero { error, ..self.placed(Refined { z, error: 0.0 }, false) };
+                    }
+                }
+            }
+        }
+        for i in 0..count {
+            let apart = (0..count).all(|j| group[j] == group[i] || !near(self, &zeros[i], &zeros[j]));
+            zeros[i].apart = apart;
+        }
+        self.symmetric(&mut zeros);
+        zeros
+    }
+
+    /// Complex zeros in exactly conjugate pairs, real ones without imaginary part.
+    fn symmetric(&self, zeros: &mut [Zero]) {
+        let mirror = |zero: &Zero| Zero { z: zero.z.conj(), nu: Nu { im: -zero.nu.im, ..zero.nu }, ..*zero };
+        let height = |zero: &Zero| if self.reciprocal { zero.nu.im.abs() } else { zero.z.im.abs() };
+        let mut done = vec![false; zeros.len()];
+        for i in 0..zeros.len() {
+            if done[i] {
+                continue;
+            }
+            done[i] = true;
+            let image = mirror(&zeros[i]);
+            let partner = (0..zeros.len())
+                .filter(|&j| !done[j])
+                .map(|j| (j, self.distance(&zeros[j], &image)))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .filter(|(_, distance)| *distance < 2.0 * height(&zeros[i]));
+            if let Some((j, _)) = partner {
+                let error = zeros[i].error.max(zeros[j].error);
+                let both = |own: fn(&Zero) -> bool| own(&zeros[i]) && own(&zeros[j]);
+                let (settled, apart, held) =
+                    (both(|zero| zero.settled), both(|zero| zero.apart), both(|zero| zero.held));
+                zeros[i] = Zero { error, settled, apart, held, ..zeros[i] };
+                zeros[j] = mirror(&zeros[i]);
+                done[j] = true;
+            } else {
+                zeros[i].error += height(&zeros[i]);
+                if self.reciprocal {
+                    zeros[i].nu.im = 0.0;
+                    zeros[i].z = zeros[i].nu.multipliers()[0];
+                } else {
+                    zeros[i].z.im = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Whether sum and product of all multipliers are those of the poles plus what the impacts make of them:
+    /// f = 1 + tr(J₀⁻¹ΣARC)/z + … far out, f(0) = Πe².
+    fn is_complete(&self, list: &[Zero], trivial: bool) -> bool {
+        let both = |zero: &Zero| if self.reciprocal { zero.nu.multipliers().to_vec() } else { vec![zero.z] };
+        let mut all: Vec<C> = list.iter().flat_map(both).collect();
+        all.extend(std::iter::repeat_n(C::new(1.0, 0.0), if trivial { 2 } else { 0 }));
+        if all.len() != self.function.poles.len() {
+            return false;
+        }
+        let scale = 1.0 + self.function.poles.iter().map(|pole| modulus(*pole)).sum::<f64>();
+        // Of those that are not told apart the sum is known all the same: the iteration has found them together.
+        let told = list.iter().filter(|zero| zero.settled || zero.held).map(|zero| zero.error);
+        let slack = 2.0 * told.sum::<f64>() + f64::EPSILON * scale * all.len() as f64;
+        let (slide, time) = self
+            .data
+            .iter()
+            .flatten()
+            .fold((0.0, 0.0), |(slide, time), error| (slide + error.slide.abs(), time + error.time.abs()));
+        let Some((trace, trace_error)) = self.function.trace(slide, time) else { return false };
+        let sum: C = all.iter().sum();
+        let sizes: f64 = all.iter().map(|z| modulus(*z)).sum::<f64>() + modulus(trace);
+        let by_sum = modulus(sum - trace) <= ROOM * (slack + trace_error) + CLOSED * sizes;
+        if self.reciprocal {
+            return by_sum;
+        }
+        let relative: f64 = list.iter().map(|zero| (zero.error / modulus(zero.z)).min(1.0)).sum();
+        let logarithm: f64 = all.iter().map(|z| modulus(*z).ln()).sum();
+        let impacts = self.function.equations.impacts().iter();
+        let losses: f64 = impacts.map(|impact| 2.0 * impact.restitution.ln()).sum();
+        let poles: f64 = self.function.poles.iter().map(|pole| modulus(*pole).ln()).sum();
+        // One that is 0 to rounding has no logarithm to speak of.
+        let by_product = relative > 0.5
+            || (logarithm - losses - poles).abs() <= ROOM * relative + CLOSED * (1.0 + losses.abs() + poles.abs());
+        by_sum && by_product
+    }
+}
+
+impl Zero {
+    fn new(z: C, settled: bool) -> Self {
+        Self { z, nu: Nu::default(), error: 0.0, settled, apart: true, held: false }
+    }
+}
+
+/// How far, of their sizes, sum and product may be off beyond what errors explain: two zeros that are one are off by their distance from
+/// the one that is missing, and where poles crowd that is small.
+const CLOSED: f64 = 1e-11;
+
+/// A zero whose error is beyond this part of its size is none that was found.
+const USELESS: f64 = 1e-2;
+
+/// How far, as a multiple of their distances and errors, several zeros may be from where they were sought together.
+const STRAY: f64 = 100.0;

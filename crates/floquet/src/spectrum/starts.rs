@@ -1,0 +1,125 @@
+//! Where the iteration begins: beside each pole, where the zeros are that belong to it to first order.
+//!
+//! With the m poles at q of one frequency kept apart, det B(z) = 0 is det(z − q + q·C J⁻¹A) = 0 to first order in z − q.
+
+use nalgebra::{Complex, DMatrix, Schur};
+use vibrochain_lattice::{BlochMode, Turn};
+
+use super::function::SpectralFunction;
+use crate::secular::modulus;
+
+type C = Complex<f64>;
+
+/// A start that nothing is known of is its pole turned by this angle and moved inward by this part.
+const TURNED: f64 = 0.3;
+const INWARD: f64 = 0.95;
+
+/// Two starts that are closer than this part of their way from the pole are one; another is sought in so many directions.
+const ALIKE: f64 = 0.2;
+const TURNS: i32 = 6;
+
+/// A zero closer to its pole than this part of the way to the next one is no start: f is known too poorly there to lead away from it.
+const HIDDEN: f64 = 1e-2;
+
+/// Poles below this modulus have died out within a period: so have as many multipliers.
+pub(super) const DEAD: f64 = 1e-13;
+
+/// A start with the pole that it is beside and the way to the nearest other one.
+#[derive(Debug, Clone, Copy)]
+struct Beside {
+    at: C,
+    pole: C,
+    gap: f64,
+}
+
+impl SpectralFunction<'_> {
+    /// Two starts for each mode, conjugates of each other but for real poles; and how many pairs at the beginning are dead.
+    pub(super) fn starts(&self) -> (Vec<[C; 2]>, usize) {
+        let modes = self.equations.kernel().modes();
+        let (mut starts, mut dead) = (Vec::with_capacity(modes.len()), Vec::new());
+        let mut from = 0;
+        let same = |a: &BlochMode, b: &BlochMode| (a.turn, a.decay, a.rate) == (b.turn, b.decay, b.rate);
+        for alike in modes.chunk_by(same) {
+            let count = alike.len();
+            let poles = alike[0].poles();
+            if is_dead(&poles) {
+                dead.extend(std::iter::repeat_n(poles, count));
+            } else if alike[0].turn == Turn::Parabolic {
+                let length = modulus(poles[0]);
+                let start = Beside { at: C::from_polar(INWARD * length, TURNED), pole: poles[0], gap: length };
+                starts.extend(std::iter::repeat_n([start; 2], count));
+            } else {
+                let first = self.beside(from, count, 0);
+                let circular = alike[0].turn == Turn::Circular;
+                let second = if circular { first.clone() } else { self.beside(from, count, 1) };
+                starts.extend(first.into_iter().zip(second).map(|(one, other)| [one, other]));
+            }
+            from += count;
+        }
+        let known = dead.len();
+        let mut taken: Vec<C> = Vec::with_capacity(2 * starts.len());
+        for [one, other] in starts {
+            // Those of two complex poles are conjugates.
+            let paired = one.at == other.at;
+            let first = one.away_from(&taken);
+            taken.push(first);
+            let upper = C::new(first.re, first.im.abs());
+            let pair = if paired { [upper, upper.conj()] } else { [first, other.away_from(&taken)] };
+            taken.push(pair[1]);
+            dead.push(pair);
+        }
+        (dead, known)
+    }
+
+    /// The same, each pole turned and moved inward: far from all of them, and none paired.
+    pub(super) fn turned_starts(&self) -> (Vec<[C; 2]>, usize) {
+        let poles = self.equations.kernel().modes().iter().map(|mode| mode.poles());
+        let (mut known, starts): (Vec<_>, Vec<_>) = poles.partition(is_dead);
+        let (dead, count) = (known.len(), starts.len() as f64);
+        // Those of one pole must not be the same.
+        let by = |k: usize| C::from_polar(INWARD - 0.1 * (1.0 - INWARD) * k as f64 / count, TURNED);
+        known.extend(starts.iter().enumerate().map(|(k, poles)| poles.map(|pole| pole * by(k))));
+        (known, dead)
+    }
+
+    /// The starts beside the first or second pole of `count` modes that are alike.
+    fn beside(&self, from: usize, count: usize, which: usize) -> Vec<Beside> {
+        let at = self.simple.partition_point(|pole| pole.mode < from) + which;
+        let own: Vec<_> = (0..count).map(|k| self.simple[at + 2 * k]).collect();
+        let pole = own[0].value;
+        let others = self.simple.iter().filter(|other| !(from..from + count).contains(&other.mode));
+        let gap = others.map(|other| modulus(other.value - pole)).fold(modulus(pole), f64::min);
+        let size = self.equations.size();
+        let [bordered, _] = self.bordered(pole, &own);
+        let offsets = || {
+            let (apart, a) = (bordered.view((0, 0), (size, size)), bordered.view((0, size), (size, count)));
+            let c = bordered.view((size, 0), (count, size));
+            let offsets: DMatrix<C> = c * apart.clone_owned().lu().solve(&a.clone_owned())?;
+            let finite = offsets.iter().all(|entry| entry.re.is_finite() && entry.im.is_finite());
+            let schur = if finite { Schur::try_new(offsets, f64::EPSILON, 100 * count)? } else { return None };
+            Some(schur.eigenvalues()?.iter().copied().collect::<Vec<_>>())
+        };
+        let offsets = offsets().unwrap_or_else(|| vec![C::default(); count]);
+        let start = |offset: C| {
+            // A start on the pole itself says nothing; a real one would never leave the axis.
+            let offset = if modulus(offset) > HIDDEN * gap { offset } else { C::new(0.0, HIDDEN * gap) };
+            let offset = if (pole + offset).im == 0.0 { offset * C::new(1.0, 1e-3) } else { offset };
+            Beside { at: pole + offset * (gap / modulus(offset)).min(1.0), pole, gap }
+        };
+        offsets.into_iter().map(start).collect()
+    }
+}
+
+impl Beside {
+    /// The start, or another one half-way to the next pole where one that is taken is as near.
+    fn away_from(&self, taken: &[C]) -> C {
+        let length = modulus(self.at - self.pole);
+        let is_free = |z: C| taken.iter().all(|other| modulus(other - z) > ALIKE * modulus(z - self.pole));
+        let around = (0..TURNS).map(|k| self.pole + C::from_polar(0.5 * self.gap, TURNED + f64::from(k)));
+        std::iter::once(self.at).chain(around).find(|z| is_free(*z)).unwrap_or(self.at + 0.5 * length)
+    }
+}
+
+fn is_dead(poles: &[C; 2]) -> bool {
+    poles.iter().all(|pole| modulus(*pole) < DEAD)
+}

@@ -1,0 +1,150 @@
+//! From all multipliers to a verdict that knows its error.
+//!
+//! Where no energy is lost a zero is one of ν = ½(μ + 1/μ), and f is real for real ν: a zero in (−1, 1) that has no other within its
+//! error is real, and its pair of multipliers on the circle exactly. Several together stay there where the Krein form is definite on
+//! their space. What is left open is one next to ±1, or others that may have met.
+
+use nalgebra::Complex;
+use vibrochain_breather::{BlochEquations, Condition, Finder, ImpactError, Orbit};
+use vibrochain_lattice::SparedModes;
+
+use super::refine::{DataError, Origin};
+use super::solve::{Zero, Zeros, zeros};
+use crate::error::FloquetError;
+use crate::saltation::saltations;
+use crate::secular::{SecularError, excess};
+use crate::verdict::{Question, Tolerance, Verdict};
+
+/// Room for what estimates of errors leave out where an answer hangs on them.
+const ROOM: f64 = 4.0;
+
+/// Verdict and multipliers of one orbit.
+#[derive(Debug, Clone)]
+pub(crate) struct Spectrum {
+    pub(crate) verdict: Verdict,
+    /// Of the modes that feel the impacts, without a conservative orbit's trivial pair.
+    pub(crate) multipliers: Vec<Complex<f64>>,
+    /// The modes that do not.
+    pub(crate) spared: Vec<SparedModes>,
+}
+
+impl Spectrum {
+    /// All multipliers; of impacts at one site those of the modes that feel them, as the others are known.
+    pub(crate) fn listed(self, orbit: &Orbit) -> Vec<Complex<f64>> {
+        let mut all = self.multipliers;
+        let spared = self.spared.iter().filter(|_| orbit.impact_site().is_none());
+        for SparedModes { frequency, count, .. } in spared {
+            let pair = [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * frequency * orbit.period()));
+            all.extend(pair.repeat(*count));
+        }
+        all
+    }
+}
+
+/// All multipliers of an orbit, and what they say; a doubt where they could not be told apart and counted.
+pub(crate) fn spectrum(
+    question: Question<'_>,
+    finder: &mut Finder,
+) -> Result<Result<Spectrum, SecularError>, FloquetError> {
+    let Question { orbit, tolerance, thorough } = question;
+    let _ = saltations(orbit)?;
+    let careful = thorough || finder.is_delicate(orbit)?;
+    let condition = if careful { Some(finder.condition(orbit)?) } else { None };
+    let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
+    let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
+    let Zeros { list, reciprocal, certified } = zeros(&equations, orbit.model().is_conservative(), &data);
+    if !certified {
+        let found = list.iter().filter(|zero| zero.settled).count();
+        return Ok(Err(SecularError::Incomplete { found, wanted: list.len() }));
+    }
+    if !reciprocal {
+        let multipliers = list.iter().map(|zero| zero.z).collect();
+        return Ok(Ok(Spectrum { verdict: dissipative(&list, tolerance), multipliers, spared }));
+    }
+    let (mut multipliers, mut judge) = (Vec::with_capacity(2 * list.len()), Reciprocal::default());
+    for zero in &list {
+        multipliers.extend(judge.take(zero));
+    }
+    let verdict = judge.verdict(multipliers.first().copied(), tolerance);
+    Ok(Ok(Spectrum { verdict, multipliers, spared }))
+}
+
+/// The largest modulus, with room for others that may be larger.
+fn dissipative(list: &[Zero], tolerance: Tolerance) -> Verdict {
+    let all = || list.iter().map(|zero| (zero.z, excess(zero.z), zero.error));
+    let Some((leading, growth, error)) = all().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return Verdict::on_circle(None);
+    };
+    let error = all().map(|(_, other, reach)| other + reach - growth).fold(error, f64::max);
+    Verdict::of_growth(leading, growth, error, tolerance)
+}
+
+/// What is known of multipliers that come in pairs.
+#[derive(Debug, Default)]
+struct Reciprocal {
+    /// The one that is surely the farthest outside the circle, with growth and error.
+    leading: Option<(Complex<f64>, f64, f64)>,
+    /// The one that may be the farthest outside of those that may have left it, and how far it is then.
+    open: Option<(Complex<f64>, f64)>,
+}
+
+impl Reciprocal {
+    /// Takes note of a zero; its multipliers.
+    fn take(&mut self, zero: &Zero) -> [Complex<f64>; 2] {
+        let mut nu = zero.nu;
+        if zero.held && nu.below < 0.0 && nu.above > 0.0 {
+            nu.im = 0.0;
+            return nu.multipliers();
+        }
+        let growth = nu.growth();
+        let reach = ROOM * zero.error;
+        let beyond = nu.below.max(-nu.above).max(0.0);
+        let error = nu.growth_error(growth, if zero.settled { zero.error } else { reach });
+        if beyond.hypot(nu.im) > reach {
+            if self.leading.is_none_or(|(_, other, _)| growth > other) {
+                self.leading = Some((nu.multipliers()[0], growth, error));
+            }
+        } else if !zero.settled || zero.held || nu.im != 0.0 || nu.below.max(-nu.above) >= -reach {
+            let farthest = growth + nu.growth_error(growth, reach);
+            if self.open.is_none_or(|(_, other)| farthest > other) {
+                self.open = Some((nu.multipliers()[0], farthest));
+            }
+        }
+        nu.multipliers()
+    }
+
+    fn verdict(&self, any: Option<Complex<f64>>, tolerance: Tolerance) -> Verdict {
+        match (self.leading, self.open) {
+            (Some((value, growth, error)), other) => {
+                // One that may lead instead is as good.
+                let error = other.map_or(error, |(_, farthest)| error.max(farthest - growth));
+                Verdict::of_growth(value, growth, error, tolerance)
+            }
+            (None, Some((value, farthest))) => Verdict::unsettled(value, excess(value).max(0.0), farthest, tolerance),
+            (None, None) => Verdict::on_circle(any),
+        }
+    }
+}
+
+/// What errors of the orbit's own data do to its equations, by origin.
+fn origins(equations: &BlochEquations, condition: &Condition) -> Vec<Origin> {
+    let impacts = equations.impacts();
+    // Impulses are units of times: of g″⁻/(ωP) alone they count. Only differences of times do.
+    let of_impact = |(i, known): (usize, &ImpactError)| {
+        let pull = impacts[i].acceleration_before / impacts[i].impulse;
+        let slide = (known.acceleration - pull * known.impulse) / (equations.omega() * impacts[i].impulse);
+        DataError { slide, time: if i == 0 { 0.0 } else { known.time } }
+    };
+    let mut origins: Vec<Origin> =
+        condition.origins.iter().map(|origin| origin.iter().enumerate().map(of_impact).collect()).collect();
+    // And both are rounded.
+    for (i, impact) in impacts.iter().enumerate() {
+        let mut origin: Origin = impacts.iter().map(|_| DataError::default()).collect();
+        origin[i].slide = 4.0 * f64::EPSILON * impact.acceleration_before / (equations.omega() * impact.impulse);
+        origins.push(origin.clone());
+        let time = if i == 0 { 0.0 } else { f64::EPSILON * equations.kernel().period() };
+        origin[i] = DataError { slide: 0.0, time };
+        origins.push(origin);
+    }
+    origins
+}
