@@ -272,7 +272,7 @@ impl Analyser {
             }
         }
         let counts = !self.dense_only && orbit.model().chain().sites() <= WORTH_A_MATRIX;
-        // A map asks for no more than the verdict, and of few masses a matrix has that sooner: ten times for N = 20.
+        // A map asks for no more than the verdict, and of few masses a matrix has that sooner.
         if counts && thorough {
             match spectrum(question, finder)? {
                 Ok(answer) => return Ok((answer.verdict, answer.listed(orbit))),
