@@ -73,7 +73,14 @@ fn named(text: &str, handing_on: bool) -> Vec<String> {
         let public = line.trim_start().starts_with("pub");
         let end = rest[at..].find(';').map_or(rest.len(), |end| at + end);
         if (line.trim().is_empty() && !handing_on) || public {
+            let from = all.len();
             leaves(&rest[at + 4..end], "", &mut all);
+            // What stands further in is a module of this file's own, whose parent this file is.
+            for path in all[from..].iter_mut().filter(|_| !line.is_empty()) {
+                if let Some(name) = path.strip_prefix("super::") {
+                    *path = format!("self::{name}");
+                }
+            }
         }
         rest = &rest[end..];
     }

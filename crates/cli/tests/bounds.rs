@@ -70,7 +70,7 @@ fn threads_are_limited_whoever_asks_for_them() {
     }
     let ran: Ran =
         desk.command("sweep scene.toml --out map.csv").env("RAYON_NUM_THREADS", "1").output().unwrap().into();
-    ran.with(0, &[" s on 1 threads,"]);
+    ran.with(0, &[" s on 1 thread,"]);
 }
 
 #[test]

@@ -306,7 +306,7 @@ fn wrong_requests() {
     let wrong = |flags: &str, words: &str| refused(flags, DOUBLING, 2, words);
     wrong("--free amplitude --generations 2", "--switch");
     wrong("--free amplitude --show phi", "--plot <FILE>");
-    wrong("--free amplitude --switch --generations -1", "give a whole number from 0");
+    wrong("--free amplitude --switch --generations -1", "negative: give a whole number");
     wrong(
         "--free amplitude --events torus",
         "possible values: grazing, pitchfork, period-doubling, neimark-sacker, fold",

@@ -35,7 +35,7 @@ fn text_tables_json_and_pictures_tell_the_same() {
         .arg(at("map.svg"))
         .assert()
         .success()
-        .stdout(contains("double-sided: 1 grazing").and(contains("stripes, two edges each")))
+        .stdout(contains("double-sided: 1 grazing").and(contains("1 stripe, two edges each")))
         .stdout(contains("share of the window").and(contains("stable-double")))
         .stdout(contains("without a border").not());
     let drawn = fs::read_to_string(at("map.svg")).unwrap();

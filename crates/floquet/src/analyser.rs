@@ -5,10 +5,11 @@
 //! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
 //! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference, or of half a period |
 //! | other impacts at one site | [`crate::SecularMultipliers`] |
+//! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
 //! | reversible words of other sites on a lattice of more than 1000 masses | inertia of the secular matrix: a count |
 //! | impacts at several sites under a force or with losses or at other times, on such a lattice | turns of the secular function: a count |
-//! | all other words, masses without coupling, and whatever the forms above doubt | `spectrum`: the zeros of the impacts' determinant |
-//! | what that cannot count; words of several sites and doubts in a map, unless the verdict is open | dense matrix |
+//! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
+//! | the same where the matrix leaves the verdict open, as next to double multipliers | `spectrum`: all zeros of the impacts' determinant |
 //!
 //! Every answer names its path, see [`Method`].
 
@@ -21,7 +22,7 @@ use crate::dense::{Dense, WORTH_A_MATRIX, is_reduced, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
 use crate::secular::{ForcedSecular, Inertia, MOST_IMPACTS, OutsideCircle, Pair, Partners, Secular, SecularError};
-use crate::spectrum::{Spectrum, spectrum};
+use crate::spectrum::spectrum;
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -271,14 +272,6 @@ impl Analyser {
                 Err(Failure::SecularError(why)) => doubt = Some(why),
             }
         }
-        let counts = !self.dense_only && orbit.model().chain().sites() <= WORTH_A_MATRIX;
-        // A map asks for no more than the verdict, and of few masses a matrix has that sooner.
-        if counts && thorough {
-            match spectrum(question, finder)? {
-                Ok(answer) => return Ok((answer.verdict, answer.listed(orbit))),
-                Err(why) => doubt = doubt.or(Some(why)),
-            }
-        }
         if let Some(doubt) = doubt {
             let chain = orbit.model().chain();
             let modes = if is_reduced(orbit) { chain.even_modes() } else { chain.sites() };
@@ -288,16 +281,25 @@ impl Analyser {
             }
         }
         let verdict = self.dense.judge(question, finder)?;
-        if counts
-            && verdict.marginal
-            && !thorough
-            && let Ok(Spectrum { verdict: better, .. }) = spectrum(question, finder)?
-            && better.resolution < verdict.resolution
+        let method = Method::Dense(doubt);
+        let tried = doubt.is_some() || alone && !self.dense_only;
+        let open = tried && verdict.resolution > 0.0 && (thorough || verdict.marginal);
+        if open && let Some(settled) = self.settled_from_matrix(question, finder, &verdict)? {
+            let multipliers = if thorough { self.forced.symmetric_multipliers() } else { Vec::new() };
+            return Ok((Verdict { method, ..settled }, multipliers));
+        }
+        // Double multipliers, which a matrix splits, the impacts' equations know as such. What they say is held against the matrix.
+        if verdict.marginal
+            && !self.dense_only
+            && orbit.model().chain().sites() <= WORTH_A_MATRIX
+            && let Ok(answer) = spectrum(question, finder)?
+            && answer.verdict.is_within(&verdict)
         {
-            return Ok((better, Vec::new()));
+            let better = answer.verdict;
+            return Ok((better, if thorough { answer.listed(orbit) } else { Vec::new() }));
         }
         let multipliers = if thorough { self.dense.multipliers(orbit) } else { Vec::new() };
-        Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
+        Ok((Verdict { method, ..verdict }, multipliers))
     }
 
     /// A word whose multipliers are counted along circles.

@@ -58,7 +58,7 @@ impl Analyser {
         condition: &Condition,
         finder: &mut Finder,
     ) -> Result<Option<(Complex<f64>, f64, f64)>, Failure> {
-        self.forced.adopt(orbit, condition, starts.iter().map(|start| (*start, 0.0)));
+        self.forced.adopt(orbit, condition, starts.iter().map(|start| (*start, 0.0)), None);
         self.forced.settle_apart(finder.prepared(orbit)?);
         let (values, errors) = self.forced.multipliers();
         let mut leading: Vec<_> = count.real.iter().map(|real| (real.multiplier, real.growth, real.error)).collect();

@@ -6,10 +6,12 @@ use vibrochain_breather::{Finder, Prepared, Sketch};
 use vibrochain_lattice::Model;
 
 use crate::analyser::{Analyser, Failure};
-use crate::dense::WORTH_A_MATRIX;
+use crate::dense::{Dense, WORTH_A_MATRIX};
 use crate::error::FloquetError;
 use crate::saltation::saltations;
-use crate::secular::{ForcedSecular, Leading, Meetings, Nu, SecularError, SecularVerdict, Standing, excess, meetings};
+use crate::secular::{
+    ForcedSecular, Leading, MOST_IMPACTS, Meetings, Nu, SecularError, SecularVerdict, Standing, excess, meetings,
+};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
@@ -119,8 +121,35 @@ impl Analyser {
             let relative = nu.growth_error(growth, error) / (1.0 + growth) + 4.0 * f64::EPSILON;
             nu.multipliers().map(|mu| (mu, relative * mu.norm()))
         };
-        self.forced.adopt(orbit, &condition, self.secular.all_nu()?.flat_map(both));
+        self.forced.adopt(orbit, &condition, self.secular.all_nu()?.flat_map(both), None);
         elastic(&mut self.forced, finder.prepared(orbit)?, question)
+    }
+
+    /// The verdict on a matrix's eigenvalues after the impacts' equations have settled those that matter: next to a resonance errors of the
+    /// matrix say next to nothing. `None` where the equations know no better.
+    pub(crate) fn settled_from_matrix(
+        &mut self,
+        Question { orbit, tolerance, .. }: Question<'_>,
+        finder: &mut Finder,
+        by_matrix: &Verdict,
+    ) -> Result<Option<Verdict>, FloquetError> {
+        if orbit.is_reversible() || orbit.impact_site().is_none() || orbit.impacts().len() > MOST_IMPACTS {
+            return Ok(None);
+        }
+        let condition = finder.condition(orbit)?;
+        let Dense { values, reach, rounding, .. } = &self.dense;
+        self.forced.adopt(orbit, &condition, values.iter().map(|value| (*value, *reach)), Some(*rounding));
+        let prepared = finder.prepared(orbit)?;
+        self.forced.settle_apart(prepared);
+        let settled = if orbit.model().loss() == 0.0 {
+            Some(told_from_circle(&mut self.forced, prepared).verdict(&self.forced, tolerance))
+        } else {
+            let leading = self.forced.leading(prepared);
+            leading.map(|Leading { place, growth, error }| {
+                settle(self.forced.multipliers().0, place, growth, error, tolerance)
+            })
+        };
+        Ok(settled.filter(|verdict| verdict.resolution < by_matrix.resolution))
     }
 
     pub(crate) fn not_reversible(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {

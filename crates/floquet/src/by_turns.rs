@@ -55,7 +55,7 @@ impl Analyser {
         let _ = saltations(orbit)?;
         let condition = finder.condition(orbit)?;
         self.circle.set(finder.prepared(orbit)?, &condition)?;
-        self.forced.adopt(orbit, &condition, std::iter::empty());
+        self.forced.adopt(orbit, &condition, std::iter::empty(), None);
         // The product of all multipliers is known: one is not farther inside than their mean.
         let e = orbit.model().restitution();
         let least = (2.0 * orbit.impacts().len() as f64 * e.ln() / self.circle.zeros() as f64).exp_m1();

@@ -35,6 +35,10 @@ pub(crate) struct Dense {
     rows: (Vec<f64>, Vec<f64>),
     reflector: Reflector,
     pub(crate) values: Vec<Complex<f64>>,
+    /// How far, at most, errors carry any of them.
+    pub(crate) reach: f64,
+    /// How far rounding of the matrix alone does.
+    pub(crate) rounding: f64,
 }
 
 impl Dense {

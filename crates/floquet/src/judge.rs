@@ -110,7 +110,9 @@ impl Dense {
             error = if orbital.is_nan() { f64::INFINITY } else { error.max(orbital) };
         }
         let judge = Judge { dense: self, orbit, structure: Structure::of(orbit), norm, error };
-        Ok(judge.verdict(tolerance, careful))
+        let (verdict, reach) = (judge.verdict(tolerance, careful), judge.split());
+        (self.reach, self.rounding) = (reach, (norm * rounding).sqrt());
+        Ok(verdict)
     }
 }
 

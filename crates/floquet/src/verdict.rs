@@ -228,6 +228,12 @@ impl Verdict {
         Self { stable, marginal: !stable, mechanism: None, ..Self::of_growth(leading, growth, resolution, tolerance) }
     }
 
+    /// It is more precise than another, which holds it within its own error.
+    pub(crate) fn is_within(&self, other: &Self) -> bool {
+        let apart = (self.spectral_radius - other.spectral_radius).abs();
+        self.resolution < other.resolution && apart <= other.resolution
+    }
+
     /// The verdict on two spaces that do not mix.
     pub(crate) fn or_worse(self, other: Self) -> Self {
         let rank = |verdict: &Self| (!verdict.stable && !verdict.marginal, verdict.marginal, verdict.growth);

@@ -119,7 +119,7 @@ fn claims_hold(place: Place, draws: usize) {
     );
     if place == Place::Elastic {
         assert!(
-            5 * compared > 4 * draws && 15 * wide <= compared && 200 * useless <= compared,
+            5 * compared > 4 * draws && 20 * wide <= compared && 200 * useless <= compared,
             "{compared} {wide} {useless}"
         );
         return;

@@ -41,6 +41,8 @@ pub struct ForcedSecular {
     data: Vec<Origin>,
     /// A multiplier that is not among the values.
     trivial: Option<Complex<f64>>,
+    /// How far rounding alone may have carried multipliers that were taken over, if what the orbit's data do to them is not known.
+    rounding: Option<f64>,
 }
 
 /// What the impacts' equations have said of a multiplier.
@@ -137,7 +139,7 @@ impl ForcedSecular {
     pub(crate) fn settle(&mut self, place: usize, prepared: Prepared<'_>, included: bool) {
         self.set_matrix(prepared);
         let z = self.values[place];
-        let known = self.errors[place];
+        let (known, included) = self.rounding.map_or((self.errors[place], included), |rounding| (rounding, false));
         let Some(Settled { z: settled, error, data }) = self.matrix.settle(z, &self.data) else {
             self.asked[place] = Settling::Refused;
             return;
@@ -275,6 +277,7 @@ impl ForcedSecular {
         orbit: &Orbit,
         condition: &Condition,
         multipliers: impl Iterator<Item = (Complex<f64>, f64)>,
+        rounding: Option<f64>,
     ) {
         self.multipliers.take_over(orbit);
         self.values.clear();
@@ -284,6 +287,7 @@ impl ForcedSecular {
             self.errors.push(error);
         }
         self.open_all(orbit.model().is_conservative().then_some(Complex::new(1.0, 0.0)));
+        self.rounding = rounding;
         self.know_data_of(orbit, condition);
     }
 
@@ -291,6 +295,7 @@ impl ForcedSecular {
     fn open_all(&mut self, trivial: Option<Complex<f64>>) {
         self.has_matrix = false;
         self.trivial = trivial;
+        self.rounding = None;
         self.asked.clear();
         self.asked.resize(self.values.len(), Settling::Open);
         self.data.clear();

@@ -21,4 +21,4 @@ mod starts;
 mod verdict;
 
 pub use multipliers::ImpactSpectrum;
-pub(crate) use verdict::{Spectrum, spectrum};
+pub(crate) use verdict::spectrum;
