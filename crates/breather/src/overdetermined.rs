@@ -30,7 +30,10 @@ use crate::two_instants::{APART, UNFELT, pieces};
 /// Intervals are not halved below this part of half a period.
 const FINEST: f64 = 1e-9;
 
-/// Terms of modes' sums that a search may take, some seconds; a cell of a map takes a ten-thousandth of it.
+/// Intervals that a search may take, as one function's may; most take fewer than 500.
+const MOST_INTERVALS: usize = 20_000;
+
+/// Terms of modes' sums that it may take, on large lattices: seconds.
 const MOST_TERMS: usize = 100_000_000;
 
 /// Rounding of kernels relative to their terms: eight times what enclosures allow for (`enclosure`).
@@ -46,7 +49,8 @@ pub(crate) fn search(positions: &Positions<'_>, classes: &[usize], judged: bool,
         zeros.exhausted += 1;
         return;
     }
-    let most = zeros.intervals + (MOST_TERMS / (response.modes() * rows.bounds.len())).max(count);
+    let most =
+        zeros.intervals + (MOST_TERMS / (response.modes() * rows.bounds.len())).clamp(count, MOST_INTERVALS.max(count));
     let (from, to) = (APART * half, half * (1.0 - APART));
     let end = |i: usize| from + (to - from) * (i as f64 / count as f64);
     let mut stack: Vec<(f64, f64)> = (0..count).rev().map(|i| (end(i), end(i + 1))).collect();
@@ -184,11 +188,13 @@ impl<'a, 'b> Rows<'a, 'b> {
         let net = |class: usize| {
             self.classes.iter().enumerate().filter(|(_, of)| **of == class).map(|(j, _)| self.sign(j)).sum::<f64>()
         };
+        // Where an exchange of the barriers is among the symmetries nothing is held up: s = 0.
+        let held = if (0..n).all(|class| net(class) == 0.0) { 1.0 } else { positions.response().static_stiffness() };
         let matrix = Matrix::from_fn(n + 1, |i, j| match (i < n, j < n) {
             (true, true) => kernels[(i, j)],
             (true, false) => self.sign(self.heads[i]),
             (false, true) => net(j),
-            (false, false) => -positions.response().static_stiffness(),
+            (false, false) => -held,
         });
         let stops: Vector = self.heads.iter().map(|&i| self.sign(i) * positions.stops[i]).chain([0.0]).collect();
         // Impulses are like those of a mass that crosses the gap in half a period.

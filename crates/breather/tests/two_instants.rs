@@ -328,6 +328,11 @@ fn what_is_not_searched_is_not_complete() {
         Finder::new(model.chain().sites()).find_word(&model, &word, Wanted::All, &mut found).unwrap();
         assert!(!found.completeness.is_established(), "{text} {model}: {:?}", found.completeness);
     }
+    // Nothing holds the ring as a whole: a singular system of what is alike went on for ever.
+    let adrift = Model::conservative(Chain::new(20, 0.0, 0.1).unwrap(), 0.45, 0.0).unwrap();
+    let mut found = Found::default();
+    Finder::new(20).find_word(&adrift, &"0+4+9+,0-4-9-".parse().unwrap(), Wanted::All, &mut found).unwrap();
+    assert!(found.completeness.is_established(), "{:?}", found.completeness);
     // And what needs none is: one instant, modes all slower than the orbit.
     for text in ["0-", "0+1+3-", "0+3-,0-3+", "0+1+2-,0-1-2+"] {
         let mut found = Found::default();
