@@ -8,6 +8,7 @@
 //!
 //! ```text
 //! |K̂_ij − K̂_ij(c)| ≤ e_ij = |s_ij(c)| r + ½B₂r²           hence  |x − x(c)| ≤ 2u,  u = |M⁻¹| e |x|,  where |M⁻¹| e u ≤ ½u
+//! |s_ij − s_ij(c)| ≤ |s′_ij(c)| r + ½B₃r²                    or next to δ = 0
 //! |s_ij/δ − s_ij(c)/c| ≤ ½B₃r                                (s/δ is the mean of s′ on 0 … δ)
 //! ```
 //!
@@ -15,8 +16,8 @@
 //! impulse but for signs σ and are one unknown: where the other combinations of impulses are undetermined, Newton's law summed over the
 //! symmetries does not feel them.
 //!
-//! The rows of s/δ do not vanish at δ = 0. If no mass is hit at both instants all s vanish at φ = 0, too, and s/(T/2−δ) takes the place
-//! of s/δ in the outer half.
+//! The rows of s/δ do not vanish at δ = 0. If no mass is hit at both instants all s vanish at φ = 0, too, and there s/(T/2−δ) takes the
+//! place of s/δ.
 
 use vibrochain_lattice::KernelJet;
 
@@ -35,6 +36,9 @@ const MOST_INTERVALS: usize = 20_000;
 
 /// Terms of modes' sums that it may take, on large lattices: seconds.
 const MOST_TERMS: usize = 100_000_000;
+
+/// Intervals longer than this part of their distance to a place where all s vanish take s/δ, others s itself, which is known better.
+const NEAR: f64 = 0.25;
 
 /// Rounding of kernels relative to their terms: eight times what enclosures allow for (`enclosure`).
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -168,11 +172,18 @@ impl<'a, 'b> Rows<'a, 'b> {
     }
 
     fn slopes(&self, jets: &[KernelJet], centre: f64, radius: f64) -> Slopes {
-        let scale = if self.apart && centre > 0.5 * self.half { self.half - centre } else { centre };
+        let distance = if self.apart { centre.min(self.half - centre) } else { centre };
+        let near = radius > NEAR * distance;
+        let scale = if near { distance } else { 1.0 };
         let slope = |pair: usize| jets[pair].slope / scale;
         let wide = |pair: usize| {
-            let [_, second, third, _] = self.bounds[pair];
-            0.5 * third * radius + ROUNDING * (slope(pair).abs() + second)
+            let [first, second, third, _] = self.bounds[pair];
+            if near {
+                0.5 * third * radius + ROUNDING * (slope(pair).abs() + second)
+            } else {
+                let bend = jets[pair].curvature.abs() + 0.5 * third * radius;
+                bend * radius + ROUNDING * (slope(pair).abs() + first)
+            }
         };
         Slopes {
             rows: self.summed(true, |pair, across| if across { slope(pair) } else { 0.0 }),
