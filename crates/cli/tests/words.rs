@@ -384,8 +384,8 @@ fn either_family_is_each_of_them() {
 #[test]
 fn what_was_not_searched_is_not_none() {
     let desk = Desk::new();
-    // Three instants of one mass without a force: no way is known to find them.
-    let line = "orbit --word 0-,0-,3- --sites 9 --gamma1 .2 --gamma2 .1 --omega .9 --asymmetry .2 --amplitude .3 --restitution .9";
+    // Three hits of one mass in a period of the force: no way is known to find them.
+    let line = "orbit --word 0-,0-,0+,3- --sites 9 --gamma1 .2 --gamma2 .1 --omega .9 --asymmetry .2 --amplitude .3 --restitution .9";
     let ran = desk.run(line).with(3, &["this word cannot be searched for"]);
     assert!(ran.out.contains("not searched: ") && !ran.out.contains("none"), "{ran:?}");
     let answer = written(&desk.run(&format!("{line} --json")).with(3, &[]).out);

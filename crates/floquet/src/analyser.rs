@@ -257,10 +257,12 @@ impl Analyser {
                 Some(pair) => self.by_partners(pair, question, finder),
                 // What is left over by one count another one may have.
                 None if counted => match self.by_inertia(question, finder) {
-                    Err(Failure::SecularError(why)) => match self.by_turns(question, finder) {
-                        Err(Failure::SecularError(_)) => Err(why.into()),
-                        answer => answer,
-                    },
+                    Err(Failure::SecularError(why)) if beyond_half_a_matrix(orbit) => {
+                        match self.by_turns(question, finder) {
+                            Err(Failure::SecularError(_)) => Err(why.into()),
+                            answer => answer,
+                        }
+                    }
                     answer => answer,
                 },
                 None if turning => self.by_turns(question, finder),
@@ -340,6 +342,13 @@ const QUICK: usize = 256;
 fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
     let chain = orbit.model().chain();
     chain.sites() > QUICK && (thorough || orbit.impact_site().is_none() || !chain.is_kept())
+}
+
+/// A word without force that inertia leaves open, on a lattice so large that turns are counted sooner than a matrix of half the size is
+/// reduced: up to some 2000 masses that is a matter of seconds, and along the unit circle, where most multipliers of elastic impacts are,
+/// turns take minutes.
+fn beyond_half_a_matrix(orbit: &Orbit) -> bool {
+    orbit.model().chain().sites() > 2000
 }
 
 /// Terms that a count may sum up in one pass over the gaps: some seconds, of which there may be some.
