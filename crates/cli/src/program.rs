@@ -19,14 +19,14 @@ use crate::{branch, curve, curves, fate, locate, orbit, schema, setup, simulate,
 /// [`CliError::Usage`] with exit code 0, too: clap prints both.
 ///
 /// ```
-/// use vibrochain_cli::console::{Console, ctrl_c};
+/// use vibrochain_cli::common::console::{Console, ctrl_c};
 /// let (mut out, mut err) = (Vec::new(), Vec::new());
 /// let mut console = Console::new(&mut out, &mut err, &ctrl_c);
 /// let flags = "--sites 21 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
 /// let line = format!("mapgen orbit --family double-sided {flags}");
 /// vibrochain_cli::program::run(line.split(' ').map(Into::into), &mut console)?;
 /// assert!(String::from_utf8_lossy(&out).contains("1 solution, 1 physical"));
-/// # Ok::<(), vibrochain_cli::error::CliError>(())
+/// # Ok::<(), vibrochain_cli::common::error::CliError>(())
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<'_>) -> Result<(), CliError> {
     let arguments: Vec<OsString> = arguments.into_iter().collect();

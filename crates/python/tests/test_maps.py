@@ -94,7 +94,7 @@ def test_a_scene_that_is_wrong_is_told_where():
         (lambda s: s["model"].update(gamma1=float("nan")), "give finite numbers"),
         (lambda s: s["model"].update(gamma1=vc), "cannot be part of one"),
         (lambda s: s["sweep"]["x"].update(points=1), "points = 1 is out of range"),
-        (lambda s: s.pop("sweep"), "the table [sweep] is missing"),
+        (lambda s: s.pop("sweep"), r"the table \[sweep\] is missing"),
         (lambda s: s["compute"].update(families=["both"]), "both"),
     ]:
         wrong = json.loads(json.dumps(cells))
