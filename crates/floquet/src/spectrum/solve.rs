@@ -198,7 +198,7 @@ impl Search<'_> {
                 found.into_iter().map(|refined| Zero { held, ..self.placed(refined, settled) }).collect::<Vec<_>>()
             });
             let begun = self.placed(Refined { z: self.multiplier(centre), error: 0.0 }, false);
-            // Where the pencil leads elsewhere it was not as many zeros that were close.
+            // A pencil that leads away did not have this many zeros close together.
             let here = |zero: &Zero| self.distance(zero, &begun) <= STRAY * (farthest + zero.error);
             match found.filter(|found| found.iter().all(here)) {
                 Some(found) => members.iter().zip(found).for_each(|(&i, zero)| zeros[i] = zero),
@@ -302,7 +302,7 @@ impl Zero {
 /// the one that is missing, and where poles crowd that is small.
 const CLOSED: f64 = 1e-11;
 
-/// A zero whose error is beyond this part of its size is none that was found.
+/// A zero counts as found only if its error is at most this part of its size.
 const USELESS: f64 = 1e-2;
 
 /// How far, as a multiple of their distances and errors, several zeros may be from where they were sought together.
