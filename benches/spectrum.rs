@@ -8,8 +8,9 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use faer::MatRef;
 use nalgebra::{DMatrix, Schur};
+use vibrochain::breather::BlochEquations;
 use vibrochain::breather::{Family, Finder, Found, breathers};
-use vibrochain::floquet::{Analyser, OutsideCounter, Secular, SecularMultipliers, Tolerance, even_monodromy};
+use vibrochain::floquet::{Analyser, ImpactSpectrum, Secular, SecularMultipliers, Tolerance, even_monodromy};
 use vibrochain::lattice::{Chain, Model};
 
 /// Orbits all over the paper's map, so that every path of the verdict takes its share.
@@ -89,12 +90,12 @@ fn forced(criterion: &mut Criterion) {
             let (mut finder, mut found) = (Finder::new(sites), Found::default());
             finder.find(&model, family, &mut found).unwrap();
             let orbit = &found.orbits[0];
-            if family == Family::SingleSided {
-                let mut counter = OutsideCounter::default();
-                group.bench_function(format!("count outside/{name}/N={}", sites - 1), |bencher| {
-                    bencher.iter(|| counter.count(finder.prepared(black_box(orbit)).unwrap()).unwrap());
+            group.bench_function(format!("impact spectrum/{name}/N={}", sites - 1), |bencher| {
+                bencher.iter(|| {
+                    let response = finder.prepared(black_box(orbit)).unwrap().response();
+                    ImpactSpectrum::new(&BlochEquations::of(orbit, response).0).multipliers.len()
                 });
-            }
+            });
             let mut secular = SecularMultipliers::default();
             group.bench_function(format!("all multipliers/{name}/N={}", sites - 1), |bencher| {
                 bencher.iter(|| {

@@ -63,7 +63,7 @@ pub use branch::departure::Departure;
 pub use branch::surface::{Surface, SurfacePoint};
 pub use branch::{Branch, BranchPoint};
 pub use equations::condition::{Condition, ImpactError, Together};
-pub use equations::{BlochEquations, LinearImpact};
+pub use equations::{BlochEquations, LinearImpact, Shift};
 pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};

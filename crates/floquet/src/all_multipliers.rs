@@ -41,12 +41,12 @@ impl Multipliers {
         Self { verdict, found, trivial, spared }
     }
 
-    /// Number of multipliers: 2M, or none if they are counted only.
+    /// Number of multipliers, 2M.
     pub fn len(&self) -> usize {
         self.found.len() + self.trivial + 2 * self.spared.0.len()
     }
 
-    /// They are counted only, see [`crate::Stability::multipliers`].
+    /// There is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

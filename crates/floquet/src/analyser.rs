@@ -2,14 +2,12 @@
 //!
 //! | orbit | path |
 //! |---|---|
-//! | conservative, mirror image of itself in time | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
+//! | conservative, mirror image of itself in time, impacts at one site | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
 //! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference, or of half a period |
-//! | other impacts at one site | [`crate::SecularMultipliers`] |
-//! | a mass without coupling | its 2 × 2 matrix, what comes of it settled by the impacts' equations |
-//! | reversible words of other sites on a lattice of more than 1000 masses | inertia of the secular matrix: a count |
-//! | impacts at several sites under a force or with losses or at other times, on such a lattice | turns of the secular function: a count |
-//! | other impacts at several sites, and whatever the secular form doubts | dense matrix |
-//! | the same where the matrix leaves the verdict open, as next to double multipliers | `spectrum`: all zeros of the impacts' determinant |
+//! | other impacts at one site | [`crate::SecularMultipliers`]: poles and residues in μ |
+//! | a verdict alone on impacts at several sites of few masses, as in maps | the eigenvalues of a matrix, unless they leave it open |
+//! | all others, and whatever these doubt | `spectrum`: all zeros of the determinant of the impacts' equations |
+//! | what that cannot certify, or leaves open | a dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
 
@@ -18,10 +16,10 @@ use vibrochain_breather::{BreatherError, Finder, Orbit};
 
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::aside::aside;
-use crate::dense::{Dense, WORTH_A_MATRIX, is_reduced, uncoupled};
+use crate::dense::{Dense, is_reduced, uncoupled};
 use crate::error::FloquetError;
 use crate::monodromy::MAX_DIMENSION;
-use crate::secular::{ForcedSecular, Inertia, MOST_IMPACTS, OutsideCircle, Pair, Partners, Secular, SecularError};
+use crate::secular::{ForcedSecular, LARGE, MOST_IMPACTS, Pair, Partners, Secular, SecularError};
 use crate::spectrum::spectrum;
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
@@ -34,8 +32,7 @@ pub struct Stability {
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub verdict: Verdict,
     /// The multipliers of the whole lattice, by falling modulus, then by argument; the trivial pair of a conservative
-    /// orbit and the modes that feel no impact included. None of a word of several sites on a lattice of more than 1000 masses, with or
-    /// without force and losses, which are counted only, unless two sites mirror each other.
+    /// orbit and the modes that feel no impact included.
     #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complexes"))]
     pub multipliers: Vec<Complex<f64>>,
 }
@@ -56,12 +53,9 @@ pub struct Stability {
 #[derive(Debug, Clone, Default)]
 pub struct Analyser {
     pub(crate) dense_only: bool,
-    turns_only: bool,
     pub(crate) dense: Dense,
     pub(crate) secular: Secular,
     pub(crate) partners: Partners,
-    pub(crate) inertia: Inertia,
-    pub(crate) circle: OutsideCircle,
     pub(crate) forced: ForcedSecular,
 }
 
@@ -90,12 +84,6 @@ impl Analyser {
     /// An analyser that takes the dense path whatever the orbit: the reference that the secular form is held against.
     pub fn dense() -> Self {
         Self { dense_only: true, ..Self::default() }
-    }
-
-    /// An analyser that counts the multipliers of words of several sites that have a force or losses however small the lattice is, to hold
-    /// the count against a matrix.
-    pub fn counting() -> Self {
-        Self { turns_only: true, ..Self::default() }
     }
 
     /// The verdict alone: no multiplier that does not decide it is worked out, nothing is sorted.
@@ -165,15 +153,11 @@ impl Analyser {
         tolerance: Tolerance,
     ) -> Result<Multipliers, FloquetError> {
         let (verdict, found) = self.decide(Question { orbit, tolerance, thorough: true }, finder)?;
-        let counted = is_counted(orbit) || self.turns(orbit);
-        if verdict.method == Method::Secular && Pair::of(orbit).is_none() && counted {
-            return Ok(Multipliers::new(verdict, found, 0, Spared::default()));
-        }
         let trivial = if orbit.model().is_conservative() { 2 } else { 0 };
         let spared = if uncoupled(orbit) {
             let chain = orbit.model().chain();
             Spared::new(orbit.period(), (1..chain.sites()).map(|mode| (mode, chain.gamma1().sqrt())))
-        } else if verdict.method == Method::Secular || is_reduced(orbit) {
+        } else if found.len() + trivial < 2 * orbit.model().chain().sites() {
             Spared::of(orbit)
         } else {
             Spared::default()
@@ -190,8 +174,12 @@ impl Analyser {
         if orbit.centre().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
             return Err(SecularError::NotReversible.into());
         }
-        let question = Question { orbit, tolerance: Tolerance::Rounding, thorough: true };
-        self.by_secular_function(question, finder).map(|(_, multipliers)| multipliers)
+        let (verdict, multipliers) =
+            self.decide(Question { orbit, tolerance: Tolerance::Rounding, thorough: true }, finder)?;
+        match verdict.method {
+            Method::Secular => Ok(multipliers),
+            Method::Dense(doubt) => Err(doubt.unwrap_or(SecularError::NotReversible).into()),
+        }
     }
 
     /// Verdict and, if `thorough`, the non-trivial multipliers of the space that feels impacts.
@@ -244,70 +232,78 @@ impl Analyser {
         question: Question<'_>,
         finder: &mut Finder,
     ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+        if self.dense_only {
+            return self.by_matrix(question, finder, None);
+        }
         let Question { orbit, thorough, .. } = question;
-        let alone = uncoupled(orbit);
-        let secular = !self.dense_only && orbit.impact_site().is_some() && !alone;
-        let other = !self.dense_only && !secular && !orbit.model().chain().is_uncoupled();
-        let pair = if other { Pair::of(orbit) } else { None };
-        let counted = other && pair.is_none() && is_counted(orbit);
-        let turning = other && pair.is_none() && !counted && self.turns(orbit);
         let mut doubt = None;
-        if secular || pair.is_some() || counted || turning {
-            let answer = match pair {
-                Some(pair) => self.by_partners(pair, question, finder),
-                // What is left over by one count another one may have.
-                None if counted => match self.by_inertia(question, finder) {
-                    Err(Failure::SecularError(why)) if beyond_half_a_matrix(orbit) => {
-                        match self.by_turns(question, finder) {
-                            Err(Failure::SecularError(_)) => Err(why.into()),
-                            answer => answer,
-                        }
+        // For maps, and for large rings.
+        let chain = orbit.model().chain();
+        let answer = if chain.is_uncoupled() || thorough && chain.even_modes() <= LARGE {
+            None
+        } else if orbit.impact_site().is_some() {
+            Some(self.by_secular_function(question, finder))
+        } else {
+            Pair::of(orbit).map(|pair| self.by_partners(pair, question, finder))
+        };
+        match answer {
+            Some(Ok(answer)) => return Ok(answer),
+            Some(Err(Failure::Floquet(error))) => return Err(error),
+            Some(Err(Failure::SecularError(why))) => doubt = Some(why),
+            None if !thorough && orbit.impact_site().is_none() && is_quick_as_matrix(orbit) => {
+                let verdict = self.dense.judge(question, finder)?;
+                if !verdict.marginal {
+                    return Ok((Verdict { method: Method::Dense(None), ..verdict }, Vec::new()));
+                }
+            }
+            None => {}
+        }
+        let dimension = 2 * orbit.model().chain().sites();
+        let told = if is_affordable(orbit) {
+            spectrum(question, finder)?
+        } else if let Some(doubt) = doubt {
+            Err(doubt)
+        } else {
+            let impacts = orbit.impacts().len();
+            let limit = (MOST_WORK.sqrt() / (2 * impacts) as f64) as usize;
+            return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit });
+        };
+        match told {
+            Ok(answer) => {
+                // What the equations leave open a matrix may know: of few masses only, as it seldom does.
+                let open = answer.verdict.marginal && dimension <= MOST_DOUBTED;
+                let other = if open { self.by_matrix(question, finder, doubt).ok() } else { None };
+                match other.filter(|(verdict, _)| !verdict.marginal) {
+                    Some((verdict, _)) => {
+                        let method = verdict.method;
+                        let listed = if thorough { answer.listed(orbit) } else { Vec::new() };
+                        Ok((Verdict { method, ..verdict }, listed))
                     }
-                    answer => answer,
-                },
-                None if turning => self.by_turns(question, finder),
-                None => self.by_secular_function(question, finder),
-            };
-            match answer {
-                Ok(answer) => return Ok(answer),
-                Err(Failure::Floquet(error)) => return Err(error),
-                Err(Failure::SecularError(why)) => doubt = Some(why),
+                    None => Ok((answer.verdict, if thorough { answer.listed(orbit) } else { Vec::new() })),
+                }
+            }
+            Err(why) => {
+                let doubt = doubt.unwrap_or(why);
+                let modes = if is_reduced(orbit) { orbit.model().chain().even_modes() } else { dimension / 2 };
+                let dimension = if orbit.is_reversible() { modes } else { 2 * modes };
+                if dimension > MAX_DIMENSION {
+                    return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
+                }
+                self.by_matrix(question, finder, Some(doubt))
             }
         }
-        if let Some(doubt) = doubt {
-            let chain = orbit.model().chain();
-            let modes = if is_reduced(orbit) { chain.even_modes() } else { chain.sites() };
-            let dimension = if orbit.is_reversible() { modes } else { 2 * modes };
-            if dimension > MAX_DIMENSION {
-                return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
-            }
-        }
-        let verdict = self.dense.judge(question, finder)?;
-        let method = Method::Dense(doubt);
-        let tried = doubt.is_some() || alone && !self.dense_only;
-        let open = tried && verdict.resolution > 0.0 && (thorough || verdict.marginal);
-        if open && let Some(settled) = self.settled_from_matrix(question, finder, &verdict)? {
-            let multipliers = if thorough { self.forced.symmetric_multipliers() } else { Vec::new() };
-            return Ok((Verdict { method, ..settled }, multipliers));
-        }
-        // Double multipliers, which a matrix splits, the impacts' equations know as such. What they say is held against the matrix.
-        if verdict.marginal
-            && !self.dense_only
-            && orbit.model().chain().sites() <= WORTH_A_MATRIX
-            && let Ok(answer) = spectrum(question, finder)?
-            && answer.verdict.is_within(&verdict)
-        {
-            let better = answer.verdict;
-            return Ok((better, if thorough { answer.listed(orbit) } else { Vec::new() }));
-        }
-        let multipliers = if thorough { self.dense.multipliers(orbit) } else { Vec::new() };
-        Ok((Verdict { method, ..verdict }, multipliers))
     }
 
-    /// A word whose multipliers are counted along circles.
-    fn turns(&self, orbit: &Orbit) -> bool {
-        let worth = self.turns_only || orbit.model().chain().sites() > WORTH_A_MATRIX;
-        worth && orbit.impact_site().is_none() && !orbit.is_reversible()
+    /// Verdict and multipliers from a dense matrix.
+    fn by_matrix(
+        &mut self,
+        question: Question<'_>,
+        finder: &mut Finder,
+        doubt: Option<SecularError>,
+    ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+        let verdict = self.dense.judge(question, finder)?;
+        let multipliers = if question.thorough { self.dense.multipliers(question.orbit) } else { Vec::new() };
+        Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
     }
 
     fn by_secular_function(
@@ -327,7 +323,7 @@ impl Analyser {
             return Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers));
         }
         let verdict = self.not_reversible(question, finder)?;
-        Ok((verdict, if thorough { self.forced.symmetric_multipliers() } else { Vec::new() }))
+        Ok((verdict, if thorough { self.forced.multipliers().0.to_vec() } else { Vec::new() }))
     }
 }
 
@@ -344,31 +340,26 @@ fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
     chain.sites() > QUICK && (thorough || orbit.impact_site().is_none() || !chain.is_kept())
 }
 
-/// A word without force that inertia leaves open, on a lattice so large that turns are counted sooner than a matrix of half the size is
-/// reduced: up to some 2000 masses that is a matter of seconds, and along the unit circle, where most multipliers of elastic impacts are,
-/// turns take minutes.
-fn beyond_half_a_matrix(orbit: &Orbit) -> bool {
-    orbit.model().chain().sites() > 2000
+/// Masses up to which a verdict alone on a word costs less by the eigenvalues of a matrix than by all zeros of a determinant: 0.06 ms against
+/// 2 ms for three sites of 21 masses, 40 ms each for 200.
+const QUICK_AS_MATRIX: usize = 200;
+
+fn is_quick_as_matrix(orbit: &Orbit) -> bool {
+    orbit.model().chain().sites() <= QUICK_AS_MATRIX
 }
 
-/// Terms that a count may sum up in one pass over the gaps: some seconds, of which there may be some.
-const MOST_TERMS: f64 = 2e10;
+/// Entries of J(z) times pairs of modes that all zeros of a determinant may cost: some ten seconds.
+const MOST_WORK: f64 = 1e9;
 
-/// A word of several sites without force on a lattice so large that its multipliers are counted, and none is worked out that does not
-/// decide.
-fn is_counted(orbit: &Orbit) -> bool {
+/// Whether all zeros of an orbit's determinant are worked out.
+pub(crate) fn is_affordable(orbit: &Orbit) -> bool {
     let chain = orbit.model().chain();
-    let terms = || {
-        let sites = orbit.hit_sites().len() as f64;
-        let pairs = 0.5 * sites * (sites - 1.0) + if chain.is_ring() { 1.0 } else { sites };
-        (chain.even_modes() as f64).powi(2) * 6.0 * pairs
-    };
-    orbit.is_reversible()
-        && orbit.impact_site().is_none()
-        && !chain.is_uncoupled()
-        && chain.sites() > WORTH_A_MATRIX
-        && terms() <= MOST_TERMS
+    let modes = if orbit.centre().is_some() { chain.even_modes() } else { chain.sites() };
+    modes as f64 * (2 * orbit.impacts().len()) as f64 <= MOST_WORK.sqrt()
 }
+
+/// Dimension of a matrix that is set up once more for what all zeros leave open: seconds.
+const MOST_DOUBTED: usize = 600;
 
 /// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].
 ///

@@ -42,6 +42,19 @@ pub enum FloquetError {
         /// The most that is done, [`crate::MAX_DIMENSION`].
         limit: usize,
     },
+    /// Impacts at several sites of a lattice with more modes than all multipliers are worked out of.
+    #[error(
+        "the multipliers of {impacts} impacts at several sites are worked out on lattices of up to {limit} masses, and this one has {masses}; \
+         use fewer masses: those far from the impacts hardly matter"
+    )]
+    TooManyModes {
+        /// Masses of the lattice.
+        masses: usize,
+        /// Impacts a period.
+        impacts: usize,
+        /// The most masses for as many impacts.
+        limit: usize,
+    },
     /// The dense matrices would not fit.
     #[error("a dense analysis of dimension {dimension} exceeds the limit of {limit}; use fewer masses")]
     TooLarge {

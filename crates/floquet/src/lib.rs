@@ -41,10 +41,8 @@ mod all_multipliers;
 mod analyser;
 mod aside;
 mod bracket;
-mod by_inertia;
 mod by_partners;
 mod by_secular;
-mod by_turns;
 mod certainty;
 mod curve;
 mod dense;
@@ -87,8 +85,8 @@ pub use nalgebra::Complex;
 pub use phases::phases;
 pub use saltation::{Saltation, saltations};
 pub use secular::{
-    ForcedSecular, ModalShape, ModeLabels, OutsideCount, OutsideCounter, Reason, Residues, Secular, SecularError,
-    SecularMultipliers, SecularVerdict, Standing, multiplier_modes,
+    ForcedSecular, ModalShape, ModeLabels, Reason, Residues, Secular, SecularError, SecularMultipliers, SecularVerdict,
+    Standing, multiplier_modes,
 };
 
 pub use spectrum::ImpactSpectrum;

@@ -220,20 +220,6 @@ impl Verdict {
         }
     }
 
-    /// No multiplier is outside a circle of radius 1 + `most`, and one is outside 1 + `least`.
-    pub(crate) fn none_outside(least: f64, most: f64, tolerance: Tolerance) -> Self {
-        let stable = most <= tolerance.allowed();
-        let (growth, resolution) = (0.5 * (least + most), 0.5 * (most - least));
-        let leading = Complex::new(1.0, 0.0);
-        Self { stable, marginal: !stable, mechanism: None, ..Self::of_growth(leading, growth, resolution, tolerance) }
-    }
-
-    /// It is more precise than another, which holds it within its own error.
-    pub(crate) fn is_within(&self, other: &Self) -> bool {
-        let apart = (self.spectral_radius - other.spectral_radius).abs();
-        self.resolution < other.resolution && apart <= other.resolution
-    }
-
     /// The verdict on two spaces that do not mix.
     pub(crate) fn or_worse(self, other: Self) -> Self {
         let rank = |verdict: &Self| (!verdict.stable && !verdict.marginal, verdict.marginal, verdict.growth);

@@ -1,5 +1,5 @@
 //! Next to coincident poles the residues know the leading multiplier of a conservative breather to few digits. The secular function as a
-//! product of sums settles it then, or the impacts' equations, as a dense matrix would, and sooner.
+//! product of sums settles it then, or all zeros of the impacts' determinant, as a dense matrix would.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Family, Finder, Found};
@@ -12,9 +12,8 @@ fn what_poles_hide_the_equations_settle() {
     let mut random = Random(41);
     let (mut finder, mut found, mut secular) = (Finder::new(1), Found::default(), Secular::default());
     let (mut analyser, mut dense) = (Analyser::default(), Analyser::dense());
-    // Leading multipliers that were imprecise, of one instant and of two, those that are given better than the matrix has them, and
-    // those of few modes.
-    let (mut settled, mut sharper, mut few) = ([0; 2], 0, 0);
+    // Leading multipliers that were imprecise, of one instant and of two, and those of few modes.
+    let (mut settled, mut few) = ([0; 2], 0);
     for _ in 0..20_000 {
         let chain = Chain::new(random.of(&[9, 20, 36, 41, 60]), 0.2, random.between(0.0, 0.3)).unwrap();
         let model = Model::conservative(chain, random.between(0.4, 2.0), 0.4).unwrap();
@@ -41,10 +40,9 @@ fn what_poles_hide_the_equations_settle() {
                 assert!((told.spectral_radius - radius).abs() < most, "{model}: {told:?} {expected:?}");
                 assert_eq!(told.mechanism.is_some(), expected.mechanism.is_some(), "{model}");
                 settled[i] += 1;
-                sharper += usize::from(told.resolution < 0.1 * expected.resolution);
                 few += usize::from(chain.even_modes() < 12);
             }
         }
     }
-    assert!(settled.iter().all(|&count| count > 20) && sharper > 5 && few > 20, "{settled:?} {sharper} {few}");
+    assert!(settled.iter().all(|&count| count > 20) && few > 20, "{settled:?} {few}");
 }

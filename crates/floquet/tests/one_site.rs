@@ -3,8 +3,8 @@
 
 use vibrochain_breather::{Finder, Found, Orbit, Wanted, Word};
 use vibrochain_floquet::{
-    Analyser, Complex, FloquetError, ForcedSecular, Method, OutsideCounter, Stability, Standing, Tolerance, Verdict,
-    eigenvalues, felt_modes, full_monodromy, multiplier_modes, odd_multipliers,
+    Analyser, Complex, FloquetError, ForcedSecular, Method, Stability, Standing, Tolerance, Verdict, eigenvalues,
+    felt_modes, full_monodromy, multiplier_modes, odd_multipliers,
 };
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, Ranges, Values};
@@ -72,9 +72,8 @@ fn lattice(random: &mut Random, ranges: &Ranges) -> Chain {
 fn forced_orbits_have_the_multipliers_of_the_whole_matrix() {
     let mut random = Random(1503);
     let ranges = Ranges { sites: [1, 9], gamma2: Values::Log(1e-3, 0.4), ..Ranges::FORCED };
-    let (mut finder, mut found, mut counter) = (Finder::new(7), Found::default(), OutsideCounter::default());
-    let (mut checked, mut secular, mut outside, mut spared, mut counted, mut coincident, mut elastic) =
-        (0, 0, 0, 0, 0, 0, 0);
+    let (mut finder, mut found) = (Finder::new(7), Found::default());
+    let (mut checked, mut secular, mut outside, mut spared, mut coincident, mut elastic) = (0, 0, 0, 0, 0, 0);
     for _ in 0..700 {
         let chain = lattice(&mut random, &ranges);
         if chain.is_ring() || chain.is_uncoupled() {
@@ -105,17 +104,11 @@ fn forced_orbits_have_the_multipliers_of_the_whole_matrix() {
             spared += odd.len();
             coincident +=
                 usize::from(chain.layers() > 1 && (chain.gamma3() == chain.gamma2() || chain.gamma3() == 0.0));
-            if let Ok(count) = counter.count(finder.prepared(orbit).unwrap()) {
-                let blur = 1e-13 * norm * condition;
-                let beyond = |from: f64| dense.iter().filter(|mu| mu.norm() > from).count();
-                assert!((beyond(1.0 + blur)..=beyond(1.0 - blur)).contains(&count.total()), "{name}: {count:?}");
-                counted += 1;
-            }
         }
     }
-    let counts = [checked, secular, outside, spared, counted, coincident, elastic];
+    let counts = [checked, secular, outside, spared, coincident, elastic];
     assert!(checked > 400 && 20 * secular > 19 * checked, "{counts:?}");
-    assert!(outside > 100 && spared > 1000 && counted > 100 && coincident > 80 && elastic > 20, "{counts:?}");
+    assert!(outside > 100 && spared > 1000 && coincident > 80 && elastic > 20, "{counts:?}");
 }
 
 /// In the middle of a row every second mode has a node; modes of equal frequency leave one combination that is felt.

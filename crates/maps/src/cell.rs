@@ -191,7 +191,9 @@ impl Status {
         match error {
             FloquetError::Grazing { .. } => Self::IllConditioned,
             FloquetError::NotConverged { .. } => Self::NotConverged,
-            FloquetError::TooLarge { .. } | FloquetError::InDoubt { .. } => Self::TooLarge,
+            FloquetError::TooLarge { .. } | FloquetError::TooManyModes { .. } | FloquetError::InDoubt { .. } => {
+                Self::TooLarge
+            }
             FloquetError::Breather(error) => Self::of_orbit(error),
         }
     }

@@ -287,8 +287,7 @@ impl PyVerdict {
 /// (dtype('complex128'), True)
 #[pyclass(frozen, extends = PyVerdict, name = "Stability", module = "vibrochain")]
 pub(crate) struct PyStability {
-    /// numpy.ndarray of complex128, shape (2 * masses,) : the multipliers by falling modulus, then by argument. Empty of words of
-    /// several sites on lattices so large that they are counted only.
+    /// numpy.ndarray of complex128, shape (2 * masses,) : the multipliers by falling modulus, then by argument.
     #[pyo3(get)]
     pub(crate) multipliers: Py<PyArray1<Complex64>>,
 }

@@ -124,7 +124,9 @@ impl From<FloquetError> for Failure {
             FloquetError::Breather(breather) => breather.into(),
             FloquetError::Grazing { .. } => Self::IllConditioned(message),
             FloquetError::NotConverged { .. } => Self::NotConverged(message),
-            FloquetError::InDoubt { .. } | FloquetError::TooLarge { .. } => Self::TooLarge(message),
+            FloquetError::InDoubt { .. } | FloquetError::TooManyModes { .. } | FloquetError::TooLarge { .. } => {
+                Self::TooLarge(message)
+            }
         }
     }
 }

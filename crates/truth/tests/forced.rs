@@ -1,8 +1,8 @@
-//! Errors that the forced secular form claims for its multipliers, held against many digits.
+//! Errors that are claimed for all multipliers of impacts at one site under a force, held against many digits.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Finder, Found, Orbit};
-use vibrochain_floquet::{Analyser, Complex, ForcedSecular, Method, Tolerance};
+use vibrochain_breather::{BlochEquations, Family, Finder, Found, Orbit};
+use vibrochain_floquet::{Analyser, Complex, ImpactSpectrum, Method, Tolerance};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_testkit::Values::Log;
 use vibrochain_testkit::{Meeting, Random, Ranges};
@@ -71,10 +71,13 @@ impl Ratios {
 }
 
 /// The leading multiplier and a few others.
-fn compare(secular: &mut ForcedSecular, orbit: &Orbit, finder: &mut Finder, ratios: &mut Ratios, every: usize) {
-    let Ok((values, errors)) = secular.settled(finder.prepared(orbit).unwrap()) else { return };
+fn compare(orbit: &Orbit, finder: &mut Finder, ratios: &mut Ratios, every: usize) {
+    let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response());
+    let ImpactSpectrum { multipliers: values, errors, is_certified: true } = ImpactSpectrum::new(&equations) else {
+        return;
+    };
     let spectrum = TrueSpectrum::as_given(orbit, 160).unwrap();
-    let mut all: Vec<_> = values.iter().zip(errors).collect();
+    let mut all: Vec<_> = values.iter().zip(&errors).collect();
     all.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
     for (z, error) in all.iter().step_by(every) {
         if **error > 1e-3 * z.norm() {
@@ -95,7 +98,7 @@ fn compare(secular: &mut ForcedSecular, orbit: &Orbit, finder: &mut Finder, rati
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
 fn claims_hold(draws: usize) {
-    let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), ForcedSecular::default());
+    let (mut finder, mut found) = (Finder::new(21), Found::default());
     let places = [Place::Anywhere, Place::Stripe, Place::Resonance, Place::Grazing];
     for (seed, place) in places.into_iter().enumerate() {
         let mut random = Random(71 + seed as u64);
@@ -109,7 +112,7 @@ fn claims_hold(draws: usize) {
             }
             for orbit in found.orbits.iter().take(2) {
                 orbits += 1;
-                compare(&mut secular, orbit, &mut finder, &mut ratios, 7);
+                compare(orbit, &mut finder, &mut ratios, 7);
             }
         }
         ratios.print(&format!("{place:?}, {orbits} orbits"));
@@ -138,7 +141,7 @@ fn no_multiplier_of_many_thousand_is_farther_off_than_is_claimed() {
 fn the_map_of_the_paper_needs_no_dense_matrix() {
     for (sites, columns, rows) in [(21, 65, 50), (41, 65, 50), (101, 40, 30)] {
         let (mut finder, mut found) = (Finder::new(sites), Found::default());
-        let (mut analyser, mut secular) = (Analyser::default(), ForcedSecular::default());
+        let mut analyser = Analyser::default();
         let mut ratios = Ratios::default();
         let (mut count, mut dense, mut single, mut dense_single) = (0, 0, 0, 0);
         for i in 0..columns {
@@ -161,7 +164,7 @@ fn the_map_of_the_paper_needs_no_dense_matrix() {
                             dense_single += by_matrix(answer.verdict.method);
                         }
                         if count % 53 == 0 {
-                            compare(&mut secular, orbit, &mut finder, &mut ratios, 7);
+                            compare(orbit, &mut finder, &mut ratios, 7);
                         }
                     }
                 }

@@ -3,7 +3,7 @@
 
 use vibrochain_breather::{BlochEquations, Finder, Found, Orbit, Wanted, Word};
 use vibrochain_floquet::{Complex, ImpactSpectrum};
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
 use vibrochain_truth::{DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 
@@ -118,4 +118,19 @@ fn multipliers_of_pairs_are_those_of_their_blocks() {
         }
     }
     assert!(compared > 100, "{compared}");
+}
+
+/// Next to the trivial pair: a ring all but without coupling, whose spectral radius is 1.00067188517524884 to 18 digits (by 40 digits).
+/// The orbit's own derivative is left out of the equations; with it, J(1) is singular to 1e-11 only, and 1.0010012 was found.
+#[test]
+fn a_multiplier_next_to_the_trivial_pair_is_told() {
+    let chain = Chain::new(14, 0.7530420914128264, 0.0010307208510119765).unwrap();
+    let model = Model::conservative(chain, 0.4342821082835794, 0.5521520638012143).unwrap();
+    let (mut finder, mut found) = (Finder::new(14), Found::default());
+    finder.find_word(&model, &"0-".parse().unwrap(), Wanted::Symmetric, &mut found).unwrap();
+    let found = spectrum(&found.orbits[0], &mut finder);
+    assert!(found.is_certified);
+    let largest = found.multipliers.iter().zip(&found.errors).max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
+    let off = (largest.0.norm() - 1.00067188517524884).abs();
+    assert!(off <= *largest.1 && *largest.1 < 1e-8, "{largest:?} {off:e}");
 }

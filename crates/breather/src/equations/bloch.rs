@@ -36,6 +36,15 @@ pub struct LinearImpact {
     pub acceleration_before: f64,
 }
 
+/// An orbit's own derivative, as [`BlochEquations::without_shift`] has put it in place of one unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shift {
+    /// The row and column in whose place it is.
+    pub place: usize,
+    /// s: what each impact's ωPδt is in it.
+    pub weights: Vec<f64>,
+}
+
 /// J(z) of one orbit.
 ///
 /// ```
@@ -71,6 +80,8 @@ pub struct BlochEquations {
     inside: Vec<f64>,
     /// The least modulus of a pole: inside of half of it the second form is taken.
     innermost: f64,
+    /// Errors of g″⁻/(ωP) as they stand in J₀, where these are sums over modes.
+    slide_errors: Option<Vec<f64>>,
 }
 
 impl BlochEquations {
@@ -85,7 +96,9 @@ impl BlochEquations {
             restitution: orbit.model().restitution(),
             acceleration_before: impact.acceleration,
         });
-        (Self::new(kernel, impacts.collect()), spared)
+        let impacts = impacts.collect();
+        let conservative = orbit.model().is_conservative();
+        (if conservative { Self::conservative(kernel, impacts) } else { Self::new(kernel, impacts) }, spared)
     }
 
     /// The equations of impacts in order of time between contacts of any kernel.
@@ -133,7 +146,84 @@ impl BlochEquations {
         }
         let poles = kernel.modes().iter().flat_map(|mode| mode.poles()).map(|pole| pole.norm());
         let innermost = poles.fold(f64::INFINITY, f64::min);
-        Self { kernel, impacts, omega, rows, columns, outside, inside, innermost }
+        Self { kernel, impacts, omega, rows, columns, outside, inside, innermost, slide_errors: None }
+    }
+
+    /// The same of an orbit without force or losses, which may begin at any time: J(1) has its own derivative as a null vector. So the
+    /// accelerations are not asked for, but what the past impacts make of them; of a rigid mode these say nothing, and it stays as given.
+    pub fn conservative(kernel: BlochKernel, impacts: Vec<LinearImpact>) -> Self {
+        let mut equations = Self::new(kernel, impacts);
+        let one = C::new(1.0, 0.0);
+        if equations.kernel.modes().iter().flat_map(|mode| mode.poles()).any(|pole| pole == one) {
+            return equations;
+        }
+        let size = equations.size();
+        let sums = equations.matrix(one);
+        let impulse = |j: usize| equations.impacts[j].impulse;
+        let (mut slides, mut errors) = (Vec::new(), Vec::new());
+        for i in 0..equations.impacts.len() {
+            let row = &sums[(2 * i + 1) * size..(2 * i + 2) * size];
+            let left: f64 = (0..equations.impacts.len()).map(|j| row[2 * j + 1].re * impulse(j)).sum();
+            slides.push(left / impulse(i));
+            let mut error = 0.0;
+            for (k, mode) in equations.kernel.modes().iter().enumerate() {
+                let (rows, columns) = (equations.rows(k), equations.columns(k));
+                let length = |[x, y]: [f64; 2]| x.hypot(y);
+                let [near, _] = mode.poles().map(|pole| (one - pole).norm().recip());
+                let size: f64 =
+                    (0..equations.impacts.len()).map(|j| length(columns[2 * j + 1]) * impulse(j).abs()).sum();
+                error += length(rows[2 * i + 1]) * size * near * (mode.pole_error * near + mode.shape_error);
+            }
+            errors.push(error / impulse(i).abs());
+        }
+        for (i, slide) in slides.into_iter().enumerate() {
+            let at = (2 * i + 1) * (size + 1);
+            equations.outside[at] -= slide;
+            equations.inside[at] -= slide;
+        }
+        equations.slide_errors = Some(errors);
+        equations
+    }
+
+    /// Of an orbit that may begin at any time, the equations without its own derivative s, δt alike for all impacts, for which J(1)s = 0 and
+    /// sᵀJ(1) = 0: with s in place of one δt, and its row and column divided by z−1,
+    ///
+    /// ```text
+    /// (J(z)s)/(z−1) = −Σ A_k R_k(z−R_k)⁻¹ (1−R_k)⁻¹C_k s,     the row alike, the corner with (1−R_k)⁻².
+    /// ```
+    ///
+    /// So they have the form of J, nothing cancels next to z = 1, and their determinant is det J(z)/(z−1)² but for a factor. `None` where a
+    /// mode's pole is 1, and where modes lose energy.
+    pub fn without_shift(&self) -> Option<(Self, Shift)> {
+        let one = C::new(1.0, 0.0);
+        let size = self.size();
+        let largest = (0..self.impacts.len())
+            .max_by(|&i, &j| self.impacts[i].impulse.abs().total_cmp(&self.impacts[j].impulse.abs()))?;
+        let scale = self.impacts[largest].impulse;
+        let weights: Vec<f64> = self.impacts.iter().map(|impact| impact.impulse / scale).collect();
+        let place = 2 * largest + 1;
+        let mut equations = Self { innermost: 0.0, ..self.clone() };
+        for (k, mode) in self.kernel.modes().iter().enumerate() {
+            if mode.poles().contains(&one) || mode.decay != 0.0 || mode.turn != Turn::Circular {
+                return None;
+            }
+            let turn = mode.turn;
+            // (1−R)⁻¹ is ½(1 + cot(ΩT/2)·J); 1−cos ΩT would lose its digits next to a resonance.
+            let Turned { even: cos, odd: sin } = mode.period;
+            let cot = if cos > 0.0 { (1.0 + cos) / sin } else { sin / (1.0 - cos) };
+            let by = Turned { even: -0.5, odd: -0.5 * cot };
+            let sum = |table: &[[f64; 2]]| {
+                let terms = weights.iter().enumerate().map(|(i, weight)| table[2 * i + 1].map(|x| weight * x));
+                terms.fold([0.0; 2], |[x, y], [u, v]| [x + u, y + v])
+            };
+            equations.rows[k * size + place] = seen(turn, sum(self.rows(k)), by);
+            equations.columns[k * size + place] = given(turn, by, sum(self.columns(k)));
+        }
+        for j in 0..size {
+            equations.outside[place * size + j] = 0.0;
+            equations.outside[j * size + place] = 0.0;
+        }
+        Some((equations, Shift { place, weights }))
     }
 
     /// Rows and columns of J: two for each impact.
@@ -149,6 +239,11 @@ impl BlochEquations {
     /// The kernel.
     pub fn kernel(&self) -> &BlochKernel {
         &self.kernel
+    }
+
+    /// Errors of the accelerations over ωP that J₀ holds, where they are sums over modes; `None` where they are as given.
+    pub fn slide_errors(&self) -> Option<&[f64]> {
+        self.slide_errors.as_deref()
     }
 
     /// ω = 2π/T, the unit of frequency.

@@ -27,7 +27,7 @@ pub(crate) mod linear;
 pub(crate) mod newton;
 pub(crate) mod unknowns;
 
-pub use bloch::{BlochEquations, LinearImpact};
+pub use bloch::{BlochEquations, LinearImpact, Shift};
 
 /// Rounding of one operation, with room for the few that a term takes.
 pub(crate) const UNIT: f64 = 2.0 * f64::EPSILON;

@@ -108,9 +108,10 @@ impl From<FloquetError> for CliError {
         match error {
             FloquetError::Breather(breather) => breather.into(),
             FloquetError::Grazing { .. } => Self::IllPosed(error.to_string()),
-            FloquetError::NotConverged { .. } | FloquetError::InDoubt { .. } | FloquetError::TooLarge { .. } => {
-                Self::Computation(error.to_string())
-            }
+            FloquetError::NotConverged { .. }
+            | FloquetError::InDoubt { .. }
+            | FloquetError::TooManyModes { .. }
+            | FloquetError::TooLarge { .. } => Self::Computation(error.to_string()),
         }
     }
 }

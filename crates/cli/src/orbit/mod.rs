@@ -234,8 +234,7 @@ impl Solution {
         match &self.multipliers {
             Ok(all) => {
                 let verdict = all.verdict;
-                let counted = all.is_empty();
-                let listed = all.len() <= MOST_LISTED && !counted;
+                let listed = all.len() <= MOST_LISTED;
                 let pairs = || all.sorted().map(|m| [m.re, m.im]).collect::<Vec<_>>();
                 let multipliers = listed.then(pairs);
                 value["stability"] = json!({
@@ -249,11 +248,7 @@ impl Solution {
                     "multipliers": multipliers,
                 });
                 if multipliers.is_none() {
-                    let note = if counted {
-                        "those on the circle are counted only, on a lattice as large as this".to_owned()
-                    } else {
-                        format!("{} of them: --multipliers FILE writes them as CSV", all.len())
-                    };
+                    let note = format!("{} of them: --multipliers FILE writes them as CSV", all.len());
                     value["stability"]["multipliers_note"] = note.into();
                 }
                 if let Some(doubt) = verdict.method.doubt() {

@@ -1,13 +1,11 @@
-//! Stable or not, for orbits that are not reversible: by all multipliers, held against the exact count where there is one; the
-//! leading one and its rivals settled by the impacts' own equations.
+//! Stable or not, for impacts at one site that are not reversible: by all multipliers, the leading one and its rivals settled by the
+//! impacts' own equations. The fast path of maps with losses, and that of large rings; a test holds it against `spectrum`.
 
 use nalgebra::Complex;
 use vibrochain_breather::{Condition, ImpactError, Orbit, Prepared};
 
 use super::error::SecularError;
 use super::forced::SecularMultipliers;
-use super::forced_count::OutsideCounter;
-use super::forced_large::LARGE;
 use super::growth::{excess, modulus};
 use super::impact_matrix::ImpactMatrix;
 use super::settle::{DataError, Origin, Settled};
@@ -28,7 +26,6 @@ use super::verdict::{Reason, SecularVerdict, Standing};
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct ForcedSecular {
-    counter: OutsideCounter,
     multipliers: SecularMultipliers,
     moved: SecularMultipliers,
     values: Vec<Complex<f64>>,
@@ -41,8 +38,6 @@ pub struct ForcedSecular {
     data: Vec<Origin>,
     /// A multiplier that is not among the values.
     trivial: Option<Complex<f64>>,
-    /// How far rounding alone may have carried multipliers that were taken over, if what the orbit's data do to them is not known.
-    rounding: Option<f64>,
 }
 
 /// What the impacts' equations have said of a multiplier.
@@ -110,7 +105,7 @@ impl ForcedSecular {
                 .map(|(place, ((z, error), _))| (place, excess(*z) + error))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((place, _)) = rival else { break };
-            self.settle(place, prepared, true);
+            self.settle(place, prepared);
         }
         self.best()
     }
@@ -124,22 +119,10 @@ impl ForcedSecular {
         Some(Leading { place, growth, error })
     }
 
-    /// It has not been settled yet.
-    pub(crate) fn is_open(&self, place: usize) -> bool {
-        self.asked.get(place) == Some(&Settling::Open)
-    }
-
-    /// Settled by the impacts' equations, and apart from all others.
-    pub(crate) fn is_settled(&self, place: usize) -> bool {
-        self.asked.get(place) == Some(&Settling::Settled)
-    }
-
-    /// Settles one multiplier by the impacts' equations, where they know better; `included` tells that the errors hold those of
-    /// the orbit's data already.
-    pub(crate) fn settle(&mut self, place: usize, prepared: Prepared<'_>, included: bool) {
+    /// Settles one multiplier by the impacts' equations, where they know better.
+    fn settle(&mut self, place: usize, prepared: Prepared<'_>) {
         self.set_matrix(prepared);
         let z = self.values[place];
-        let (known, included) = self.rounding.map_or((self.errors[place], included), |rounding| (rounding, false));
         let Some(Settled { z: settled, error, data }) = self.matrix.settle(z, &self.data) else {
             self.asked[place] = Settling::Refused;
             return;
@@ -158,7 +141,7 @@ impl ForcedSecular {
         if alone {
             (self.values[place], self.errors[place]) = (settled, error + data);
         } else {
-            self.errors[place] = known.max(error + moved) + if included { 0.0 } else { data };
+            self.errors[place] = self.errors[place].max(error + moved);
         }
         // The same holds of its mirror image.
         if let Some((partner, _)) = partner {
@@ -181,69 +164,7 @@ impl ForcedSecular {
         }
     }
 
-    /// Settles all multipliers together: zeros of the impacts' equations that are apart from all others are as many multipliers, however
-    /// far the values were off that led to them. The rest is left open.
-    pub(crate) fn settle_apart(&mut self, prepared: Prepared<'_>) {
-        self.set_matrix(prepared);
-        let found: Vec<Option<Settled>> = self.values.iter().map(|z| self.matrix.settle(*z, &self.data)).collect();
-        for (place, settled) in found.iter().enumerate() {
-            let Some(Settled { z, error, data }) = *settled else {
-                self.asked[place] = Settling::Refused;
-                continue;
-            };
-            let near = |w: Complex<f64>, other: f64| (w - z).norm() <= ALONE * (error + data + other);
-            let mut others =
-                found.iter().enumerate().filter(|(other, _)| *other != place).filter_map(|(_, other)| *other);
-            let met = others.any(|other| near(other.z, other.error + other.data));
-            if !met && !self.trivial.is_some_and(|trivial| near(trivial, 0.0)) {
-                (self.values[place], self.errors[place]) = (z, error + data);
-                self.asked[place] = Settling::Settled;
-            }
-        }
-    }
-
-    /// Adds what the impacts' equations find from these starts, each multiplier once: real ones and those of the upper half-plane, with
-    /// their errors. To begin with none, [`ForcedSecular::adopt`] none.
-    pub(crate) fn settle_distinct(&mut self, prepared: Prepared<'_>, starts: impl Iterator<Item = Complex<f64>>) {
-        self.set_matrix(prepared);
-        for start in starts {
-            let Some(Settled { z, error, data }) = self.matrix.settle(start, &self.data) else { continue };
-            let (z, error) =
-                (Complex::new(z.re, if z.im.abs() <= error + data { 0.0 } else { z.im.abs() }), error + data);
-            let mut known = self.values.iter().zip(&self.errors);
-            let near = |w: Complex<f64>, other: f64| (w - z).norm() <= ALONE * (error + other);
-            if !known.any(|(&w, &other)| near(w, other)) && !self.trivial.is_some_and(|trivial| near(trivial, 0.0)) {
-                self.values.push(z);
-                self.errors.push(error);
-                self.asked.push(Settling::Settled);
-            }
-        }
-    }
-
-    /// All multipliers of the even subspace, each settled by the impacts' equations, and bounds of their errors as far as those of the
-    /// orbit's own data (times, velocities, accelerations) are left out. A pass over the modes for each of them.
-    ///
-    /// # Errors
-    /// As [`ForcedSecular::verdict`].
-    pub fn settled(&mut self, prepared: Prepared<'_>) -> Result<(&[Complex<f64>], &[f64]), SecularError> {
-        if prepared.orbit().model().is_conservative() {
-            return Err(SecularError::NotReversible);
-        }
-        self.solve(prepared)?;
-        self.settle_all(prepared, true);
-        Ok(self.multipliers())
-    }
-
-    fn settle_all(&mut self, prepared: Prepared<'_>, included: bool) {
-        for place in 0..self.values.len() {
-            if self.asked[place] == Settling::Open {
-                self.settle(place, prepared, included);
-            }
-        }
-    }
-
-    /// All multipliers of the even subspace but a conservative orbit's trivial pair, held against the count of those outside the circle
-    /// where there is one.
+    /// All multipliers of the even subspace but a conservative orbit's trivial pair.
     pub(crate) fn solve(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
         self.multipliers.replace(prepared)?;
         // A conservative orbit's trivial pair is known.
@@ -253,52 +174,12 @@ impl ForcedSecular {
         self.values.extend(values.iter().skip(trivial));
         self.errors.clear();
         self.errors.extend(errors.iter().skip(trivial));
-        self.open_all((trivial > 0).then_some(Complex::new(1.0, 0.0)));
-        // The count takes a pass over the modes for each of them.
-        if !self.multipliers.is_large()
-            && let Ok(count) = self.counter.count(prepared)
-        {
-            let beyond = |sign: f64| {
-                let outside = |(z, error): &(&Complex<f64>, &f64)| excess(**z) > sign * **error;
-                self.values.iter().zip(&self.errors).filter(outside).count()
-            };
-            let (wanted, surely, found) = (count.total(), beyond(1.0), beyond(-1.0));
-            if wanted < surely || wanted > found {
-                return Err(SecularError::Incomplete { found, wanted });
-            }
-        }
-        Ok(())
-    }
-
-    /// Takes over multipliers found by other means, without a conservative orbit's trivial pair, to settle them; `rounding` is the part of
-    /// their errors that is not the orbit's data's, where it is known.
-    pub(crate) fn adopt(
-        &mut self,
-        orbit: &Orbit,
-        condition: &Condition,
-        multipliers: impl Iterator<Item = (Complex<f64>, f64)>,
-        rounding: Option<f64>,
-    ) {
-        self.multipliers.take_over(orbit);
-        self.values.clear();
-        self.errors.clear();
-        for (value, error) in multipliers {
-            self.values.push(value);
-            self.errors.push(error);
-        }
-        self.open_all(orbit.model().is_conservative().then_some(Complex::new(1.0, 0.0)));
-        self.rounding = rounding;
-        self.know_data_of(orbit, condition);
-    }
-
-    /// Nothing has been asked of the impacts' equations yet; `trivial` is a multiplier that is not among the values.
-    fn open_all(&mut self, trivial: Option<Complex<f64>>) {
         self.has_matrix = false;
-        self.trivial = trivial;
-        self.rounding = None;
+        self.trivial = (trivial > 0).then_some(Complex::new(1.0, 0.0));
         self.asked.clear();
         self.asked.resize(self.values.len(), Settling::Open);
         self.data.clear();
+        Ok(())
     }
 
     /// The multipliers last solved for, and their errors.
@@ -307,15 +188,12 @@ impl ForcedSecular {
     }
 
     /// Adds what the errors of the orbit's own data, of its saltations and times, do to each multiplier, to first order, each
-    /// error with the worst sign: as it is settled, or else by difference quotients of the secular function.
+    /// error with the worst sign: by difference quotients of the secular function.
+    ///
+    /// # Errors
+    /// Of the function next to the orbit's.
     pub(crate) fn add_errors_of(&mut self, prepared: Prepared<'_>, condition: &Condition) -> Result<(), SecularError> {
         self.know_data_of(prepared.orbit(), condition);
-        if !self.multipliers.is_large() {
-            self.settle_all(prepared, false);
-        }
-        if self.asked.iter().all(|state| *state == Settling::Settled) {
-            return Ok(());
-        }
         self.add_differences(prepared)
     }
 
@@ -338,9 +216,8 @@ impl ForcedSecular {
         }
     }
 
-    /// Errors of the orbit's data by difference quotients, for those that are not settled.
     fn add_differences(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
-        let Self { multipliers: form, moved, values, errors, asked, data, .. } = self;
+        let Self { multipliers: form, moved, values, errors, data, .. } = self;
         let mut worst: Origin = form.kappas.iter().map(|_| DataError::default()).collect();
         for origin in data.iter() {
             for (sum, error) in worst.iter_mut().zip(origin) {
@@ -364,18 +241,14 @@ impl ForcedSecular {
                     Err(doubt) => return Err(doubt),
                 }
                 let scale = error / step;
-                let mut open =
-                    errors.iter_mut().zip(asked.iter()).map(|(error, state)| (error, *state != Settling::Settled));
                 if form.is_large() {
                     let moves = form.large.moved(&moved.large).into_iter().skip(form.trivial);
-                    open.zip(moves).filter(|((_, open), _)| *open).for_each(|((total, _), by)| *total += by * scale);
+                    errors.iter_mut().zip(moves).for_each(|(total, by)| *total += by * scale);
                     continue;
                 }
-                for (z, (total, open)) in values.iter().zip(&mut open) {
-                    if open {
-                        let (here, there) = (form.form.evaluate(*z), moved.form.evaluate(*z));
-                        *total += (there.f - here.f).norm() / here.slope.norm() * scale;
-                    }
+                for (z, total) in values.iter().zip(errors.iter_mut()) {
+                    let (here, there) = (form.form.evaluate(*z), moved.form.evaluate(*z));
+                    *total += (there.f - here.f).norm() / here.slope.norm() * scale;
                 }
             }
         }
@@ -384,29 +257,6 @@ impl ForcedSecular {
             *moved = SecularMultipliers::default();
         }
         Ok(())
-    }
-
-    /// The multipliers with complex ones in exactly conjugate pairs and real ones without imaginary part.
-    pub(crate) fn symmetric_multipliers(&self) -> Vec<Complex<f64>> {
-        if self.values.len() > 2 * LARGE {
-            // They are found that way.
-            return self.values.clone();
-        }
-        let mut open: Vec<Complex<f64>> = self.values.clone();
-        let mut paired = Vec::with_capacity(open.len());
-        while let Some(z) = open.pop() {
-            let distance = |w: &Complex<f64>| (w - z.conj()).norm();
-            let nearest = (0..open.len()).min_by(|&i, &j| distance(&open[i]).total_cmp(&distance(&open[j])));
-            match nearest {
-                // A real one is nearer to itself.
-                Some(partner) if distance(&open[partner]) < 2.0 * z.im.abs() => {
-                    open.swap_remove(partner);
-                    paired.extend([z, z.conj()]);
-                }
-                _ => paired.push(Complex::new(z.re, 0.0)),
-            }
-        }
-        paired
     }
 }
 

@@ -7,10 +7,7 @@
 //! | `residues` | [`Residues`]: poles, residues, certificates |
 //! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
 //! | `foreign`, `in_turns`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference, or of half a period |
-//! | `inertia` | reversible words of any sites on large rings: a certified count |
-//! | `outside`, `bordered` | words of any sites, with force or losses: how many multipliers are outside a circle |
 //! | `roots` | all ν |
-//! | `forced_count` | [`OutsideCounter`]: how many multipliers are outside the circle, one impact with losses |
 //! | `modes` | the modes that the impacts feel, on any lattice |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
 //! | `beyond` | whether a real multiplier is surely beyond some modulus |
@@ -18,7 +15,6 @@
 //! | `other_modes`, `four_poles` | K̂ at the poles, and its residues there |
 //! | `settle` | a multiplier settled by the impacts' own equations, and its error |
 //! | `settled` | a leading multiplier of two instants settled by the secular function itself |
-//! | `meetings` | which multipliers of elastic impacts may have met on the circle |
 //! | `forced_verdict` | [`ForcedSecular`]: verdicts from these |
 //! | `shapes` | [`ModalShape`]: the perturbation that belongs to a multiplier |
 //! | `labels` | the mode that a multiplier is next to |
@@ -31,7 +27,6 @@
 
 mod aberth;
 mod beyond;
-mod bordered;
 mod by_roots;
 mod cauchy;
 mod circle;
@@ -39,7 +34,6 @@ mod double_sided;
 mod error;
 mod evaluate;
 mod forced;
-mod forced_count;
 mod forced_large;
 mod forced_roots;
 mod forced_verdict;
@@ -49,16 +43,13 @@ mod gap;
 mod growth;
 mod impact_matrix;
 mod in_turns;
-mod inertia;
 mod labels;
 mod large;
 mod leaf;
 mod linear;
-mod meetings;
 mod missing;
 mod modes;
 mod other_modes;
-mod outside;
 mod pair;
 mod partners;
 mod pole;
@@ -78,16 +69,13 @@ pub(crate) use aberth::{Aberth, Last, Meromorphic};
 pub use error::SecularError;
 pub(crate) use forced::MOST_IMPACTS;
 pub use forced::SecularMultipliers;
-pub use forced_count::{OutsideCount, OutsideCounter};
+pub(crate) use forced_large::LARGE;
 pub use forced_verdict::ForcedSecular;
 pub(crate) use forced_verdict::Leading;
 pub(crate) use growth::{Nu, excess, modulus};
 pub(crate) use impact_matrix::ImpactMatrix;
-pub(crate) use inertia::{Count, Inertia};
 pub use labels::{ModeLabels, multiplier_modes};
-pub(crate) use meetings::{Meetings, meetings};
 pub(crate) use modes::{Mode, Modes, by_frequency, sort_felt};
-pub(crate) use outside::OutsideCircle;
 pub(crate) use partners::{Pair, Partners};
 pub(crate) use rational::Value;
 pub use residues::Residues;

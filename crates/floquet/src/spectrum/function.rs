@@ -9,8 +9,10 @@
 //!
 //! which is regular there: a multiplier is told from its pole however close the two are.
 
+use std::borrow::Cow;
+
 use nalgebra::{Complex, DMatrix};
-use vibrochain_breather::BlochEquations;
+use vibrochain_breather::{BlochEquations, Shift};
 use vibrochain_lattice::Turn;
 
 use crate::secular::{Meromorphic, Value, modulus};
@@ -49,7 +51,11 @@ pub(super) struct Constant {
 /// The function, with what its evaluation needs.
 #[derive(Debug)]
 pub(crate) struct SpectralFunction<'a> {
-    pub(super) equations: &'a BlochEquations,
+    /// The orbit's equations.
+    pub(super) whole: &'a BlochEquations,
+    /// Those that are solved: of an orbit that may begin at any time without its own derivative, if that can be left out.
+    pub(super) equations: Cow<'a, BlochEquations>,
+    pub(super) shift: Option<Shift>,
     /// All poles, and the simple ones with their modes.
     pub(super) poles: Vec<C>,
     pub(super) simple: Vec<Pole>,
@@ -65,9 +71,15 @@ pub(crate) struct SpectralFunction<'a> {
 }
 
 impl<'a> SpectralFunction<'a> {
-    pub(crate) fn new(equations: &'a BlochEquations) -> Self {
+    /// The function of the equations, of an orbit that may begin at any time without the two zeros at 1.
+    pub(crate) fn new(whole: &'a BlochEquations, conservative: bool) -> Self {
+        let deflated = if conservative { whole.without_shift() } else { None };
+        let (equations, shift) = match deflated {
+            Some((equations, shift)) => (Cow::Owned(equations), Some(shift)),
+            None => (Cow::Borrowed(whole), None),
+        };
         let (modes, size) = (equations.kernel().modes(), equations.size());
-        let impacts = equations.impacts();
+        let impacts = whole.impacts();
         let first = impacts.first().map_or(0.0, |impact| impact.time);
         let longest = impacts.iter().map(|impact| impact.time - first).fold(0.0, f64::max);
         let (mut poles, mut simple) = (Vec::new(), Vec::new());
@@ -84,13 +96,29 @@ impl<'a> SpectralFunction<'a> {
                 simple.extend([(values[0], rates[0], root), (values[1], rates[1], -root)].map(pole));
             }
             let (rows, columns) = (equations.rows(k), equations.columns(k));
+            let from = row_sizes.len();
             row_sizes.extend(rows.iter().map(length));
             column_sizes.extend(columns.iter().map(length));
             let error = f64::EPSILON * (6.0 + 3.0 * (mode.rate + mode.decay.abs()) * longest) + mode.shape_error;
             relative.push(error);
+            if let Some(shift) = &shift {
+                // Sums over the impacts, times (1−R)⁻¹.
+                let near = (mode.poles()[0] - 1.0).norm().recip();
+                let room = near * (1.0 + mode.pole_error * near / error);
+                let size = |table: &[[f64; 2]]| {
+                    let sizes =
+                        shift.weights.iter().enumerate().map(|(i, weight)| weight.abs() * length(&table[2 * i + 1]));
+                    room * sizes.sum::<f64>()
+                };
+                row_sizes[from + shift.place] = size(whole.rows(k));
+                column_sizes[from + shift.place] = size(whole.columns(k));
+            }
             for (i, row) in rows.iter().enumerate() {
                 let moved = turned(mode.turn, *row, mode.decay, mode.rate);
                 for (j, column) in columns.iter().enumerate() {
+                    if shift.as_ref().is_some_and(|shift| i == shift.place || j == shift.place) {
+                        continue;
+                    }
                     let earlier = impacts[i / 2].time > impacts[j / 2].time;
                     let (form, sign) = if earlier { (0, 1.0) } else { (1, -1.0) };
                     let Constant { errors, slides } = &mut constants[form];
@@ -104,9 +132,24 @@ impl<'a> SpectralFunction<'a> {
         for (form, Constant { errors, .. }) in constants.iter_mut().enumerate() {
             let entries = equations.constant(form == 1);
             errors.iter_mut().zip(entries).for_each(|(error, entry)| *error += 4.0 * f64::EPSILON * entry.abs());
+            let slides = equations.slide_errors().into_iter().flatten().enumerate();
+            let kept = slides.filter(|(i, _)| shift.as_ref().is_none_or(|shift| shift.place != 2 * i + 1));
+            kept.for_each(|(i, error)| errors[(2 * i + 1) * (size + 1)] += error);
         }
         let (matrix, derivative) = (Vec::new(), Vec::new());
-        Self { equations, poles, simple, row_sizes, column_sizes, relative, constants, matrix, derivative }
+        Self {
+            whole,
+            equations,
+            shift,
+            poles,
+            simple,
+            row_sizes,
+            column_sizes,
+            relative,
+            constants,
+            matrix,
+            derivative,
+        }
     }
 
     /// The simple poles next to z, the nearest first.
@@ -192,22 +235,22 @@ impl SpectralFunction<'_> {
     /// The sum of all zeros, tr M, from f far out: Σq − tr J₀⁻¹ΣA_kR_kC_k; with its error, `slide` and `time` being those
     /// of the orbit's accelerations and times.
     pub(super) fn trace(&self, slide: f64, time: f64) -> Option<(C, f64)> {
-        let size = self.equations.size();
+        let size = self.whole.size();
         let mut first = DMatrix::<f64>::zeros(size, size);
-        for (k, mode) in self.equations.kernel().modes().iter().enumerate() {
+        for (k, mode) in self.whole.kernel().modes().iter().enumerate() {
             let (turn, period) = (mode.turn, mode.period);
-            for (i, [x, y]) in self.equations.rows(k).iter().enumerate() {
+            for (i, [x, y]) in self.whole.rows(k).iter().enumerate() {
                 let seen = [x * period.even - turn.sign() * y * period.odd, x * period.odd + y * period.even];
-                for (j, column) in self.equations.columns(k).iter().enumerate() {
+                for (j, column) in self.whole.columns(k).iter().enumerate() {
                     first[(i, j)] += seen[0] * column[0] + seen[1] * column[1];
                 }
             }
         }
-        let constant = DMatrix::from_row_slice(size, size, self.equations.constant(false));
+        let constant = DMatrix::from_row_slice(size, size, self.whole.constant(false));
         let constant_size = constant.norm();
         let inverse = constant.try_inverse()?;
         let reach = inverse.norm() * first.norm();
-        let top = self.equations.kernel().modes().iter().map(|mode| mode.rate).fold(0.0, f64::max);
+        let top = self.whole.kernel().modes().iter().map(|mode| mode.rate).fold(0.0, f64::max);
         let moved = slide * inverse.norm() + 2.0 * time * top * (1.0 + inverse.norm() * constant_size);
         let error = (8.0 * f64::EPSILON * size as f64 + moved) * reach;
         Some((self.poles.iter().sum::<C>() - (inverse * first).trace(), error))
@@ -232,7 +275,9 @@ impl Meromorphic for OfHalfSum<'_, '_> {
         let value = self.0.evaluate(z);
         let by = z * z * 2.0 / (z * z - 1.0);
         let finite = |value: &C| value.re.is_finite() && value.im.is_finite();
-        let slope = Some(value.slope * by).filter(finite).unwrap_or(C::new(HUGE, 0.0));
+        // Of an orbit's own derivative both row and column are divided by z−1, and (z−1)² is 2z(ν−1).
+        let slope = if self.0.shift.is_some() { value.slope + z.inv() } else { value.slope };
+        let slope = Some(slope * by).filter(finite).unwrap_or(C::new(HUGE, 0.0));
         let modes = self.0.equations.kernel().modes();
         let poles: Vec<C> = modes.iter().map(|mode| (nu - mode.period.even).inv()).filter(finite).collect();
         // z is rounded otherwise than ν, which is felt next to a pole.

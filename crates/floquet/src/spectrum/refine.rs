@@ -29,6 +29,8 @@ pub(crate) struct DataError {
     pub(crate) slide: f64,
     /// Of the time since the first impact.
     pub(crate) time: f64,
+    /// Of the impulse, as a part of it.
+    pub(crate) share: f64,
 }
 
 /// Errors of one origin at all impacts, with their signs.
@@ -85,6 +87,8 @@ impl SpectralFunction<'_> {
             // What the step is too long or too short by is of second order in it.
             if modulus(step) * slope_size <= error {
                 let error = (error + data) / slope_size + modulus(step) + 2.0 * f64::EPSILON * modulus(z);
+                // Errors are bounds: most steps this small are still in the right direction.
+                z -= step;
                 return error.is_finite().then_some(Refined { z, error });
             }
             z -= step;
@@ -143,13 +147,17 @@ impl SpectralFunction<'_> {
     /// form is xᵀ(iz dJ/dz)y.
     fn is_definite(&self, z: C, null: &Null, slopes: &DMatrix<C>, slope_error: f64) -> bool {
         let (size, count) = (self.equations.size(), slopes.nrows());
-        let (left, right) = (null.left.rows(0, size), null.right.rows(0, size));
+        let (mut left, right) = (null.left.rows(0, size).clone_owned(), null.right.rows(0, size));
+        if let Some(shift) = &self.shift {
+            // Its row is divided by z−1, not by 1/z−1.
+            left.row_mut(shift.place).iter_mut().for_each(|entry| *entry /= -z);
+        }
         // X = conj(Y)·S
         let conjugate = right.conjugate();
-        let Some(mix) = (conjugate.adjoint() * &conjugate).lu().solve(&(conjugate.adjoint() * left)) else {
+        let Some(mix) = (conjugate.adjoint() * &conjugate).lu().solve(&(conjugate.adjoint() * &left)) else {
             return false;
         };
-        let rest = (&conjugate * &mix - left).norm();
+        let rest = (&conjugate * &mix - &left).norm();
         let Some(form) = mix.transpose().lu().solve(slopes) else { return false };
         let form = form * (C::new(0.0, 1.0) * z);
         let hermitian = (&form + form.adjoint()) * C::new(0.5, 0.0);
@@ -204,10 +212,12 @@ impl SpectralFunction<'_> {
     /// The products with two vectors of B(z).
     fn product(&self, z: C, near: &[Pole], (x, y): (&[C], &[C]), data: &[Origin]) -> Option<Product> {
         const EPSILON: f64 = f64::EPSILON;
-        let (equations, size) = (self.equations, self.equations.size());
+        let (equations, size) = (&self.equations, self.equations.size());
         let (n, inside) = (size / 2, equations.is_inside(z));
         let of_time = data.iter().flatten().any(|error| error.time != 0.0);
         let mut slides: SmallVec<[C; 8]> = smallvec![C::default(); n];
+        // What a change of each impact's share in the orbit's own derivative does.
+        let mut shares: SmallVec<[C; 8]> = smallvec![C::default(); n];
         let mut out = Product::default();
         let mut sizes = 0.0;
         let constant = &self.constants[usize::from(inside)];
@@ -219,7 +229,10 @@ impl SpectralFunction<'_> {
                 out.value += term;
                 out.value_error += length * constant.errors[at];
                 sizes += modulus(term);
-                if of_time && i / 2 != j / 2 {
+                if of_time
+                    && i / 2 != j / 2
+                    && self.shift.as_ref().is_none_or(|shift| i != shift.place && j != shift.place)
+                {
                     let slide = product * constant.slides[at];
                     slides[i / 2] += slide;
                     slides[j / 2] -= slide;
@@ -228,6 +241,7 @@ impl SpectralFunction<'_> {
         }
         for (k, mode) in equations.kernel().modes().iter().enumerate() {
             let (rows, columns) = (equations.rows(k), equations.columns(k));
+            let (whole_rows, whole_columns) = (self.whole.rows(k), self.whole.columns(k));
             let sum = |v: &[C], table: &[[f64; 2]]| {
                 let add = |[p, q]: [C; 2], (v, [s, t]): (&C, &[f64; 2])| [p + v * *s, q + v * *t];
                 v.iter().zip(table).fold([C::default(); 2], add)
@@ -287,13 +301,27 @@ impl SpectralFunction<'_> {
                     out.slope_error += steep * (dyad_error + (8.0 * EPSILON + 3.0 * pole.error * near) * size);
                     (factor * c, factor * a)
                 };
-                if of_time {
-                    for (i, slide) in slides.iter_mut().enumerate() {
-                        let pair = 2 * i..2 * i + 2;
-                        let [p, q] = sum(&x[pair.clone()], &rows[pair.clone()]);
-                        let [s, t] = sum(&y[pair.clone()], &columns[pair]);
-                        let (own_a, own_c) = (p + pole.root * q, (s + t / pole.root) * 0.5);
-                        *slide += pole.rate * (own_a * sent - received * own_c);
+                if !data.is_empty() {
+                    for i in 0..n {
+                        let seen = |table: &[[f64; 2]], r: usize| pole.root * table[r][1] + table[r][0];
+                        let given = |table: &[[f64; 2]], r: usize| (pole.root.inv() * table[r][1] + table[r][0]) * 0.5;
+                        let (mut own_a, mut own_c) = (C::default(), C::default());
+                        for r in [2 * i, 2 * i + 1] {
+                            if self.shift.as_ref().is_none_or(|shift| shift.place != r) {
+                                own_a += x[r] * seen(rows, r);
+                                own_c += y[r] * given(columns, r);
+                            }
+                        }
+                        if let Some(shift) = &self.shift {
+                            let by = (pole.value - 1.0).inv();
+                            let r = 2 * i + 1;
+                            let part_a = x[shift.place] * seen(whole_rows, r) * by;
+                            let part_c = y[shift.place] * given(whole_columns, r) * by;
+                            own_a += part_a * shift.weights[i];
+                            own_c += part_c * shift.weights[i];
+                            shares[i] += (part_a * sent + received * part_c) * shift.weights[i];
+                        }
+                        slides[i] += pole.rate * (own_a * sent - received * own_c);
                     }
                 }
             }
@@ -303,11 +331,11 @@ impl SpectralFunction<'_> {
         out.data = data
             .iter()
             .map(|origin| {
-                let moves = origin
-                    .iter()
-                    .enumerate()
-                    .take(n)
-                    .map(|(i, error)| x[2 * i + 1] * y[2 * i + 1] * error.slide + slides[i] * error.time);
+                let moves = origin.iter().enumerate().take(n).map(|(i, error)| {
+                    let kept = self.shift.as_ref().is_none_or(|shift| shift.place != 2 * i + 1);
+                    let slide = if kept { x[2 * i + 1] * y[2 * i + 1] * error.slide } else { C::default() };
+                    slide + slides[i] * error.time + shares[i] * error.share
+                });
                 modulus(moves.sum::<C>())
             })
             .sum();

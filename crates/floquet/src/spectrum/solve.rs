@@ -17,6 +17,10 @@ const LAST: Last = Last { of_modulus: 1e-13, of_distance: 1e-3 };
 /// An error this many times smaller than the distance to the next zero is one of first order.
 const ALONE: f64 = 8.0;
 
+/// Attempts to find what a first one has missed, and the most zeros that are sought so.
+const MENDS: usize = 3;
+const MOST_MISSING: usize = 8;
+
 /// Room for what estimates of errors leave out in the checks of sum and product.
 const ROOM: f64 = 16.0;
 
@@ -45,6 +49,8 @@ pub(crate) struct Zeros {
     pub(crate) list: Vec<Zero>,
     /// They are zeros in ν, of two multipliers each.
     pub(crate) reciprocal: bool,
+    /// How many at the end of the list have died out within a period.
+    pub(crate) dead: usize,
     /// Every one is apart from the rest, and their sum and product are what they must be.
     pub(crate) certified: bool,
 }
@@ -59,23 +65,47 @@ fn is_reciprocal(equations: &BlochEquations) -> bool {
 /// All multipliers of the modes that feel the impacts, but the trivial pair of a conservative orbit.
 pub(crate) fn zeros(equations: &BlochEquations, conservative: bool, data: &[Origin]) -> Zeros {
     let reciprocal = is_reciprocal(equations);
-    let mut search = Search { function: SpectralFunction::new(equations), reciprocal, conservative, data };
+    let function = SpectralFunction::new(equations, conservative);
+    let trivial = match (&function.shift, conservative) {
+        (_, false) => Trivial::None,
+        (Some(_), true) => Trivial::LeftOut,
+        (None, true) => Trivial::Known,
+    };
+    let mut search = Search { function, reciprocal, trivial, data };
     let (starts, dead) = search.function.starts();
-    let beside = search.attempt(starts, dead);
-    if beside.certified {
-        return beside;
+    let mut first = search.attempt(starts, dead);
+    for _ in 0..MENDS {
+        if first.certified {
+            return first;
+        }
+        let Some(mended) = search.mend(&first) else { break };
+        first = mended;
+    }
+    if first.certified {
+        return first;
     }
     // Two that have ended at one zero have begun too close to it.
     let (starts, dead) = search.function.turned_starts();
     let turned = search.attempt(starts, dead);
-    if turned.certified { turned } else { beside }
+    if turned.certified { turned } else { first }
 }
 
 struct Search<'a> {
     function: SpectralFunction<'a>,
     reciprocal: bool,
-    conservative: bool,
+    trivial: Trivial,
     data: &'a [Origin],
+}
+
+/// What becomes of the trivial pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Trivial {
+    /// There is none.
+    None,
+    /// The function has it: two zeros that are known.
+    Known,
+    /// The function is without it.
+    LeftOut,
 }
 
 impl Search<'_> {
@@ -90,7 +120,7 @@ impl Search<'_> {
         let per_mode = if self.reciprocal { 1 } else { 2 };
         let dead = per_mode * dead;
         let mut known = dead;
-        if self.conservative && starts.len() >= dead + per_mode {
+        if self.trivial != Trivial::None && starts.len() >= dead + per_mode {
             // In place of the starts next to +1.
             let distance = |k: &usize| modulus(starts[*k] - 1.0);
             let first = (dead..starts.len()).step_by(per_mode).min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -98,8 +128,17 @@ impl Search<'_> {
                 starts.swap(dead + k, first.unwrap_or(dead) + k);
                 starts[dead + k] = C::new(1.0, 0.0);
             }
-            known += per_mode;
+            if self.trivial == Trivial::Known {
+                known += per_mode;
+            } else {
+                starts.drain(dead..dead + per_mode);
+            }
         }
+        self.solve(starts, dead, known)
+    }
+
+    /// All zeros from starts of which the first `dead` have died out and stay, and more up to `known` stay.
+    fn solve(&mut self, starts: Vec<C>, dead: usize, known: usize) -> Zeros {
         let mut aberth = Aberth::default();
         let ended = if self.reciprocal {
             aberth.solve_from(&mut OfHalfSum(&mut self.function), starts.into_iter(), known, LAST)
@@ -107,13 +146,67 @@ impl Search<'_> {
             aberth.solve_from(&mut self.function, starts.into_iter(), known, LAST)
         };
         let roots: Vec<C> = aberth.roots.drain(..).collect();
-        let mut list = self.settled(&roots[known..]);
+        let trivial = if self.trivial == Trivial::Known { self.per_mode() } else { 0 };
+        let mut list = self.settled(&roots[dead + trivial..]);
         // A multiplier that has died out is not told from 0.
         let of_dead = |z: &C| Zero { error: DEAD, ..Zero::new(*z, true) };
         list.extend(roots[..dead].iter().map(of_dead));
         let known_enough = |zero: &Zero| zero.apart && zero.error <= USELESS * (1.0 + modulus(zero.z));
-        let certified = ended && list.iter().all(known_enough) && self.is_complete(&list, known > dead);
-        Zeros { list, reciprocal: self.reciprocal, certified }
+        let certified = ended && list.iter().all(known_enough) && self.is_complete(&list);
+        Zeros { list, dead, reciprocal: self.reciprocal, certified }
+    }
+
+    /// Zeros in their plane that belong to one mode.
+    fn per_mode(&self) -> usize {
+        if self.reciprocal { 1 } else { 2 }
+    }
+
+    /// Once more with the zeros that have been told apart, and others in place of those that have been found twice or not at all: the sum of
+    /// all says where these are, and which one it is if there is only one.
+    fn mend(&mut self, failed: &Zeros) -> Option<Zeros> {
+        let count = failed.list.len() - failed.dead;
+        let (mut kept, mut missing): (Vec<C>, usize) = (Vec::with_capacity(count), 0);
+        let mut taken: Vec<&Zero> = Vec::with_capacity(count);
+        for zero in &failed.list[..count] {
+            let again = taken.iter().any(|other| self.distance(zero, other) <= ALONE * (zero.error + other.error));
+            let known = zero.settled || zero.held;
+            if known && (zero.apart || !again) && zero.error <= USELESS * (1.0 + modulus(zero.z)) {
+                taken.push(zero);
+                kept.push(if self.reciprocal { zero.nu.complex() } else { zero.z });
+            } else {
+                missing += 1;
+            }
+        }
+        let (trace, _) = self.function.trace(0.0, 0.0)?;
+        if missing == 0 || missing > MOST_MISSING {
+            return None;
+        }
+        let trivial = if self.trivial == Trivial::None { 0.0 } else { 2.0 };
+        let dead = &failed.list[count..];
+        let half = if self.reciprocal { 0.5 } else { 1.0 };
+        let left = (trace - trivial) * half - kept.iter().sum::<C>() - dead.iter().map(|zero| zero.z).sum::<C>() * half;
+        let centre = left / missing as f64;
+        if !(centre.re.is_finite() && centre.im.is_finite()) {
+            return None;
+        }
+        let around = |k: usize| match missing {
+            1 => C::new(centre.re, 1e-3 * f64::EPSILON.sqrt()),
+            _ => {
+                centre
+                    + C::from_polar(
+                        0.1 * (1.0 + modulus(centre)),
+                        0.7 + std::f64::consts::TAU * k as f64 / missing as f64,
+                    )
+            }
+        };
+        let mut starts: Vec<C> = dead.iter().map(|zero| zero.z).collect();
+        if self.trivial == Trivial::Known {
+            starts.extend(std::iter::repeat_n(C::new(1.0, 0.0), self.per_mode()));
+        }
+        starts.extend(kept);
+        let known = starts.len();
+        starts.extend((0..missing).map(around));
+        Some(self.solve(starts, failed.dead, known))
     }
 
     /// Distance of two zeros in their plane.
@@ -151,7 +244,7 @@ impl Search<'_> {
         let value =
             if self.reciprocal { OfHalfSum(&mut self.function).evaluate(root) } else { self.function.evaluate(root) };
         let mut log = value.slope + value.poles;
-        if self.conservative {
+        if self.trivial == Trivial::Known {
             log -= (root - 1.0).inv() * if self.reciprocal { 1.0 } else { 2.0 };
         }
         8.0 * close as f64 / (modulus(log) - value.slope_error).max(f64::MIN_POSITIVE)
@@ -257,10 +350,10 @@ impl Search<'_> {
 
     /// Whether sum and product of all multipliers are those of the poles plus what the impacts make of them:
     /// f = 1 + tr(J₀⁻¹ΣARC)/z + … far out, f(0) = Πe².
-    fn is_complete(&self, list: &[Zero], trivial: bool) -> bool {
+    fn is_complete(&self, list: &[Zero]) -> bool {
         let both = |zero: &Zero| if self.reciprocal { zero.nu.multipliers().to_vec() } else { vec![zero.z] };
         let mut all: Vec<C> = list.iter().flat_map(both).collect();
-        all.extend(std::iter::repeat_n(C::new(1.0, 0.0), if trivial { 2 } else { 0 }));
+        all.extend(std::iter::repeat_n(C::new(1.0, 0.0), if self.trivial == Trivial::None { 0 } else { 2 }));
         if all.len() != self.function.poles.len() {
             return false;
         }

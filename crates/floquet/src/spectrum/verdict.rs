@@ -5,7 +5,7 @@
 //! their space. What is left open is one next to ±1, or others that may have met.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, Condition, Finder, ImpactError, Orbit};
+use vibrochain_breather::{BlochEquations, Condition, Finder, ImpactError, Orbit, Together};
 use vibrochain_lattice::SparedModes;
 
 use super::refine::{DataError, Origin};
@@ -52,7 +52,7 @@ pub(crate) fn spectrum(
     let condition = if careful { Some(finder.condition(orbit)?) } else { None };
     let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
     let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
-    let Zeros { list, reciprocal, certified } = zeros(&equations, orbit.model().is_conservative(), &data);
+    let Zeros { list, reciprocal, certified, .. } = zeros(&equations, orbit.model().is_conservative(), &data);
     if !certified {
         let found = list.iter().filter(|zero| zero.settled).count();
         return Ok(Err(SecularError::Incomplete { found, wanted: list.len() }));
@@ -133,17 +133,26 @@ fn origins(equations: &BlochEquations, condition: &Condition) -> Vec<Origin> {
     let of_impact = |(i, known): (usize, &ImpactError)| {
         let pull = impacts[i].acceleration_before / impacts[i].impulse;
         let slide = (known.acceleration - pull * known.impulse) / (equations.omega() * impacts[i].impulse);
-        DataError { slide, time: if i == 0 { 0.0 } else { known.time } }
+        let share = known.impulse / impacts[i].impulse;
+        DataError { slide, time: if i == 0 { 0.0 } else { known.time }, share }
     };
-    let mut origins: Vec<Origin> =
-        condition.origins.iter().map(|origin| origin.iter().enumerate().map(of_impact).collect()).collect();
+    // What rounding makes of an acceleration alone is not felt where it is not asked for.
+    let given = equations.slide_errors().is_none();
+    let felt = |origin: &&Together| given || origin.iter().any(|error| error.impulse != 0.0 || error.time != 0.0);
+    let mut origins: Vec<Origin> = condition
+        .origins
+        .iter()
+        .filter(felt)
+        .map(|origin| origin.iter().enumerate().map(of_impact).collect())
+        .collect();
     // And both are rounded.
     for (i, impact) in impacts.iter().enumerate() {
         let mut origin: Origin = impacts.iter().map(|_| DataError::default()).collect();
-        origin[i].slide = 4.0 * f64::EPSILON * impact.acceleration_before / (equations.omega() * impact.impulse);
+        let slide = 4.0 * f64::EPSILON * impact.acceleration_before / (equations.omega() * impact.impulse);
+        origin[i].slide = if given { slide } else { 0.0 };
         origins.push(origin.clone());
         let time = if i == 0 { 0.0 } else { f64::EPSILON * equations.kernel().period() };
-        origin[i] = DataError { slide: 0.0, time };
+        origin[i] = DataError { slide: 0.0, time, share: 0.0 };
         origins.push(origin);
     }
     origins

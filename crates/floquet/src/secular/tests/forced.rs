@@ -7,7 +7,7 @@ use vibrochain_lattice::{Chain, Model};
 use super::*;
 use crate::Analyser;
 use crate::eigen::eigenvalues;
-use crate::secular::{ForcedSecular, ModalShape, OutsideCounter, Secular, SecularMultipliers, Standing};
+use crate::secular::{ForcedSecular, ModalShape, Secular, SecularMultipliers, Standing};
 use crate::verdict::{Method, Tolerance};
 
 /// A random forced orbit's dense multipliers on the even subspace.
@@ -35,28 +35,6 @@ pub(super) fn forced_cases(
             check(orbit, &mut finder, &dense, matrix.norm());
         }
     }
-}
-
-#[test]
-fn multipliers_outside_the_circle_are_counted_without_computing_one() {
-    let mut counter = OutsideCounter::default();
-    let (mut checked, mut doubts, mut pairs, mut reals) = (0, 0, 0, 0);
-    forced_cases(6, 1500, Family::SingleSided, |orbit, finder, dense, norm| {
-        checked += 1;
-        let Ok(count) = counter.count(finder.prepared(orbit).unwrap()) else {
-            doubts += 1;
-            return;
-        };
-        let blur = 1e-13 * norm * finder.prepared(orbit).unwrap().response().condition();
-        let surely = dense.iter().filter(|mu| mu.norm() > 1.0 + blur).count();
-        let perhaps = dense.iter().filter(|mu| mu.norm() > 1.0 - blur).count();
-        let name = format!("{:?}: {count:?}", orbit.model());
-        assert!((surely..=perhaps).contains(&count.total()), "{name}, {surely} to {perhaps}");
-        pairs += count.pairs;
-        reals += usize::from(count.beyond_plus_one) + usize::from(count.beyond_minus_one);
-    });
-    assert!(checked > 1400 && pairs > 500 && reals > 250, "{checked} {pairs} {reals}");
-    assert!(doubts < checked / 100, "{doubts} of {checked}");
 }
 
 #[test]

@@ -3,9 +3,7 @@
 
 mod forced;
 mod impact_matrix;
-mod inertia;
 mod large;
-mod outside;
 mod reversible;
 
 use nalgebra::Complex;
