@@ -3,7 +3,7 @@
 //! | orbit | path |
 //! |---|---|
 //! | conservative, mirror image of itself in time, impacts at one site | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
-//! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference, or of half a period |
+//! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference |
 //! | other impacts at one site | [`crate::SecularMultipliers`]: poles and residues in μ |
 //! | a verdict alone on impacts at several sites of few masses, as in maps | the eigenvalues of a matrix, unless they leave it open |
 //! | all others, and whatever these doubt | `spectrum`: all zeros of the determinant of the impacts' equations |
@@ -236,61 +236,66 @@ impl Analyser {
             return self.by_matrix(question, finder, None);
         }
         let Question { orbit, thorough, .. } = question;
-        let mut doubt = None;
-        // For maps, and for large rings.
         let chain = orbit.model().chain();
-        let answer = if chain.is_uncoupled() || thorough && chain.even_modes() <= LARGE {
-            None
-        } else if orbit.impact_site().is_some() {
-            Some(self.by_secular_function(question, finder))
-        } else {
-            Pair::of(orbit).map(|pair| self.by_partners(pair, question, finder))
-        };
-        match answer {
+        let screened = !thorough || chain.even_modes() > LARGE;
+        let mut doubt = None;
+        match if screened { self.by_map_path(question, finder) } else { None } {
             Some(Ok(answer)) => return Ok(answer),
             Some(Err(Failure::Floquet(error))) => return Err(error),
             Some(Err(Failure::SecularError(why))) => doubt = Some(why),
-            None if !thorough && orbit.impact_site().is_none() && is_quick_as_matrix(orbit) => {
-                let verdict = self.dense.judge(question, finder)?;
-                if !verdict.marginal {
-                    return Ok((Verdict { method: Method::Dense(None), ..verdict }, Vec::new()));
+            None if !thorough && orbit.impact_site().is_none() && chain.sites() <= QUICK_AS_MATRIX => {
+                let answer = self.by_matrix(question, finder, None)?;
+                if !answer.0.marginal {
+                    return Ok(answer);
                 }
             }
             None => {}
         }
-        let dimension = 2 * orbit.model().chain().sites();
-        let told = if is_affordable(orbit) {
-            spectrum(question, finder)?
-        } else if let Some(doubt) = doubt {
-            Err(doubt)
-        } else {
-            let impacts = orbit.impacts().len();
-            let limit = (MOST_WORK.sqrt() / (2 * impacts) as f64) as usize;
-            return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit });
-        };
-        match told {
-            Ok(answer) => {
-                // What the equations leave open a matrix may know: of few masses only, as it seldom does.
-                let open = answer.verdict.marginal && dimension <= MOST_DOUBTED;
-                let other = if open { self.by_matrix(question, finder, doubt).ok() } else { None };
-                match other.filter(|(verdict, _)| !verdict.marginal) {
-                    Some((verdict, _)) => {
-                        let method = verdict.method;
-                        let listed = if thorough { answer.listed(orbit) } else { Vec::new() };
-                        Ok((Verdict { method, ..verdict }, listed))
-                    }
-                    None => Ok((answer.verdict, if thorough { answer.listed(orbit) } else { Vec::new() })),
-                }
+        let told = match doubt {
+            _ if is_affordable(orbit) => spectrum(question, finder)?,
+            Some(doubt) => Err(doubt),
+            None => {
+                let impacts = orbit.impacts().len();
+                let limit = (MOST_WORK.sqrt() / (2 * impacts) as f64) as usize;
+                return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit });
             }
+        };
+        let dimension = 2 * chain.sites();
+        match told {
+            Ok(answer) if answer.verdict.marginal && dimension <= MOST_DOUBTED => {
+                let is_clear = |verdict: &Verdict| !verdict.marginal;
+                let other = match self.by_map_path(question, finder) {
+                    Some(Ok((verdict, _))) if is_clear(&verdict) => Some(verdict),
+                    _ => self.by_matrix(question, finder, doubt).ok().map(|(verdict, _)| verdict).filter(is_clear),
+                };
+                Ok((other.unwrap_or(answer.verdict), if thorough { answer.listed(orbit) } else { Vec::new() }))
+            }
+            Ok(answer) => Ok((answer.verdict, if thorough { answer.listed(orbit) } else { Vec::new() })),
             Err(why) => {
                 let doubt = doubt.unwrap_or(why);
-                let modes = if is_reduced(orbit) { orbit.model().chain().even_modes() } else { dimension / 2 };
+                let modes = if is_reduced(orbit) { chain.even_modes() } else { chain.sites() };
                 let dimension = if orbit.is_reversible() { modes } else { 2 * modes };
                 if dimension > MAX_DIMENSION {
                     return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
                 }
                 self.by_matrix(question, finder, Some(doubt))
             }
+        }
+    }
+
+    /// The path that maps and large rings take, if the orbit has one.
+    fn by_map_path(
+        &mut self,
+        question: Question<'_>,
+        finder: &mut Finder,
+    ) -> Option<Result<(Verdict, Vec<Complex<f64>>), Failure>> {
+        let orbit = question.orbit;
+        if orbit.model().chain().is_uncoupled() {
+            None
+        } else if orbit.impact_site().is_some() {
+            Some(self.by_secular_function(question, finder))
+        } else {
+            Pair::of(orbit).map(|pair| self.by_partners(pair, question, finder))
         }
     }
 
@@ -343,10 +348,6 @@ fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
 /// Masses up to which a verdict alone on a word costs less by the eigenvalues of a matrix than by all zeros of a determinant: 0.06 ms against
 /// 2 ms for three sites of 21 masses, 40 ms each for 200.
 const QUICK_AS_MATRIX: usize = 200;
-
-fn is_quick_as_matrix(orbit: &Orbit) -> bool {
-    orbit.model().chain().sites() <= QUICK_AS_MATRIX
-}
 
 /// Entries of J(z) times pairs of modes that all zeros of a determinant may cost: some ten seconds.
 const MOST_WORK: f64 = 1e9;

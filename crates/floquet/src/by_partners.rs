@@ -24,9 +24,8 @@ impl Analyser {
         let _ = saltations(orbit)?;
         let ratio_error = if pair.is_symmetric { 0.0 } else { ratio_error(question, finder)? };
         self.partners.replace(finder.prepared(orbit)?, pair, ratio_error)?;
-        let verdicts = self.partners.verdicts()?;
-        let verdicts = verdicts.iter().map(|verdict| told(verdict, question.tolerance));
-        let verdict = verdicts.reduce(Verdict::or_worse).unwrap_or(Verdict::on_circle(None));
+        let [own, other] = self.partners.verdicts()?.map(|verdict| told(&verdict, question.tolerance));
+        let verdict = own.or_worse(other);
         // A small growth goes like the root of ν − 1, of whatever ν is.
         if !verdict.marginal && verdict.growth().min(1.0) * verdict.resolution > OF_A_MATRIX {
             check(verdict.growth(), verdict.resolution, question)?;

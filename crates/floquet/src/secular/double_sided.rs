@@ -45,38 +45,32 @@ pub(crate) struct Saltations {
 impl Saltations {
     /// From the ratio X = P₁/P₀ and its relative error.
     pub(crate) fn new(modes: &Modes, ratio: f64, ratio_error: f64) -> Self {
-        Self::of(modes.list().iter().map(|mode| (*mode, mode.cos, 1.0)), ratio, ratio_error)
+        Self::of(modes.list().iter().copied(), ratio, ratio_error)
     }
 
     /// The same, four modes at a time.
     pub(super) fn by_fours(modes: &Modes, ratio: f64, ratio_error: f64) -> Self {
-        let terms = modes.groups().iter().map(|group| (group.four(), four(group.cos), ONE));
-        Self::of(terms, ratio, ratio_error)
+        Self::of(modes.groups().iter().map(Mode::four), ratio, ratio_error)
     }
 
-    /// From the parts of each mode in p and q, times x/b²: κ'₀ is p + Xq, κ'₁ is p + q/X.
+    /// Of modes, one or four at a time: κ'₀ is Σ b²(c + X)/x, κ'₁ is Σ b²(c + 1/X)/x.
     #[inline(always)]
-    pub(super) fn of<T: Number>(terms: impl Iterator<Item = (Mode<T>, T, T)>, ratio: f64, ratio_error: f64) -> Self {
+    fn of<T: Number>(modes: impl Iterator<Item = Mode<T>>, ratio: f64, ratio_error: f64) -> Self {
         let off = T::of(ratio_error / f64::EPSILON);
         let chi = 0.5 * (ratio + 1.0 / ratio);
         let mut sums = [T::default(); 6];
-        for (Mode { weight, inverse, relative, .. }, p, q) in terms {
+        for Mode { weight, inverse, cos, relative, .. } in modes {
             let stiffness = weight * inverse;
             let (size, own) = (stiffness.modulus(), relative + T::of(4.0));
             for (i, factor) in [chi, ratio, 1.0 / ratio].into_iter().enumerate() {
-                sums[i] = sums[i] + stiffness * (p + q * factor);
-                sums[i + 3] = sums[i + 3] + size * (own * p.modulus() + (own + off) * factor.abs());
+                sums[i] = sums[i] + stiffness * (cos + T::of(factor));
+                sums[i + 3] = sums[i + 3] + size * (own * cos.modulus() + (own + off) * factor.abs());
             }
         }
         let [half_kappa, kappa0, kappa1, half_kappa_error, kappa0_error, kappa1_error] = sums.map(T::sum);
         let lambda = kappa0 * kappa1;
         let lambda_error = kappa0.abs() * kappa1_error + kappa1.abs() * kappa0_error;
         Self { half_kappa, half_kappa_error, lambda, lambda_error }
-    }
-
-    /// K.
-    pub(super) fn half_kappa(&self) -> f64 {
-        self.half_kappa
     }
 }
 
@@ -205,15 +199,9 @@ pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own<f64x4>, 
     (Own { value: own, error: own_error }, Mirror { sigma, g, h, size, doubted })
 }
 
-/// The residue from the sums, and its error; `partner` is the weight that the mode has among those about −c_k, its own.
+/// The residue from the sums, and its error.
 #[inline(always)]
-pub(crate) fn residue<T: Number>(
-    mode: &Mode<T>,
-    partner: T,
-    saltations: &Saltations,
-    own: &Own<T>,
-    mirror: &Mirror<T>,
-) -> (T, T) {
+pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &Own<T>, mirror: &Mirror<T>) -> (T, T) {
     let Mode { weight: wk, cos: ck, sin: sk, sin_over: xk, sin_times: yk, relative: rk, .. } = *mode;
     let Saltations { half_kappa, half_kappa_error, lambda, lambda_error } = *saltations;
     let Mirror { sigma, g, h, size, doubted } = *mirror;
@@ -221,8 +209,8 @@ pub(crate) fn residue<T: Number>(
     let square = sk * sk;
     let (own, own_error) = (wk * own.value, wk * own.error);
     let curl = g * h - square * sigma * sigma;
-    let cross = ck * curl + partner * 0.5 * (xk * h + yk * g - square * sigma * 2.0);
-    let tail = ck * g + partner * xk * 0.5;
+    let cross = ck * curl + wk * 0.5 * (xk * h + yk * g - square * sigma * 2.0);
+    let tail = ck * g + wk * xk * 0.5;
     let gamma = wk * xk;
     let (upper, lower) = (cross + tail * half_kappa, cross * half_kappa + tail * lambda);
     let scale = number(-2.0) / square;
@@ -231,8 +219,8 @@ pub(crate) fn residue<T: Number>(
     // square terms x_l y_l − s_l² vanish whatever the phases.
     let doubt = doubted / size.at_least(number(f64::MIN_POSITIVE));
     let sums = square * size * size * 4.0 + doubt * (curl.modulus() + square * size);
-    let cross_error = ck.modulus() * sums + partner * square * size * (number(4.0) + doubt);
-    let tail_error = (ck * xk).modulus() * size * (number(4.0) + doubt) + (partner * xk).modulus() * rk;
+    let cross_error = ck.modulus() * sums + wk * square * size * (number(4.0) + doubt);
+    let tail_error = (ck * xk).modulus() * size * (number(4.0) + doubt) + (wk * xk).modulus() * rk;
     let upper_error = cross_error + tail_error * half_kappa.abs() + tail.modulus() * half_kappa_error;
     let lower_error = cross_error * half_kappa.abs()
         + cross.modulus() * half_kappa_error
@@ -245,7 +233,7 @@ pub(crate) fn residue<T: Number>(
     (residue, error)
 }
 
-/// Q and g̃ of one parity at z with their slopes and errors, these in units of ε.
+/// Q and g̃ at z with their slopes and errors, these in units of ε.
 struct Halves {
     q: [C; 2],
     g: [C; 2],
@@ -288,15 +276,15 @@ impl Halves {
 }
 
 /// A zero ρ of f next to `start`, and its error: from f itself as a product of sums, where close poles have residues that cancel and
-/// know of it by their errors only. `parities` are the modes at ρ and at −ρ.
-pub(super) fn settle(parities: [&Modes; 2], saltations: &Saltations, period: f64, start: C) -> Option<(C, f64)> {
+/// know of it by their errors only.
+pub(super) fn settle(modes: &Modes, saltations: &Saltations, period: f64, start: C) -> Option<(C, f64)> {
     let Saltations { half_kappa, half_kappa_error, lambda, lambda_error } = *saltations;
     let mut rho = start;
     for _ in 0..8 {
-        let [one, other] = [(parities[0], rho), (parities[1], -rho)].map(|(modes, z)| Halves::new(modes, z, period));
+        let [one, other] = [rho, -rho].map(|z| Halves::new(modes, z, period));
         let [crossed, both] = [one.q[0] * other.g[0] + one.g[0] * other.q[0], one.g[0] * other.g[0]];
         let value = one.q[0] * other.q[0] - crossed * half_kappa + both * lambda;
-        // Of the other parity z is −ρ.
+        // Of the other half z is −ρ.
         let slope = one.q[1] * (other.q[0] - other.g[0] * half_kappa)
             + one.g[1] * (other.g[0] * lambda - other.q[0] * half_kappa)
             - other.q[1] * (one.q[0] - one.g[0] * half_kappa)
@@ -338,7 +326,7 @@ pub(crate) fn residues(modes: &Modes, saltations: &Saltations, masked: &mut Vec<
         }
         masked[i] = group.weight;
         let group = group.four();
-        let (residue, error) = residue(&group, group.weight, saltations, &Own::totals(&own), &Mirror::totals(&mirror));
+        let (residue, error) = residue(&group, saltations, &Own::totals(&own), &Mirror::totals(&mirror));
         Pole::push_group(poles, 4 * i, list.len(), &group, residue, error);
     }
 }

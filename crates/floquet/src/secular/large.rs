@@ -99,7 +99,7 @@ pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations,
             }
             let mut mirror = double_sided::sums(&near, &masked, &mode).1.total();
             mirror.add_far(mode.inverse, far);
-            let (residue, error) = double_sided::residue(&mode, mode.weight, saltations, &own[k], &mirror);
+            let (residue, error) = double_sided::residue(&mode, saltations, &own[k], &mirror);
             poles.push(Pole::new(k, mode.cos, mode.sin, mode.shift, residue, error));
         }
     }

@@ -6,7 +6,7 @@
 //! | `single_sided`, `double_sided` | derivation and residues of F for reversible orbits |
 //! | `residues` | [`Residues`]: poles, residues, certificates |
 //! | `verdict` | [`Secular`], [`SecularVerdict`]: stable or not by counting |
-//! | `foreign`, `in_turns`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference, or of half a period |
+//! | `foreign`, `partners` | two sites that a reflection exchanges: F of their sum and of their difference |
 //! | `roots` | all ν |
 //! | `modes` | the modes that the impacts feel, on any lattice |
 //! | `forced`, `aberth` | [`SecularMultipliers`]: all multipliers for any impacts at one site |
@@ -42,7 +42,6 @@ mod four_poles;
 mod gap;
 mod growth;
 mod impact_matrix;
-mod in_turns;
 mod labels;
 mod large;
 mod leaf;

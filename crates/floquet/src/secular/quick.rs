@@ -76,7 +76,7 @@ pub(super) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
         let (residue, error) = match &saltations {
             Some(saltations) => {
                 let (own, mirror) = four.double_sided();
-                double_sided::residue(&group, group.weight, saltations, &own, &mirror)
+                double_sided::residue(&group, saltations, &own, &mirror)
             }
             None => four.single_sided(),
         };

@@ -11,7 +11,7 @@ use super::growth::Nu;
 use super::leaf::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
 use super::modes::{LARGE, Modes};
 use super::pole::{Angle, NO_MODE, Pole};
-use super::{double_sided, in_turns, large, quick, single_sided};
+use super::{double_sided, large, quick, single_sided};
 use vibrochain_breather::lanes::{Lane, room};
 
 /// Pole that pads the last group of four: so far away that its residue, 0, is never heard of.
@@ -177,19 +177,6 @@ impl Residues {
             }
         };
         self.finish(pole_at_one)
-    }
-
-    /// Of an orbit of two sites that hit in turns, twice in half a period, see [`super::in_turns`]: even and odd modes.
-    pub(super) fn work_out_in_turns(
-        &mut self,
-        [even, odd]: [&Modes; 2],
-        saltations: &double_sided::Saltations,
-        period: f64,
-    ) -> Result<(), SecularError> {
-        self.set_modes(|modes| modes.clone_from(even));
-        self.expected_trace =
-            in_turns::double_sided([even, odd], saltations, period, &mut self.masked, &mut self.table);
-        self.finish(None)
     }
 
     /// From the residues on.

@@ -76,6 +76,7 @@ fn dissipative(list: &[Zero], tolerance: Tolerance) -> Verdict {
         return Verdict::on_circle(None);
     };
     let error = all().map(|(_, other, reach)| other + reach - growth).fold(error, f64::max);
+    let leading = if leading.im.abs() <= error { Complex::new(leading.re, 0.0) } else { leading };
     Verdict::of_growth(leading, growth, error, tolerance)
 }
 
@@ -95,6 +96,10 @@ impl Reciprocal {
         if zero.held && nu.below < 0.0 && nu.above > 0.0 {
             nu.im = 0.0;
             return nu.multipliers();
+        }
+        if nu.below.max(-nu.above) > 0.0 && nu.im.abs() <= zero.error {
+            // Two that are as good as one leave the real axis by rounding alone.
+            nu.im = 0.0;
         }
         let growth = nu.growth();
         let reach = ROOM * zero.error;

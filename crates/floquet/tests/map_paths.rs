@@ -1,0 +1,116 @@
+//! What maps need faster, held against all zeros of the impacts' determinant: breathers at one site without force, with losses, and pairs
+//! that a reflection exchanges.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use vibrochain_breather::{Finder, Found, Wanted, Word};
+use vibrochain_floquet::{Analyser, FloquetError, Method, Tolerance};
+use vibrochain_lattice::Chain;
+use vibrochain_testkit::{Meeting, Random, Ranges, Values};
+
+#[derive(Debug, Default)]
+struct Tally {
+    compared: usize,
+    by_path: usize,
+    stable: usize,
+    unstable: usize,
+    open: usize,
+}
+
+/// The words of a kind on a lattice, and the tally of their orbits.
+fn verdicts_agree(seed: u64, ranges: &Ranges, word: impl Fn(&mut Random, &Chain) -> Option<String>) -> Tally {
+    let (mut random, mut tally) = (Random(seed), Tally::default());
+    for round in 0..900 {
+        let (chain, model) = (random.lattice(ranges), random.model(ranges));
+        let omega = match round % 4 {
+            // Next to stripes and coincident poles.
+            0 => random.meeting(&chain, random_meeting(round), 3, Values::Log(1e-9, 1e-2)).clamp(0.3, 3.0),
+            _ => model.omega(),
+        };
+        let force = model.force();
+        let Ok(model) =
+            vibrochain_lattice::Model::with_force(chain, omega, model.asymmetry(), force, model.restitution())
+        else {
+            continue;
+        };
+        let Some(word) = word(&mut random, &chain) else { continue };
+        let word: Word = word.parse().unwrap();
+        let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
+        if finder.find_word(&model, &word, Wanted::Symmetric, &mut found).is_err() {
+            continue;
+        }
+        for orbit in found.orbits.iter().take(2) {
+            let (mut fast, mut whole) = (Analyser::default(), Analyser::default());
+            let fast = match fast.verdict(orbit, &mut finder, Tolerance::Rounding) {
+                Err(FloquetError::Grazing { .. }) => continue,
+                fast => fast.unwrap(),
+            };
+            let whole = whole.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
+            let told = format!("{word} {model} {fast:?} {whole:?}");
+            let off = (fast.growth() - whole.growth()).abs();
+            let allowed = 4.0 * (fast.resolution + whole.resolution) + 1e-12 * (1.0 + whole.growth());
+            assert!(off <= allowed, "{told} {off:e}");
+            tally.compared += 1;
+            tally.by_path += usize::from(fast.method == Method::Secular);
+            if fast.marginal || whole.marginal {
+                tally.open += 1;
+                continue;
+            }
+            assert_eq!((fast.stable, fast.mechanism), (whole.stable, whole.mechanism), "{told}");
+            *(if fast.stable { &mut tally.stable } else { &mut tally.unstable }) += 1;
+        }
+    }
+    println!("{tally:?}");
+    tally
+}
+
+fn random_meeting(round: usize) -> Meeting {
+    if round.is_multiple_of(8) { Meeting::Sum } else { Meeting::Difference }
+}
+
+impl Tally {
+    fn is_sound(&self) -> bool {
+        let many = self.compared > 250 && self.stable > 60 && self.unstable > 60;
+        many && 10 * self.by_path > 9 * self.compared && 10 * self.open <= self.compared
+    }
+}
+
+fn place(chain: &Chain, site: usize) -> String {
+    let (n, layer) = chain.layout().place(site);
+    format!("{n}:{layer}")
+}
+
+const CONSERVATIVE: Ranges = Ranges { sites: [2, 14], gamma2: Values::Log(1e-4, 0.3), ..Ranges::CONSERVATIVE };
+
+#[test]
+fn breathers_at_one_site() {
+    let tally = verdicts_agree(1, &CONSERVATIVE, |random, chain| {
+        let site = place(chain, random.below(chain.sites()));
+        Some(random.of(&["S+,S-", "S-"]).replace('S', &site))
+    });
+    assert!(tally.is_sound(), "{tally:?}");
+}
+
+#[test]
+fn pairs_that_a_reflection_exchanges() {
+    // Two that hardly feel each other have a pair of multipliers at 1 as far as rounding can tell.
+    let ranges = Ranges { gamma2: Values::Log(2e-2, 0.3), ..CONSERVATIVE };
+    let tally = verdicts_agree(2, &ranges, |random, chain| {
+        let site = random.below(chain.sites());
+        let partners: Vec<usize> =
+            (0..chain.sites()).filter(|&other| other != site && chain.exchanges(site, other)).collect();
+        let partner = *partners.get(random.below(partners.len().max(1)))?;
+        let (one, other) = (place(chain, site), place(chain, partner));
+        Some(random.of(&["A+B+,A-B-", "A-B-"]).replace('A', &one).replace('B', &other))
+    });
+    assert!(tally.is_sound(), "{tally:?}");
+}
+
+#[test]
+fn breathers_with_losses() {
+    let ranges = Ranges { sites: [2, 9], gamma2: Values::Log(1e-4, 0.3), ..Ranges::FORCED };
+    let tally = verdicts_agree(3, &ranges, |random, chain| {
+        let site = place(chain, random.below(chain.sites()));
+        Some(random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &site))
+    });
+    assert!(tally.is_sound(), "{tally:?}");
+}
