@@ -14,7 +14,7 @@ trap 'rm -rf "$work"' EXIT
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
 if [ -z "${MAPGEN:-}" ]; then
     # With the features of the workspace's tests: it is built already.
-    cargo build --locked --quiet --workspace --bin mapgen --test imports
+    cargo build --locked --quiet --workspace ${FEATURES:+--features "$FEATURES"} --bin mapgen --test imports
     MAPGEN=$CARGO_TARGET_DIR/debug/mapgen
 fi
 mkdir "$work/bin"

@@ -20,7 +20,7 @@ if ! { python3 -m venv "$folder/venv" && "$folder/venv/bin/pip" install --quiet 
 fi
 if [ -z "${MAPGEN:-}" ]; then
     # With the features of the workspace's tests: it is built already.
-    cargo build --locked --quiet --workspace --bin mapgen --test imports
+    cargo build --locked --quiet --workspace ${FEATURES:+--features "$FEATURES"} --bin mapgen --test imports
     MAPGEN=${CARGO_TARGET_DIR:-target}/debug/mapgen
 fi
 "$folder/venv/bin/python" scripts/explore_tests.py "$MAPGEN" "${PICTURES:-}"

@@ -20,7 +20,7 @@ fi
 "$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib jsonschema || true
 
 # The features are those of the workspace's tests, so that all but the last crate is built already.
-cargo build --locked --workspace --lib --bin mapgen --test imports
+cargo build --locked --workspace ${FEATURES:+--features "$FEATURES"} --lib --bin mapgen --test imports
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
 mkdir "$work/package"
 cp -r crates/python/python/vibrochain "$work/package"

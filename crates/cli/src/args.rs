@@ -87,7 +87,7 @@ pub enum Command {
     Draw(DrawArgs),
     /// All breathers of a family at one point, with their stability.
     Orbit(OrbitArgs),
-    /// All impact words of a few sites whose breathers live at one point.
+    /// Impact words of two instants on a few sites, each of which hits as a family does, whose breathers live at one point.
     Words(WordsArgs),
     /// Where a breather bifurcates or grazes as one parameter varies, to twelve digits.
     Locate(LocateArgs),

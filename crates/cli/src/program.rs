@@ -29,6 +29,8 @@ use crate::{branch, curve, curves, fate, locate, orbit, schema, setup, simulate,
 /// # Ok::<(), vibrochain_cli::common::error::CliError>(())
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<'_>) -> Result<(), CliError> {
+    #[cfg(feature = "explore")]
+    crate::explore::end_with_explorer();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let verbose = arguments.iter().any(|argument| argument == "--verbose" || argument == "-v");
     let cli = match read::<Cli>(arguments) {

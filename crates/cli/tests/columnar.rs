@@ -5,6 +5,7 @@
 use std::process::Command;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
 use vibrochain_testkit::{Desk, SCENE};
 
 /// Compares every value; numbers must be the same to the last bit, and what is missing must be missing.
@@ -41,6 +42,25 @@ fn values_come_back_by_columns() {
     assert_eq!(reader.metadata().file_metadata().num_rows(), 160_000);
     assert_eq!(reader.metadata().num_row_groups(), 2);
 
+    let mut rows = csv::Reader::from_path(desk.path("map.csv")).unwrap();
+    let names: Vec<String> = rows.headers().unwrap().iter().map(str::to_owned).collect();
+    let mut values = 0;
+    for (row, plain) in reader.get_row_iter(None).unwrap().zip(rows.records()) {
+        let (row, plain) = (row.unwrap(), plain.unwrap());
+        for (((name, field), wanted), text) in row.get_column_iter().zip(&names).zip(&plain) {
+            let same = match field {
+                Field::Null => text.is_empty(),
+                Field::Str(word) => word == text,
+                Field::Double(number) => text.parse().is_ok_and(|plain: f64| plain.to_bits() == number.to_bits()),
+                count => count.to_string() == text,
+            };
+            assert!(same && name == wanted, "{name} {field:?}, {wanted} {text}");
+            values += 1;
+        }
+    }
+    assert_eq!(values, 160_000 * names.len());
+
+    // The same as a library reads it that shares no code with ours.
     let python = std::env::var("PYTHON").unwrap_or("python3".to_owned());
     let ready = Command::new(&python).args(["-c", "import pyarrow.parquet"]).output();
     if !ready.is_ok_and(|ready| ready.status.success()) {

@@ -86,6 +86,10 @@ impl Served {
     fn new(line: &str) -> Self {
         let desk = Desk::new();
         fs::create_dir(desk.path("tmp")).unwrap();
+        Self::on(desk, line)
+    }
+
+    fn on(desk: Desk, line: &str) -> Self {
         let mut command = desk.command(&format!("explore{line}"));
         let mut child =
             command.env("TMPDIR", desk.path("tmp")).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
@@ -751,7 +755,7 @@ fn what_nobody_waits_for_any_more_is_not_computed() {
 }
 
 /// Borders of so many masses take minutes.
-fn slow_borders() -> Value {
+fn long_borders() -> Value {
     let mut slow = scene();
     slow["model"]["sites"] = 1001.into();
     json!({ "scene": slow, "tolerance": 1e-9, "places": 0 })
@@ -761,11 +765,11 @@ fn slow_borders() -> Value {
 fn borders_keep_no_point_waiting_and_end_when_nobody_waits_for_them() {
     let served = Served::new("");
     let point = json!({ "model": model(MODEL), "which": "double-sided", "samples": 4 });
-    let mut under_way: Vec<TcpStream> = (0..2).map(|_| served.ask("curves", &slow_borders())).collect();
+    let mut under_way: Vec<TcpStream> = (0..2).map(|_| served.ask("curves", &long_borders())).collect();
     until("borders under way", || served.has_files());
     assert_eq!(served.post("orbit", &point).code, 200);
     // A newer one takes the place of the oldest, which is told so.
-    under_way.push(served.ask("curves", &slow_borders()));
+    under_way.push(served.ask("curves", &long_borders()));
     let told = read(&mut under_way[0]).unwrap().refused(409);
     assert!(told.starts_with("a newer request has taken its place"), "{told}");
     // Left by all who have asked, they end, and leave no file.
@@ -774,6 +778,31 @@ fn borders_keep_no_point_waiting_and_end_when_nobody_waits_for_them() {
     let quick = json!({ "scene": scene(), "tolerance": 1e-3, "places": 0 });
     assert_eq!(served.post("curves", &quick).code, 200);
     assert!(!served.has_files());
+}
+
+/// What cannot remove its files any more has them removed: by what it has started, or by the next explorer.
+#[cfg(unix)]
+#[test]
+fn an_explorer_that_is_killed_leaves_nothing_running_and_no_files_for_long() {
+    let mut served = Served::new("");
+    let asked = served.ask("curves", &long_borders());
+    until("borders under way", || served.has_files());
+    served.child.kill().unwrap();
+    served.child.wait().unwrap();
+    let left = |served: &Served| fs::read_dir(served.desk.path("tmp")).unwrap().count();
+    // The program that computes them removes them when it ends.
+    until("the end of what it has started", || left(&served) == 0);
+    drop(asked);
+    let mut served = Served::new("");
+    served.is_alive();
+    served.child.kill().unwrap();
+    served.child.wait().unwrap();
+    assert_eq!(left(&served), 1);
+    let desk = std::mem::replace(&mut served.desk, Desk::new());
+    let next = Served::on(desk, "");
+    next.is_alive();
+    assert_eq!(left(&next), 1);
+    assert!(!next.has_files());
 }
 
 /// More connections than are served at a time, none of which asks, or none of which reads what it has asked for.
@@ -801,7 +830,7 @@ fn the_owner_is_served_whoever_keeps_connections() {
 }
 
 #[test]
-fn slow_clients_keep_nobody_waiting_and_are_left() {
+fn clients_that_are_slow_keep_nobody_waiting_and_are_left() {
     let served = Served::new("");
     // Half a head; a head, and half a body; nothing at all.
     let half = format!("GET /{}/ HT", served.token);
@@ -858,7 +887,7 @@ fn it_ends_well_by_ctrl_c_and_says_why_it_cannot_begin() {
     slow["model"]["sites"] = 1001.into();
     let tile = json!({ "scene": slow, "z": 6, "x": 30, "y": 10 });
     let mut second = TcpStream::connect(host).unwrap();
-    for (stream, name, body) in [(&mut stream, "tile", tile), (&mut second, "curves", slow_borders())] {
+    for (stream, name, body) in [(&mut stream, "tile", tile), (&mut second, "curves", long_borders())] {
         let body = body.to_string();
         let head = format!("POST /{path}{name} HTTP/1.1\r\nHost: {host}\r\nContent-Length: {}", body.len());
         stream.write_all(format!("{head}\r\n\r\n{body}").as_bytes()).unwrap();

@@ -207,24 +207,26 @@ fn what_it_takes_is_told_beforehand() {
     }
 }
 
-/// Stripes of families are followed however thin; of impact words, they are not, and the summary says so.
+/// What the summary says of thin stripes: of families, of words, under a force, and where growth is not asked for.
 #[test]
-fn stripes_that_were_not_followed_are_told() {
+fn how_stripes_were_followed_is_told() {
     let families = "families = [\"double-sided\", \"single-sided\"]";
+    let words = "stripes of instability that pass between such points were followed, however thin";
     let desk = Desk::new();
     for (old, new, told, not_told) in [
         (
             families,
             "families = [\"single-sided\"]",
             "thin stripes where two modes meet were followed, others not",
-            "words",
+            "between such points",
         ),
-        (families, "families = [\"0+1+,0-1-\"]", "thin stripes of words were not followed", "were followed,"),
+        (families, "families = [\"0+1+,0-1-\"]", words, "others not"),
+        (families, "families = [\"single-sided\", \"0+1+,0-1-\"]", words, "others not"),
         (
-            families,
-            "families = [\"single-sided\", \"0+1+,0-1-\"]",
-            "of families were followed where two modes meet, those of words not",
-            "others",
+            "asymmetry = 0.4",
+            "asymmetry = 0.4\namplitude = 0.01\nrestitution = 1",
+            "thin stripes were not followed",
+            "; stripes",
         ),
         ("stability = true\n", "", "may have missed: ", "stripes"),
     ] {
@@ -234,4 +236,12 @@ fn stripes_that_were_not_followed_are_told() {
         let told_all = desk.run("sweep scene.toml --out map.csv").with(0, &[told]);
         assert!(!told_all.err.contains(not_told), "{told_all:?}");
     }
+    // Of more masses than an order is told of: an error and a way out, which is one.
+    let large = SCENE.replace("sites = 6", "sites = 201").replace(families, "families = [\"0+1+,0-1-\"]");
+    let large = large.replace("points = 60", "points = 3").replace("points = 45", "points = 2");
+    desk.scene(&large);
+    desk.run("sweep scene.toml --out large.csv")
+        .with(2, &["on 200 masses at most, here are 201", "threshold in [compute]"]);
+    desk.scene(&large.replace("stability = true", "stability = true\nthreshold = 0.01"));
+    desk.run("sweep scene.toml --out large.csv").with(0, &["may have missed: "]);
 }

@@ -1,7 +1,7 @@
 //! What can be wrong with the request for a simulation.
 
 use thiserror::Error;
-use vibrochain_lattice::{Barrier, Short};
+use vibrochain_lattice::{Barrier, Layout, Short};
 
 /// A state that no simulation can start from. What happens later is an [`Outcome`](crate::Outcome), never an error.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -17,20 +17,29 @@ pub enum StateError {
         sites: usize,
     },
     /// A number is infinite or not a number.
-    #[error("{name} of site {site} is {value}: give a finite number")]
+    #[error("{} is {value}: give a finite number", of_mass(.name, *.site, .layout))]
     NotFinite {
         /// `displacement`, `velocity` or, with site 0, `psi`.
         name: &'static str,
-        /// The mass.
+        /// The mass, counted through all layers.
         site: usize,
+        /// How it is called.
+        layout: Layout,
         /// The value as given.
         value: f64,
     },
     /// A mass starts outside its gap.
-    #[error("site {site} starts at {}, {excess:e} beyond its {} barrier: give a number from {low} to {high}", Short(*value), .barrier.name())]
+    #[error(
+        "site {} starts at {}, {excess:e} beyond its {} barrier: give a number from {low} to {high}",
+        .layout.name(*site),
+        Short(*value),
+        .barrier.name()
+    )]
     OutsideGap {
-        /// The mass.
+        /// The mass, counted through all layers.
         site: usize,
+        /// How it is called.
+        layout: Layout,
         /// The barrier it is behind.
         barrier: Barrier,
         /// Its displacement.
@@ -55,4 +64,9 @@ pub enum StateError {
         /// The largest magnitude that can be followed.
         limit: f64,
     },
+}
+
+/// A number of a mass, which words call by site and layer; the phase of the force is of none.
+fn of_mass(name: &str, site: usize, layout: &Layout) -> String {
+    if name == "psi" { name.to_owned() } else { format!("{name} of site {}", layout.name(site)) }
 }

@@ -8,7 +8,7 @@ use crate::ring::{FORGET, Ring};
 use crate::tangent::{Alone, Company, TangentError, Tangents};
 use crate::time::Time;
 use crate::units::Units;
-use vibrochain_lattice::{Barrier, Model};
+use vibrochain_lattice::{Barrier, Layout, Model};
 
 /// Largest speed and force in units of the gap and of the fastest rate.
 const FASTEST: f64 = 1e12;
@@ -95,18 +95,18 @@ impl Simulation {
     /// A [`StateError`] when an array has not one finite number a mass, a mass is outside the gap, or something is
     /// too fast to be followed (1e12 gaps in the time of the fastest oscillation).
     pub fn new(model: &Model, psi: f64, displacement: &[f64], velocity: &[f64]) -> Result<Self, StateError> {
-        let units = Units::new(model);
+        let (units, layout) = (Units::new(model), model.chain().layout());
         for (name, values) in [("displacement", displacement), ("velocity", velocity)] {
             let sites = model.chain().sites();
             if values.len() != sites {
                 return Err(StateError::Length { name, found: values.len(), sites });
             }
             if let Some(site) = values.iter().position(|x| !x.is_finite()) {
-                return Err(StateError::NotFinite { name, site, value: values[site] });
+                return Err(StateError::NotFinite { name, site, layout, value: values[site] });
             }
         }
         if !psi.is_finite() {
-            return Err(StateError::NotFinite { name: "psi", site: 0, value: psi });
+            return Err(StateError::NotFinite { name: "psi", site: 0, layout, value: psi });
         }
         let limit = FASTEST * units.scale;
         if let Some(&value) = velocity.iter().find(|v| v.abs() > limit) {
@@ -118,7 +118,7 @@ impl Simulation {
         }
         let mut ring = Ring::new(displacement.len());
         for (site, (&u, &v)) in displacement.iter().zip(velocity).enumerate() {
-            place(&mut ring, &units, site, u)?;
+            place(&mut ring, &units, layout, site, u)?;
             ring.v[site] = v / units.scale;
         }
         // The force repeats: a phase of many periods is brought into one.
@@ -445,13 +445,13 @@ fn rest_event(time: Time, pending: &Pending) -> Event {
 }
 
 /// Puts a mass at `u`, measured from a barrier if it is near one.
-fn place(ring: &mut Ring, units: &Units, site: usize, u: f64) -> Result<(), StateError> {
+fn place(ring: &mut Ring, units: &Units, layout: Layout, site: usize, u: f64) -> Result<(), StateError> {
     for barrier in [Barrier::Lower, Barrier::Upper] {
         let position = units.barrier(barrier);
         let outside = barrier.sign() * (u - position);
         if outside > OVERSHOOT {
             let (low, high) = (units.lower, units.upper);
-            return Err(StateError::OutsideGap { site, barrier, value: u, excess: outside, low, high });
+            return Err(StateError::OutsideGap { site, layout, barrier, value: u, excess: outside, low, high });
         }
         if outside > -FORGET {
             ring.anchor(site, position, if outside > 0.0 { 0.0 } else { u - position });

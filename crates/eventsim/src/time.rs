@@ -63,6 +63,13 @@ impl Time {
     pub fn to_f64(&self) -> f64 {
         self.periods as f64 * self.period + self.offset
     }
+
+    /// The time on a clock that shows `start` where the run begins, and 0 at an impact of the breather that it begins on: what rounding
+    /// alone tells from 0 is 0.
+    pub fn on_clock(&self, start: f64) -> f64 {
+        let now = start + self.to_f64();
+        if now.abs() <= 64.0 * f64::EPSILON * start.abs() { 0.0 } else { now }
+    }
 }
 
 /// The running clock, in internal units of time.

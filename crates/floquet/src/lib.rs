@@ -92,7 +92,7 @@ pub use secular::{
 pub use spectrum::ImpactSpectrum;
 pub use square::Square;
 pub use stripes::{
-    Collision, DressedModes, NoStripe, OwnMode, Passing, Signature, Stripe, StripeEnd, StripeFinder, StripeLine,
-    StripeRow, bare_signature, passings, signature,
+    Collision, DressedModes, NoStripe, OrderFinder, OwnMode, Passing, Signature, SignatureOrder, Stripe, StripeEnd,
+    StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};

@@ -3,7 +3,9 @@
 use std::cmp::Ordering;
 
 use vibrochain_breather::{BreatherError, Completeness, Family, Finder, Found, Orbit, Sketched, Wanted, Word};
-use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
+use vibrochain_floquet::{
+    Analyser, Collision, DressedModes, FloquetError, Mechanism, OrderFinder, SignatureOrder, Tolerance, Verdict,
+};
 use vibrochain_lattice::{Model, Stop};
 
 use crate::extent::Extent;
@@ -308,6 +310,7 @@ pub struct Worker {
     analyser: Analyser,
     found: Found,
     modes: DressedModes,
+    orders: OrderFinder,
 }
 
 impl Worker {
@@ -318,6 +321,7 @@ impl Worker {
             analyser: Analyser::default(),
             found: Found::default(),
             modes: DressedModes::default(),
+            orders: OrderFinder::default(),
         }
     }
 
@@ -331,6 +335,18 @@ impl Worker {
     /// Computes one cell.
     pub fn cell(&mut self, model: &Model, task: &Task) -> Cell {
         self.sketched(model, task).unwrap_or_else(|| self.examine(model, task, |_, _| {}))
+    }
+
+    /// The same, and the order of signatures of the orbit that gives the cell its class: beyond a stripe it is another.
+    pub(crate) fn with_order(&mut self, model: &Model, task: &Task) -> (Cell, Option<SignatureOrder>) {
+        let mut best = None;
+        let cell = self.examine(model, task, |orbit, is_best| {
+            if is_best {
+                best = Some(orbit.clone());
+            }
+        });
+        let order = best.and_then(|orbit| self.orders.of(&orbit).ok().flatten());
+        (cell, order)
     }
 
     /// The cell from sketches of its breathers, which take half the time of their orbits; `None` where they cannot tell all of it.

@@ -84,6 +84,7 @@ fn a_cell_from_sketches_is_that_from_orbits() {
     let (mut fast, mut general) = (Worker::new(1), Worker::new(1));
     let mut seen: [usize; Class::ALL.len()] = Default::default();
     let mut mechanisms = std::collections::HashSet::new();
+    let mut other_sums = 0;
     for _ in 0..20_000 {
         let sites = [1, 2, 3, 6, 7, 11, 20, 21, 41, 120][random.usize(..10)];
         let gamma1 = [0.2, 0.2, 0.0, 3.0][random.usize(..4)];
@@ -107,12 +108,16 @@ fn a_cell_from_sketches_is_that_from_orbits() {
         let (cell, expected) = (fast.cell(&model, &task), general.examine(&model, &task, |_, _| {}));
         // Next to a resonance both are as large as the orbit's own error.
         assert!((cell.residual - expected.residual).abs() < 1e-13 + expected.residual, "{model:?}");
+        // (If all were the same to the bit, the fast path would not have been taken.)
+        other_sums += usize::from(cell.residual != expected.residual);
         assert_eq!(Cell { residual: expected.residual, ..cell }, expected, "{model:?} {task:?}");
         if let Some(class) = cell.class {
             seen[Class::ALL.iter().position(|one| *one == class).unwrap()] += 1;
         }
         mechanisms.extend(cell.mechanism);
     }
+    println!("{other_sums} other sums");
+    assert!(other_sums > 1000, "{other_sums}");
     // All classes but those of other words, and all mechanisms.
     assert!(seen[..7].iter().all(|&count| count > 30) && mechanisms.len() == 4, "{seen:?} {mechanisms:?}");
 }

@@ -178,7 +178,17 @@ impl From<MapError> for Failure {
 
 /// A whole number that fits none of ours is out of range like any other; what is no number at all is for Python to say.
 pub(crate) fn whole(name: &str, value: &Bound<'_, PyAny>, least: i64, most: i64) -> PyResult<i64> {
-    let number = match value.extract::<i64>() {
+    // Within the range, so that it fits.
+    within(name, value, least.into(), most.into()).map(|number| number as i64)
+}
+
+/// The same from 0 to 2⁶⁴ − 1.
+pub(crate) fn natural(name: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    within(name, value, 0, u64::MAX.into()).map(|number| number as u64)
+}
+
+fn within(name: &str, value: &Bound<'_, PyAny>, least: i128, most: i128) -> PyResult<i128> {
+    let number = match value.extract::<i128>() {
         Ok(number) => Some(number),
         Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => {
             let value = value.repr().map_or_else(|_| "it".to_owned(), |text| text.to_string());

@@ -14,7 +14,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::call::long;
-use crate::failure::{Failure, named, whole};
+use crate::failure::{Failure, named, natural, whole};
 use crate::sweep::{NO_WORD, grid, pool, scene, thread_count, unrefined};
 
 /// The most cells in memory: a gigabyte, and more runs than a machine makes in weeks.
@@ -44,7 +44,7 @@ pub(crate) fn _fate<'py>(
     breathers: &str,
     starts: &Bound<'py, PyAny>,
     perturb: f64,
-    seed: u64,
+    seed: &Bound<'py, PyAny>,
     periods: &Bound<'py, PyAny>,
     transient: f64,
     tolerance: f64,
@@ -58,6 +58,7 @@ pub(crate) fn _fate<'py>(
     let [starts, periods] =
         [("starts", starts), ("periods", periods)].map(|(name, value)| whole(name, value, 0, i64::MAX));
     let (starts, periods) = (starts? as u64, periods? as u64);
+    let seed = natural("seed", seed)?;
     let ensemble = Ensemble { starts, size: perturb, seed, periods, transient, tolerance, leave };
     let scene = Arc::new(scene(text.as_deref(), &path)?);
     unrefined(&scene)?;

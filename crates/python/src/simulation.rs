@@ -60,7 +60,7 @@ impl Events {
             return;
         }
         let (site, layer) = layout.place(event.site);
-        self.time.push(start + event.time.to_f64());
+        self.time.push(event.time.on_clock(start));
         self.site.push(site as i64);
         self.layer.push(layer as i64);
         self.upper.push(event.barrier == Barrier::Upper);
@@ -126,15 +126,16 @@ impl Course {
                 Outcome::TimeReached => {}
                 Outcome::Cascade { site, barrier, bounces } => {
                     return Err(Failure::NotConverged(format!(
-                        "site {site} has met the {barrier} barrier {bounces} times in a cascade that does not end: with restitution \
-                         1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1"
+                        "site {} has met the {barrier} barrier {bounces} times in a cascade that does not end: with restitution \
+                         1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1",
+                        layout.name(site)
                     )));
                 }
                 Outcome::ImpactsReached | Outcome::WorkLimit => break,
             }
             if place < looks.len() {
                 simulation.read(&mut now, &mut speed);
-                times.push(start + simulation.time().to_f64());
+                times.push(simulation.time().on_clock(start));
                 displacement.extend_from_slice(&now);
                 velocity.extend_from_slice(&speed);
             }
@@ -232,7 +233,7 @@ pub(crate) fn _simulate<'py>(
     run.set_item("displacement", displacement.into_pyarray(py))?;
     run.set_item("velocity", velocity.into_pyarray(py))?;
     run.set_item("last", (last.displacement.into_pyarray(py), last.velocity.into_pyarray(py)))?;
-    run.set_item("end", start + report.time.to_f64())?;
+    run.set_item("end", report.time.on_clock(start))?;
     run.set_item("complete", report.outcome == Outcome::TimeReached)?;
     run.set_item("impacts", report.work.impacts)?;
     Ok(run)

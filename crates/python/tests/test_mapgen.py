@@ -237,6 +237,8 @@ def test_an_ensemble_is_the_table(breathers, mapgen, tmp_path):
     for wrong, message in [
         ({"starts": 0}, "^starts 0 is out of range: give a whole number from 1 to 10000"),
         ({"starts": -1}, "^starts = -1 is out of range"),
+        ({"seed": -1}, "^seed = -1 is out of range: give a whole number from 0 to 18446744073709551615"),
+        ({"seed": 2**64}, "^seed = 18446744073709551616 is out of range"),
         ({"periods": 5}, "^periods 5 is out of range"),
         ({"perturb": 2.0}, "^perturb 2 is out of range: give a size from 0 to 1"),
         ({"breathers": "some"}, 'give one of "class", "every", "unstable"'),

@@ -184,3 +184,18 @@ def test_two_impacts_on_one_barrier_take_as_many_periods_as_are_asked_for():
     assert free.breathers("0-,0-").orbits[0].force_periods == 1
     with pytest.raises(vc.RequestError, match="omega/N"):
         free.breathers("0-,0-", force_periods=2)
+
+
+def test_a_run_calls_masses_of_layers_as_words_do_and_begins_its_clock_at_the_first_impact():
+    model = vc.Model(vc.Chain(3, 0.2, 0.1, layers=2, gamma3=0.05), omega=1.5, asymmetry=0.2)
+    with pytest.raises(vc.RequestError, match="^site 1:1 starts at 3, "):
+        vc.simulate(model, displacement=[0, 0, 0, 0, 3, 0], velocity=[0] * 6)
+    with pytest.raises(vc.RequestError, match="^velocity of site 2:0 is NaN"):
+        vc.simulate(model, displacement=[0] * 6, velocity=[0, 0, float("nan"), 0, 0, 0])
+    starts = 0
+    for omega in [1.3, 1.5, 1.7, 1.9]:
+        orbit = model.replace(omega=omega).breathers("double-sided").physical()
+        time = vc.simulate(orbit, periods=1).events["time"][0]
+        assert time == 0.0
+        starts += 1
+    assert starts == 4

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use vibrochain_breather::Family;
 use vibrochain_floquet::Event;
 use vibrochain_lattice::Parameter;
 use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
@@ -10,8 +11,11 @@ use crate::args::QuantityName;
 use crate::branch::table::{BranchName, Row, Table};
 use crate::common::caption::in_words;
 
-/// Colours of generations of branches, by turns; the last but one marks events, the last what is not physical.
-const COLOURS: usize = 4;
+/// Colours of families, those that their stable classes have in maps, and of the one family that maps do not have.
+const FAMILIES: [(Family, usize); 3] = [(Family::DoubleSided, 0), (Family::SingleSided, 1), (Family::PeriodDoubled, 3)];
+const WORDS: usize = 2;
+
+/// Those of marks of events, and of what is not physical.
 const EVENTS: usize = 4;
 const GREY: usize = 5;
 
@@ -83,21 +87,29 @@ fn branches(table: &Table) -> impl Iterator<Item = Branch<'_>> {
     table.about.branches.iter().zip(&table.branches).map(|(about, rows)| Branch { about, rows })
 }
 
-/// What the branches of a generation are called: those that bifurcate from the primary branch are secondary ones, and so on.
-fn title(generation: u32, branches: &[Branch<'_>], taken: &[Series]) -> String {
-    let order = match generation {
-        0 => "primary branch".to_owned(),
-        1 => "secondary branch".to_owned(),
-        2 => "tertiary branch".to_owned(),
-        _ => format!("branch of generation {generation}"),
+/// The colour of what orbits of this name are.
+fn colour(name: &str) -> usize {
+    FAMILIES.into_iter().find(|(family, _)| family.name() == name).map_or(WORDS, |(_, colour)| colour)
+}
+
+/// What the branches of one colour are called: those that bifurcate from the primary branch are secondary ones, and so on.
+fn title(branches: &[Branch<'_>]) -> String {
+    let mut names: Vec<&str> = branches.iter().map(|branch| branch.about.name.as_str()).collect();
+    names.dedup();
+    let name = if let [name] = names[..] { name } else { "words" };
+    let mut generations: Vec<u32> = branches.iter().map(|branch| branch.about.generation).collect();
+    generations.sort_unstable();
+    let of_generation = |same: &[u32]| {
+        let order = match same[0] {
+            0 => "primary branch".to_owned(),
+            1 => "secondary branch".to_owned(),
+            2 => "tertiary branch".to_owned(),
+            generation => format!("branch of generation {generation}"),
+        };
+        if same.len() == 1 { order } else { format!("{} {}", same.len(), order.replace("branch", "branches")) }
     };
-    match branches {
-        [branch] => {
-            let name = &branch.about.name;
-            if taken.iter().any(|series| series.name == *name) { format!("{name}, {order}") } else { name.clone() }
-        }
-        branches => format!("{} {}", branches.len(), order.replace("branch", "branches")),
-    }
+    let orders: Vec<String> = generations.chunk_by(|a, b| a == b).map(of_generation).collect();
+    format!("{name}: {}", orders.join(", "))
 }
 
 fn pane(quantity: QuantityName, all: bool, free: Parameter, table: &Table) -> Pane {
@@ -109,13 +121,13 @@ fn pane(quantity: QuantityName, all: bool, free: Parameter, table: &Table) -> Pa
         mark: Mark::None,
         points: Vec::new(),
     };
-    let generations: BTreeSet<u32> = branches(table).map(|branch| branch.about.generation).collect();
-    for generation in generations {
-        let colour = generation as usize % COLOURS;
-        let of_it: Vec<Branch<'_>> = branches(table).filter(|one| one.about.generation == generation).collect();
-        let title = title(generation, &of_it, &series);
-        series.push(plain(&title, colour, Stroke::Solid(3)));
-        series.extend(of_it.into_iter().flat_map(|branch| curves(quantity, colour, branch, all)));
+    let colours: BTreeSet<usize> = branches(table).map(|branch| colour(&branch.about.name)).collect();
+    let alone = table.branches.len() == 1;
+    for one in colours {
+        let of_it: Vec<Branch<'_>> = branches(table).filter(|branch| colour(&branch.about.name) == one).collect();
+        let title = if alone { of_it[0].about.name.clone() } else { title(&of_it) };
+        series.push(plain(&title, one, Stroke::Solid(3)));
+        series.extend(of_it.into_iter().flat_map(|branch| curves(quantity, one, branch, all)));
     }
     let used = |wanted: Kind| branches(table).flat_map(|branch| branch.rows).any(|row| kind(row) == Some(wanted));
     if used(Kind::Unstable) {
@@ -275,6 +287,27 @@ mod tests {
             let found = heights(QuantityName::SpectralRadius, Branch { about: &about, rows: &rows }, 1);
             assert!(found.len() == 1 && (found[0] - at).abs() < 1e-12, "{beside:?} {found:?}");
         }
+    }
+
+    /// A family has one colour, whichever branch is the first; branches of it are counted by generations.
+    #[test]
+    fn a_colour_is_a_family() {
+        let branch = |name: &str, generation| BranchName { name: name.to_owned(), generation, force_periods: 1 };
+        let about = [
+            branch("single-sided", 0),
+            branch("period-doubled", 1),
+            branch("0-,0-,0-,0- in 4 periods of the force", 2),
+            branch("period-doubled", 1),
+            branch("single-sided", 2),
+        ];
+        let named = |wanted: usize| {
+            let of: Vec<_> = about.iter().filter(|one| colour(&one.name) == wanted).collect();
+            title(&of.iter().map(|about| Branch { about, rows: &[] }).collect::<Vec<_>>())
+        };
+        assert_eq!(named(1), "single-sided: primary branch, tertiary branch");
+        assert_eq!(named(3), "period-doubled: 2 secondary branches");
+        assert_eq!(named(WORDS), "0-,0-,0-,0- in 4 periods of the force: tertiary branch");
+        assert_eq!(colour("double-sided"), 0);
     }
 
     /// Stripes whose borders nobody has asked for: no orbit that grows is drawn as a stable one.

@@ -8,8 +8,10 @@ use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 use crate::common::caption::in_words;
 use crate::curve::table::Row;
 
-/// Colours of curves, by turns; what is not physical is grey.
-const COLOURS: usize = 5;
+/// Colours of curves, by turns: those of borders in maps, as none is a family's; without violet, which marks have. What is not physical is
+/// grey.
+const COLOURS: [usize; 5] = [6, 7, 8, 10, 11];
+const MARKS: usize = 4;
 const GREY: usize = 5;
 
 /// What a legend calls points whose orbit is none that can live.
@@ -38,7 +40,8 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
         let is_seen = |points: &[(f64, f64)]| points.iter().any(|point| point.0.is_finite());
         let name = if is_seen(&line(true)) { format!("curve {}", i + 1) } else { String::new() };
         // Of two curves of one colour the later is thicker.
-        let (colour, stroke) = (i % COLOURS, Stroke::Solid(2 + 2 * (i / COLOURS).min(3) as u32));
+        let (turn, place) = (i / COLOURS.len(), i % COLOURS.len());
+        let (colour, stroke) = (COLOURS[place], Stroke::Solid(2 + 2 * turn.min(3) as u32));
         all.push(Series { name, colour, stroke, mark: Mark::None, points: line(true) });
         let (colour, stroke) = (GREY, Stroke::Dashed(2));
         // All of them have one entry.
@@ -53,7 +56,7 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
     }
     for (shape, (name, points)) in marks.into_iter().enumerate() {
         let (name, stroke, mark) = (in_words(name), Stroke::None, Mark::Filled(shape));
-        all.push(Series { name, colour: 4, stroke, mark, points });
+        all.push(Series { name, colour: MARKS, stroke, mark, points });
     }
     all
 }

@@ -7,8 +7,8 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
-use tempfile::TempDir;
 
+use super::folder::Folder;
 use vibrochain_explore::Refusal;
 use vibrochain_lattice::Stop;
 
@@ -89,7 +89,8 @@ impl Line {
         let [out, err] = ["standard-output", "standard-error"].map(path);
         let (into_out, into_err) = (fs::File::create(&out).map_err(broken)?, fs::File::create(&err).map_err(broken)?);
         let mut command = Command::new(&setting.program);
-        command.args(self.words.iter().map(word)).stdin(Stdio::null()).stdout(into_out).stderr(into_err);
+        command.args(self.words.iter().map(word)).stdin(Stdio::piped()).stdout(into_out).stderr(into_err);
+        setting.folder.tell(&mut command);
         // --threads is a flag of every command; it would be the program's own otherwise.
         command.args(setting.threads.map(|threads| format!("--threads={threads}")));
         let status = ended(command, folder.path(), limit, stop).map_err(|early| self.refused(early, limit))?;
@@ -140,8 +141,8 @@ pub(crate) struct Setting {
     program: PathBuf,
     /// Threads, if their number was asked for.
     threads: Option<usize>,
-    /// Where each has a folder of its own: nobody else may look into it, and it goes when the explorer ends.
-    folder: TempDir,
+    /// Where each has a folder of its own.
+    folder: Folder,
 }
 
 impl Setting {
@@ -150,11 +151,7 @@ impl Setting {
     /// # Errors
     /// Those of the system.
     pub(crate) fn new(threads: Option<usize>) -> std::io::Result<Self> {
-        let mut folder = tempfile::Builder::new();
-        folder.prefix("mapgen-explore-");
-        #[cfg(unix)]
-        folder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
-        Ok(Self { program: own_program()?, threads, folder: folder.tempdir()? })
+        Ok(Self { program: own_program()?, threads, folder: Folder::new()? })
     }
 }
 
@@ -183,6 +180,7 @@ fn ended(mut command: Command, folder: &Path, limit: Duration, stop: &Stop) -> R
     let mut child = command.spawn().map_err(Early::Failed)?;
     let mut look = LOOKS[0];
     let early = loop {
+        // Its standard input stays open as long as this is asked, and the explorer lives.
         match child.try_wait() {
             Ok(Some(status)) => return Ok(status),
             Ok(None) => {}
@@ -260,16 +258,5 @@ mod tests {
         assert_eq!(told("sleep", Line::new("1000"), LONG, &Stop::from(&stop)).code, 503);
         raises.join().unwrap();
         assert!(told("no such program", Line::new(""), LONG, &never).message.contains("does not run"));
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn nobody_else_sees_the_folder_and_it_goes() {
-        use std::os::unix::fs::PermissionsExt;
-        let setting = Setting::new(None).unwrap();
-        let folder = setting.folder.path().to_owned();
-        assert_eq!(fs::metadata(&folder).unwrap().permissions().mode() & 0o7777, 0o700);
-        drop(setting);
-        assert!(!folder.exists());
     }
 }

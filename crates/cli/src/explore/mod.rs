@@ -3,10 +3,12 @@
 //! | module | holds |
 //! |---|---|
 //! | `answers` | what the page asks besides tiles |
+//! | `folder` | where these have their files, and what ends them with the explorer |
 //! | `line` | command lines of this program, each run for it as a process of its own |
 //! | `texts` | what it shows leads on to: scene, command, Python |
 
 mod answers;
+mod folder;
 mod line;
 mod texts;
 
@@ -18,6 +20,7 @@ use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::threads::threads;
 use crate::explore::answers::Program;
+pub(crate) use crate::explore::folder::end_with_explorer;
 use crate::explore::line::Setting;
 use crate::setup::SCENE;
 use vibrochain_explore::{Explorer, View, port_will_do};

@@ -17,13 +17,6 @@ pub fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
     periods as f64 * orbit.model().period() + time.offset() + start
 }
 
-/// A time on the clock of a run that begins at `start`, where 0 is an impact of the breather it begins on: what rounding alone tells from
-/// 0 is 0.
-pub(crate) fn on_clock(start: f64, time: Time) -> f64 {
-    let now = start + time.to_f64();
-    if now.abs() <= 64.0 * f64::EPSILON * start.abs() { 0.0 } else { now }
-}
-
 /// `time,site,barrier,velocity_before,velocity_after,kind`, one row a mass; `layer` after `site` where there are several.
 pub(crate) struct ImpactTable {
     file: CsvFile,
@@ -46,7 +39,7 @@ impl ImpactTable {
     pub(crate) fn write(&mut self, event: &Event) {
         let (site, layer) = self.layout.place(event.site);
         let mut row = vec![
-            on_clock(self.start, event.time).to_string(),
+            event.time.on_clock(self.start).to_string(),
             site.to_string(),
             event.barrier.name().to_owned(),
             event.velocity_before.to_string(),
@@ -89,7 +82,7 @@ impl Trajectory {
 
     pub(crate) fn write(&mut self, simulation: &Simulation) -> Result<(), CliError> {
         simulation.read(&mut self.displacement, &mut self.velocity);
-        let time = on_clock(self.start, simulation.time());
+        let time = simulation.time().on_clock(self.start);
         let row = std::iter::once(&time).chain(&self.displacement).chain(&self.velocity).map(f64::to_string);
         Ok(self.file.row(row)?)
     }

@@ -7,7 +7,6 @@ use vibrochain_lattice::Model;
 
 use crate::args::{SectionName, SimulateArgs};
 use crate::common::error::CliError;
-use crate::simulate::recording::on_clock;
 use crate::simulate::start::Start;
 use vibrochain_maps::files::CsvFile;
 
@@ -97,7 +96,7 @@ impl Section {
         let phase = (time.part() + self.psi / self.period).rem_euclid(1.0);
         // 1 up to rounding is 0.
         let phase = if phase > 1.0 - 1e-12 { 0.0 } else { phase };
-        [on_clock(self.start, time).to_string(), time.periods().to_string(), phase.to_string()]
+        [time.on_clock(self.start).to_string(), time.periods().to_string(), phase.to_string()]
     }
 
     /// Looks at the run at a time that was due.

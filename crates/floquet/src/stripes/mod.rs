@@ -7,6 +7,7 @@
 //! | `own` | [`OwnMode`]: the mode that the breather has drawn out of the band |
 //! | `dressed` | [`DressedModes`]: the frequencies of the modes with the breather on the ring |
 //! | `collision` | [`Collision`]: the pair behind an unstable multiplier |
+//! | `order` | [`SignatureOrder`]: whether there is a stripe between two orbits of any word |
 //! | `passing` | [`passings`]: which pairs meet from one point to the next |
 //! | `reversal`, `pencil` | two modes that meet, as two oscillators that the impacts couple |
 //! | `stripe` | [`Stripe`]: where a stripe begins and ends on a line, and how strong it is |
@@ -33,6 +34,7 @@ mod collision;
 mod dressed;
 mod form;
 mod law;
+mod order;
 mod own;
 mod passing;
 mod pencil;
@@ -44,6 +46,7 @@ mod stripe;
 
 pub use collision::Collision;
 pub use dressed::DressedModes;
+pub use order::{OrderFinder, SignatureOrder};
 pub use own::OwnMode;
 pub use passing::{Passing, passings};
 pub use row::StripeRow;

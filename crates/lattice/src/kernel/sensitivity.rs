@@ -108,6 +108,7 @@ mod tests {
     #[test]
     fn covers_what_perturbed_data_do() {
         let h = 1e-9;
+        let (mut checked, mut largest) = (0, 0.0_f64);
         for (sites, omega) in [(1, 0.3), (5, 1.5), (8, 0.21), (21, 0.447), (21, 12.0)] {
             let at = |g1: f64, omega: f64| {
                 ImpulseResponse::new(&Spectrum::new(Chain::new(sites, g1, 0.1).unwrap()), omega).unwrap()
@@ -135,7 +136,11 @@ mod tests {
                 assert!(worst.slope <= bound.slope * slack + 1e-6, "{sites} {omega} {fraction} {worst:?} {bound:?}");
                 assert!(worst.curvature <= bound.curvature * slack, "{sites} {omega} {fraction} {worst:?} {bound:?}");
                 assert!(worst.third <= bound.third * slack + 1e-6, "{sites} {omega} {fraction} {worst:?} {bound:?}");
+                checked += 1;
+                largest = largest.max(bound.value / worst.value);
             }
         }
+        println!("{checked} checked, at most {largest} times as large");
+        assert!(checked == 20 && largest < 100.0, "{checked} {largest}");
     }
 }

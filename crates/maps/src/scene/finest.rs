@@ -1,6 +1,7 @@
 //! The finest grid of a scene that is refined.
 
 use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::Parameter;
 
 use crate::cell::Cell;
 use crate::extent::Extent;
@@ -55,12 +56,14 @@ impl Scene {
         });
         let sizes: Vec<String> = sizes.collect();
         let sizes = sizes.join(", ");
-        let [families, words] = [!self.task.families.is_empty(), !self.task.words.is_empty()];
-        let besides = match (self.loses_stability_in_stripes(), families, words) {
-            (false, ..) | (true, false, false) => "",
-            (true, true, false) => "; thin stripes where two modes meet were followed, others not",
-            (true, true, true) => "; thin stripes of families were followed where two modes meet, those of words not",
-            (true, false, true) => "; thin stripes of words were not followed",
+        let besides = if self.follows_orders() {
+            "; stripes of instability that pass between such points were followed, however thin"
+        } else if !self.loses_stability_in_stripes() || self.task.families.is_empty() {
+            ""
+        } else if self.is_conservative() {
+            "; thin stripes where two modes meet were followed, others not"
+        } else {
+            "; thin stripes were not followed"
         };
         Some(format!(
             "what lies within cells of the grid ({sizes}) and meets none of the points computed, such as islands, tips, and bands \
@@ -68,9 +71,16 @@ impl Scene {
         ))
     }
 
-    /// Whether breathers lose stability in stripes, however thin: conservative ones, of which no growth is allowed.
+    /// Whether breathers lose stability in stripes, however thin: without losses, and if no growth is allowed.
     fn loses_stability_in_stripes(&self) -> bool {
-        self.is_conservative() && self.task.stability && self.task.tolerance == Tolerance::Rounding
+        let elastic = !self.sweeps(Parameter::Restitution) && self.base.get(Parameter::Restitution) == 1.0;
+        elastic && self.task.stability && self.task.tolerance == Tolerance::Rounding
+    }
+
+    /// Whether stripes are found by the order of signatures. Maps of families alone, whose cells take far less time than an order, follow
+    /// stripes by the modes that meet.
+    pub(crate) fn follows_orders(&self) -> bool {
+        self.loses_stability_in_stripes() && !self.task.words.is_empty()
     }
 
     /// The point at which a cell of the grid, or a leaf of it, is computed.

@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use toml::Spanned;
-use vibrochain_floquet::Tolerance;
+use vibrochain_floquet::{OrderFinder, Tolerance};
 use vibrochain_lattice::Model;
 
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
@@ -171,6 +171,18 @@ impl Scene {
         {
             let message = "collisions are told of conservative orbits only: remove the force, or collisions";
             return Err(source.error(span, message));
+        }
+        let masses = scene.base.sites();
+        if let Some(table) = sweep.get_ref().refine.as_ref()
+            && scene.follows_orders()
+            && masses > OrderFinder::MOST_MASSES
+        {
+            let message = format!(
+                "refine finds thin stripes of impact words on {} masses at most, here are {masses}: leave refine out, or allow some growth \
+                 by threshold in [compute]",
+                OrderFinder::MOST_MASSES
+            );
+            return Err(source.error(table.span(), message));
         }
         Ok(scene)
     }

@@ -55,12 +55,16 @@ pub fn refined<E>(
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
     use std::path::Path;
 
     use rayon::ThreadPool;
+    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    use vibrochain_floquet::SignatureOrder;
     use vibrochain_lattice::Stop;
 
     use super::*;
+    use crate::cell::Worker;
     use crate::extent::Extent;
     use crate::scene::Scene;
     use crate::sweep::covered::Covered;
@@ -85,15 +89,21 @@ mod tests {
     /// The rule in plain words, of all cells of the finest grid.
     struct Plain<'a> {
         cells: &'a [Cell],
+        /// Where they tell of stripes.
+        orders: &'a [Option<SignatureOrder>],
         size: [u32; 2],
         whole: u32,
         stripes: &'a Covered,
     }
 
     impl Plain<'_> {
-        fn cell(&self, [column, row]: [u32; 2]) -> Cell {
+        fn index(&self, [column, row]: [u32; 2]) -> usize {
             let [columns, rows] = self.size;
-            self.cells[(row.min(rows - 1) * columns + column.min(columns - 1)) as usize]
+            (row.min(rows - 1) * columns + column.min(columns - 1)) as usize
+        }
+
+        fn cell(&self, at: [u32; 2]) -> Cell {
+            self.cells[self.index(at)]
         }
 
         fn is_halved(&self, square: Extent) -> bool {
@@ -101,8 +111,18 @@ mod tests {
             let cell = self.cell([column, row]);
             let lives = |cell: &Cell| (cell.class, cell.mechanism, cell.solutions);
             let beside = [[column + size, row], [column, row + size], [column + size, row + size]];
-            let differs = |at: &[u32; 2]| lives(&self.cell(self.first_of_leaf(*at, size))) != lives(&cell);
-            size > 1 && (self.stripes.divides(square, cell.class) || beside.iter().any(differs))
+            if size == 1 {
+                return false;
+            }
+            let beside = beside.map(|at| self.first_of_leaf(at, size));
+            let mut orders: Vec<_> = beside.iter().chain(&[[column, row]]).filter_map(|at| self.order(*at)).collect();
+            orders.dedup();
+            let differs = |at: &[u32; 2]| lives(&self.cell(*at)) != lives(&cell);
+            orders.len() > 1 || self.stripes.divides(square, cell.class) || beside.iter().any(differs)
+        }
+
+        fn order(&self, at: [u32; 2]) -> Option<SignatureOrder> {
+            self.orders.get(self.index(at)).copied().flatten()
         }
 
         /// Where the leaf at a place begins, halved down to squares of some size.
@@ -158,7 +178,8 @@ mod tests {
     #[test]
     fn leaves_are_those_of_the_rule_in_plain_words() {
         let existence = SCENE.replace("stability = true", "").replace("collisions = true", "");
-        for (text, merged) in [(SCENE, 500), (existence.as_str(), 50)] {
+        let words = SCENE.replace("\"double-sided\", ", "\"0+1+,0-1-\", ").replace("sites = 5", "sites = 6");
+        for (text, merged) in [(SCENE, 500), (existence.as_str(), 50), (words.as_str(), 200)] {
             let scene = Scene::parse(Path::new("scene.toml"), text).unwrap();
             let (finest, stop) = (scene.finest(), Stop::default());
             let mut cells = Vec::new();
@@ -168,8 +189,19 @@ mod tests {
             };
             assert!(matches!(sweep(&finest, &pool(2), &stop, |_| {}, keep), Ended::Complete(_)));
             cells.iter_mut().for_each(|cell| cell.residual = 0.0);
-            let (stripes, size) = (Covered::of(&finest, &stop), [320, 240]);
-            let plain = Plain { cells: &cells, size, whole: 8, stripes: &stripes };
+            let size = [320, 240];
+            let (mut stripes, mut orders) = (Covered::default(), Vec::new());
+            if scene.follows_orders() {
+                let order = |worker: &mut Worker, number| {
+                    let model = finest.point(number).model().unwrap();
+                    worker.with_order(&model, &finest.task).1
+                };
+                orders = (0..finest.cells()).into_par_iter().map_init(|| Worker::new(6), order).collect();
+                assert!(orders.iter().collect::<HashSet<_>>().len() > 5);
+            } else {
+                stripes = Covered::of(&finest, &stop);
+            }
+            let plain = Plain { cells: &cells, orders: &orders, size, whole: 8, stripes: &stripes };
             let (mut expected, mut quarters) = (Vec::new(), 0);
             for number in 0..scene.cells() {
                 let (whole, mut some) = (scene.extent(number).unwrap(), Vec::new());

@@ -4,6 +4,9 @@
 //! themselves by then. Whether it is follows from cells at most two of the grid's away, whoever asks: so leaves are the same
 //! in whatever order, and by however many processes, they are found. Nothing is computed that no answer depends on.
 //!
+//! A cell that a stripe passes is halved, too. Stripes of conservative families are followed beforehand (`covered`). In maps with impact words
+//! the order of signatures is told at each point where a square begins; if the four orders at and beside a square differ, a stripe passes.
+//!
 //! Where the border lies beyond all four quarters they are alike, and one leaf again. That changes what is written, and not what is halved:
 //! no neighbour sees it. Of squares of two columns and rows no decision hangs on the quarters but the first, so these are computed only as
 //! far as the leaves depend on them: not where the squares on both sides are alike, if all others turn out to be, too, nor where it is the
@@ -14,12 +17,12 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use vibrochain_breather::Family;
-use vibrochain_floquet::Mechanism;
+use vibrochain_floquet::{Mechanism, SignatureOrder};
 use vibrochain_lattice::Stop;
 
 use super::covered::Covered;
 use super::engine::Job;
-use super::tiles::Tiles;
+use super::tiles::{Sample, Tiles};
 use crate::cell::{Cell, Class, Worker};
 use crate::extent::Extent;
 use crate::point::Point;
@@ -34,8 +37,10 @@ pub(super) struct Ground<'a> {
     size: [u32; 2],
     /// Sides of a cell of the grid, in cells of the finest.
     whole: u32,
-    cells: Vec<OnceLock<Cell>>,
+    cells: Vec<OnceLock<Sample>>,
     stripes: Covered,
+    /// Whether stripes are found by the order of signatures instead.
+    ordered: bool,
 }
 
 impl<'a> Ground<'a> {
@@ -46,8 +51,9 @@ impl<'a> Ground<'a> {
         let [x, y] = scene.plane()?.map(|axis| axis.points() as u32 * whole);
         let cells = (0..scene.cells()).map(|_| OnceLock::new()).collect();
         let finest = scene.finest();
-        let stripes = job.pool.install(|| Covered::of(&finest, job.stop));
-        Some(Self { scene, finest, size: [x, y], whole, cells, stripes })
+        let ordered = scene.follows_orders();
+        let stripes = if ordered { Covered::default() } else { job.pool.install(|| Covered::of(&finest, job.stop)) };
+        Some(Self { scene, finest, size: [x, y], whole, cells, stripes, ordered })
     }
 }
 
@@ -56,6 +62,26 @@ type Lives = (Option<Class>, Option<Mechanism>, u32);
 
 fn lives(cell: &Cell) -> Lives {
     (cell.class, cell.mechanism, cell.solutions)
+}
+
+/// What lives in a cell, and in which order its signatures are, if that is known.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    lives: Lives,
+    order: Option<SignatureOrder>,
+}
+
+impl Seen {
+    fn of(sample: &Sample) -> Self {
+        Self { lives: lives(&sample.cell), order: sample.order }
+    }
+}
+
+/// Whether a stripe passes between some of these: two orders that are known differ.
+fn are_parted(all: [Seen; 4]) -> bool {
+    let mut known = all.into_iter().filter_map(|seen| seen.order);
+    let first = known.next();
+    known.any(|other| Some(other) != first)
 }
 
 /// Whether two cells may be one leaf: nothing that stands in words in a table differs.
@@ -95,7 +121,7 @@ pub(super) struct Refiner<'a, 'b> {
     point: Point,
     tiles: Tiles,
     /// What lives in cells of the last column and row of the finest grid, which stand for those beyond.
-    last: HashMap<[u32; 2], Lives>,
+    last: HashMap<[u32; 2], Seen>,
 }
 
 impl<'a, 'b> Refiner<'a, 'b> {
@@ -122,7 +148,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
             return self.of_last_square(square, number, found);
         }
         if !self.is_halved(square)? {
-            let cell = *self.cell(square.sample())?;
+            let cell = self.sample(square.sample())?.cell;
             found.push((number, Cell { extent: Some(square), ..cell }));
             return Some(());
         }
@@ -135,9 +161,10 @@ impl<'a, 'b> Refiner<'a, 'b> {
 
     /// The leaves of a square whose quarters are cells of the finest grid.
     fn of_last_square(&mut self, square: Extent, number: u64, found: &mut Leaves) -> Option<()> {
-        let cell = *self.cell(square.sample())?;
+        let sample = *self.sample(square.sample())?;
+        let (cell, here) = (sample.cell, Seen::of(&sample));
         let divided = self.ground.stripes.divides(square, cell.class);
-        let [right, above, across] = if divided { [true; 3] } else { self.unexplained(square, lives(&cell))? };
+        let [right, above, across] = if divided { [true; 3] } else { self.unexplained(square, here)? };
         if !(right || above || across) {
             found.push((number, Cell { extent: Some(square), ..cell }));
             return Some(());
@@ -147,7 +174,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
         let mut cells = [Some(cell), None, None, None];
         let mut alike = true;
         for i in [(3, true), (1, right), (2, above)].into_iter().filter_map(|(i, asked)| asked.then_some(i)) {
-            let other = self.compute(quarters[i].sample())?;
+            let other = self.compute(quarters[i].sample(), false)?.cell;
             cells[i] = Some(other);
             alike = are_alike(&cell, &other);
             if !alike {
@@ -158,7 +185,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
             let of_quarter = match known {
                 Some(known) => known,
                 None if alike => cell,
-                None => self.compute(quarter.sample())?,
+                None => self.compute(quarter.sample(), false)?.cell,
             };
             found.push((number, Cell { extent: Some(quarter), ..of_quarter }));
         }
@@ -167,42 +194,45 @@ impl<'a, 'b> Refiner<'a, 'b> {
     }
 
     /// Computes the cell at a place of the finest grid.
-    fn compute(&mut self, at: [u32; 2]) -> Option<Cell> {
+    fn compute(&mut self, at: [u32; 2], ordered: bool) -> Option<Sample> {
         self.ground.finest.set(&mut self.point, at);
         // The scene's corners were checked, so that every point between is a valid model.
         let model = self.point.model().ok()?;
-        let cell = self.worker.cell(&model, &self.ground.scene.task);
+        let task = &self.ground.scene.task;
+        let (cell, order) =
+            if ordered { self.worker.with_order(&model, task) } else { (self.worker.cell(&model, task), None) };
         // One that was stopped is none.
-        (!self.stop.is_raised()).then_some(cell)
+        (!self.stop.is_raised()).then_some(Sample { cell, order })
     }
 
     /// What was computed for the squares that begin at a place.
-    fn cell(&mut self, at: [u32; 2]) -> Option<&Cell> {
+    fn sample(&mut self, at: [u32; 2]) -> Option<&Sample> {
+        let ordered = self.ground.ordered;
         // The one of a whole cell is computed once, for all threads.
         if self.tiles.is_first(at) {
             let place = self.ground.cells.get(self.tiles.number(at))?;
             if place.get().is_none() {
-                let cell = self.compute(at)?;
-                return Some(place.get_or_init(|| cell));
+                let sample = self.compute(at, ordered)?;
+                return Some(place.get_or_init(|| sample));
             }
             return place.get();
         }
         if self.tiles.cell(at).is_none() {
-            let cell = self.compute(at)?;
-            self.tiles.set_cell(at, cell);
+            let sample = self.compute(at, ordered)?;
+            self.tiles.set_cell(at, sample);
         }
         self.tiles.cell(at)
     }
 
-    /// What lives in the leaf that a square is a part of, or in the square itself if it is one or is halved.
-    fn lives_about(&mut self, square: Extent) -> Option<Lives> {
+    /// What is seen in the leaf that a square is a part of, or in the square itself if it is one or is halved.
+    fn seen_about(&mut self, square: Extent) -> Option<Seen> {
         let mask = self.ground.whole - 1;
         let mut at = Extent { column: square.column & !mask, row: square.row & !mask, size: self.ground.whole };
         while at.size > square.size && self.is_halved(at)? {
             let size = at.size / 2;
             at = Extent { column: square.column & !(size - 1), row: square.row & !(size - 1), size };
         }
-        self.cell(at.sample()).map(lives)
+        self.sample(at.sample()).map(Seen::of)
     }
 
     /// Whether a square is halved, as far as its own size is asked: only squares of one that is halved are there.
@@ -210,29 +240,35 @@ impl<'a, 'b> Refiner<'a, 'b> {
         if let Some(known) = self.tiles.halved(square.sample(), square.size) {
             return Some(known);
         }
-        let cell = self.cell(square.sample())?;
-        let (class, here) = (cell.class, lives(cell));
-        let halved = self.ground.stripes.divides(square, class) || self.differences(square, here)?.contains(&true);
+        let sample = self.sample(square.sample())?;
+        let (class, here) = (sample.cell.class, Seen::of(sample));
+        let halved = self.ground.stripes.divides(square, class) || self.differs(square, here)?;
         self.tiles.set_halved(square.sample(), square.size, halved);
         Some(halved)
     }
 
-    /// Whether what lives in a square is not what lives in those to the right, above, and above to the right. A border between two points
-    /// that were computed lies in the square of the lower one: so it is halved, and the other is not.
-    fn differences(&mut self, square: Extent, here: Lives) -> Option<[bool; 3]> {
-        let mut differ = [false; 3];
-        for (differs, beside) in differ.iter_mut().zip(beside(square)) {
-            *differs = self.lives_beside(beside)? != here;
-        }
-        Some(differ)
+    /// What is seen to the right, above, and above to the right.
+    fn seen_round(&mut self, square: Extent) -> Option<[Seen; 3]> {
+        let [right, above, across] = beside(square);
+        Some([self.seen_beside(right)?, self.seen_beside(above)?, self.seen_beside(across)?])
     }
 
-    /// The same, but for what the edge of a stripe explains that is surely beyond all cells of the square: these are then alike.
-    fn unexplained(&mut self, square: Extent, here: Lives) -> Option<[bool; 3]> {
+    /// Whether what is seen in a square is not what is seen to the right, above, and above to the right. A border between two points
+    /// that were computed lies in the square of the lower one: so it is halved, and the other is not.
+    fn differs(&mut self, square: Extent, here: Seen) -> Option<bool> {
+        let round @ [right, above, across] = self.seen_round(square)?;
+        Some(are_parted([here, right, above, across]) || round.iter().any(|there| there.lives != here.lives))
+    }
+
+    /// Where it differs, but for what the edge of a stripe explains that is surely beyond all cells of the square: these are then alike.
+    fn unexplained(&mut self, square: Extent, here: Seen) -> Option<[bool; 3]> {
+        let round @ [right, above, across] = self.seen_round(square)?;
+        if are_parted([here, right, above, across]) {
+            return Some([true; 3]);
+        }
         let mut differ = [false; 3];
-        for (differs, beside) in differ.iter_mut().zip(beside(square)) {
-            let there = self.lives_beside(beside)?;
-            *differs = there != here && !self.is_edge_between(square, here, beside, there);
+        for ((differs, there), beside) in differ.iter_mut().zip(round).zip(beside(square)) {
+            *differs = there.lives != here.lives && !self.is_edge_between(square, here.lives, beside, there.lives);
         }
         Some(differ)
     }
@@ -255,17 +291,17 @@ impl<'a, 'b> Refiner<'a, 'b> {
         here.2 == there.2 && holds(square) == Some(inside) && holds(Extent { size: 1, ..beside }) == Some(!inside)
     }
 
-    /// What lives in the first cell of a square, or, beyond the last column or row, in that.
-    fn lives_beside(&mut self, square: Extent) -> Option<Lives> {
+    /// What is seen in the first cell of a square, or, beyond the last column or row, in that.
+    fn seen_beside(&mut self, square: Extent) -> Option<Seen> {
         let [columns, rows] = self.ground.size;
         if square.column < columns && square.row < rows {
-            return self.lives_about(square);
+            return self.seen_about(square);
         }
         let at = [square.column.min(columns - 1), square.row.min(rows - 1)];
         if let Some(known) = self.last.get(&at) {
             return Some(*known);
         }
-        let found = lives(&self.compute(at)?);
+        let found = Seen::of(&self.compute(at, self.ground.ordered)?);
         self.last.insert(at, found);
         Some(found)
     }

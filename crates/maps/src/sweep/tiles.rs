@@ -1,6 +1,15 @@
 //! What one thread knows of the cells of the grid that is refined: of each by places within it, so that nothing need be looked for.
 
+use vibrochain_floquet::SignatureOrder;
+
 use crate::cell::Cell;
+
+/// What was computed at a place: the cell, and in which order its signatures are, if that was asked for and is known.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub(super) cell: Cell,
+    pub(super) order: Option<SignatureOrder>,
+}
 
 /// What is known of the squares that begin at a place.
 #[derive(Debug, Clone, Copy, Default)]
@@ -22,7 +31,7 @@ struct Tile {
     first: Place,
     /// Places of even columns and rows, which squares begin at; none as long as only the first was asked for.
     places: Vec<Place>,
-    cells: Vec<Cell>,
+    cells: Vec<Sample>,
 }
 
 /// Cells of the grid that have been asked for lately.
@@ -116,14 +125,14 @@ impl Tiles {
     }
 
     /// What was computed at a place, of even column and row, that is not the first of a cell.
-    pub(super) fn cell(&mut self, at: [u32; 2]) -> Option<&Cell> {
+    pub(super) fn cell(&mut self, at: [u32; 2]) -> Option<&Sample> {
         let (tile, place) = self.place(at);
         let cell = (place.cell as usize).checked_sub(1)?;
         self.tiles[tile].cells.get(cell)
     }
 
     /// Remembers it.
-    pub(super) fn set_cell(&mut self, at: [u32; 2], cell: Cell) {
+    pub(super) fn set_cell(&mut self, at: [u32; 2], cell: Sample) {
         let tile = self.tile(at);
         let cells = &mut self.tiles[tile].cells;
         cells.push(cell);
@@ -166,11 +175,11 @@ mod tests {
                 halved.insert((at, size), is);
             }
             if !tiles.is_first(at) {
-                let known = tiles.cell(at).map(|cell| cell.solutions);
+                let known = tiles.cell(at).map(|sample| sample.cell.solutions);
                 assert_eq!(known, cells.get(&at).copied(), "{at:?}");
                 seen[2 + usize::from(known.is_some())] += 1;
                 if known.is_none() {
-                    tiles.set_cell(at, Cell { solutions: step, ..Cell::EMPTY });
+                    tiles.set_cell(at, Sample { cell: Cell { solutions: step, ..Cell::EMPTY }, order: None });
                     cells.insert(at, step);
                 }
             }

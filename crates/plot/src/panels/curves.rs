@@ -124,7 +124,7 @@ pub enum Mark {
 pub struct Series {
     /// Its name in the legend; without one it has no entry.
     pub name: String,
-    /// Which of the colours of lines.
+    /// Which of the colours of lines, [`LINES`](crate::palette::LINES); beyond them [`BORDERS`](crate::palette::BORDERS).
     pub colour: usize,
     /// The line.
     pub stroke: Stroke,

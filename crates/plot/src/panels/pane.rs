@@ -8,7 +8,7 @@ use crate::backend::drawing::{Drawing, Fill, Line, Place, Rgb, Shape};
 use crate::backend::markers;
 use crate::backend::page::Page;
 use crate::backend::strokes::thinned;
-use crate::map::palette::LINES;
+use crate::map::palette::{BORDERS, LINES};
 use crate::panels::curves::{Mark, Pane, Scale, Series, Stroke};
 
 /// Multipliers beyond this leave the picture: next to a grazing impact they grow without bound.
@@ -18,7 +18,8 @@ const HIGHEST: f64 = 1e5;
 const DASH: [f64; 2] = [8.0, 5.0];
 
 fn colour(index: usize) -> Rgb {
-    LINES[index % LINES.len()]
+    let index = index % (LINES.len() + BORDERS.len());
+    LINES.get(index).copied().unwrap_or_else(|| BORDERS[index - LINES.len()])
 }
 
 /// A range with some air about it.

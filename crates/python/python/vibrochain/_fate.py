@@ -57,7 +57,7 @@ def fate(
     breathers: str = "class",
     starts: SupportsIndex = 16,
     perturb: float = 1e-3,
-    seed: int = 1,
+    seed: SupportsIndex = 1,
     periods: SupportsIndex = 2000,
     transient: float = 0.5,
     tolerance: float = 0.02,

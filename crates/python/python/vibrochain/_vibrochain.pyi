@@ -454,7 +454,7 @@ def _fate(
     breathers: str,
     starts: SupportsIndex,
     perturb: float,
-    seed: int,
+    seed: SupportsIndex,
     periods: SupportsIndex,
     transient: float,
     tolerance: float,
