@@ -263,7 +263,10 @@ impl<'a, 'b> Refiner<'a, 'b> {
     /// Where it differs, but for what the edge of a stripe explains that is surely beyond all cells of the square: these are then alike.
     fn unexplained(&mut self, square: Extent, here: Seen) -> Option<[bool; 3]> {
         let round @ [right, above, across] = self.seen_round(square)?;
-        if are_parted([here, right, above, across]) {
+        // Where words are looked for, what takes longest has been done: nothing is left to guess.
+        if self.ground.ordered
+            && (are_parted([here, right, above, across]) || round.iter().any(|there| there.lives != here.lives))
+        {
             return Some([true; 3]);
         }
         let mut differ = [false; 3];
