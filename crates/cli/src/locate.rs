@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_floquet::{
@@ -69,7 +70,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     };
     console.answer(&text, args.json, taken)?;
     let Some(mut table) = table else { return Ok(()) };
-    answer.located.iter().try_for_each(|found| table.row(fields(found)))?;
+    answer.located.iter().try_for_each(|found| table.record(&fields(found)))?;
     Ok(table.finish()?)
 }
 
@@ -79,25 +80,21 @@ const FREE: &str = "value";
 const HEADER: [&str; 9] = ["event", FREE, "error", "impulses", "phi", "psi", "period", "physical", "multiplier"];
 
 /// A row of the table.
-fn fields(found: &Located) -> [String; 9] {
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let orbit = &found.orbit;
-    let impulses: Vec<String> = orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
-    let multiplier = match found.evidence {
-        Evidence::Multiplier(mu) => format!("{} {}", mu.re, mu.im),
-        Evidence::Touch(_) | Evidence::Impact(_) => String::new(),
-    };
-    [
-        found.event.name().to_owned(),
-        found.value.to_string(),
-        number(found.error.is_finite().then_some(found.error)),
-        impulses.join(" "),
-        number(orbit.phi()),
-        number(orbit.psi()),
-        orbit.period().to_string(),
-        found.physical.map_or(String::new(), |physical| physical.to_string()),
-        multiplier,
-    ]
+fn fields(found: &Located) -> impl Serialize {
+    let (orbit, multiplier) = (
+        &found.orbit,
+        match found.evidence {
+            Evidence::Multiplier(mu) => Some([mu.re, mu.im]),
+            Evidence::Touch(_) | Evidence::Impact(_) => None,
+        },
+    );
+    let (phi, psi, period) = (orbit.phi(), orbit.psi(), orbit.period());
+    (found.event, found.value, found.error, impulses(orbit), phi, psi, period, found.physical, multiplier)
+}
+
+/// The impulses of an orbit, in the order of its impacts.
+pub(crate) fn impulses(orbit: &Orbit) -> Vec<f64> {
+    orbit.impacts().iter().map(|impact| impact.impulse).collect()
 }
 
 /// The range that is searched must hold the start; what does not is told by its flag.

@@ -1,6 +1,5 @@
 //! Forces of several harmonics on the command line and in files.
 
-use serde_json::{Value, json};
 use vibrochain_lattice::{Force, Harmonic, Model};
 
 /// Reads a force as `--force` gives it, `number:amplitude[:phase]` for each harmonic, with commas between.
@@ -32,12 +31,6 @@ fn harmonic(text: &str) -> Result<Harmonic, String> {
         amplitude: amplitude.parse().map_err(|_| wrong("an amplitude that is no number"))?,
         phase: phase.parse().map_err(|_| wrong("a phase that is no number"))?,
     })
-}
-
-/// The force as a scene gives it: its harmonics.
-pub fn value(force: &Force) -> Value {
-    let one = |harmonic: &Harmonic| json!({ "harmonic": harmonic.number, "amplitude": harmonic.amplitude, "phase": harmonic.phase });
-    force.harmonics().iter().map(one).collect()
 }
 
 /// Force and restitution for captions; nothing for a conservative model.

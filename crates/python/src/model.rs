@@ -30,7 +30,8 @@ impl PyModel {
             None if amplitude.is_none() && force.is_none() => 1.0,
             None => return Err(without_restitution().into()),
         };
-        let model = match (amplitude, force) {
+        let point = chain.0.point().omega(omega).asymmetry(asymmetry).restitution(restitution);
+        let point = match (amplitude, force) {
             (Some(amplitude), Some(_)) => {
                 let message = format!(
                     "amplitude = {} and force are both given, but a force has amplitudes of its own: remove one of the two",
@@ -38,10 +39,10 @@ impl PyModel {
                 );
                 return Err(Failure::request(message).into());
             }
-            (None, Some(force)) => Model::with_force(chain.0, omega, asymmetry, &force.0, restitution),
-            (amplitude, None) => Model::forced(chain.0, omega, asymmetry, amplitude.unwrap_or(0.0), restitution),
+            (None, Some(force)) => point.under(&force.0),
+            (amplitude, None) => point.amplitude(amplitude.unwrap_or(0.0)),
         };
-        Ok(Self(model.map_err(Failure::from)?))
+        Ok(Self(point.model().map_err(Failure::from)?))
     }
 
     /// Chain : the lattice.
@@ -50,40 +51,16 @@ impl PyModel {
         PyChain(*self.0.chain())
     }
 
-    /// float : frequency of the force.
-    #[getter]
-    fn omega(&self) -> f64 {
-        self.0.omega()
-    }
-
     /// float : period of the force, 2 pi / omega.
     #[getter]
     fn period(&self) -> f64 {
         self.0.period()
     }
 
-    /// float : centre of the gap.
-    #[getter]
-    fn asymmetry(&self) -> f64 {
-        self.0.asymmetry()
-    }
-
-    /// float : amplitude of the force; of several harmonics the sum of the moduli of theirs.
-    #[getter]
-    fn amplitude(&self) -> f64 {
-        self.0.amplitude()
-    }
-
     /// Force : the force.
     #[getter]
     fn force(&self) -> PyForce {
         PyForce(*self.0.force())
-    }
-
-    /// float : coefficient of restitution.
-    #[getter]
-    fn restitution(&self) -> f64 {
-        self.0.restitution()
     }
 
     /// bool : no force and elastic impacts.

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args, ValueEnum};
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::numbers::{real, whole};
-use vibrochain_maps::point::Parameter;
 
 use super::model::{ModelArgs, WhichArgs};
 use super::quantity::{OF_BRANCHES, QuantityName, SHOWN_NAMES, among};

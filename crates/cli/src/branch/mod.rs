@@ -25,7 +25,9 @@ use crate::common::picture_files::PictureFiles;
 use crate::common::schemas::BRANCH;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::common::which;
-use crate::locate::{Start, error_text, event, evidence_text, located_json, message, range, start, verdict_json};
+use crate::locate::{
+    Start, error_text, event, evidence_text, impulses, located_json, message, range, start, verdict_json,
+};
 use crate::orbit::{point_value, with_word};
 use crate::sweep::report::counted;
 
@@ -100,7 +102,7 @@ fn point_json(point: &DiagramPoint) -> Value {
         "period": point.orbit.period(),
         "phi": point.orbit.phi(),
         "psi": point.orbit.psi(),
-        "impulses": point.orbit.impacts().iter().map(|impact| impact.impulse).collect::<Vec<_>>(),
+        "impulses": impulses(&point.orbit),
         "margin": point.margin,
         "physical": point.physical,
         "stability": point.verdict.as_ref().map(verdict_json),

@@ -23,7 +23,7 @@ use crate::common::picture_files::PictureFiles;
 use crate::common::schemas::CURVE;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::curve::table::{About, header, write};
-use crate::locate::{Start, event, message, range, start};
+use crate::locate::{Start, event, impulses, message, range, start};
 use crate::orbit::{point_value, with_word};
 
 /// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
@@ -118,9 +118,6 @@ impl Curves {
     /// Whether an event lies on one of the curves that were followed already.
     fn holds(&self, located: &Located, tolerance: f64) -> bool {
         let place = self.window.parts(self.window.place(located.orbit.model()));
-        let impulses = |orbit: &vibrochain_breather::Orbit| -> Vec<f64> {
-            orbit.impacts().iter().map(|impact| impact.impulse).collect()
-        };
         let own = impulses(&located.orbit);
         let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
         self.list.iter().any(|curve| {
@@ -160,7 +157,7 @@ impl Curves {
                 "error": point.error.is_finite().then_some(point.error),
                 "angle": point.angle,
                 "physical": point.physical,
-                "impulses": point.orbit.impacts().iter().map(|impact| impact.impulse).collect::<Vec<_>>(),
+                "impulses": impulses(&point.orbit),
                 "phi": point.orbit.phi(),
                 "psi": point.orbit.psi(),
             })

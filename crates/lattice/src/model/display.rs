@@ -6,6 +6,7 @@ use crate::error::Short;
 use crate::model::force::{Force, Harmonic};
 use crate::model::parameter::Parameter;
 use crate::model::params::{Barrier, Chain, Layout, Model};
+use crate::model::point::Point;
 use crate::modes::row::Ends;
 
 /// The name in files.
@@ -62,21 +63,28 @@ impl Display for Layout {
 
 impl Display for Chain {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let (gamma1, gamma2) = (Short(self.gamma1()), Short(self.gamma2()));
-        write!(f, "{}, gamma1 = {gamma1}, gamma2 = {gamma2}", self.layout())?;
-        if self.layers() > 1 { write!(f, ", gamma3 = {}", Short(self.gamma3())) } else { Ok(()) }
+        write!(f, "{}", self.layout())?;
+        values(f, &self.point(), Parameter::is_of_lattice)
     }
 }
 
 impl Display for Model {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(f, "{}, omega = {}, asymmetry = {}, ", self.chain(), Short(self.omega()), Short(self.asymmetry()))?;
-        match self.force().cosine_amplitude() {
-            Some(amplitude) => write!(f, "amplitude = {}", Short(amplitude))?,
-            None => write!(f, "force = {}", self.force())?,
-        }
-        write!(f, ", restitution = {}", Short(self.restitution()))
+        write!(f, "{}", self.chain().layout())?;
+        values(f, &self.point(), |_| true)
     }
+}
+
+/// ", gamma1 = 0.2, gamma2 = 0.1": each that is worth a word.
+fn values(f: &mut Formatter<'_>, point: &Point, wanted: impl Fn(Parameter) -> bool) -> Result {
+    for parameter in Parameter::told().filter(|parameter| wanted(*parameter)) {
+        match &point.force {
+            Some(force) if parameter == Parameter::Amplitude => write!(f, ", force = {force}")?,
+            _ if point.tells(parameter) => write!(f, ", {parameter} = {}", Short(point.get(parameter)))?,
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
