@@ -5,12 +5,10 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{
-    Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate_until,
-};
+use vibrochain_floquet::{Answer, BranchedOrbit, End, Evidence, Located, Mechanism, Search, Verdict, locate_until};
 use vibrochain_lattice::{Model, Parameter, Short, Stop};
 
-use crate::args::{AlongArgs, EventName, LocateArgs};
+use crate::args::{AlongArgs, LocateArgs};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::model::{Chosen, chosen};
@@ -20,16 +18,6 @@ use crate::orbit::{orbit_value, point_value, with_layer, with_word};
 use crate::sweep::report::counted;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
-
-pub(crate) fn event(name: EventName) -> Event {
-    match name {
-        EventName::Grazing => Event::Grazing,
-        EventName::Pitchfork => Event::Pitchfork,
-        EventName::PeriodDoubling => Event::PeriodDoubling,
-        EventName::NeimarkSacker => Event::NeimarkSacker,
-        EventName::Fold => Event::Fold,
-    }
-}
 
 /// The orbit to start from, its number among all solutions, and theirs.
 pub(crate) struct Start {
@@ -58,7 +46,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let stop = (console.interrupt)()?;
     let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
     let start = start(&args.along, &stop, console)?;
-    let mut search = Search::new(&start.orbit, event(args.event), args.along.free);
+    let mut search = Search::new(&start.orbit, args.event, args.along.free);
     let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
     (search.from, search.to) = (from.unwrap_or(search.from), to.unwrap_or(search.to));
     let mut answer = locate_until(&start.orbit, &search, &stop)?;

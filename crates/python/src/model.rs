@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use vibrochain_breather::{BreatherError, Family, Finder, Found, MAX_IMPACTS, Wanted, Word, breathers};
 use vibrochain_lattice::{Model, Parameter, Short};
 
@@ -176,23 +176,24 @@ impl PyModel {
     }
 
     fn __repr__(&self) -> String {
-        let model = &self.0;
-        let (omega, asymmetry) = (Short(model.omega()), Short(model.asymmetry()));
-        let mut text = format!("Model({}, omega={omega}, asymmetry={asymmetry}", self.chain().__repr__());
-        // Writing to a String cannot fail.
-        let _ = match model.force().cosine_amplitude() {
-            Some(0.0) => Ok(()),
-            Some(amplitude) => write!(text, ", amplitude={}", Short(amplitude)),
-            None => write!(text, ", force={}", self.force().__repr__()),
-        };
-        if model.restitution() != 1.0 || model.amplitude() > 0.0 {
-            let _ = write!(text, ", restitution={}", Short(model.restitution()));
+        let (model, point) = (&self.0, self.0.point());
+        let mut text = format!("Model({}", self.chain().__repr__());
+        for parameter in Parameter::told().filter(|parameter| !parameter.is_of_lattice()) {
+            let value = point.get(parameter);
+            // Writing to a String cannot fail.
+            let _ = match (parameter, &point.force) {
+                (Parameter::Amplitude, Some(_)) => write!(text, ", force={}", self.force().__repr__()),
+                (Parameter::Amplitude | Parameter::Restitution, _) if model.is_conservative() => Ok(()),
+                (Parameter::Amplitude, None) if value == 0.0 => Ok(()),
+                _ if point.tells(parameter) => write!(text, ", {parameter}={}", Short(value)),
+                _ => Ok(()),
+            };
         }
         text + ")"
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        (self.chain(), self.0.omega(), self.0.asymmetry(), self.force(), self.0.restitution()).into_pyobject(py)?.hash()
+        (self.chain(), self.force(), PyTuple::new(py, self.0.point().values)?).into_pyobject(py)?.hash()
     }
 }
 

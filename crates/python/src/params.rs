@@ -138,17 +138,21 @@ impl PyChain {
     }
 
     pub(crate) fn __repr__(&self) -> String {
-        let chain = &self.0;
+        let (chain, point) = (&self.0, self.0.point());
         let mut text = format!("Chain({}, {}, {}", chain.length(), Short(chain.gamma1()), Short(chain.gamma2()));
         // Writing to a String cannot fail.
         if chain.ends() != Ends::Closed {
             let _ = write!(text, ", ends=\"{}\"", chain.ends());
         }
         if chain.layers() > 1 {
-            let _ = write!(text, ", layers={}, gamma3={}", chain.layers(), Short(chain.gamma3()));
-            if chain.layer_ends() != Ends::Free {
-                let _ = write!(text, ", layer_ends=\"{}\"", chain.layer_ends());
-            }
+            let _ = write!(text, ", layers={}", chain.layers());
+        }
+        let named = |one: &Parameter| one.is_of_lattice() && one.row().default.is_some() && point.tells(*one);
+        for parameter in Parameter::ALL.into_iter().filter(named) {
+            let _ = write!(text, ", {parameter}={}", Short(point.get(parameter)));
+        }
+        if chain.layers() > 1 && chain.layer_ends() != Ends::Free {
+            let _ = write!(text, ", layer_ends=\"{}\"", chain.layer_ends());
         }
         text + ")"
     }
@@ -156,7 +160,7 @@ impl PyChain {
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
         let chain = &self.0;
         let rows = (chain.length(), chain.ends().name(), chain.layers(), self.layer_ends());
-        (rows, chain.gamma1(), chain.gamma2(), chain.gamma3()).into_pyobject(py)?.hash()
+        (rows, PyTuple::new(py, chain.point().values)?).into_pyobject(py)?.hash()
     }
 }
 

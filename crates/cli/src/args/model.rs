@@ -3,24 +3,30 @@
 use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, ValueEnum};
-use vibrochain_breather::{MAX_IMPACTS, Word};
-use vibrochain_lattice::{Force, Parameter, Row};
+use vibrochain_breather::{Family, MAX_IMPACTS, Word};
+use vibrochain_lattice::{Ends, Force, Parameter, Row};
 use vibrochain_maps::numbers::{real, whole};
+
+use super::quantity::{Meanings, by_name};
 
 /// Headings of help, which each flag names ([`PICTURES`](crate::common::page_args::PICTURES)).
 const MODEL: &str = "Model";
 const WHICH: &str = "Breathers";
 
-/// Families as named on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FamilyName {
-    /// One impact on each barrier a period.
-    DoubleSided,
-    /// One impact a period, on the nearer barrier.
-    SingleSided,
-    /// Two different impacts on the nearer barrier in two periods of the force.
-    PeriodDoubled,
-}
+/// Families, and what each is.
+const FAMILIES: Meanings<Family> = &[
+    (Family::DoubleSided, "One impact on each barrier a period"),
+    (Family::SingleSided, "One impact a period, on the nearer barrier"),
+    (Family::PeriodDoubled, "Two different impacts on the nearer barrier in two periods of the force"),
+];
+
+/// What stands at the ends of a chain; and below the first and above the last layer.
+const ENDS: Meanings<Ends> = &[
+    (Ends::Closed, "Each other: a ring"),
+    (Ends::Free, "Nothing"),
+    (Ends::Fixed, "Walls, to which springs go as between neighbours"),
+];
+const LAYER_ENDS: Meanings<Ends> = &[(Ends::Closed, "Each other"), (Ends::Free, "Nothing")];
 
 /// The model: its parameters as flags, or a scene's, some of them changed by flags.
 #[derive(Debug, Args)]
@@ -37,17 +43,17 @@ pub struct ModelArgs {
     pub values: ParameterArgs,
     /// Force of several odd harmonics, instead of --amplitude: number:amplitude:phase of each, as in 1:0.1:0,3:0.03:1.57
     /// for 0.1 cos ω(t+ψ) + 0.03 cos(3ω(t+ψ) + 1.57).
-    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Amplitude) + 1, value_name = "J:A:θ,…", conflicts_with = "amplitude", value_parser = vibrochain_maps::force::parse)]
+    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Amplitude) + 1, value_name = "J:A:θ,…", conflicts_with = "amplitude")]
     pub force: Option<Force>,
     /// What stands at the ends of the chain: each other, nothing, or walls [default: closed].
-    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 1, value_enum)]
-    pub ends: Option<EndsName>,
+    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 1, value_parser = by_name(ENDS, Ends::name))]
+    pub ends: Option<Ends>,
     /// Number of equal chains side by side, coupled mass by mass [default: 1].
     #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 2, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub layers: Option<i64>,
     /// Whether the last layer is the first one's neighbour, too [default: free].
-    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Gamma3) + 1, value_enum)]
-    pub layer_ends: Option<LayerEndsName>,
+    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Gamma3) + 1, value_parser = by_name(LAYER_ENDS, Ends::name))]
+    pub layer_ends: Option<Ends>,
 }
 
 /// Where the flag of a parameter stands in help, among the other flags of a model.
@@ -92,34 +98,14 @@ impl FromArgMatches for ParameterArgs {
     }
 }
 
-/// What stands at the ends of a chain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum EndsName {
-    /// Each other: a ring.
-    Closed,
-    /// Nothing.
-    Free,
-    /// Walls, to which springs go as between neighbours.
-    Fixed,
-}
-
-/// What stands below the first and above the last layer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum LayerEndsName {
-    /// Each other.
-    Closed,
-    /// Nothing.
-    Free,
-}
-
 /// Which breathers: of a family, of any impact word, or near a given one. With --scene: the one family or word of the scene, or the orbit
 /// of the file, if none of them is given.
 #[derive(Debug, Clone, Args)]
 #[group(skip)]
 pub struct WhichArgs {
     /// Family of breathers.
-    #[arg(long, help_heading = WHICH, value_enum, group = "which")]
-    pub family: Option<FamilyName>,
+    #[arg(long, help_heading = WHICH, value_parser = by_name(FAMILIES, Family::name), group = "which")]
+    pub family: Option<Family>,
     /// Breathers of an impact word: instants separated by commas or spaces, each one or more impacts, SITE+ on the upper or SITE- on
     /// the lower barrier, as in "0+3+,0-3-" for two masses in phase; SITE:LAYER+ where there are layers.
     #[arg(long, help_heading = WHICH, value_name = "WORD", group = "which")]

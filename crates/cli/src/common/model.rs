@@ -4,7 +4,7 @@ use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Ends, Layout, MAX_SITES, Model, Parameter, Part, Point, Short};
 use vibrochain_maps::scene::{Given, tolerance_from};
 
-use crate::args::{EndsName, LayerEndsName, ModelArgs};
+use crate::args::ModelArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 
@@ -124,27 +124,12 @@ impl Changed {
                 self.value(name, flag, there, usize::try_from(flag) != Ok(there));
             }
         }
-        let ends = [("ends", args.ends.map(ends), along), ("layer_ends", args.layer_ends.map(rows_ends), layer_ends)];
+        let ends = [("ends", args.ends, along), ("layer_ends", args.layer_ends, layer_ends)];
         for (name, flag, there) in ends {
             if let Some(flag) = flag {
                 self.value(name, flag.name(), there.name(), flag != there);
             }
         }
-    }
-}
-
-fn ends(name: EndsName) -> Ends {
-    match name {
-        EndsName::Closed => Ends::Closed,
-        EndsName::Free => Ends::Free,
-        EndsName::Fixed => Ends::Fixed,
-    }
-}
-
-fn rows_ends(name: LayerEndsName) -> Ends {
-    match name {
-        LayerEndsName::Closed => Ends::Closed,
-        LayerEndsName::Free => Ends::Free,
     }
 }
 
@@ -165,9 +150,9 @@ fn layout(args: &ModelArgs, given: Option<&Given>) -> Result<Layout, CliError> {
     }
     Ok(Layout {
         length,
-        ends: args.ends.map(ends).or(there.map(|there| there.ends)).unwrap_or(Ends::Closed),
+        ends: args.ends.or(there.map(|there| there.ends)).unwrap_or(Ends::Closed),
         layers,
-        layer_ends: args.layer_ends.map(rows_ends).or(there.map(|there| there.layer_ends)).unwrap_or(Ends::Free),
+        layer_ends: args.layer_ends.or(there.map(|there| there.layer_ends)).unwrap_or(Ends::Free),
     })
 }
 

@@ -1,6 +1,7 @@
 //! Values in words, one line each; numbers in the fewest digits that read back the same.
 
 use std::fmt::{Display, Formatter, Result};
+use std::str::FromStr;
 
 use crate::error::Short;
 use crate::model::force::{Force, Harmonic};
@@ -39,6 +40,38 @@ impl Display for Force {
         }
         Ok(())
     }
+}
+
+/// As [`Force`] is written; the phase may be left out.
+///
+/// ```
+/// use vibrochain_lattice::Force;
+/// let force: Force = "1:0.1:0,3:-0.03".parse().unwrap();
+/// assert_eq!(force.to_string(), "1:0.1:0,3:-0.03:0");
+/// assert!("1:0.1:0,2:0.03".parse::<Force>().unwrap_err().contains("harmonic = 2"));
+/// ```
+impl FromStr for Force {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let harmonics = text.split(',').map(harmonic).collect::<std::result::Result<Vec<_>, _>>()?;
+        Self::new(&harmonics).map_err(|error| error.to_string())
+    }
+}
+
+fn harmonic(text: &str) -> std::result::Result<Harmonic, String> {
+    let wrong = |what: &str| format!("`{text}` has {what}: give number:amplitude:phase, as in 1:0.1:0,3:0.03:1.57");
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+    let (number, amplitude, phase) = match parts[..] {
+        [number, amplitude] => (number, amplitude, "0"),
+        [number, amplitude, phase] => (number, amplitude, phase),
+        _ => return Err(wrong("not two or three parts")),
+    };
+    Ok(Harmonic {
+        number: number.parse().map_err(|_| wrong("no whole number in front"))?,
+        amplitude: amplitude.parse().map_err(|_| wrong("an amplitude that is no number"))?,
+        phase: phase.parse().map_err(|_| wrong("a phase that is no number"))?,
+    })
 }
 
 /// "21 masses (N = 20)", "12 masses, free ends", "11 masses × 2 layers".

@@ -115,10 +115,13 @@ impl Point {
         let chain = self.chain()?;
         let (omega, asymmetry) = (self.get(Parameter::Omega), self.get(Parameter::Asymmetry));
         let (amplitude, restitution) = (self.get(Parameter::Amplitude), self.get(Parameter::Restitution));
-        match &self.force {
-            None => Model::forced(chain, omega, asymmetry, amplitude, restitution),
-            Some(force) => Model::with_force(chain, omega, asymmetry, force, restitution),
-        }
+        let model = match &self.force {
+            None => Model::forced(chain, omega, asymmetry, amplitude, restitution)?,
+            Some(force) => Model::with_force(chain, omega, asymmetry, force, restitution)?,
+        };
+        // Whatever the constructors leave to the table.
+        Parameter::ALL.into_iter().try_for_each(|parameter| parameter.check(self.get(parameter)))?;
+        Ok(model)
     }
 }
 
