@@ -76,7 +76,7 @@ impl Args for ParameterArgs {
     fn augment_args(command: Command) -> Command {
         command.args(Parameter::ALL.map(|parameter| {
             let Row { name, symbol, help, default, .. } = parameter.row();
-            let flag = Arg::new(*name).long(*name).value_name(*symbol).help(*help).help_heading(MODEL);
+            let flag = Arg::new(*name).long(parameter.flag()).value_name(*symbol).help(*help).help_heading(MODEL);
             let flag = flag.display_order(place(parameter)).value_parser(real).allow_negative_numbers(true);
             if default.is_none() { flag.required_unless_present("scene") } else { flag }
         }))

@@ -78,7 +78,7 @@ pub fn model(args: &ModelArgs) -> Result<Chosen, CliError> {
     }
     let absent = |parameter: &Parameter| !Parameter::of(layout.layers).contains(parameter);
     if let Some(parameter) = Parameter::ALL.into_iter().filter(absent).find(|one| args.values.get(*one).is_some()) {
-        let message = format!("--{parameter} couples layers, of which there is one: give --layers, too");
+        let message = format!("--{} couples layers, of which there is one: give --layers, too", parameter.flag());
         return Err(CliError::Request(message));
     }
     // A force by its harmonics, unless the flags have a plain one.
@@ -158,7 +158,7 @@ fn layout(args: &ModelArgs, given: Option<&Given>) -> Result<Layout, CliError> {
 
 /// The value of a parameter that neither flags nor file give.
 fn absent(args: &ModelArgs, given: Option<&Given>, parameter: Parameter) -> Result<f64, CliError> {
-    let name = parameter.name();
+    let (name, flag) = (parameter.name(), parameter.flag());
     let request = |message: String| Err(CliError::Request(message));
     let forced = args.values.get(Parameter::Amplitude).is_some()
         || args.force.is_some()
@@ -168,13 +168,13 @@ fn absent(args: &ModelArgs, given: Option<&Given>, parameter: Parameter) -> Resu
     }
     if let Some((given, axis)) = given.and_then(|given| Some((given, given.axis(parameter)?))) {
         let [from, to] = axis.limits().map(Short);
-        return request(format!("{name} is swept by {}, from {from} to {to}: give --{name}", given.path.display()));
+        return request(format!("{name} is swept by {}, from {from} to {to}: give --{flag}", given.path.display()));
     }
     match (parameter.row().default, parameter.row().part) {
-        (None, _) => request(format!("{name} is missing: give --{name}")),
-        (Some(_), Part::Layers) => request(format!("{name} is missing: layers need --{name}")),
+        (None, _) => request(format!("{name} is missing: give --{flag}")),
+        (Some(_), Part::Layers) => request(format!("{name} is missing: layers need --{flag}")),
         (Some(_), Part::Driving) if forced && parameter != Parameter::Amplitude => {
-            request(format!("{name} is missing: a force needs --{name}"))
+            request(format!("{name} is missing: a force needs --{flag}"))
         }
         (Some(default), _) => Ok(default),
     }

@@ -45,7 +45,7 @@ pub enum Part {
 /// A row of the table.
 #[derive(Debug)]
 pub struct Row {
-    /// The name in scenes, flags, tables, JSON and Python.
+    /// The name in scenes, tables, JSON and Python; words are joined by `_`, in its flag by `-`.
     pub name: &'static str,
     /// The letter on pictures, and of its flag's value.
     pub symbol: &'static str,
@@ -120,7 +120,7 @@ macro_rules! table {
     ($($(#[$doc:meta])* $variant:ident $name:ident { $($rest:tt)* })*) => {
         /// A real parameter of the model, which a sweep can vary or a search can solve for.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
         pub enum Parameter {
             $($(#[$doc])* $variant,)*
         }
@@ -158,6 +158,11 @@ impl Parameter {
     /// The name in scenes, flags and tables.
     pub fn name(self) -> &'static str {
         self.row().name
+    }
+
+    /// The name of its flag, without the two hyphens before it.
+    pub fn flag(self) -> String {
+        self.name().replace('_', "-")
     }
 
     /// The letter on pictures.

@@ -195,6 +195,7 @@ mod tests {
                 assert_eq!(changed.get(other), expected, "{parameter:?} {other:?}");
             }
             assert_eq!(Parameter::from_name(parameter.name()), Some(parameter));
+            assert!(parameter.flag().chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'));
             assert!(model.with(parameter, -1.0).is_err());
             assert!(model.point().with(parameter, f64::NAN).model().is_err(), "{parameter}");
             let row = parameter.row();
