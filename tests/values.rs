@@ -121,7 +121,7 @@ fn what_is_out_of_range_is_refused_in_the_librarys_words() {
         (json!({ "amplitude": 0.1, "force": term }), both.to_owned()),
         (json!({ "force": [{ "harmonic": 2, "amplitude": 0.1 }] }), "harmonic = 2 is out of range".to_owned()),
         (json!({ "force": [] }), "number of harmonics = 0 is out of range".to_owned()),
-        (json!({ "frequency": 1.5 }), "unknown field `frequency`".to_owned()),
+        (json!({ "frequency": 1.5 }), "unknown variant `frequency`, expected one of `gamma1`".to_owned()),
         (json!({ "sites": -1 }), "invalid value: integer `-1`".to_owned()),
         (json!({ "omega": null }), "invalid type: null".to_owned()),
     ] {

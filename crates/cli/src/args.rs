@@ -18,8 +18,8 @@ use crate::common::tips;
 
 use crate::common::page_args::{PICTURES, PageArgs};
 
-pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, EventName, LocateArgs};
-pub use model::{EndsName, FamilyName, LayerEndsName, ModelArgs, SiteFamily, WhichArgs};
+pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, LocateArgs};
+pub use model::{ModelArgs, ParameterArgs, SiteFamily, WhichArgs};
 pub use quantity::QuantityName;
 #[cfg(feature = "plot")]
 pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN};

@@ -77,19 +77,11 @@ fn stripe(border: &Border) -> String {
 }
 
 fn write_borders(borders: &Borders, mut table: CsvFile) -> Result<(), CliError> {
-    let number = |value: f64| if value.is_finite() { value.to_string() } else { String::new() };
     for (i, border) in borders.borders.iter().enumerate() {
         for point in &border.points {
-            table.row([
-                (i + 1).to_string(),
-                border.family.clone(),
-                border.kind.to_string(),
-                point.values[0].to_string(),
-                point.values[1].to_string(),
-                number(point.error),
-                stripe(border),
-                point.half_width.map_or(String::new(), number),
-            ])?;
+            let [x, y] = point.values;
+            let (family, event) = (&border.family, border.kind.name());
+            table.record(&(i + 1, family, event, x, y, point.error, stripe(border), point.half_width))?;
         }
     }
     Ok(table.finish()?)
@@ -99,15 +91,7 @@ fn write_points(borders: &Borders, mut table: CsvFile) -> Result<(), CliError> {
     for (i, border) in borders.borders.iter().enumerate() {
         for (special, point, error) in &border.special {
             let [x, y] = border.points[*point].values;
-            table.row([
-                (i + 1).to_string(),
-                border.family.clone(),
-                border.kind.to_string(),
-                special.to_string(),
-                x.to_string(),
-                y.to_string(),
-                error.to_string(),
-            ])?;
+            table.record(&(i + 1, &border.family, border.kind.name(), special.to_string(), x, y, error))?;
         }
     }
     Ok(table.finish()?)

@@ -2,14 +2,13 @@
 
 use std::fmt::Write as _;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{
-    Answer, BranchedOrbit, End, Event, Evidence, Located, Mechanism, Search, Verdict, locate_until,
-};
+use vibrochain_floquet::{Answer, BranchedOrbit, End, Evidence, Located, Mechanism, Search, Verdict, locate_until};
 use vibrochain_lattice::{Model, Parameter, Short, Stop};
 
-use crate::args::{AlongArgs, EventName, LocateArgs};
+use crate::args::{AlongArgs, LocateArgs};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::model::{Chosen, chosen};
@@ -19,16 +18,6 @@ use crate::orbit::{orbit_value, point_value, with_layer, with_word};
 use crate::sweep::report::counted;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
-
-pub(crate) fn event(name: EventName) -> Event {
-    match name {
-        EventName::Grazing => Event::Grazing,
-        EventName::Pitchfork => Event::Pitchfork,
-        EventName::PeriodDoubling => Event::PeriodDoubling,
-        EventName::NeimarkSacker => Event::NeimarkSacker,
-        EventName::Fold => Event::Fold,
-    }
-}
 
 /// The orbit to start from, its number among all solutions, and theirs.
 pub(crate) struct Start {
@@ -57,7 +46,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let stop = (console.interrupt)()?;
     let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
     let start = start(&args.along, &stop, console)?;
-    let mut search = Search::new(&start.orbit, event(args.event), args.along.free);
+    let mut search = Search::new(&start.orbit, args.event, args.along.free);
     let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
     (search.from, search.to) = (from.unwrap_or(search.from), to.unwrap_or(search.to));
     let mut answer = locate_until(&start.orbit, &search, &stop)?;
@@ -69,7 +58,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     };
     console.answer(&text, args.json, taken)?;
     let Some(mut table) = table else { return Ok(()) };
-    answer.located.iter().try_for_each(|found| table.row(fields(found)))?;
+    answer.located.iter().try_for_each(|found| table.record(&fields(found)))?;
     Ok(table.finish()?)
 }
 
@@ -79,25 +68,21 @@ const FREE: &str = "value";
 const HEADER: [&str; 9] = ["event", FREE, "error", "impulses", "phi", "psi", "period", "physical", "multiplier"];
 
 /// A row of the table.
-fn fields(found: &Located) -> [String; 9] {
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let orbit = &found.orbit;
-    let impulses: Vec<String> = orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
-    let multiplier = match found.evidence {
-        Evidence::Multiplier(mu) => format!("{} {}", mu.re, mu.im),
-        Evidence::Touch(_) | Evidence::Impact(_) => String::new(),
-    };
-    [
-        found.event.name().to_owned(),
-        found.value.to_string(),
-        number(found.error.is_finite().then_some(found.error)),
-        impulses.join(" "),
-        number(orbit.phi()),
-        number(orbit.psi()),
-        orbit.period().to_string(),
-        found.physical.map_or(String::new(), |physical| physical.to_string()),
-        multiplier,
-    ]
+fn fields(found: &Located) -> impl Serialize {
+    let (orbit, multiplier) = (
+        &found.orbit,
+        match found.evidence {
+            Evidence::Multiplier(mu) => Some([mu.re, mu.im]),
+            Evidence::Touch(_) | Evidence::Impact(_) => None,
+        },
+    );
+    let (phi, psi, period) = (orbit.phi(), orbit.psi(), orbit.period());
+    (found.event, found.value, found.error, impulses(orbit), phi, psi, period, found.physical, multiplier)
+}
+
+/// The impulses of an orbit, in the order of its impacts.
+pub(crate) fn impulses(orbit: &Orbit) -> Vec<f64> {
+    orbit.impacts().iter().map(|impact| impact.impulse).collect()
 }
 
 /// The range that is searched must hold the start; what does not is told by its flag.

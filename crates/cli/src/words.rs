@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 use vibrochain_breather::{BreatherError, Family, Finder, Found, NoBreather, Obstruction, Wanted, Word};
 use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Layout, Model, Parameter, Stop};
@@ -26,38 +27,22 @@ const HEADER: [&str; 8] =
 const STEPS: u32 = 200;
 const HALVINGS: u32 = 44;
 
-/// One orbit of a word.
+/// One orbit of a word, as tables and JSON have it.
+#[derive(Serialize)]
 struct Row {
     word: String,
     solution: usize,
+    physical: bool,
     margin: Option<f64>,
-    verdict: Option<Verdict>,
+    stable: Option<bool>,
+    mechanism: Option<Mechanism>,
+    spectral_radius: Option<f64>,
     obstruction: Option<String>,
+    #[serde(skip)]
+    verdict: Option<Verdict>,
 }
 
 impl Row {
-    fn is_physical(&self) -> bool {
-        self.obstruction.is_none()
-    }
-
-    /// As a table has it.
-    fn fields(&self) -> [String; 8] {
-        let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-        let verdict = self.verdict.as_ref();
-        let stable = verdict.filter(|verdict| !verdict.marginal).map_or(String::new(), |v| v.stable.to_string());
-        let mechanism = verdict.and_then(|verdict| verdict.mechanism).map_or("", |mechanism| mechanism.name());
-        [
-            self.word.clone(),
-            self.solution.to_string(),
-            self.is_physical().to_string(),
-            number(self.margin),
-            stable,
-            mechanism.to_owned(),
-            number(verdict.map(|verdict| verdict.spectral_radius)),
-            self.obstruction.clone().unwrap_or_default(),
-        ]
-    }
-
     fn is_stable(&self) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| verdict.stable)
     }
@@ -93,8 +78,8 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     };
     console.answer(&answer, args.json, taken)?;
     if let Some(mut file) = file {
-        for row in rows.iter().filter(|row| args.all || row.is_physical()) {
-            file.row(row.fields())?;
+        for row in rows.iter().filter(|row| args.all || row.physical) {
+            file.record(row)?;
         }
         file.finish()?;
     }
@@ -145,9 +130,13 @@ fn rows(model: &Model, words: &[Word], tolerance: Tolerance, stop: &Stop) -> Res
             rows.push(Row {
                 word: word.to_string(),
                 solution: i + 1,
+                physical: obstruction.is_none(),
                 margin: admissibility.margin,
-                verdict,
+                stable: verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
+                mechanism: verdict.and_then(|verdict| verdict.mechanism),
+                spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
                 obstruction,
+                verdict,
             });
         }
     }
@@ -220,20 +209,7 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
 }
 
 fn as_json(model: &Model, words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> String {
-    let one = |row: &Row| {
-        let verdict = row.verdict.as_ref();
-        json!({
-            "word": row.word,
-            "solution": row.solution,
-            "physical": row.is_physical(),
-            "margin": row.margin,
-            "stable": verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
-            "mechanism": verdict.and_then(|verdict| verdict.mechanism).map(Mechanism::name),
-            "spectral_radius": verdict.map(|verdict| verdict.spectral_radius),
-            "obstruction": row.obstruction,
-        })
-    };
-    let listed: Vec<Value> = rows.iter().filter(|row| all || row.is_physical()).map(one).collect();
+    let listed: Vec<&Row> = rows.iter().filter(|row| all || row.physical).collect();
     format!(
         "{:#}\n",
         json!({
@@ -250,7 +226,7 @@ fn as_json(model: &Model, words: &[Word], rows: &[Row], unsearched: &[String], a
 fn text(words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> String {
     let mut out = String::new();
     let width = rows.iter().map(|row| row.word.len()).max().unwrap_or(0);
-    for row in rows.iter().filter(|row| all || row.is_physical()) {
+    for row in rows.iter().filter(|row| all || row.physical) {
         let state = match (&row.obstruction, &row.verdict) {
             (Some(obstruction), _) => format!("not physical: {obstruction}"),
             (None, Some(verdict)) => match verdict.mechanism {
@@ -265,8 +241,8 @@ fn text(words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> Strin
         let margin = row.margin.map_or(String::new(), |margin| format!("margin {margin:.6}, "));
         let _ = writeln!(out, "{:width$}  {margin}{state}", row.word);
     }
-    let physical = rows.iter().filter(|row| row.is_physical()).count();
-    let stable = rows.iter().filter(|row| row.is_physical() && row.is_stable()).count();
+    let physical = rows.iter().filter(|row| row.physical).count();
+    let stable = rows.iter().filter(|row| row.physical && row.is_stable()).count();
     let _ = writeln!(
         out,
         "{} up to symmetry: {}, {physical} physical, {stable} stable",

@@ -171,3 +171,27 @@ fn a_point_without_a_breather_is_exit_code_three() {
     let none = desk.run(&format!("orbit --json {model}")).with(0, &[]);
     assert!(written(&none.out)["solutions"].as_array().unwrap().is_empty());
 }
+
+/// A file that is data has no lines that anybody has seen: what is wrong is told by its key.
+#[test]
+fn what_is_wrong_in_json_is_told_by_its_key() {
+    let desk = Desk::new();
+    let with = |key: &str, value: &str| {
+        format!(r#"{{"model":{{"sites":5,"gamma1":0.2,"gamma2":0.1,"omega":1.5,"asymmetry":0.4,"{key}":{value}}}}}"#)
+    };
+    for (key, value, told) in [
+        ("gamma1", r#""x""#, "model.json: gamma1 = \"x\" is not a number: give one such as 0.2 or 1e-3"),
+        ("sites", "5.5", "model.json: sites = 5.5 is not a whole number"),
+        ("ends", "3", "model.json: ends = 3 is not a text in quotes"),
+        ("force", "[{\"harmonic\":1.5,\"amplitude\":1}]", "model.json: harmonic = 1.5 is not a whole number"),
+        ("gama1", "1", "model.json: unknown key `gama1`: did you mean `gamma1`?"),
+        ("layers", "-1", "model.json: layers = -1 is out of range"),
+    ] {
+        fs::write(desk.path("model.json"), with(key, value)).unwrap();
+        desk.run("orbit --family double-sided --scene model.json").with(2, &[told]);
+    }
+    // What is null is not given.
+    fs::write(desk.path("model.json"), with("restitution", "null")).unwrap();
+    let ran = desk.run("orbit --family double-sided --scene model.json").with(0, &[]);
+    assert!(ran.out.contains("restitution = 1\n"), "{}", ran.out);
+}

@@ -272,6 +272,29 @@ fn words_of_schemas_are_those_of_the_program() {
     assert_eq!(part("scene", "ends"), set(&Ends::ALL.map(Ends::name)));
 }
 
+/// A value is refused by the program where its range in the schema ends, and nowhere else.
+#[test]
+fn ranges_of_parameters_are_those_of_the_program() {
+    let (desk, schema) = (Desk::new(), Schema::named("scene").value());
+    let (mut taken, mut refused) = (0, 0);
+    for parameter in Parameter::ALL.map(Parameter::name) {
+        let rule = Schema::of(schema["$defs"][parameter].clone());
+        for value in [-1.0, 0.0, 1e-101, 1e-100, 0.5, 1.0, 1.0 + f64::EPSILON, 1.5, 1e100, 2e100] {
+            let mut model = json!({
+                "sites": 1, "layers": 2, "gamma1": 0.2, "gamma2": 0.1, "gamma3": 0.05, "omega": 1.5, "asymmetry": 0.4,
+                "amplitude": 0.1, "restitution": 0.9,
+            });
+            model[parameter] = value.into();
+            fs::write(desk.path("model.json"), json!({ "model": model }).to_string()).unwrap();
+            let ran = desk.run("orbit --family single-sided --scene model.json");
+            let is_refused = ran.err.contains(&format!("{parameter} = ")) && ran.err.contains("is out of range: give");
+            assert_eq!(rule.check(&value.into()).is_err(), is_refused, "{parameter} = {value}: {}", ran.err);
+            *(if is_refused { &mut refused } else { &mut taken }) += 1;
+        }
+    }
+    assert!(taken >= 20 && refused >= 14, "{taken} {refused}");
+}
+
 /// What is between backquotes.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)

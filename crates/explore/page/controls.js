@@ -2,14 +2,8 @@
 
 import { post, gone } from "./ask.js";
 import { $, element, unbroken } from "./dom.js";
-import { NAMES, axes, remember, state } from "./state.js";
+import { LAYERED, NAMES, ORDER, RANGES, axes, remember, state } from "./state.js";
 
-// Ends of the sliders; fields take whatever the program takes.
-const RANGES = {
-  gamma1: [0, 2, 0.01], gamma2: [0, 1, 0.005], gamma3: [0, 1, 0.005], omega: [0.1, 5, 0.01], asymmetry: [0, 0.95, 0.01],
-  amplitude: [0, 1, 0.005], restitution: [0.05, 1, 0.01], sites: [1, 101, 1],
-};
-const ORDER = ["sites", "gamma1", "gamma2", "gamma3", "omega", "asymmetry", "amplitude", "restitution"];
 const FAMILIES = {
   "double-sided": "hits both barriers once a period",
   "double-sided-symmetric": "the same; without force only the one whose two flights are equal, φ = T/2: quicker",
@@ -37,7 +31,7 @@ export class Controls {
   build() {
     const { model, compute } = state.scene;
     const layered = (model.layers ?? 1) > 1;
-    const known = ORDER.filter((name) => name !== "sites" && (name !== "gamma3" || layered) && !(name === "amplitude" && model.force));
+    const known = ORDER.filter((name) => name !== "sites" && (layered || !LAYERED.includes(name)) && !(name === "amplitude" && model.force));
     const section = (id, ...rows) => {
       const box = $(id);
       box.replaceChildren(box.querySelector("legend"), ...rows);

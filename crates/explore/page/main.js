@@ -7,7 +7,7 @@ import { MapView, className, mechanismName } from "./map.js";
 import { Overlays } from "./overlays.js";
 import { Point } from "./point.js";
 import { Scale } from "./scale.js";
-import { recall, remember, state } from "./state.js";
+import { learn, recall, remember, state } from "./state.js";
 import { takeAlong } from "./take.js";
 
 const THEMES = ["system", "light", "dark"];
@@ -55,6 +55,7 @@ function legend({ classes, samples, tiles, period }) {
 
 async function begin() {
   const start = await get("start");
+  learn(start.parameters);
   if (!recall(location.hash)) state.scene = null;
   state.scene ??= start.scene;
   dress();

@@ -61,9 +61,16 @@ export function recall(hash) {
 export const axes = () => [state.scene.sweep.x, state.scene.sweep.y];
 export const limits = () => axes().map((axis) => [axis.from, axis.to]);
 
-// The names of parameters for people.
-export const NAMES = {
-  gamma1: "stiffness γ₁", gamma2: "coupling γ₂", gamma3: "coupling γ₃", omega: "frequency ω", asymmetry: "asymmetry a",
-  amplitude: "amplitude A", restitution: "restitution e", sites: "masses", layers: "layers",
-};
-export const LETTERS = { gamma1: "γ₁", gamma2: "γ₂", gamma3: "γ₃", omega: "ω", asymmetry: "a", amplitude: "A", restitution: "e" };
+// Names of parameters for people, and their sliders, in the order in which a model has them; the program tells them when the page begins.
+export const NAMES = { sites: "masses", layers: "layers" };
+export const LETTERS = {};
+export const RANGES = { sites: [1, 101, 1] }; // ends and step of the sliders; fields take whatever the program takes
+export const ORDER = ["sites"];
+export const LAYERED = []; // what takes several layers
+export function learn(parameters) {
+  for (const { name, letter, label, slider, layers } of parameters) {
+    [NAMES[name], LETTERS[name], RANGES[name]] = [label, letter, slider];
+    ORDER.push(name);
+    if (layers) LAYERED.push(name);
+  }
+}

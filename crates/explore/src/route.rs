@@ -11,7 +11,7 @@ use rayon::ThreadPool;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use tokio::time::timeout;
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Parameter, Part, Row, Stop};
 
 use crate::answers::Answers;
 use crate::colours;
@@ -143,6 +143,7 @@ impl Desk {
                 "start" => {
                     let mut value = self.answers.start();
                     value["colours"] = colours::value();
+                    value["parameters"] = Parameter::told().map(control).collect();
                     value["cells"] = CELLS.into();
                     Ok((JSON, value.to_string().into()))
                 }
@@ -190,6 +191,12 @@ impl Desk {
             }
         }
     }
+}
+
+/// What the page needs to show a parameter and to ask for its value.
+fn control(parameter: Parameter) -> Value {
+    let Row { name, symbol, word, slider, part, .. } = parameter.row();
+    json!({ "name": name, "letter": symbol, "label": format!("{word} {symbol}"), "slider": slider, "layers": *part == Part::Layers })
 }
 
 /// The body of a request, as JSON.

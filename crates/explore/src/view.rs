@@ -91,8 +91,8 @@ impl View {
         if let Some(key) = nothing(scene, &mut String::new()) {
             return Err(Refusal::wrong(format!("{key} is null: give a value")));
         }
-        let parsed = Scene::parse(Path::new("scene"), &scene.to_string());
-        Self::of(&parsed.map_err(|error| Refusal::wrong(told(&error.to_string())))?)
+        let parsed = Scene::of_data(Path::new("scene"), scene);
+        Self::of(&parsed.map_err(|error| Refusal::wrong(error.to_string().trim_start_matches("scene: ")))?)
     }
 
     /// The view of a scene: over its first two axes, others at their first value.
@@ -196,24 +196,6 @@ fn nothing(value: &Value, path: &mut String) -> Option<String> {
         path.truncate(before);
         found
     })
-}
-
-/// A message without its place in a file that nobody has seen. What stands there is said instead where the message does not name it: the
-/// line below it is `4 | asymmetry = "x"`.
-fn told(message: &str) -> String {
-    let mut lines = message.lines();
-    let line = lines.next().unwrap_or_default();
-    let place = line.find(": ").filter(|at| line[..*at].starts_with("scene:"));
-    let line = place.map_or(line, |at| &line[at + 2..]).trim_start_matches("manifest scene: ");
-    let given = lines.next().and_then(|line| line.split_once(" | ")).map(|(_, given)| given);
-    let unnamed = ["string ", "floating point ", "integer ", "boolean "].iter().any(|kind| line.starts_with(kind));
-    match (given.filter(|given| unnamed && given.contains(" = ")), line.rfind(" is not ")) {
-        (Some(given), Some(at)) if line.ends_with(" a number") => {
-            format!("{given}{}: give one such as 0.2 or 1e-3", &line[at..])
-        }
-        (Some(given), Some(at)) => format!("{given}{}", &line[at..]),
-        _ => line.to_owned(),
-    }
 }
 
 #[cfg(test)]

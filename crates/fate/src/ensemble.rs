@@ -1,5 +1,6 @@
 //! What is asked of an ensemble of runs, checked.
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use vibrochain_lattice::Short;
 
@@ -31,11 +32,12 @@ pub struct OutOfRange {
 const LEAST: u64 = 8;
 
 /// Many runs from each breather.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ensemble {
     /// Runs from each breather.
     pub starts: u64,
     /// Largest change of a displacement, or of a velocity over ω, at the start.
+    #[serde(rename = "perturb")]
     pub size: f64,
     /// What all perturbations are drawn from.
     pub seed: u64,

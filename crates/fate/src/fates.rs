@@ -8,9 +8,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use rayon::iter::{IntoParallelRefIterator, ParallelBridge, ParallelIterator};
 use vibrochain_breather::{Finder, Orbit, Word};
 use vibrochain_floquet::{Analyser, Tolerance};
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Point, Stop};
 use vibrochain_maps::cell::{Cell, Worker};
-use vibrochain_maps::point::Point;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Ended, Job};
 

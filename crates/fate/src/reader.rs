@@ -6,11 +6,11 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use vibrochain_breather::Word;
+use vibrochain_lattice::Point;
 use vibrochain_maps::cell::{Cell, Status};
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::lines::Lines;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::point::Point;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::ReadRows;

@@ -25,7 +25,8 @@
 //! | [`Ends`] | closed, free, fixed; modes of one row, by images |
 //! | [`Steady`] | motion under the force alone, between walls too |
 //! | [`Spectrum`] | frequencies, weights, band, resonances |
-//! | [`Parameter`] | the real ones by name, to be varied |
+//! | [`Parameter`], [`Row`] | the real ones by name, to be varied; their table |
+//! | [`Point`] | values of all of them, not yet checked, from which a model is made |
 //! | [`Shapes`] | what each mode makes of each mass |
 //! | [`DistinctMasses`] | the masses that symmetry leaves |
 //! | [`ImpulseResponse`] | the periodic impulse response K_n(t) in closed form |
@@ -63,8 +64,11 @@ pub use kernel::impulse::{ImpulseResponse, KernelJet};
 pub use kernel::steady::Steady;
 pub use kernel::{BlochJet, BlochKernel, BlochMode, SparedModes, Turn, Turned};
 pub use model::force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
-pub use model::parameter::Parameter;
+pub use model::parameter::{Parameter, Part, Range, Row};
 pub use model::params::{Barrier, Chain, Layout, MAX_SITES, Model};
+pub use model::point::Point;
+#[cfg(feature = "serde")]
+pub use model::serde_impl::PointPart;
 pub use modes::distinct::DistinctMasses;
 pub use modes::row::Ends;
 pub use modes::shapes::Shapes;

@@ -3,7 +3,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `point`, `force`, `numbers` | points of the parameter space, forces of several harmonics, numbers as they are typed and written |
+//! | `numbers` | numbers as they are typed and written |
 //! | `scene` | what to sweep and what to compute, checked, with errors that point at lines |
 //! | `cell`, `summary` | one cell: a point and what lives there; the counts of many |
 //! | `extent` | the cells of the finest grid that a cell of a refined one stands for |
@@ -22,11 +22,9 @@ pub mod error;
 pub mod extent;
 pub mod fields;
 pub mod files;
-pub mod force;
 pub mod lines;
 pub mod manifest;
 pub mod numbers;
-pub mod point;
 pub mod regions;
 pub mod scene;
 pub mod summary;

@@ -2,11 +2,9 @@
 
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Ends, Layout};
+use vibrochain_lattice::{Parameter, PointPart};
 
 use crate::cell::{Class, Status};
-use crate::force;
-use crate::point::Parameter;
 use crate::scene::{Axis, Refine, Scene, Values};
 use crate::summary::Summary;
 
@@ -67,27 +65,9 @@ fn axis(axis: &Axis) -> Value {
 
 /// Everything of a scene that decides what its table holds: `model`, `sweep`, `compute`.
 pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
-    let mut model = Map::new();
-    let Layout { length, ends, layers, layer_ends } = scene.base.layout;
-    model.insert("sites".into(), length.into());
-    if ends != Ends::Closed {
-        model.insert("ends".into(), ends.name().into());
-    }
-    if layers > 1 {
-        model.insert("layers".into(), layers.into());
-        model.insert("layer_ends".into(), layer_ends.name().into());
-    }
-    for &parameter in Parameter::of(layers) {
-        match &scene.base.force {
-            Some(force) if parameter == Parameter::Amplitude => {
-                model.insert("force".into(), force::value(force));
-            }
-            _ if !scene.sweeps(parameter) => {
-                model.insert(parameter.name().into(), scene.base.get(parameter).into());
-            }
-            _ => {}
-        }
-    }
+    let is_fixed = |parameter: &Parameter| !scene.sweeps(*parameter);
+    let fixed = Parameter::of(scene.base.layout.layers).iter().copied().filter(is_fixed).collect();
+    let model = PointPart { point: &scene.base, parameters: [Vec::new(), fixed] };
     let mut sweep = Map::new();
     for (name, each) in ["x", "y"].iter().zip(&scene.axes) {
         sweep.insert((*name).to_owned(), axis(each));
@@ -110,7 +90,7 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     if scene.task.impulse {
         compute["impulse"] = true.into();
     }
-    [("model", model.into()), ("sweep", sweep.into()), ("compute", compute)]
+    [("model", json!(model)), ("sweep", sweep.into()), ("compute", compute)]
         .map(|(name, value): (_, Value)| (name.to_owned(), value))
         .into_iter()
         .collect()

@@ -35,15 +35,10 @@ pub(crate) struct PyAdmissibility {
 
 impl PyAdmissibility {
     pub(crate) fn new(answer: &Admissibility, layout: Layout) -> Self {
-        let obstruction = |found: Obstruction| {
-            let (Obstruction::WrongSign { site, .. } | Obstruction::Crossing { site, .. }) = found;
-            let (site, layer) = layout.place(site);
-            PyObstruction { found, site, layer }
-        };
         Self {
             physical: answer.is_physical(),
             margin: answer.margin,
-            obstruction: answer.obstruction.map(obstruction),
+            obstruction: answer.obstruction.map(|found| PyObstruction::new(&found, layout)),
             text: answer.to_string(),
         }
     }
@@ -76,76 +71,57 @@ impl PyAdmissibility {
 #[pyclass(frozen, eq, name = "Obstruction", module = "vibrochain")]
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyObstruction {
-    found: Obstruction,
+    /// str : "crossing" (a mass beyond a barrier) or "wrong-sign" (an impact from behind).
+    #[pyo3(get)]
+    kind: String,
     /// int : the mass, in its layer.
     #[pyo3(get)]
     site: usize,
     /// int : its layer.
     #[pyo3(get)]
     layer: usize,
+    /// float : when, within the period.
+    #[pyo3(get)]
+    time: f64,
+    /// str or None : the barrier that is crossed.
+    #[pyo3(get)]
+    barrier: Option<String>,
+    /// float or None : how far beyond the barrier the mass is.
+    #[pyo3(get)]
+    excess: Option<f64>,
+    /// int or None : index of the impact of the wrong sign.
+    #[pyo3(get)]
+    impact: Option<usize>,
+    /// float or None : the velocity before that impact.
+    #[pyo3(get)]
+    velocity_before: Option<f64>,
+    text: String,
+}
+
+impl PyObstruction {
+    fn new(found: &Obstruction, layout: Layout) -> Self {
+        let (Obstruction::WrongSign { site, time, .. } | Obstruction::Crossing { site, time, .. }) = *found;
+        let (kind, barrier, excess, impact, velocity_before) = match *found {
+            Obstruction::WrongSign { impact, velocity_before, .. } => {
+                ("wrong-sign", None, None, Some(impact), Some(velocity_before))
+            }
+            Obstruction::Crossing { barrier, excess, .. } => {
+                ("crossing", Some(barrier.to_string()), Some(excess), None, None)
+            }
+        };
+        let ((site, layer), kind, text) = (layout.place(site), kind.to_owned(), found.to_string());
+        Self { kind, site, layer, time, barrier, excess, impact, velocity_before, text }
+    }
 }
 
 #[pymethods]
 impl PyObstruction {
-    /// str : "crossing" (a mass beyond a barrier) or "wrong-sign" (an impact from behind).
-    #[getter]
-    fn kind(&self) -> &'static str {
-        match self.found {
-            Obstruction::WrongSign { .. } => "wrong-sign",
-            Obstruction::Crossing { .. } => "crossing",
-        }
-    }
-
-    /// float : when, within the period.
-    #[getter]
-    fn time(&self) -> f64 {
-        match self.found {
-            Obstruction::WrongSign { time, .. } | Obstruction::Crossing { time, .. } => time,
-        }
-    }
-
-    /// str or None : the barrier that is crossed.
-    #[getter]
-    fn barrier(&self) -> Option<&'static str> {
-        match self.found {
-            Obstruction::WrongSign { .. } => None,
-            Obstruction::Crossing { barrier, .. } => Some(barrier.name()),
-        }
-    }
-
-    /// float or None : how far beyond the barrier the mass is.
-    #[getter]
-    fn excess(&self) -> Option<f64> {
-        match self.found {
-            Obstruction::WrongSign { .. } => None,
-            Obstruction::Crossing { excess, .. } => Some(excess),
-        }
-    }
-
-    /// int or None : index of the impact of the wrong sign.
-    #[getter]
-    fn impact(&self) -> Option<usize> {
-        match self.found {
-            Obstruction::WrongSign { impact, .. } => Some(impact),
-            Obstruction::Crossing { .. } => None,
-        }
-    }
-
-    /// float or None : the velocity before that impact.
-    #[getter]
-    fn velocity_before(&self) -> Option<f64> {
-        match self.found {
-            Obstruction::WrongSign { velocity_before, .. } => Some(velocity_before),
-            Obstruction::Crossing { .. } => None,
-        }
-    }
-
-    fn __str__(&self) -> String {
-        self.found.to_string()
+    fn __str__(&self) -> &str {
+        &self.text
     }
 
     fn __repr__(&self) -> String {
-        format!("<Obstruction: {}>", self.found)
+        format!("<Obstruction: {}>", self.text)
     }
 }
 

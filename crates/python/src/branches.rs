@@ -26,29 +26,22 @@ use crate::params::parameter;
 /// True
 /// >>> sorted({point.event for point in branch.events})
 /// ['fold', 'neimark-sacker', 'period-doubling']
-#[pyclass(frozen, name = "Branch", module = "vibrochain")]
+#[pyclass(frozen, get_all, name = "Branch", module = "vibrochain")]
 #[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct PyBranch {
     /// list of BranchPoint : its points in the order of the way.
-    #[pyo3(get)]
     points: Vec<PyBranchPoint>,
     /// list of Located : the events on it, in the same order.
-    #[pyo3(get)]
     events: Vec<PyLocated>,
     /// int : how many branches lie between it and the orbit's own.
-    #[pyo3(get)]
     generation: u32,
     /// tuple of (int, float), or None : the branch that it leaves, by its place in the diagram, and the value there.
-    #[pyo3(get)]
     origin: Option<(usize, f64)>,
     /// list of (float, float) : ranges in which rounding may hide more events.
-    #[pyo3(get)]
     unresolved: Vec<(f64, f64)>,
     /// int : steps in which a thin stripe of instability may hide.
-    #[pyo3(get)]
     untold: usize,
     /// list of End : how it ends before the first and behind the last point; one that leaves another has its origin first.
-    #[pyo3(get)]
     ends: Vec<PyEnd>,
 }
 
@@ -133,26 +126,20 @@ impl PyBranch {
 /// >>> orbit = model.breathers("double-sided").physical()
 /// >>> vc.branch(orbit, "asymmetry", from_=0.39, to=0.41, events=["grazing"]).complete
 /// True
-#[pyclass(frozen, name = "Diagram", module = "vibrochain")]
+#[pyclass(frozen, get_all, name = "Diagram", module = "vibrochain")]
 #[derive(Serialize, Deserialize)]
 pub(crate) struct PyDiagram {
     /// str : the parameter that varies.
-    #[pyo3(get)]
     free: String,
     /// list of Branch : the orbit's own first, then those that leave it, then those that leave these.
-    #[pyo3(get)]
     branches: Vec<PyBranch>,
     /// list of (int, float) : branch and value of events at which no branch could be taken up, though one was looked for.
-    #[pyo3(get)]
     dead_ends: Vec<(usize, f64)>,
     /// bool : all branches were followed.
-    #[pyo3(get)]
     complete: bool,
     /// int : orbits assembled.
-    #[pyo3(get)]
     evaluations: usize,
     /// int : eigenvalue problems solved.
-    #[pyo3(get)]
     spectra: usize,
 }
 

@@ -27,18 +27,15 @@ pub(crate) fn event(name: &str) -> Result<Event, Failure> {
 /// >>> orbit = model.breathers("double-sided").physical()
 /// >>> [end.reason for end in vc.locate(orbit, "grazing", "asymmetry", from_=0.3, to=0.5).ends]
 /// ['range', 'range']
-#[pyclass(frozen, eq, name = "End", module = "vibrochain")]
+#[pyclass(frozen, eq, get_all, name = "End", module = "vibrochain")]
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyEnd {
     /// float : value of the parameter.
-    #[pyo3(get)]
     value: f64,
     /// str : "range", "fold", "closed", "symmetric" (it meets its own mirror image), "resonance", "unbounded", "impulses-vanish",
     /// "lost" or "unwatched".
-    #[pyo3(get)]
     reason: String,
     /// str or None : what there is to say besides.
-    #[pyo3(get)]
     detail: Option<String>,
 }
 
@@ -183,26 +180,20 @@ impl PyLocated {
 /// >>> orbit = model.breathers("double-sided").physical()
 /// >>> vc.locate(orbit, "grazing", "asymmetry", from_=0.3, to=0.5).points
 /// []
-#[pyclass(frozen, name = "Events", module = "vibrochain")]
+#[pyclass(frozen, get_all, name = "Events", module = "vibrochain")]
 #[derive(Serialize, Deserialize)]
 pub(crate) struct PyEvents {
     /// list of Located : the events, the one nearest to the start first.
-    #[pyo3(get)]
     points: Vec<PyLocated>,
     /// list of (float, float) : ranges of the parameter in which rounding may hide more.
-    #[pyo3(get)]
     unresolved: Vec<(f64, f64)>,
     /// list of End : how the ways down and up ended.
-    #[pyo3(get)]
     ends: Vec<PyEnd>,
     /// tuple of (float, float) : the range that was searched.
-    #[pyo3(get)]
     range: (f64, f64),
     /// int : orbits assembled.
-    #[pyo3(get)]
     evaluations: usize,
     /// int : eigenvalue problems solved.
-    #[pyo3(get)]
     spectra: usize,
 }
 
@@ -280,23 +271,18 @@ pub(crate) fn locate(
 /// >>> point = diagram.branches[0].points[0]
 /// >>> point.orbit.model.asymmetry == point.value, point.physical
 /// (True, True)
-#[pyclass(frozen, name = "BranchPoint", module = "vibrochain")]
+#[pyclass(frozen, get_all, name = "BranchPoint", module = "vibrochain")]
 #[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct PyBranchPoint {
     /// float : value of the parameter.
-    #[pyo3(get)]
     pub(crate) value: f64,
     /// Orbit : the orbit.
-    #[pyo3(get)]
     pub(crate) orbit: PyOrbit,
     /// float or None : smallest distance of any mass to a barrier.
-    #[pyo3(get)]
     pub(crate) margin: Option<f64>,
     /// bool or None : whether it is physical, where that can be told.
-    #[pyo3(get)]
     pub(crate) physical: Option<bool>,
     /// Verdict or None : its stability, where it can be judged.
-    #[pyo3(get)]
     pub(crate) verdict: Option<PyVerdict>,
 }
 

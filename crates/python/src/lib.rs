@@ -68,6 +68,7 @@ mod _vibrochain {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", crate::pickle::VERSION)?;
+        crate::params::register(module.py())?;
         crate::pickle::register(module)
     }
 }

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use vibrochain_breather::{BreatherError, Family, Finder, Found, MAX_IMPACTS, Wanted, Word, breathers};
 use vibrochain_lattice::{Model, Parameter, Short};
 
@@ -30,7 +30,8 @@ impl PyModel {
             None if amplitude.is_none() && force.is_none() => 1.0,
             None => return Err(without_restitution().into()),
         };
-        let model = match (amplitude, force) {
+        let point = chain.0.point().omega(omega).asymmetry(asymmetry).restitution(restitution);
+        let point = match (amplitude, force) {
             (Some(amplitude), Some(_)) => {
                 let message = format!(
                     "amplitude = {} and force are both given, but a force has amplitudes of its own: remove one of the two",
@@ -38,10 +39,10 @@ impl PyModel {
                 );
                 return Err(Failure::request(message).into());
             }
-            (None, Some(force)) => Model::with_force(chain.0, omega, asymmetry, &force.0, restitution),
-            (amplitude, None) => Model::forced(chain.0, omega, asymmetry, amplitude.unwrap_or(0.0), restitution),
+            (None, Some(force)) => point.under(&force.0),
+            (amplitude, None) => point.amplitude(amplitude.unwrap_or(0.0)),
         };
-        Ok(Self(model.map_err(Failure::from)?))
+        Ok(Self(point.model().map_err(Failure::from)?))
     }
 
     /// Chain : the lattice.
@@ -50,40 +51,16 @@ impl PyModel {
         PyChain(*self.0.chain())
     }
 
-    /// float : frequency of the force.
-    #[getter]
-    fn omega(&self) -> f64 {
-        self.0.omega()
-    }
-
     /// float : period of the force, 2 pi / omega.
     #[getter]
     fn period(&self) -> f64 {
         self.0.period()
     }
 
-    /// float : centre of the gap.
-    #[getter]
-    fn asymmetry(&self) -> f64 {
-        self.0.asymmetry()
-    }
-
-    /// float : amplitude of the force; of several harmonics the sum of the moduli of theirs.
-    #[getter]
-    fn amplitude(&self) -> f64 {
-        self.0.amplitude()
-    }
-
     /// Force : the force.
     #[getter]
     fn force(&self) -> PyForce {
         PyForce(*self.0.force())
-    }
-
-    /// float : coefficient of restitution.
-    #[getter]
-    fn restitution(&self) -> f64 {
-        self.0.restitution()
     }
 
     /// bool : no force and elastic impacts.
@@ -199,23 +176,24 @@ impl PyModel {
     }
 
     fn __repr__(&self) -> String {
-        let model = &self.0;
-        let (omega, asymmetry) = (Short(model.omega()), Short(model.asymmetry()));
-        let mut text = format!("Model({}, omega={omega}, asymmetry={asymmetry}", self.chain().__repr__());
-        // Writing to a String cannot fail.
-        let _ = match model.force().cosine_amplitude() {
-            Some(0.0) => Ok(()),
-            Some(amplitude) => write!(text, ", amplitude={}", Short(amplitude)),
-            None => write!(text, ", force={}", self.force().__repr__()),
-        };
-        if model.restitution() != 1.0 || model.amplitude() > 0.0 {
-            let _ = write!(text, ", restitution={}", Short(model.restitution()));
+        let (model, point) = (&self.0, self.0.point());
+        let mut text = format!("Model({}", self.chain().__repr__());
+        for parameter in Parameter::told().filter(|parameter| !parameter.is_of_lattice()) {
+            let value = point.get(parameter);
+            // Writing to a String cannot fail.
+            let _ = match (parameter, &point.force) {
+                (Parameter::Amplitude, Some(_)) => write!(text, ", force={}", self.force().__repr__()),
+                (Parameter::Amplitude | Parameter::Restitution, _) if model.is_conservative() => Ok(()),
+                (Parameter::Amplitude, None) if value == 0.0 => Ok(()),
+                _ if point.tells(parameter) => write!(text, ", {parameter}={}", Short(value)),
+                _ => Ok(()),
+            };
         }
         text + ")"
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        (self.chain(), self.0.omega(), self.0.asymmetry(), self.force(), self.0.restitution()).into_pyobject(py)?.hash()
+        (self.chain(), self.force(), PyTuple::new(py, self.0.point().values)?).into_pyobject(py)?.hash()
     }
 }
 

@@ -8,7 +8,7 @@ use pyo3::types::PySequence;
 use serde::{Deserialize, Serialize};
 use vibrochain_breather::{Family, Finder, Hit, Impact, Motion, Orbit, Word, admissibility, condition};
 use vibrochain_floquet::{Tolerance, stability};
-use vibrochain_lattice::{Barrier, MAX_SITES, Short, Stop};
+use vibrochain_lattice::{Barrier, Layout, MAX_SITES, Short, Stop};
 use vibrochain_maps::scene::tolerance_from;
 
 use crate::answers::{PyAdmissibility, PyCondition, PyStability, PyVerdict};
@@ -29,77 +29,46 @@ const MOST_HITS: usize = 1000;
 /// >>> first, second = model.breathers("double-sided").orbits[0].impacts
 /// >>> second
 /// Impact(site=0, barrier='lower', time=1, impulse=4, velocity_before=-2, velocity_after=2)
-#[pyclass(frozen, eq, name = "Impact", module = "vibrochain")]
+#[pyclass(frozen, eq, get_all, name = "Impact", module = "vibrochain")]
 #[derive(PartialEq, Serialize, Deserialize)]
 pub(crate) struct PyImpact {
-    impact: Impact,
+    /// int : the mass that hits, in its layer.
     site: usize,
+    /// int : its layer.
     layer: usize,
+    /// int : the mass counted through all layers, as arrays over masses have it.
+    mass: usize,
+    /// str : "lower" or "upper".
+    barrier: String,
+    /// float : time within the period, 0 <= time < period.
+    time: f64,
+    /// float : momentum that the barrier gives to the mass, signed.
+    impulse: f64,
+    /// float : velocity just before.
+    velocity_before: f64,
+    /// float : velocity just after.
+    velocity_after: f64,
+    /// float : acceleration of the mass, force included; the impact does not change it.
+    acceleration: f64,
+}
+
+impl PyImpact {
+    fn new(impact: &Impact, layout: &Layout) -> Self {
+        let Impact { site: mass, barrier, time, impulse, velocity_before, velocity_after, acceleration, .. } = *impact;
+        let ((site, layer), barrier) = (layout.place(mass), barrier.to_string());
+        Self { site, layer, mass, barrier, time, impulse, velocity_before, velocity_after, acceleration }
+    }
 }
 
 #[pymethods]
 impl PyImpact {
-    /// int : the mass that hits, in its layer.
-    #[getter]
-    fn site(&self) -> usize {
-        self.site
-    }
-
-    /// int : its layer.
-    #[getter]
-    fn layer(&self) -> usize {
-        self.layer
-    }
-
-    /// int : the mass counted through all layers, as arrays over masses have it.
-    #[getter]
-    fn mass(&self) -> usize {
-        self.impact.site
-    }
-
-    /// str : "lower" or "upper".
-    #[getter]
-    fn barrier(&self) -> &'static str {
-        self.impact.barrier.name()
-    }
-
-    /// float : time within the period, 0 <= time < period.
-    #[getter]
-    fn time(&self) -> f64 {
-        self.impact.time
-    }
-
-    /// float : momentum that the barrier gives to the mass, signed.
-    #[getter]
-    fn impulse(&self) -> f64 {
-        self.impact.impulse
-    }
-
-    /// float : velocity just before.
-    #[getter]
-    fn velocity_before(&self) -> f64 {
-        self.impact.velocity_before
-    }
-
-    /// float : velocity just after.
-    #[getter]
-    fn velocity_after(&self) -> f64 {
-        self.impact.velocity_after
-    }
-
-    /// float : acceleration of the mass, force included; the impact does not change it.
-    #[getter]
-    fn acceleration(&self) -> f64 {
-        self.impact.acceleration
-    }
-
     fn __repr__(&self) -> String {
+        let Self { site, barrier, .. } = self;
         let layer = if self.layer > 0 { format!(", layer={}", self.layer) } else { String::new() };
-        let Impact { barrier, time, impulse, velocity_before, velocity_after, .. } = self.impact;
-        let [time, impulse, before, after] = [time, impulse, velocity_before, velocity_after].map(Short);
+        let [time, impulse, before, after] =
+            [self.time, self.impulse, self.velocity_before, self.velocity_after].map(Short);
         format!(
-            "Impact(site={}{layer}, barrier='{barrier}', time={time}, impulse={impulse}, velocity_before={before}, velocity_after={after})",
-            self.site
+            "Impact(site={site}{layer}, barrier='{barrier}', time={time}, impulse={impulse}, velocity_before={before}, velocity_after={after})"
         )
     }
 }
@@ -249,11 +218,7 @@ impl PyOrbit {
     #[getter]
     fn impacts(&self) -> Vec<PyImpact> {
         let layout = self.0.model().chain().layout();
-        let impact = |&impact: &Impact| {
-            let (site, layer) = layout.place(impact.site);
-            PyImpact { impact, site, layer }
-        };
-        self.0.impacts().iter().map(impact).collect()
+        self.0.impacts().iter().map(|impact| PyImpact::new(impact, &layout)).collect()
     }
 
     /// float : largest violation of the defining equations, relative; rounding level for a sound orbit.

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyCFunction, PyDict, PyTuple};
 use serde::{Deserialize, Serialize};
 use vibrochain_lattice::{
     Chain, Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_HARMONICS, MAX_SITES, Model, Parameter, Short,
@@ -19,6 +19,25 @@ fn ends(what: &str, name: &str) -> Result<Ends, Failure> {
 /// The parameter of that name.
 pub(crate) fn parameter(what: &str, name: &str) -> Result<Parameter, Failure> {
     named(what, name, Parameter::ALL.map(|parameter| (parameter.name(), parameter)))
+}
+
+/// Gives chains and models their parameters as properties.
+pub(crate) fn register(py: Python<'_>) -> PyResult<()> {
+    let property = py.import("builtins")?.getattr("property")?;
+    for parameter in Parameter::ALL {
+        let get = move |arguments: &Bound<'_, PyTuple>, _: Option<&Bound<'_, PyDict>>| -> PyResult<f64> {
+            let whose = arguments.get_item(0)?;
+            match whose.cast::<PyModel>() {
+                Ok(model) => Ok(model.get().0.get(parameter)),
+                Err(_) => Ok(whose.cast::<PyChain>()?.get().0.point().get(parameter)),
+            }
+        };
+        let class = if parameter.is_of_lattice() { py.get_type::<PyChain>() } else { py.get_type::<PyModel>() };
+        let doc = format!("float : {}.", parameter.meaning());
+        let get = PyCFunction::new_closure(py, None, None, get)?;
+        class.setattr(parameter.name(), property.call1((get, py.None(), py.None(), doc))?)?;
+    }
+    Ok(())
 }
 
 /// The lattice: unit masses in a ring, in a row with ends, or in several equal rows.
@@ -91,24 +110,6 @@ impl PyChain {
         self.0.sites()
     }
 
-    /// float : on-site stiffness.
-    #[getter]
-    fn gamma1(&self) -> f64 {
-        self.0.gamma1()
-    }
-
-    /// float : coupling stiffness along rows.
-    #[getter]
-    fn gamma2(&self) -> f64 {
-        self.0.gamma2()
-    }
-
-    /// float : coupling stiffness between rows.
-    #[getter]
-    fn gamma3(&self) -> f64 {
-        self.0.gamma3()
-    }
-
     /// str : "closed", "free" or "fixed".
     #[getter]
     fn ends(&self) -> &'static str {
@@ -137,17 +138,21 @@ impl PyChain {
     }
 
     pub(crate) fn __repr__(&self) -> String {
-        let chain = &self.0;
+        let (chain, point) = (&self.0, self.0.point());
         let mut text = format!("Chain({}, {}, {}", chain.length(), Short(chain.gamma1()), Short(chain.gamma2()));
         // Writing to a String cannot fail.
         if chain.ends() != Ends::Closed {
             let _ = write!(text, ", ends=\"{}\"", chain.ends());
         }
         if chain.layers() > 1 {
-            let _ = write!(text, ", layers={}, gamma3={}", chain.layers(), Short(chain.gamma3()));
-            if chain.layer_ends() != Ends::Free {
-                let _ = write!(text, ", layer_ends=\"{}\"", chain.layer_ends());
-            }
+            let _ = write!(text, ", layers={}", chain.layers());
+        }
+        let named = |one: &Parameter| one.is_of_lattice() && one.row().default.is_some() && point.tells(*one);
+        for parameter in Parameter::ALL.into_iter().filter(named) {
+            let _ = write!(text, ", {parameter}={}", Short(point.get(parameter)));
+        }
+        if chain.layers() > 1 && chain.layer_ends() != Ends::Free {
+            let _ = write!(text, ", layer_ends=\"{}\"", chain.layer_ends());
         }
         text + ")"
     }
@@ -155,7 +160,7 @@ impl PyChain {
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
         let chain = &self.0;
         let rows = (chain.length(), chain.ends().name(), chain.layers(), self.layer_ends());
-        (rows, chain.gamma1(), chain.gamma2(), chain.gamma3()).into_pyobject(py)?.hash()
+        (rows, PyTuple::new(py, chain.point().values)?).into_pyobject(py)?.hash()
     }
 }
 

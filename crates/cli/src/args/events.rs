@@ -3,28 +3,26 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{ArgGroup, Args};
+use vibrochain_floquet::Event;
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::numbers::{real, whole};
-use vibrochain_maps::point::Parameter;
 
 use super::model::{ModelArgs, WhichArgs};
-use super::quantity::{OF_BRANCHES, QuantityName, SHOWN_NAMES, among};
+use super::quantity::{Meanings, OF_BRANCHES, QuantityName, SHOWN_NAMES, among, by_name};
 use crate::common::page_args::{PICTURES, PageArgs};
 
-/// Events of `mapgen locate`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum EventName {
-    /// A mass touches a barrier from inside, or an impact loses its velocity.
-    Grazing,
-    /// A multiplier meets +1 and the branch goes on; without force and losses also where the energy is extreme.
-    Pitchfork,
-    /// A multiplier meets −1.
-    PeriodDoubling,
-    /// A complex pair of multipliers crosses the circle; without loss, two pairs collide on it.
-    NeimarkSacker,
-    /// The branch turns back.
-    Fold,
-}
+/// Events of `mapgen locate`, and what each is.
+const EVENTS: Meanings<Event> = &[
+    (Event::Grazing, "A mass touches a barrier from inside, or an impact loses its velocity"),
+    (
+        Event::Pitchfork,
+        "A multiplier meets +1 and the branch goes on; without force and losses also where the energy is extreme",
+    ),
+    (Event::PeriodDoubling, "A multiplier meets −1"),
+    (Event::NeimarkSacker, "A complex pair of multipliers crosses the circle; without loss, two pairs collide on it"),
+    (Event::Fold, "The branch turns back"),
+];
 
 /// Takes the name of a parameter that can be varied, as scenes and tables have it.
 fn parameter() -> impl TypedValueParser<Value = Parameter> {
@@ -71,8 +69,8 @@ impl AlongArgs {
 )]
 pub struct LocateArgs {
     /// What to look for.
-    #[arg(long, value_enum)]
-    pub event: EventName,
+    #[arg(long, value_parser = by_name(EVENTS, Event::name))]
+    pub event: Event,
     /// Where, along what, how far.
     #[command(flatten)]
     pub along: AlongArgs,
@@ -97,8 +95,8 @@ pub struct BranchArgs {
     #[command(flatten)]
     pub along: AlongArgs,
     /// Events to look for, a list with commas [default: all].
-    #[arg(long, value_enum, value_delimiter = ',')]
-    pub events: Vec<EventName>,
+    #[arg(long, value_parser = by_name(EVENTS, Event::name), value_delimiter = ',')]
+    pub events: Vec<Event>,
     /// Go on along what branches off at period doublings, pitchforks and grazing.
     #[arg(long)]
     pub switch: bool,
@@ -138,8 +136,8 @@ pub struct BranchArgs {
 )]
 pub struct CurveArgs {
     /// What to look for and to follow.
-    #[arg(long, value_enum)]
-    pub event: EventName,
+    #[arg(long, value_parser = by_name(EVENTS, Event::name))]
+    pub event: Event,
     /// Where, along what, how far.
     #[command(flatten)]
     pub along: AlongArgs,

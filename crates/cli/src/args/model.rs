@@ -2,90 +2,100 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use vibrochain_breather::{MAX_IMPACTS, Word};
-use vibrochain_lattice::Force;
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, ValueEnum};
+use vibrochain_breather::{Family, MAX_IMPACTS, Word};
+use vibrochain_lattice::{Ends, Force, Parameter, Row};
 use vibrochain_maps::numbers::{real, whole};
+
+use super::quantity::{Meanings, by_name};
 
 /// Headings of help, which each flag names ([`PICTURES`](crate::common::page_args::PICTURES)).
 const MODEL: &str = "Model";
 const WHICH: &str = "Breathers";
 
-/// Families as named on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FamilyName {
-    /// One impact on each barrier a period.
-    DoubleSided,
-    /// One impact a period, on the nearer barrier.
-    SingleSided,
-    /// Two different impacts on the nearer barrier in two periods of the force.
-    PeriodDoubled,
-}
+/// Families, and what each is.
+const FAMILIES: Meanings<Family> = &[
+    (Family::DoubleSided, "One impact on each barrier a period"),
+    (Family::SingleSided, "One impact a period, on the nearer barrier"),
+    (Family::PeriodDoubled, "Two different impacts on the nearer barrier in two periods of the force"),
+];
+
+/// What stands at the ends of a chain; and below the first and above the last layer.
+const ENDS: Meanings<Ends> = &[
+    (Ends::Closed, "Each other: a ring"),
+    (Ends::Free, "Nothing"),
+    (Ends::Fixed, "Walls, to which springs go as between neighbours"),
+];
+const LAYER_ENDS: Meanings<Ends> = &[(Ends::Closed, "Each other"), (Ends::Free, "Nothing")];
 
 /// The model: its parameters as flags, or a scene's, some of them changed by flags.
 #[derive(Debug, Args)]
 pub struct ModelArgs {
     /// Take the model from a file: a scene, a manifest, a file with `[model]` alone, or what --json has printed, whose orbit is then the
     /// one to start near. Flags change its values; what the scene sweeps they must give.
-    #[arg(long, help_heading = MODEL, value_name = "FILE")]
+    #[arg(long, help_heading = MODEL, display_order = 0, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Number of masses of the ring (the paper's N + 1), or of one layer. A ring of two has two springs between them: --ends free has one.
-    #[arg(long, help_heading = MODEL, value_name = "M", required_unless_present = "scene", value_parser = whole::<i64>, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, display_order = 1, value_name = "M", required_unless_present = "scene", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub sites: Option<i64>,
-    /// On-site stiffness γ₁.
-    #[arg(long, help_heading = MODEL, value_name = "γ₁", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
-    pub gamma1: Option<f64>,
-    /// Coupling stiffness γ₂.
-    #[arg(long, help_heading = MODEL, value_name = "γ₂", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
-    pub gamma2: Option<f64>,
-    /// Frequency ω of the force, and of the map.
-    #[arg(long, help_heading = MODEL, value_name = "ω", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
-    pub omega: Option<f64>,
-    /// Centre a of the gap, 0 ≤ a < 1.
-    #[arg(long, help_heading = MODEL, value_name = "a", required_unless_present = "scene", value_parser = real, allow_negative_numbers = true)]
-    pub asymmetry: Option<f64>,
-    /// Amplitude A of the force A cos ω(t+ψ) [default: no force].
-    #[arg(long, help_heading = MODEL, value_name = "A", value_parser = real, allow_negative_numbers = true)]
-    pub amplitude: Option<f64>,
+    /// Each parameter's.
+    #[command(flatten)]
+    pub values: ParameterArgs,
     /// Force of several odd harmonics, instead of --amplitude: number:amplitude:phase of each, as in 1:0.1:0,3:0.03:1.57
     /// for 0.1 cos ω(t+ψ) + 0.03 cos(3ω(t+ψ) + 1.57).
-    #[arg(long, help_heading = MODEL, value_name = "J:A:θ,…", conflicts_with = "amplitude", value_parser = vibrochain_maps::force::parse)]
+    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Amplitude) + 1, value_name = "J:A:θ,…", conflicts_with = "amplitude")]
     pub force: Option<Force>,
-    /// Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1].
-    #[arg(long, help_heading = MODEL, value_name = "e", value_parser = real, allow_negative_numbers = true)]
-    pub restitution: Option<f64>,
     /// What stands at the ends of the chain: each other, nothing, or walls [default: closed].
-    #[arg(long, help_heading = MODEL, value_enum)]
-    pub ends: Option<EndsName>,
+    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 1, value_parser = by_name(ENDS, Ends::name))]
+    pub ends: Option<Ends>,
     /// Number of equal chains side by side, coupled mass by mass [default: 1].
-    #[arg(long, help_heading = MODEL, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
+    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 2, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub layers: Option<i64>,
-    /// Coupling stiffness γ₃ between layers.
-    #[arg(long, help_heading = MODEL, value_name = "γ₃", value_parser = real, allow_negative_numbers = true)]
-    pub gamma3: Option<f64>,
     /// Whether the last layer is the first one's neighbour, too [default: free].
-    #[arg(long, help_heading = MODEL, value_enum)]
-    pub layer_ends: Option<LayerEndsName>,
+    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Gamma3) + 1, value_parser = by_name(LAYER_ENDS, Ends::name))]
+    pub layer_ends: Option<Ends>,
 }
 
-/// What stands at the ends of a chain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum EndsName {
-    /// Each other: a ring.
-    Closed,
-    /// Nothing.
-    Free,
-    /// Walls, to which springs go as between neighbours.
-    Fixed,
+/// Where the flag of a parameter stands in help, among the other flags of a model.
+fn place(parameter: Parameter) -> usize {
+    10 * (1 + parameter as usize)
 }
 
-/// What stands below the first and above the last layer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum LayerEndsName {
-    /// Each other.
-    Closed,
-    /// Nothing.
-    Free,
+/// Values of parameters, in the order of [`Parameter::ALL`]: flags made from the table of parameters.
+#[derive(Debug, Default)]
+pub struct ParameterArgs([Option<f64>; Parameter::ALL.len()]);
+
+impl ParameterArgs {
+    /// The value that a flag gives.
+    pub fn get(&self, parameter: Parameter) -> Option<f64> {
+        self.0[parameter as usize]
+    }
+}
+
+impl Args for ParameterArgs {
+    fn augment_args(command: Command) -> Command {
+        command.args(Parameter::ALL.map(|parameter| {
+            let Row { name, symbol, help, default, .. } = parameter.row();
+            let flag = Arg::new(*name).long(parameter.flag()).value_name(*symbol).help(*help).help_heading(MODEL);
+            let flag = flag.display_order(place(parameter)).value_parser(real).allow_negative_numbers(true);
+            if default.is_none() { flag.required_unless_present("scene") } else { flag }
+        }))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for ParameterArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        Ok(Self(Parameter::ALL.map(|parameter| matches.get_one(parameter.name()).copied())))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
 }
 
 /// Which breathers: of a family, of any impact word, or near a given one. With --scene: the one family or word of the scene, or the orbit
@@ -94,8 +104,8 @@ pub enum LayerEndsName {
 #[group(skip)]
 pub struct WhichArgs {
     /// Family of breathers.
-    #[arg(long, help_heading = WHICH, value_enum, group = "which")]
-    pub family: Option<FamilyName>,
+    #[arg(long, help_heading = WHICH, value_parser = by_name(FAMILIES, Family::name), group = "which")]
+    pub family: Option<Family>,
     /// Breathers of an impact word: instants separated by commas or spaces, each one or more impacts, SITE+ on the upper or SITE- on
     /// the lower barrier, as in "0+3+,0-3-" for two masses in phase; SITE:LAYER+ where there are layers.
     #[arg(long, help_heading = WHICH, value_name = "WORD", group = "which")]

@@ -1,9 +1,9 @@
-//! What pictures show: columns of tables.
+//! Values by their names: what pictures show, which are columns of tables, and those of the library.
 
 use std::fmt;
 
 use clap::ValueEnum;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// What a picture shows of a table: cells of a map, or the orbits of a branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -49,4 +49,17 @@ impl fmt::Display for QuantityName {
 pub(super) fn among(known: &'static [QuantityName]) -> impl TypedValueParser<Value = QuantityName> {
     let names = PossibleValuesParser::new(known.iter().filter_map(ValueEnum::to_possible_value));
     names.try_map(|name| QuantityName::from_str(&name, true))
+}
+
+/// Values of the library that a flag takes, and what each means.
+pub(super) type Meanings<T> = &'static [(T, &'static str)];
+
+/// Takes one of them by its name.
+pub(super) fn by_name<T: Copy + Send + Sync + 'static>(
+    known: Meanings<T>,
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let values = known.iter().map(|(value, meaning)| PossibleValue::new(name(*value)).help(*meaning));
+    let of = move |text: String| known.iter().map(|(value, _)| *value).find(|value| name(*value) == text);
+    PossibleValuesParser::new(values).try_map(move |text| of(text).ok_or("it has no value"))
 }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::numbers::real;
-use vibrochain_maps::point::Parameter;
 use vibrochain_maps::sweep::ShardFlag;
 
 use super::quantity::{ALL, OF_MAPS, QuantityName, among};

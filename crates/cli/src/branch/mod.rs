@@ -25,7 +25,7 @@ use crate::common::picture_files::PictureFiles;
 use crate::common::schemas::BRANCH;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::common::which;
-use crate::locate::{Start, error_text, event, evidence_text, located_json, message, range, start, verdict_json};
+use crate::locate::{Start, error_text, evidence_text, impulses, located_json, message, range, start, verdict_json};
 use crate::orbit::{point_value, with_word};
 use crate::sweep::report::counted;
 
@@ -56,8 +56,7 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let [from, to] = range(&start.chosen, course.free, [args.along.from, args.along.to]);
     (course.from, course.to) = (from.unwrap_or(course.from), to.unwrap_or(course.to));
     if !args.events.is_empty() {
-        course.events =
-            Event::ALL.into_iter().filter(|one| args.events.iter().any(|name| event(*name) == *one)).collect();
+        course.events = Event::ALL.into_iter().filter(|one| args.events.contains(one)).collect();
     }
     course.generations = if args.switch { args.generations } else { 0 };
     course.tolerance = start.chosen.tolerance(args.threshold)?;
@@ -100,7 +99,7 @@ fn point_json(point: &DiagramPoint) -> Value {
         "period": point.orbit.period(),
         "phi": point.orbit.phi(),
         "psi": point.orbit.psi(),
-        "impulses": point.orbit.impacts().iter().map(|impact| impact.impulse).collect::<Vec<_>>(),
+        "impulses": impulses(&point.orbit),
         "margin": point.margin,
         "physical": point.physical,
         "stability": point.verdict.as_ref().map(verdict_json),

@@ -8,6 +8,7 @@ use vibrochain_maps::files::CsvFile;
 
 use crate::common::error::CliError;
 use crate::common::which;
+use crate::locate::impulses;
 
 pub(crate) const HEADER: [&str; 15] = [
     "branch",
@@ -76,7 +77,7 @@ fn row(station: &Station) -> Row {
     Row {
         event,
         value,
-        impulses: orbit.impacts().iter().map(|impact| impact.impulse).collect(),
+        impulses: impulses(orbit),
         phi: orbit.phi(),
         psi: orbit.psi(),
         period: orbit.period(),
@@ -143,33 +144,33 @@ impl Table {
 
 /// Writes the rows of a diagram.
 pub(crate) fn write(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let flag = |value: Option<bool>| value.map_or(String::new(), |value| value.to_string());
     for (i, branch) in diagram.branches.iter().enumerate() {
         for station in &branch.stations {
-            let (orbit, error, verdict) = match station {
-                Station::Point(point) => (&point.orbit, None, point.verdict),
+            let (orbit, error, mechanism) = match station {
+                Station::Point(point) => (&point.orbit, None, point.verdict.and_then(|verdict| verdict.mechanism)),
                 Station::Event(found) => (&found.orbit, Some(found.error), None),
             };
-            let row = row(station);
-            let impulses: Vec<String> = row.impulses.iter().map(f64::to_string).collect();
-            table.row([
-                (i + 1).to_string(),
-                branch.generation.to_string(),
-                row.event.map_or("", Event::name).to_owned(),
-                row.value.to_string(),
-                number(error.filter(|error| error.is_finite())),
-                orbit.strongest_impulse().unwrap_or(0.0).to_string(),
-                impulses.join(" "),
-                number(row.phi),
-                number(row.psi),
-                row.period.to_string(),
-                number(row.margin),
-                flag(row.physical),
-                flag(row.stable),
-                verdict.and_then(|verdict| verdict.mechanism).map_or(String::new(), |m| m.name().to_owned()),
-                number(row.spectral_radius),
-            ])?;
+            let Row { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius } =
+                row(station);
+            let strongest = orbit.strongest_impulse().unwrap_or(0.0);
+            let (number, generation) = (i + 1, branch.generation);
+            table.record(&(
+                number,
+                generation,
+                event,
+                value,
+                error,
+                strongest,
+                impulses,
+                phi,
+                psi,
+                period,
+                margin,
+                physical,
+                stable,
+                mechanism,
+                spectral_radius,
+            ))?;
         }
     }
     Ok(table.finish()?)

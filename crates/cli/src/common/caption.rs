@@ -1,8 +1,7 @@
 //! What captions say of models and orbits.
 
 use vibrochain_breather::{Impact, Orbit};
-use vibrochain_lattice::{Model, Parameter, Short, Spectrum, far_motion};
-use vibrochain_maps::force;
+use vibrochain_lattice::{Model, Parameter, Part, Short, Spectrum, far_motion};
 
 use crate::args::{Direction, SimulateArgs};
 
@@ -49,19 +48,14 @@ pub fn describe_without(model: &Model, free: Parameter) -> String {
 /// What several points of a figure have in common; what differs is told by its curves.
 pub fn in_common(models: &[&Model]) -> String {
     let parts = |model: &Model| {
-        let chain = model.chain();
-        let mut parts = vec![
-            chain.layout().to_string(),
-            format!("γ₁ = {}", chain.gamma1()),
-            format!("γ₂ = {}", chain.gamma2()),
-            format!("ω = {}", model.omega()),
-            format!("a = {}", model.asymmetry()),
-        ];
-        if chain.layers() > 1 {
-            parts.insert(3, format!("γ₃ = {}", chain.gamma3()));
-        }
-        parts.extend(force::caption(model));
-        parts
+        let point = model.point();
+        let said = |parameter: Parameter| match (&point.force, parameter.row().part) {
+            (_, Part::Driving) if model.is_conservative() => None,
+            (Some(force), _) if parameter == Parameter::Amplitude => Some(format!("force {force}")),
+            _ if point.tells(parameter) => Some(format!("{} = {}", parameter.symbol(), point.get(parameter))),
+            _ => None,
+        };
+        std::iter::once(point.layout.to_string()).chain(Parameter::told().filter_map(said)).collect::<Vec<_>>()
     };
     let all: Vec<Vec<String>> = models.iter().map(|model| parts(model)).collect();
     let common = |part: &&String| all.iter().all(|parts| parts.contains(part));

@@ -1,11 +1,10 @@
 //! The model a command is asked about: flags, a scene's file, or a file with some values changed by flags.
 
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Ends, Layout, MAX_SITES, Model, Parameter, Short};
-use vibrochain_maps::point::Point;
+use vibrochain_lattice::{Ends, Layout, MAX_SITES, Model, Parameter, Part, Point, Short};
 use vibrochain_maps::scene::{Given, tolerance_from};
 
-use crate::args::{EndsName, LayerEndsName, ModelArgs};
+use crate::args::ModelArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 
@@ -66,7 +65,7 @@ pub fn model(args: &ModelArgs) -> Result<Chosen, CliError> {
     changed.counts(args, given);
     let mut point = Point::of(layout);
     for &parameter in Parameter::of(layout.layers) {
-        let flag = flag(args, parameter);
+        let flag = args.values.get(parameter);
         let there = given.and_then(|given| given.get(parameter));
         if let (Some(flag), Some(there)) = (flag, there) {
             changed.value(parameter.name(), Short(flag), Short(there), flag != there);
@@ -77,16 +76,19 @@ pub fn model(args: &ModelArgs) -> Result<Chosen, CliError> {
         };
         point = point.with(parameter, value);
     }
-    if layout.layers == 1 && args.gamma3.is_some() {
-        return Err(CliError::Request("--gamma3 couples layers, of which there is one: give --layers, too".to_owned()));
+    let absent = |parameter: &Parameter| !Parameter::of(layout.layers).contains(parameter);
+    if let Some(parameter) = Parameter::ALL.into_iter().filter(absent).find(|one| args.values.get(*one).is_some()) {
+        let message = format!("--{} couples layers, of which there is one: give --layers, too", parameter.flag());
+        return Err(CliError::Request(message));
     }
     // A force by its harmonics, unless the flags have a plain one.
-    let harmonics = given.and_then(|given| given.force.as_ref()).filter(|_| args.amplitude.is_none());
+    let amplitude = args.values.get(Parameter::Amplitude);
+    let harmonics = given.and_then(|given| given.force.as_ref()).filter(|_| amplitude.is_none());
     if let Some(force) = args.force.as_ref().or(harmonics) {
         point = point.under(force);
     }
     if let Some(there) = given.and_then(|given| given.force.as_ref()) {
-        match (&args.force, args.amplitude) {
+        match (&args.force, amplitude) {
             (Some(force), _) => changed.value("force", force, there, force != there),
             (None, Some(amplitude)) => {
                 changed.value("amplitude", Short(amplitude), format_args!("force {there}"), true)
@@ -122,27 +124,12 @@ impl Changed {
                 self.value(name, flag, there, usize::try_from(flag) != Ok(there));
             }
         }
-        let ends = [("ends", args.ends.map(ends), along), ("layer_ends", args.layer_ends.map(rows_ends), layer_ends)];
+        let ends = [("ends", args.ends, along), ("layer_ends", args.layer_ends, layer_ends)];
         for (name, flag, there) in ends {
             if let Some(flag) = flag {
                 self.value(name, flag.name(), there.name(), flag != there);
             }
         }
-    }
-}
-
-fn ends(name: EndsName) -> Ends {
-    match name {
-        EndsName::Closed => Ends::Closed,
-        EndsName::Free => Ends::Free,
-        EndsName::Fixed => Ends::Fixed,
-    }
-}
-
-fn rows_ends(name: LayerEndsName) -> Ends {
-    match name {
-        LayerEndsName::Closed => Ends::Closed,
-        LayerEndsName::Free => Ends::Free,
     }
 }
 
@@ -163,29 +150,17 @@ fn layout(args: &ModelArgs, given: Option<&Given>) -> Result<Layout, CliError> {
     }
     Ok(Layout {
         length,
-        ends: args.ends.map(ends).or(there.map(|there| there.ends)).unwrap_or(Ends::Closed),
+        ends: args.ends.or(there.map(|there| there.ends)).unwrap_or(Ends::Closed),
         layers,
-        layer_ends: args.layer_ends.map(rows_ends).or(there.map(|there| there.layer_ends)).unwrap_or(Ends::Free),
+        layer_ends: args.layer_ends.or(there.map(|there| there.layer_ends)).unwrap_or(Ends::Free),
     })
-}
-
-fn flag(args: &ModelArgs, parameter: Parameter) -> Option<f64> {
-    match parameter {
-        Parameter::Gamma1 => args.gamma1,
-        Parameter::Gamma2 => args.gamma2,
-        Parameter::Omega => args.omega,
-        Parameter::Asymmetry => args.asymmetry,
-        Parameter::Amplitude => args.amplitude,
-        Parameter::Restitution => args.restitution,
-        Parameter::Gamma3 => args.gamma3,
-    }
 }
 
 /// The value of a parameter that neither flags nor file give.
 fn absent(args: &ModelArgs, given: Option<&Given>, parameter: Parameter) -> Result<f64, CliError> {
-    let name = parameter.name();
+    let (name, flag) = (parameter.name(), parameter.flag());
     let request = |message: String| Err(CliError::Request(message));
-    let forced = args.amplitude.is_some()
+    let forced = args.values.get(Parameter::Amplitude).is_some()
         || args.force.is_some()
         || given.is_some_and(|given| given.force.is_some() || given.get(Parameter::Amplitude).is_some());
     if parameter == Parameter::Amplitude && args.force.is_some() {
@@ -193,13 +168,14 @@ fn absent(args: &ModelArgs, given: Option<&Given>, parameter: Parameter) -> Resu
     }
     if let Some((given, axis)) = given.and_then(|given| Some((given, given.axis(parameter)?))) {
         let [from, to] = axis.limits().map(Short);
-        return request(format!("{name} is swept by {}, from {from} to {to}: give --{name}", given.path.display()));
+        return request(format!("{name} is swept by {}, from {from} to {to}: give --{flag}", given.path.display()));
     }
-    match parameter {
-        Parameter::Amplitude => Ok(0.0),
-        Parameter::Restitution if !forced => Ok(1.0),
-        Parameter::Restitution => request("restitution is missing: a force needs --restitution".to_owned()),
-        Parameter::Gamma3 => request("gamma3 is missing: layers need --gamma3".to_owned()),
-        _ => request(format!("{name} is missing: give --{name}")),
+    match (parameter.row().default, parameter.row().part) {
+        (None, _) => request(format!("{name} is missing: give --{flag}")),
+        (Some(_), Part::Layers) => request(format!("{name} is missing: layers need --{flag}")),
+        (Some(_), Part::Driving) if forced && parameter != Parameter::Amplitude => {
+            request(format!("{name} is missing: a force needs --{flag}"))
+        }
+        (Some(default), _) => Ok(default),
     }
 }

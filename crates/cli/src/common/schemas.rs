@@ -1,12 +1,13 @@
 //! The form of every JSON that is written or read, as a JSON Schema (draft 2020-12).
 //!
 //! Each is a file in `schemas`; what several have in common is in `parts.json` and goes into each that asks for it, so that what
-//! is printed needs nothing else. The number at the end of an identifier rises when a key goes, or changes its meaning.
+//! is printed needs nothing else. Parameters of the model come from their table. The number at the end of an identifier rises when a key goes, or changes its meaning.
 
 use std::path::Path;
 
 use serde::{Deserialize, Deserializer};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
+use vibrochain_lattice::{Parameter, Part, Range, Row};
 
 use crate::common::error::CliError;
 use vibrochain_maps::text::clipped;
@@ -61,7 +62,7 @@ pub fn names() -> [&'static str; SCHEMAS.len()] {
 pub fn schema(name: &str) -> Option<Value> {
     let (_, text) = SCHEMAS.into_iter().find(|(known, _)| *known == name)?;
     let mut schema: Value = serde_json::from_str(text).ok()?;
-    let parts: Map<String, Value> = serde_json::from_str(PARTS).ok()?;
+    let parts = parts()?;
     let mut here = match schema.as_object_mut()?.remove(DEFINITIONS) {
         Some(Value::Object(own)) => own,
         _ => Map::new(),
@@ -81,6 +82,34 @@ pub fn schema(name: &str) -> Option<Value> {
         schema[DEFINITIONS] = here.into();
     }
     Some(schema)
+}
+
+/// What several schemas have in common: the parts in the file, and the parameters, which are keys of a model.
+fn parts() -> Option<Map<String, Value>> {
+    let mut parts: Map<String, Value> = serde_json::from_str(PARTS).ok()?;
+    parts.get_mut("parameter")?["enum"] = json!(Parameter::ALL.map(Parameter::name));
+    for parameter in Parameter::told() {
+        let Row { name, meaning, range: Range { least, most, open, .. }, part, default, .. } = parameter.row();
+        let limits = [
+            ["minimum", "exclusiveMinimum"][usize::from(open[0])],
+            ["maximum", "exclusiveMaximum"][usize::from(open[1])],
+        ];
+        let rule = json!({ "description": meaning, "type": "number", limits[0]: least, limits[1]: most });
+        parts.insert((*name).to_owned(), rule);
+        for model in ["parameters", "model-of-scene"] {
+            parts.get_mut(model)?["properties"][*name] = json!({ "$ref": format!("{POINTER}{name}") });
+        }
+        let whole = parts.get_mut("parameters")?;
+        // Instead of an amplitude there may be a force.
+        if default.is_none() || *part == Part::Driving && parameter != Parameter::Amplitude {
+            whole["required"].as_array_mut()?.push((*name).into());
+        }
+        if *part == Part::Layers {
+            whole["dependentRequired"]["layers"].as_array_mut()?.push((*name).into());
+            whole["dependentRequired"][*name] = json!(["layers"]);
+        }
+    }
+    Some(parts)
 }
 
 /// Refuses a file that says to be something else than what is wanted.
@@ -122,7 +151,7 @@ mod tests {
 
     #[test]
     fn every_schema_is_whole_and_every_part_is_asked_for() {
-        let mut parts: Map<String, Value> = serde_json::from_str(PARTS).unwrap();
+        let mut parts = parts().unwrap();
         for name in names() {
             let schema = schema(name).unwrap_or_else(|| panic!("{name}"));
             let mut wanted = Vec::new();

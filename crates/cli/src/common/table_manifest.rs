@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use vibrochain_fate::Ensemble;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::manifest::{REVISION, VERSION, scene_parts};
@@ -46,20 +46,23 @@ impl Manifest {
     /// Writes what a table of `command` with so many rows is of.
     pub(crate) fn finish(self, command: &str, rows: u64, about: &impl Serialize) -> Result<(), CliError> {
         let Some(file) = self.0 else { return Ok(()) };
-        let mut all = Map::new();
-        let mut add = |name: &str, value: Value| drop(all.insert(name.to_owned(), value));
-        add("schema", TABLE.into());
-        add("program", "mapgen".into());
-        add("version", VERSION.into());
-        add("revision", REVISION.into());
-        add("command", command.into());
-        add("rows", rows.into());
-        let about = serde_json::to_value(about).map_err(|error| CliError::Computation(error.to_string()))?;
-        if let Value::Object(about) = about {
-            all.extend(about);
-        }
-        Ok(file.finish_with(format!("{:#}\n", Value::Object(all)).as_bytes())?)
+        let (schema, program, version, revision) = (TABLE, "mapgen", VERSION, REVISION);
+        let all = json!(Whole { schema, program, version, revision, command, rows, about });
+        Ok(file.finish_with(format!("{all:#}\n").as_bytes())?)
     }
+}
+
+/// All of a manifest.
+#[derive(Serialize)]
+struct Whole<'a, T> {
+    schema: &'a str,
+    program: &'a str,
+    version: &'a str,
+    revision: Option<&'a str>,
+    command: &'a str,
+    rows: u64,
+    #[serde(flatten)]
+    about: &'a T,
 }
 
 /// What every manifest has.
@@ -89,43 +92,16 @@ pub(crate) fn read<T: DeserializeOwned>(path: &Path, command: &str) -> Result<(u
     Ok((rows, serde_json::from_str(&text).map_err(unreadable)?))
 }
 
-/// How runs of an ensemble are started, how long they are, and by what they are told apart.
-#[derive(Clone, Copy, Serialize, Deserialize)]
-pub(crate) struct Runs {
-    starts: u64,
-    perturb: f64,
-    seed: u64,
-    periods: u64,
-    transient: f64,
-    tolerance: f64,
-    leave: f64,
-}
-
-impl From<&Ensemble> for Runs {
-    fn from(ensemble: &Ensemble) -> Self {
-        let Ensemble { starts, size, seed, periods, transient, tolerance, leave } = *ensemble;
-        Self { starts, perturb: size, seed, periods, transient, tolerance, leave }
-    }
-}
-
-impl From<Runs> for Ensemble {
-    fn from(runs: Runs) -> Self {
-        let Runs { starts, perturb, seed, periods, transient, tolerance, leave } = runs;
-        Self { starts, size: perturb, seed, periods, transient, tolerance, leave }
-    }
-}
-
 /// What the table of an ensemble is of, besides its scene.
 #[derive(Deserialize)]
 pub(crate) struct OfRuns {
-    pub(crate) ensemble: Runs,
+    pub(crate) ensemble: Ensemble,
 }
 
 /// What the table of a scene is of, and of an ensemble over it.
 pub(crate) fn of_scene(scene: &Scene, ensemble: Option<&Ensemble>) -> Map<String, Value> {
     let mut all = Map::from_iter([("title".to_owned(), scene.title.clone().into())]);
     all.extend(scene_parts(scene));
-    let runs = ensemble.and_then(|ensemble| serde_json::to_value(Runs::from(ensemble)).ok());
-    all.extend(runs.map(|runs| ("ensemble".to_owned(), runs)));
+    all.extend(ensemble.map(|ensemble| ("ensemble".to_owned(), json!(ensemble))));
     all
 }

@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use clap::ValueEnum;
 use serde::Deserialize;
 use vibrochain_breather::{BreatherError, Family, Finder, Found, Hit, Limit, Orbit, Wanted, Word};
 use vibrochain_floquet::FollowedBranch;
 use vibrochain_lattice::{Barrier, Model};
 
-use crate::args::{FamilyName, WhichArgs};
+use crate::args::WhichArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::schemas::{self, ORBIT, expect};
@@ -16,14 +15,8 @@ use vibrochain_maps::cell::SYMMETRIC;
 use vibrochain_maps::numbers::{Number, plain};
 use vibrochain_maps::scene::Given;
 
-/// The family of that name.
-pub fn family(name: FamilyName) -> Family {
-    match name {
-        FamilyName::DoubleSided => Family::DoubleSided,
-        FamilyName::SingleSided => Family::SingleSided,
-        FamilyName::PeriodDoubled => Family::PeriodDoubled,
-    }
-}
+/// Families that are searched for by name.
+const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
 /// What the flags ask for, or else the file that the model comes from: the orbit it holds, or its only family or word.
 ///
@@ -44,10 +37,10 @@ pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichAr
     let path = scene.path.display();
     match scene.families.as_slice() {
         [] => request(format!("{path} does not say which breathers: give --family, --word or --near")),
-        [one] if one == SYMMETRIC => Ok(WhichArgs { family: Some(FamilyName::DoubleSided), ..none }),
-        [one] => match FamilyName::from_str(one, false) {
-            Ok(family) => Ok(WhichArgs { family: Some(family), ..none }),
-            Err(_) => {
+        [one] if one == SYMMETRIC => Ok(WhichArgs { family: Some(Family::DoubleSided), ..none }),
+        [one] => match FAMILIES.into_iter().find(|family| family.name() == one) {
+            Some(family) => Ok(WhichArgs { family: Some(family), ..none }),
+            None => {
                 let word = one.parse().map_err(|error| CliError::Request(format!("{path}: families: {error}")))?;
                 Ok(WhichArgs { word: Some(word), force_periods: which.force_periods, ..none })
             }
@@ -67,9 +60,9 @@ pub(crate) fn find(
     console: Option<&mut Console<'_>>,
 ) -> Result<(String, Found), CliError> {
     let mut found = Found::default();
-    if let Some(name) = which.family {
-        search(model, &mut found, |model, found| finder.find(model, family(name), found))?;
-        return Ok((family(name).name().to_owned(), found));
+    if let Some(family) = which.family {
+        search(model, &mut found, |model, found| finder.find(model, family, found))?;
+        return Ok((family.name().to_owned(), found));
     }
     if let Some(word) = &which.word {
         word.check(&model.chain().layout()).map_err(|error| CliError::Request(format!("--word: {error}")))?;

@@ -23,7 +23,7 @@ use crate::common::picture_files::PictureFiles;
 use crate::common::schemas::CURVE;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::curve::table::{About, header, write};
-use crate::locate::{Start, event, message, range, start};
+use crate::locate::{Start, impulses, message, range, start};
 use crate::orbit::{point_value, with_word};
 
 /// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
@@ -60,7 +60,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let start = start(&args.along, &stop, console)?;
     let window = window(args, &start)?;
-    let search = Search { event: event(args.event), free: first, from: window.from[0], to: window.to[0] };
+    let search = Search { event: args.event, free: first, from: window.from[0], to: window.to[0] };
     let mut curves = Curves { window, list: Vec::new() };
     fits(&pictures, &curves)?;
     let answer = locate_until(&start.orbit, &search, &stop)?;
@@ -92,7 +92,7 @@ fn window(args: &CurveArgs, start: &Start) -> Result<Window, CliError> {
     let asked = [[args.along.from, args.along.to], [args.and_from, args.and_to]];
     let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
     for i in 0..2 {
-        let usual = Search::new(&start.orbit, event(args.event), parameters[i]);
+        let usual = Search::new(&start.orbit, args.event, parameters[i]);
         let [least, most] = range(&start.chosen, parameters[i], asked[i]);
         (from[i], to[i]) = (least.unwrap_or(usual.from), most.unwrap_or(usual.to));
     }
@@ -118,9 +118,6 @@ impl Curves {
     /// Whether an event lies on one of the curves that were followed already.
     fn holds(&self, located: &Located, tolerance: f64) -> bool {
         let place = self.window.parts(self.window.place(located.orbit.model()));
-        let impulses = |orbit: &vibrochain_breather::Orbit| -> Vec<f64> {
-            orbit.impacts().iter().map(|impact| impact.impulse).collect()
-        };
         let own = impulses(&located.orbit);
         let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
         self.list.iter().any(|curve| {
@@ -160,7 +157,7 @@ impl Curves {
                 "error": point.error.is_finite().then_some(point.error),
                 "angle": point.angle,
                 "physical": point.physical,
-                "impulses": point.orbit.impacts().iter().map(|impact| impact.impulse).collect::<Vec<_>>(),
+                "impulses": impulses(&point.orbit),
                 "phi": point.orbit.phi(),
                 "psi": point.orbit.psi(),
             })

@@ -8,6 +8,7 @@ use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
 
 use crate::common::error::CliError;
+use crate::locate::impulses;
 
 /// The names of the columns for two parameters.
 pub(crate) fn header(parameters: [&'static str; 2]) -> [&'static str; 12] {
@@ -87,25 +88,26 @@ pub(crate) fn take(curves: &mut Rows, fields: &mut Fields<'_, &str>) -> Result<(
 
 /// Writes the points of curves.
 pub(crate) fn write(mut table: CsvFile, curves: &[EventCurve]) -> Result<(), CliError> {
-    let number = |value: Option<f64>| value.filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string());
     for (i, curve) in curves.iter().enumerate() {
         for (k, point) in curve.points.iter().enumerate() {
+            let CurvePoint { values: [x, y], error, angle, physical, orbit } = point;
             let names: Vec<String> = special(curve, k).map(|one| one.special.to_string()).collect();
-            let impulses: Vec<String> = point.orbit.impacts().iter().map(|impact| impact.impulse.to_string()).collect();
-            table.row([
-                (i + 1).to_string(),
-                curve.event.to_string(),
-                point.values[0].to_string(),
-                point.values[1].to_string(),
-                number(Some(point.error)),
-                names.join(" "),
-                number(special(curve, k).next().map(|one| one.error)),
-                number(point.angle),
-                point.physical.map_or(String::new(), |physical| physical.to_string()),
-                impulses.join(" "),
-                number(point.orbit.phi()),
-                number(point.orbit.psi()),
-            ])?;
+            let special_error = special(curve, k).next().map(|one| one.error);
+            let (number, (phi, psi)) = (i + 1, (orbit.phi(), orbit.psi()));
+            table.record(&(
+                number,
+                curve.event,
+                x,
+                y,
+                error,
+                names,
+                special_error,
+                angle,
+                physical,
+                impulses(orbit),
+                phi,
+                psi,
+            ))?;
         }
     }
     Ok(table.finish()?)

@@ -11,7 +11,7 @@ use super::line::{Line, Setting};
 use super::texts::{of_map, of_point, toml_of};
 use vibrochain_breather::Word;
 use vibrochain_explore::{Answers, Refusal, View, fits};
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Harmonic, Parameter, Stop};
 use vibrochain_maps::cell::SYMMETRIC;
 use vibrochain_maps::manifest::VERSION;
 use vibrochain_maps::numbers::{Number, plain};
@@ -113,32 +113,27 @@ fn read<T: DeserializeOwned>(asked: &Value) -> Result<T, Refusal> {
     T::deserialize(asked).map_err(|error| Refusal::wrong(plain(&error.to_string())))
 }
 
-/// The keys of a model, which are its flags, in the order in which people give them.
-const MODEL: [&str; 12] = [
-    "sites",
-    "ends",
-    "layers",
-    "layer_ends",
-    "gamma1",
-    "gamma2",
-    "gamma3",
-    "omega",
-    "asymmetry",
-    "amplitude",
-    "force",
-    "restitution",
-];
-
-/// Those whose values are words; others are numbers, and a text in their place would pass by what is asked of numbers here.
+/// Keys of a model whose values are words; others are numbers, and a text in their place would pass by what is asked of numbers here.
 const WORDS: [&str; 2] = ["ends", "layer_ends"];
+
+/// The keys of a model, which are its flags, in the order in which people give them.
+fn keys() -> Vec<&'static str> {
+    let mut keys = vec!["sites", "ends", "layers", "layer_ends"];
+    for parameter in Parameter::told() {
+        keys.push(parameter.name());
+        keys.extend((parameter == Parameter::Amplitude).then_some("force"));
+    }
+    keys
+}
 
 /// The flags of a model.
 fn with_model(mut line: Line, model: &Map<String, Value>, words: &[Word]) -> Result<Line, Refusal> {
-    if let Some(key) = model.keys().find(|key| !MODEL.contains(&key.as_str())) {
-        return Err(Refusal::wrong(format!("model has no {key}: it has {}", MODEL.join(", "))));
+    let known = keys();
+    if let Some(key) = model.keys().find(|key| !known.contains(&key.as_str())) {
+        return Err(Refusal::wrong(format!("model has no {key}: it has {}", known.join(", "))));
     }
     fits(masses(model)?, words)?;
-    for key in MODEL {
+    for key in known {
         let flag = key.replace('_', "-");
         line = match model.get(key) {
             None => line,
@@ -159,20 +154,10 @@ fn with_model(mut line: Line, model: &Map<String, Value>, words: &[Word]) -> Res
     Ok(line)
 }
 
-/// A harmonic of a force.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Harmonic {
-    harmonic: u32,
-    amplitude: f64,
-    #[serde(default)]
-    phase: f64,
-}
-
 fn force(harmonics: &[Value]) -> Result<String, Refusal> {
     let one = |value: &Value| {
-        let Harmonic { harmonic, amplitude, phase } = read(value)?;
-        Ok(format!("{harmonic}:{}:{}", Number(amplitude), Number(phase)))
+        let Harmonic { number, amplitude, phase } = read(value)?;
+        Ok(format!("{number}:{}:{}", Number(amplitude), Number(phase)))
     };
     Ok(harmonics.iter().map(one).collect::<Result<Vec<_>, Refusal>>()?.join(","))
 }

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::line::{Line, VIEW};
 use vibrochain_explore::{Refusal, View};
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::numbers::Number;
 
 /// A scene as the text of a file.
@@ -42,7 +43,12 @@ pub(super) fn of_point(model: &Map<String, Value>, which: &str, number: usize) -
             out
         })
     };
-    let lattice = named(&["ends", "layers", "gamma3", "layer_ends"]);
+    // What has no default stands in its place, without a name.
+    let named_of = |lattice: bool| {
+        let own = |one: &Parameter| one.is_of_lattice() == lattice && one.row().default.is_some();
+        named(&Parameter::told().filter(own).map(Parameter::name).collect::<Vec<_>>())
+    };
+    let lattice = [named(&["ends", "layers"]), named_of(true), named(&["layer_ends"])].concat();
     let driven = match value("force") {
         Some(Value::Array(harmonics)) => {
             let part = |one: &Value, key: &str| one.get(key).and_then(Value::as_f64).unwrap_or(0.0);
@@ -51,9 +57,9 @@ pub(super) fn of_point(model: &Map<String, Value>, which: &str, number: usize) -
                 format!("({number}, {}, {})", Number(part(one, "amplitude")), Number(part(one, "phase")))
             };
             let list: Vec<String> = harmonics.iter().map(one).collect();
-            format!(", force=vc.Force([{}]){}", list.join(", "), named(&["restitution"]))
+            format!(", force=vc.Force([{}]){}", list.join(", "), named_of(false))
         }
-        _ => named(&["amplitude", "restitution"]),
+        _ => named_of(false),
     };
     let [sites, gamma1, gamma2, omega, asymmetry] = ["sites", "gamma1", "gamma2", "omega", "asymmetry"].map(text);
     format!(

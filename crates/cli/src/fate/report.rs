@@ -11,7 +11,6 @@ use vibrochain_maps::manifest::scene_parts;
 use vibrochain_maps::scene::Scene;
 
 use crate::common::schemas::FATE;
-use crate::common::table_manifest::Runs;
 use crate::sweep::report::{counted, grid};
 
 /// Words of other breathers that people are told.
@@ -122,7 +121,7 @@ impl Totals {
         let mut all = serde_json::Map::from_iter([("schema".to_owned(), FATE.into())]);
         all.extend(scene_parts(scene));
         let own = json!({
-            "ensemble": Runs::from(ensemble),
+            "ensemble": ensemble,
             "cells": self.cells,
             "cells_with_breather": self.with,
             "breathers": self.breathers,

@@ -13,7 +13,7 @@ use vibrochain_breather::{
     BreatherError, Completeness, Ended, Family, Finder, Found, NoBreather, Obstruction, Orbit, Proof, Word,
 };
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
-use vibrochain_lattice::{Ends, Model};
+use vibrochain_lattice::Model;
 
 use crate::args::OrbitArgs;
 use crate::common::console::{Console, nothing_else};
@@ -26,7 +26,6 @@ use crate::orbit::modes::OrbitModes;
 use crate::orbit::multiplier_file::MultiplierFile;
 use crate::orbit::trajectory::OrbitTrajectory;
 use vibrochain_maps::files::distinct;
-use vibrochain_maps::force;
 use vibrochain_maps::numbers::Number;
 
 /// The most multipliers of a solution that JSON lists.
@@ -112,28 +111,7 @@ fn drifting(
 
 /// The point as JSON; a plain cosine by its amplitude, any other force by its harmonics.
 pub(crate) fn point_value(model: &Model) -> Value {
-    let chain = model.chain();
-    let mut parameters = json!({
-        "sites": chain.length(),
-        "gamma1": chain.gamma1(),
-        "gamma2": chain.gamma2(),
-        "omega": model.omega(),
-        "asymmetry": model.asymmetry(),
-    });
-    if chain.ends() != Ends::Closed {
-        parameters["ends"] = chain.ends().name().into();
-    }
-    if chain.layers() > 1 {
-        parameters["layers"] = chain.layers().into();
-        parameters["layer_ends"] = chain.layer_ends().name().into();
-        parameters["gamma3"] = chain.gamma3().into();
-    }
-    match model.force().cosine_amplitude() {
-        Some(amplitude) => parameters["amplitude"] = amplitude.into(),
-        None => parameters["force"] = force::value(model.force()),
-    }
-    parameters["restitution"] = model.restitution().into();
-    parameters
+    json!(model)
 }
 
 /// How the list is known to be complete: by which means, and how many enclosures it took.

@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Secular, Signature, bare_signature, felt_modes};
@@ -11,8 +12,9 @@ use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Secular, Sig
 const MOST_SIGNED: usize = 1025;
 
 /// One mode that feels the impacts, by rising frequency: on a ring one that is even about the site that is hit.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 struct ModeReport {
+    mode: usize,
     frequency: f64,
     /// That of Ω_k.
     bare_signature: Option<Signature>,
@@ -73,6 +75,7 @@ impl OrbitModes {
             .iter()
             .enumerate()
             .map(|(k, &(mode, frequency))| ModeReport {
+                mode: k,
                 frequency,
                 bare_signature: if listed { bare_signature(response, mode) } else { None },
                 residue: residues.get(mode).copied().flatten(),
@@ -88,17 +91,7 @@ impl OrbitModes {
     }
 
     pub(crate) fn json(&self) -> Value {
-        let mode = |(k, mode): (usize, &ModeReport)| {
-            json!({
-                "mode": k,
-                "frequency": mode.frequency,
-                "bare_signature": mode.bare_signature.map(Signature::value),
-                "residue": mode.residue,
-                "dressed": mode.dressed,
-                "signature": mode.signature.map(Signature::value),
-            })
-        };
-        self.modes.iter().enumerate().map(mode).collect()
+        json!(self.modes)
     }
 
     /// The breather's own mode; its number is that of the last mode, above which no other is.
@@ -113,9 +106,7 @@ impl OrbitModes {
     }
 
     pub(crate) fn collision_json(&self) -> Option<Value> {
-        let collision = self.collision?;
-        let (k, l) = collision.modes;
-        Some(json!({ "modes": [k, l], "harmonic": collision.harmonic, "detuning": collision.detuning }))
+        self.collision.map(|collision| json!(collision))
     }
 }
 

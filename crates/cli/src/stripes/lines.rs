@@ -8,12 +8,11 @@ use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{DressedModes, Passing, felt_modes, passings};
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Parameter, Stop};
 
 use crate::common::error::CliError;
 use crate::stripes::cuts::{Carrier, Cut};
 use crate::stripes::request::{Request, family};
-use vibrochain_maps::point::Parameter;
 use vibrochain_plot::Tile;
 
 /// The most places where lines meet rows: some 50 bytes each, 300 MB with the lines drawn of them. The fullest map of docs/stripes.md

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::common::error::CliError;
 use vibrochain_floquet::felt_modes;
-use vibrochain_maps::point::Parameter;
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
 use vibrochain_plot::Tile;
 

@@ -7,10 +7,9 @@ use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::{BreatherError, Family};
 use vibrochain_floquet::{NoStripe, Stripe, StripeEnd, StripeFinder, StripeLine, StripeRow};
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Parameter, Stop};
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::point::Parameter;
 
 use crate::common::error::CliError;
 use crate::common::progress::counter;

@@ -173,7 +173,7 @@ fn cells(args: &DrawArgs, table: TableRows, source: &Path, console: &mut Console
 /// What the tables of ensembles are of: rows, scene, runs.
 fn of_runs(source: &Path, command: &str) -> Result<(u64, Scene, Ensemble), CliError> {
     let (rows, OfRuns { ensemble }) = read(source, command)?;
-    let (scene, ensemble) = (Scene::read(source)?, Ensemble::from(ensemble));
+    let scene = Scene::read(source)?;
     ensemble
         .check(scene.base.sites())
         .map_err(|error| CliError::Request(format!("manifest {}: {error}", source.display())))?;

@@ -1,11 +1,13 @@
 //! Values in words, one line each; numbers in the fewest digits that read back the same.
 
 use std::fmt::{Display, Formatter, Result};
+use std::str::FromStr;
 
 use crate::error::Short;
 use crate::model::force::{Force, Harmonic};
 use crate::model::parameter::Parameter;
 use crate::model::params::{Barrier, Chain, Layout, Model};
+use crate::model::point::Point;
 use crate::modes::row::Ends;
 
 /// The name in files.
@@ -40,6 +42,38 @@ impl Display for Force {
     }
 }
 
+/// As [`Force`] is written; the phase may be left out.
+///
+/// ```
+/// use vibrochain_lattice::Force;
+/// let force: Force = "1:0.1:0,3:-0.03".parse().unwrap();
+/// assert_eq!(force.to_string(), "1:0.1:0,3:-0.03:0");
+/// assert!("1:0.1:0,2:0.03".parse::<Force>().unwrap_err().contains("harmonic = 2"));
+/// ```
+impl FromStr for Force {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let harmonics = text.split(',').map(harmonic).collect::<std::result::Result<Vec<_>, _>>()?;
+        Self::new(&harmonics).map_err(|error| error.to_string())
+    }
+}
+
+fn harmonic(text: &str) -> std::result::Result<Harmonic, String> {
+    let wrong = |what: &str| format!("`{text}` has {what}: give number:amplitude:phase, as in 1:0.1:0,3:0.03:1.57");
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+    let (number, amplitude, phase) = match parts[..] {
+        [number, amplitude] => (number, amplitude, "0"),
+        [number, amplitude, phase] => (number, amplitude, phase),
+        _ => return Err(wrong("not two or three parts")),
+    };
+    Ok(Harmonic {
+        number: number.parse().map_err(|_| wrong("no whole number in front"))?,
+        amplitude: amplitude.parse().map_err(|_| wrong("an amplitude that is no number"))?,
+        phase: phase.parse().map_err(|_| wrong("a phase that is no number"))?,
+    })
+}
+
 /// "21 masses (N = 20)", "12 masses, free ends", "11 masses × 2 layers".
 impl Display for Layout {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -62,21 +96,28 @@ impl Display for Layout {
 
 impl Display for Chain {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let (gamma1, gamma2) = (Short(self.gamma1()), Short(self.gamma2()));
-        write!(f, "{}, gamma1 = {gamma1}, gamma2 = {gamma2}", self.layout())?;
-        if self.layers() > 1 { write!(f, ", gamma3 = {}", Short(self.gamma3())) } else { Ok(()) }
+        write!(f, "{}", self.layout())?;
+        values(f, &self.point(), Parameter::is_of_lattice)
     }
 }
 
 impl Display for Model {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(f, "{}, omega = {}, asymmetry = {}, ", self.chain(), Short(self.omega()), Short(self.asymmetry()))?;
-        match self.force().cosine_amplitude() {
-            Some(amplitude) => write!(f, "amplitude = {}", Short(amplitude))?,
-            None => write!(f, "force = {}", self.force())?,
-        }
-        write!(f, ", restitution = {}", Short(self.restitution()))
+        write!(f, "{}", self.chain().layout())?;
+        values(f, &self.point(), |_| true)
     }
+}
+
+/// ", gamma1 = 0.2, gamma2 = 0.1": each that is worth a word.
+fn values(f: &mut Formatter<'_>, point: &Point, wanted: impl Fn(Parameter) -> bool) -> Result {
+    for parameter in Parameter::told().filter(|parameter| wanted(*parameter)) {
+        match &point.force {
+            Some(force) if parameter == Parameter::Amplitude => write!(f, ", force = {force}")?,
+            _ if point.tells(parameter) => write!(f, ", {parameter} = {}", Short(point.get(parameter)))?,
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@
 use std::fmt;
 
 use crate::error::{MAX_MAGNITUDE, ParameterError, check};
+use crate::model::parameter::Parameter;
 
 /// The most harmonics of a force: it is held inline, so that a model stays a plain value.
 pub const MAX_HARMONICS: usize = 8;
@@ -65,7 +66,7 @@ impl Force {
     /// # Errors
     /// A [`ParameterError`] unless 0 ≤ A ≤ 1e100.
     pub fn cosine(amplitude: f64) -> Result<Self, ParameterError> {
-        check((0.0..=MAX_MAGNITUDE).contains(&amplitude), "amplitude", amplitude, "a finite number from 0 to 1e100")?;
+        Parameter::Amplitude.check(amplitude)?;
         let mut harmonics = [Harmonic::default(); MAX_HARMONICS];
         // A minus zero would survive the range check and change signs downstream.
         harmonics[0] = Harmonic { number: 1, amplitude: amplitude + 0.0, phase: 0.0 };

@@ -4,5 +4,6 @@ pub(crate) mod display;
 pub(crate) mod force;
 pub(crate) mod parameter;
 pub(crate) mod params;
+pub(crate) mod point;
 #[cfg(feature = "serde")]
 pub(crate) mod serde_impl;

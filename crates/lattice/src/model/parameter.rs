@@ -1,75 +1,192 @@
-//! The real parameters of the model by name, to be varied one at a time.
+//! The table of the model's real parameters. Whatever reads, writes, shows or varies one takes it from here: flags, scenes, JSON, columns,
+//! Python, schemas and the explorer's controls. A new parameter is a row of it, and what it does in [`Model`](crate::Model).
 
-use crate::error::ParameterError;
-use crate::model::params::{Chain, Model};
+use std::sync::LazyLock;
 
-/// A real parameter of the model, which a sweep can vary or a search can solve for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum Parameter {
-    /// γ₁
-    Gamma1,
-    /// γ₂
-    Gamma2,
-    /// ω
-    Omega,
-    /// a
-    Asymmetry,
-    /// A
-    Amplitude,
-    /// e
-    Restitution,
-    /// γ₃
-    Gamma3,
+use crate::error::{MAX_MAGNITUDE, ParameterError, check};
+
+/// The values that a parameter may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Least value.
+    pub least: f64,
+    /// Largest value.
+    pub most: f64,
+    /// Which of the two it may not have itself.
+    pub open: [bool; 2],
+    /// The range in words, after "give".
+    pub told: &'static str,
 }
 
-impl Parameter {
-    /// All of them, in the order of tables.
-    pub const ALL: [Self; 7] =
-        [Self::Gamma1, Self::Gamma2, Self::Omega, Self::Asymmetry, Self::Amplitude, Self::Restitution, Self::Gamma3];
+impl Range {
+    const STIFFNESS: Self =
+        Self { least: 0.0, most: MAX_MAGNITUDE, open: [false; 2], told: "a finite number from 0 to 1e100" };
 
+    /// Whether it holds a value.
+    pub fn contains(&self, value: f64) -> bool {
+        let inside = (self.least..=self.most).contains(&value);
+        inside && !(self.open[0] && value == self.least || self.open[1] && value == self.most)
+    }
+}
+
+/// What a parameter takes part in, which tells where it may be left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The springs of every lattice.
+    Lattice,
+    /// The springs between layers: a lattice of one has none.
+    Layers,
+    /// The period and the barriers.
+    Motion,
+    /// The force and the losses: a conservative model has none.
+    Driving,
+}
+
+/// A row of the table.
+#[derive(Debug)]
+pub struct Row {
+    /// The name in scenes, tables, JSON and Python; words are joined by `_`, in its flag by `-`.
+    pub name: &'static str,
+    /// The letter on pictures, and of its flag's value.
+    pub symbol: &'static str,
+    /// What it is, on the axes of pictures.
+    pub meaning: &'static str,
+    /// The same in a word, before the letter.
+    pub word: &'static str,
+    /// What its flag says.
+    pub help: &'static str,
+    /// Its values.
+    pub range: Range,
+    /// What it takes part in.
+    pub part: Part,
+    /// Its value where it is left out; `None` where it must be given.
+    pub default: Option<f64>,
+    /// Ends and step of the explorer's slider.
+    pub slider: [f64; 3],
+}
+
+/// Hands the rows of the table to a macro: documentation, variant, name, and all else.
+macro_rules! parameters {
+    ($made:ident) => {
+        $made! {
+            /// On-site stiffness γ₁.
+            Gamma1 gamma1 {
+                symbol: "γ₁", meaning: "on-site stiffness", word: "stiffness", help: "On-site stiffness γ₁",
+                range: Range::STIFFNESS, part: Part::Lattice, default: None, slider: [0.0, 2.0, 0.01],
+            }
+            /// Coupling stiffness γ₂ along the rows.
+            Gamma2 gamma2 {
+                symbol: "γ₂", meaning: "coupling stiffness", word: "coupling", help: "Coupling stiffness γ₂",
+                range: Range::STIFFNESS, part: Part::Lattice, default: None, slider: [0.0, 1.0, 0.005],
+            }
+            /// Frequency ω of the force, and of a map.
+            Omega omega {
+                symbol: "ω", meaning: "frequency", word: "frequency", help: "Frequency ω of the force, and of the map",
+                range: Range {
+                    least: 1.0 / MAX_MAGNITUDE, most: MAX_MAGNITUDE, open: [false; 2], told: "a positive number, 1e-100 to 1e100",
+                },
+                part: Part::Motion, default: None, slider: [0.1, 5.0, 0.01],
+            }
+            /// Centre a of the gap.
+            Asymmetry asymmetry {
+                symbol: "a", meaning: "asymmetry", word: "asymmetry", help: "Centre a of the gap, 0 ≤ a < 1",
+                range: Range { least: 0.0, most: 1.0, open: [false, true], told: "a number from 0 up to but not including 1" },
+                part: Part::Motion, default: None, slider: [0.0, 0.95, 0.01],
+            }
+            /// Amplitude A of the force; of a force of several harmonics Σ|A_j|.
+            Amplitude amplitude {
+                symbol: "A", meaning: "force amplitude", word: "amplitude",
+                help: "Amplitude A of the force A cos ω(t+ψ) [default: no force]",
+                range: Range::STIFFNESS, part: Part::Driving, default: Some(0.0), slider: [0.0, 1.0, 0.005],
+            }
+            /// Coefficient e of restitution.
+            Restitution restitution {
+                symbol: "e", meaning: "restitution", word: "restitution",
+                help: "Coefficient e of restitution, 0 < e ≤ 1 [default without force: 1]",
+                range: Range { least: 0.0, most: 1.0, open: [true, false], told: "a number above 0 and up to 1" },
+                part: Part::Driving, default: Some(1.0), slider: [0.05, 1.0, 0.01],
+            }
+            /// Coupling stiffness γ₃ between layers.
+            Gamma3 gamma3 {
+                symbol: "γ₃", meaning: "coupling of layers", word: "coupling", help: "Coupling stiffness γ₃ between layers",
+                range: Range::STIFFNESS, part: Part::Layers, default: Some(0.0), slider: [0.0, 1.0, 0.005],
+            }
+        }
+    };
+}
+pub(crate) use parameters;
+
+macro_rules! table {
+    ($($(#[$doc:meta])* $variant:ident $name:ident { $($rest:tt)* })*) => {
+        /// A real parameter of the model, which a sweep can vary or a search can solve for.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+        pub enum Parameter {
+            $($(#[$doc])* $variant,)*
+        }
+
+        const TABLE: &[Row] = &[$(Row { name: stringify!($name), $($rest)* }),*];
+
+        impl Parameter {
+            /// All of them, in the order of tables.
+            pub const ALL: [Self; TABLE.len()] = [$(Self::$variant),*];
+        }
+    };
+}
+parameters!(table);
+
+impl Parameter {
     /// Those of a lattice of so many layers: γ₃ takes two.
     pub fn of(layers: usize) -> &'static [Self] {
-        const ALL: [Parameter; 7] = Parameter::ALL;
-        if layers > 1 { &ALL } else { ALL.split_at(6).0 }
+        static OF_ONE: LazyLock<Vec<Parameter>> =
+            LazyLock::new(|| Parameter::ALL.into_iter().filter(|one| one.row().part != Part::Layers).collect());
+        if layers > 1 { &Self::ALL } else { &OF_ONE }
+    }
+
+    /// All of them in the order in which a model is told: the lattice's first.
+    pub fn told() -> impl Iterator<Item = Self> + Clone {
+        [true, false]
+            .into_iter()
+            .flat_map(|first| Self::ALL.into_iter().filter(move |one| one.is_of_lattice() == first))
+    }
+
+    /// Its row of the table.
+    pub fn row(self) -> &'static Row {
+        &TABLE[self as usize]
     }
 
     /// The name in scenes, flags and tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Gamma1 => "gamma1",
-            Self::Gamma2 => "gamma2",
-            Self::Omega => "omega",
-            Self::Asymmetry => "asymmetry",
-            Self::Amplitude => "amplitude",
-            Self::Restitution => "restitution",
-            Self::Gamma3 => "gamma3",
-        }
+        self.row().name
+    }
+
+    /// The name of its flag, without the two hyphens before it.
+    pub fn flag(self) -> String {
+        self.name().replace('_', "-")
     }
 
     /// The letter on pictures.
     pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Gamma1 => "γ₁",
-            Self::Gamma2 => "γ₂",
-            Self::Omega => "ω",
-            Self::Asymmetry => "a",
-            Self::Amplitude => "A",
-            Self::Restitution => "e",
-            Self::Gamma3 => "γ₃",
-        }
+        self.row().symbol
     }
 
     /// What it is, on the axes of pictures.
     pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Gamma1 => "on-site stiffness",
-            Self::Gamma2 => "coupling stiffness",
-            Self::Omega => "frequency",
-            Self::Asymmetry => "asymmetry",
-            Self::Amplitude => "force amplitude",
-            Self::Restitution => "restitution",
-            Self::Gamma3 => "coupling of layers",
+        self.row().meaning
+    }
+
+    /// A parameter of the lattice, not of what moves on it.
+    pub fn is_of_lattice(self) -> bool {
+        matches!(self.row().part, Part::Lattice | Part::Layers)
+    }
+
+    /// Whether the `value` that a model of so many layers has is worth a word: that of a part which it lacks is not, nor what is so unless it
+    /// is given.
+    pub fn is_told(self, layers: usize, value: f64) -> bool {
+        match self.row().part {
+            Part::Layers => layers > 1,
+            Part::Driving => true,
+            Part::Lattice | Part::Motion => self.row().default != Some(value),
         }
     }
 
@@ -77,86 +194,12 @@ impl Parameter {
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|parameter| parameter.name() == name)
     }
-}
 
-impl Model {
-    /// The value of one parameter.
-    pub fn get(&self, parameter: Parameter) -> f64 {
-        match parameter {
-            Parameter::Gamma1 => self.chain().gamma1(),
-            Parameter::Gamma2 => self.chain().gamma2(),
-            Parameter::Omega => self.omega(),
-            Parameter::Asymmetry => self.asymmetry(),
-            Parameter::Amplitude => self.amplitude(),
-            Parameter::Restitution => self.restitution(),
-            Parameter::Gamma3 => self.chain().gamma3(),
-        }
-    }
-
-    /// The same model with one parameter changed. The amplitude of a force of several harmonics is Σ|A_j|: all of them are
-    /// scaled alike.
+    /// Refuses a value out of range.
     ///
     /// # Errors
-    /// [`ParameterError`] for a value out of range.
-    ///
-    /// ```
-    /// use vibrochain_lattice::{Chain, Model, Parameter};
-    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
-    /// let softer = model.with(Parameter::Gamma2, 0.05)?;
-    /// assert_eq!((softer.chain().gamma2(), softer.get(Parameter::Omega)), (0.05, 1.5));
-    /// assert!(model.with(Parameter::Restitution, 1.1).is_err());
-    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
-    /// ```
-    pub fn with(&self, parameter: Parameter, value: f64) -> Result<Self, ParameterError> {
-        let or = |which: Parameter| if which == parameter { value } else { self.get(which) };
-        let [gamma1, gamma2, gamma3] = [Parameter::Gamma1, Parameter::Gamma2, Parameter::Gamma3].map(or);
-        let chain = Chain::on(self.chain().layout(), gamma1, gamma2, gamma3)?;
-        let force = match parameter {
-            Parameter::Amplitude => self.force().scaled_to(value)?,
-            _ => *self.force(),
-        };
-        Self::with_force(chain, or(Parameter::Omega), or(Parameter::Asymmetry), &force, or(Parameter::Restitution))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::force::{Force, Harmonic};
-    use crate::modes::row::Ends;
-
-    #[test]
-    fn with_changes_one_value_and_get_reads_it() {
-        let chain = Chain::new(5, 0.2, 0.1).unwrap();
-        assert!(Model::conservative(chain, 1.5, 0.4).unwrap().with(Parameter::Gamma3, 0.1).is_err());
-        let chain = chain.with_ends(Ends::Free).with_layers(3, 0.05, Ends::Closed).unwrap();
-        let model = Model::forced(chain, 1.5, 0.4, 0.3, 0.9).unwrap();
-        for parameter in Parameter::ALL {
-            let changed = model.with(parameter, 0.77).unwrap();
-            assert_eq!(changed.chain().layout(), chain.layout());
-            for other in Parameter::ALL {
-                let expected = if other == parameter { 0.77 } else { model.get(other) };
-                assert_eq!(changed.get(other), expected, "{parameter:?} {other:?}");
-            }
-            assert_eq!(Parameter::from_name(parameter.name()), Some(parameter));
-            assert!(model.with(parameter, -1.0).is_err());
-        }
-    }
-
-    #[test]
-    fn a_force_of_several_harmonics_keeps_its_shape() {
-        let terms =
-            [(1, 0.3, 0.5), (3, -0.1, 0.0)].map(|(number, amplitude, phase)| Harmonic { number, amplitude, phase });
-        let force = Force::new(&terms).unwrap();
-        let model = Model::with_force(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, &force, 0.9).unwrap();
-        assert_eq!(*model.with(Parameter::Gamma2, 0.05).unwrap().force(), force);
-        let twice = model.with(Parameter::Amplitude, 0.8).unwrap();
-        for (harmonic, term) in twice.force().harmonics().iter().zip(terms) {
-            assert_eq!((harmonic.number, harmonic.phase), (term.number, term.phase));
-            assert!((harmonic.amplitude - 2.0 * term.amplitude).abs() < 1e-15);
-        }
-        assert!((twice.get(Parameter::Amplitude) - 0.8).abs() < 1e-15);
-        assert!(model.with(Parameter::Amplitude, -0.1).is_err() && model.with(Parameter::Amplitude, f64::NAN).is_err());
-        assert_eq!(model.with(Parameter::Amplitude, 0.0).unwrap().amplitude(), 0.0);
+    /// A [`ParameterError`] with the range.
+    pub fn check(self, value: f64) -> Result<(), ParameterError> {
+        check(self.row().range.contains(value), self.name(), value, self.row().range.told)
     }
 }

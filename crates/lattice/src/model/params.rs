@@ -1,7 +1,8 @@
 //! Validated parameters. A value of these types is always in range; nothing downstream checks again.
 
-use crate::error::{MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, check};
+use crate::error::{ParameterError, RESONANCE_TOLERANCE, Resonance, check};
 use crate::model::force::{Force, Wave};
+use crate::model::parameter::Parameter;
 use crate::modes::ring::KEPT;
 use crate::modes::row::{Ends, Line};
 
@@ -110,15 +111,13 @@ impl Layout {
     }
 }
 
-const STIFFNESS: &str = "a finite number from 0 to 1e100";
-
 impl Chain {
     /// A ring of `sites` unit masses with on-site stiffness `gamma1` and coupling stiffness `gamma2`.
     ///
     /// On a ring of two masses both springs join the same pair; on a ring of one the coupling does nothing.
     ///
     /// # Errors
-    /// A [`ParameterError`] unless 1 ≤ `sites` ≤ [`MAX_SITES`], 0 ≤ γ₁, γ₂ ≤ [`MAX_MAGNITUDE`], of several masses not both zero.
+    /// A [`ParameterError`] unless 1 ≤ `sites` ≤ [`MAX_SITES`], 0 ≤ γ₁, γ₂ ≤ 1e100, of several masses not both zero.
     ///
     /// ```
     /// use vibrochain_lattice::Chain;
@@ -127,8 +126,8 @@ impl Chain {
     /// ```
     pub fn new(sites: usize, gamma1: f64, gamma2: f64) -> Result<Self, ParameterError> {
         check((1..=MAX_SITES).contains(&sites), "sites", sites as f64, "a whole number from 1 to 10000000")?;
-        check((0.0..=MAX_MAGNITUDE).contains(&gamma1), "gamma1", gamma1, STIFFNESS)?;
-        check((0.0..=MAX_MAGNITUDE).contains(&gamma2), "gamma2", gamma2, STIFFNESS)?;
+        Parameter::Gamma1.check(gamma1)?;
+        Parameter::Gamma2.check(gamma2)?;
         let both = "a positive gamma1 or gamma2: with both zero no mass is held by any spring";
         // A mass alone flies from barrier to barrier, whatever is beside it.
         check(sites == 1 || gamma1 > 0.0 || gamma2 > 0.0, "gamma1", gamma1, both)?;
@@ -149,7 +148,7 @@ impl Chain {
     ///
     /// # Errors
     /// A [`ParameterError`] unless there is at least one layer, all masses together are at most [`MAX_SITES`] and 0 ≤ γ₃ ≤
-    /// [`MAX_MAGNITUDE`].
+    /// 1e100.
     ///
     /// ```
     /// use vibrochain_lattice::{Chain, Ends, Spectrum};
@@ -161,7 +160,7 @@ impl Chain {
     pub fn with_layers(mut self, layers: usize, gamma3: f64, ends: Ends) -> Result<Self, ParameterError> {
         let fits = layers >= 1 && layers.checked_mul(self.along.masses).is_some_and(|sites| sites <= MAX_SITES);
         check(fits, "layers", layers as f64, "at least 1, and at most 10000000 masses in all")?;
-        check((0.0..=MAX_MAGNITUDE).contains(&gamma3), "gamma3", gamma3, STIFFNESS)?;
+        Parameter::Gamma3.check(gamma3)?;
         let held = layers == 1 || self.gamma1 > 0.0 || gamma3 > 0.0 || self.along.ends == Ends::Fixed;
         check(
             held,
@@ -423,8 +422,7 @@ impl Model {
             force.amplitude(),
             "0 with walls beside layers: give walls to the ends of rows only",
         )?;
-        let e_ok = restitution > 0.0 && restitution <= 1.0;
-        check(e_ok, "restitution", restitution, "a number above 0 and up to 1")?;
+        Parameter::Restitution.check(restitution)?;
         Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, force: *force, restitution })
     }
 
@@ -528,9 +526,8 @@ impl Model {
 }
 
 fn check_place(omega: f64, asymmetry: f64) -> Result<(), ParameterError> {
-    let omega_ok = (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega);
-    check(omega_ok, "omega", omega, "a positive number, 1e-100 to 1e100")?;
-    check((0.0..1.0).contains(&asymmetry), "asymmetry", asymmetry, "a number from 0 up to but not including 1")
+    Parameter::Omega.check(omega)?;
+    Parameter::Asymmetry.check(asymmetry)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Axes of a sweep.
 
-use crate::point::Parameter;
+use vibrochain_lattice::Parameter;
 
 /// The most points of one axis.
 pub const MAX_POINTS: usize = 1_000_000;

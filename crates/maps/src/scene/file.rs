@@ -1,20 +1,23 @@
 //! The form of a scene file, and errors that point into it.
 
+use std::fmt;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::LazyLock;
 
-use serde::Deserialize;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 use toml::Spanned;
 use vibrochain_breather::{Family, Word};
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Model, Short};
+use vibrochain_lattice::{Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Model, Parameter, Short};
 
 use crate::cell::{SYMMETRIC, Task};
 use crate::error::MapError;
 use crate::numbers::plain;
-use crate::point::Parameter;
-use crate::scene::axis::{Axis, MAX_POINTS, Values};
+use crate::scene::axis::{self, Axis, MAX_POINTS};
+use crate::scene::data::Data;
 use crate::text::{clipped, excerpt};
 
 /// The most bytes of a scene's file: 200 000 values in all their digits, which take 200 MB while they are checked.
@@ -29,22 +32,78 @@ pub(super) struct File {
     pub(super) compute: Option<ComputeTable>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct ModelTable {
     pub(super) sites: Spanned<i64>,
     pub(super) ends: Option<Spanned<String>>,
     pub(super) layers: Option<Spanned<i64>>,
     pub(super) layer_ends: Option<Spanned<String>>,
-    pub(super) gamma1: Option<Spanned<f64>>,
-    pub(super) gamma2: Option<Spanned<f64>>,
-    pub(super) omega: Option<Spanned<f64>>,
-    pub(super) asymmetry: Option<Spanned<f64>>,
-    pub(super) amplitude: Option<Spanned<f64>>,
-    pub(super) restitution: Option<Spanned<f64>>,
-    pub(super) gamma3: Option<Spanned<f64>>,
+    /// In the order of [`Parameter::ALL`].
+    values: Values<Spanned<f64>>,
     pub(super) forcing: Option<ForcingTable>,
     pub(super) force: Option<Spanned<Vec<HarmonicTable>>>,
+}
+
+/// One for each parameter, if the file has it.
+pub(super) type Values<T> = [Option<T>; Parameter::ALL.len()];
+
+/// A key of `[model]`: one of these, or a parameter's name.
+struct ModelKey(&'static str);
+
+impl<'de> Deserialize<'de> for ModelKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
+            let layout = ["sites", "ends", "layers", "layer_ends"].into_iter();
+            layout.chain(Parameter::ALL.map(Parameter::name)).chain(["forcing", "force"]).collect()
+        });
+        let name = String::deserialize(deserializer)?;
+        let known = KEYS.iter().find(|key| **key == name);
+        known.map(|key| Self(key)).ok_or_else(|| D::Error::unknown_field(&name, &KEYS))
+    }
+}
+
+impl<'de> Deserialize<'de> for ModelTable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Table;
+
+        impl<'de> Visitor<'de> for Table {
+            type Value = ModelTable;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a map")
+            }
+
+            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<ModelTable, M::Error> {
+                let mut sites = None;
+                let mut table = ModelTable {
+                    sites: Spanned::new(0..0, 0),
+                    ends: None,
+                    layers: None,
+                    layer_ends: None,
+                    values: Values::default(),
+                    forcing: None,
+                    force: None,
+                };
+                while let Some(ModelKey(key)) = map.next_key()? {
+                    match key {
+                        "sites" => sites = Some(map.next_value()?),
+                        "ends" => table.ends = Some(map.next_value()?),
+                        "layers" => table.layers = Some(map.next_value()?),
+                        "layer_ends" => table.layer_ends = Some(map.next_value()?),
+                        "forcing" => table.forcing = Some(map.next_value()?),
+                        "force" => table.force = Some(map.next_value()?),
+                        name => {
+                            let parameter = Parameter::from_name(name).ok_or_else(|| M::Error::missing_field(key))?;
+                            table.values[parameter as usize] = Some(map.next_value()?);
+                        }
+                    }
+                }
+                table.sites = sites.ok_or_else(|| M::Error::missing_field("sites"))?;
+                Ok(table)
+            }
+        }
+
+        deserializer.deserialize_map(Table)
+    }
 }
 
 #[derive(Deserialize)]
@@ -134,60 +193,57 @@ impl ModelTable {
         Ok(Layout { length, ends: along, layers, layer_ends })
     }
 
-    /// Amplitude and restitution, wherever they stand.
-    pub(super) fn driving(&self, source: &Source<'_>) -> Result<[Option<&Spanned<f64>>; 2], MapError> {
-        let table = self.forcing.as_ref();
-        let [amplitude, restitution] = [
-            ("amplitude", &self.amplitude, table.and_then(|table| table.amplitude.as_ref())),
-            ("restitution", &self.restitution, table.and_then(|table| table.restitution.as_ref())),
-        ]
-        .map(|(name, plain, nested)| match (plain.as_ref(), nested) {
-            (Some(_), Some(nested)) => {
-                let message = format!("{name} is given twice, in [model] and in forcing: remove one of them");
-                Err(source.error(nested.span(), message))
+    /// The values of parameters, amplitude and restitution wherever they stand.
+    pub(super) fn values(&self, source: &Source<'_>) -> Result<Values<&Spanned<f64>>, MapError> {
+        let mut values = self.values.each_ref().map(Option::as_ref);
+        let Some(ForcingTable { amplitude, restitution }) = &self.forcing else { return Ok(values) };
+        for (parameter, nested) in [(Parameter::Amplitude, amplitude), (Parameter::Restitution, restitution)] {
+            let Some(nested) = nested else { continue };
+            if values[parameter as usize].replace(nested).is_some() {
+                let message = format!("{parameter} is given twice, in [model] and in forcing: remove one of them");
+                return Err(source.error(nested.span(), message));
             }
-            (plain, nested) => Ok(plain.or(nested)),
-        });
-        Ok([amplitude?, restitution?])
+        }
+        Ok(values)
     }
 }
 
-/// The scene that a JSON file describes.
-pub(super) struct Json {
-    /// As the text of a scene file.
-    pub(super) scene: String,
-    /// Whether the file holds orbits.
-    pub(super) has_orbits: bool,
-}
+impl File {
+    /// Reads a scene's text; or the JSON of a manifest, or of the answer of a command, which calls its model `parameters`, and says whether it
+    /// holds orbits. A scene file itself never begins with a brace.
+    pub(super) fn read<'a>(path: &'a Path, text: &'a str) -> Result<(Self, Source<'a>, bool), MapError> {
+        if !text.trim_start().starts_with('{') {
+            let source = Source { path, text };
+            let file = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
+            return Ok((file, source, false));
+        }
+        let wrong = |what: &dyn fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));
+        let mut manifest: Map<String, Value> = serde_json::from_str(text).map_err(|error| wrong(&error))?;
+        let first = manifest.get("solutions").and_then(|list| list.get(0));
+        let has_orbits = first.is_some_and(|orbit| orbit.get("impacts").is_some());
+        // Of a manifest or an answer the rest is not the scene's; of a scene, it is a mistake.
+        let whole = !["program", "parameters", "ensemble"].iter().any(|key| manifest.contains_key(*key));
+        if let Some(parameters) = manifest.remove("parameters") {
+            manifest.entry("model").or_insert(parameters);
+        }
+        if !manifest.contains_key("model") {
+            let schema = manifest.get("schema").and_then(Value::as_str);
+            let what = schema.map_or(String::new(), |name| format!(" ({})", clipped(name, SHOWN)));
+            return Err(wrong(&format!(
+                "it has no model{what}: give a scene, a manifest, or an answer about one point"
+            )));
+        }
+        manifest.retain(|key, _| whole || matches!(key.as_str(), "title" | "model" | "sweep" | "compute"));
+        let (file, source) = Self::of_data(path, &manifest.into())?;
+        Ok((file, source, has_orbits))
+    }
 
-/// The scene in JSON, of a manifest, or of the answer of a command, which calls its model `parameters`. A scene file itself never begins with
-/// a brace.
-pub(super) fn of_manifest(path: &Path, text: &str) -> Result<Option<Json>, MapError> {
-    if !text.trim_start().starts_with('{') {
-        return Ok(None);
+    /// The same of a scene that is data already.
+    pub(super) fn of_data<'a>(path: &'a Path, scene: &Value) -> Result<(Self, Source<'a>), MapError> {
+        let source = Source { path, text: "" };
+        let file = Self::deserialize(Data::new(scene)).map_err(|error| source.error(0..0, error))?;
+        Ok((file, source))
     }
-    let wrong = |what: &dyn std::fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));
-    let mut manifest: Map<String, Value> = serde_json::from_str(text).map_err(|error| wrong(&error))?;
-    let first = manifest.get("solutions").and_then(|list| list.get(0));
-    let has_orbits = first.is_some_and(|orbit| orbit.get("impacts").is_some());
-    // Of a manifest or an answer the rest is not the scene's; of a scene, it is a mistake.
-    let whole = !["program", "parameters", "ensemble"].iter().any(|key| manifest.contains_key(*key));
-    let of_scene = |key: &str| matches!(key, "title" | "model" | "sweep" | "compute");
-    if let Some(parameters) = manifest.remove("parameters") {
-        manifest.entry("model").or_insert(parameters);
-    }
-    if !manifest.contains_key("model") {
-        let schema = manifest.get("schema").and_then(Value::as_str);
-        let what = schema.map_or(String::new(), |name| format!(" ({})", clipped(name, SHOWN)));
-        return Err(wrong(&format!("it has no model{what}: give a scene, a manifest, or an answer about one point")));
-    }
-    manifest.retain(|key, value| (whole || of_scene(key)) && !value.is_null());
-    // TOML has no null; what is null in a manifest is absent in a scene.
-    for part in manifest.values_mut().filter_map(Value::as_object_mut) {
-        part.retain(|_, value| !value.is_null());
-    }
-    let scene = toml::to_string(&manifest).map_err(|error| wrong(&error))?;
-    Ok(Some(Json { scene, has_orbits }))
 }
 
 impl AxisTable {
@@ -220,13 +276,18 @@ const MOST_TOLD: usize = 400;
 pub struct Source<'a> {
     /// Its file, for messages.
     pub path: &'a Path,
-    /// The text.
+    /// The text; empty of a scene that is data, which has no places to point at.
     pub text: &'a str,
 }
 
 impl Source<'_> {
     /// An error that points at a place of the text, with the line about it.
     pub fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> MapError {
+        let (path, message) = (self.path.display(), message.to_string());
+        let message = clipped(&message, MOST_TOLD);
+        if self.text.is_empty() {
+            return MapError::Request(format!("{path}: {message}"));
+        }
         let start = span.start.min(self.text.len());
         let before = self.text.get(..start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
@@ -234,11 +295,8 @@ impl Source<'_> {
         let (shown, indent) = excerpt(self.text.lines().nth(line - 1).unwrap_or_default(), column - 1, SHOWN);
         let width = line.to_string().len();
         MapError::Request(format!(
-            "{}:{line}:{column}: {}\n{line} | {shown}\n{:width$} | {:indent$}^",
-            self.path.display(),
-            clipped(&message.to_string(), MOST_TOLD),
-            "",
-            "",
+            "{path}:{line}:{column}: {message}\n{line} | {shown}\n{:width$} | {:indent$}^",
+            "", "",
         ))
     }
 
@@ -294,8 +352,8 @@ impl Source<'_> {
         }
         let spacing = table.spacing.as_ref();
         let values = match spacing.map_or("linear", |spacing| spacing.get_ref()) {
-            "linear" => Values::Linear { from, to, points },
-            "log" if from > 0.0 => Values::Logarithmic { from, to, points },
+            "linear" => axis::Values::Linear { from, to, points },
+            "log" if from > 0.0 => axis::Values::Logarithmic { from, to, points },
             "log" => {
                 let message =
                     format!("from = {} has no logarithm: give a positive one with spacing = \"log\"", Short(from));
@@ -309,7 +367,7 @@ impl Source<'_> {
         Ok(Axis { parameter, values })
     }
 
-    fn list(&self, list: &Spanned<Vec<Spanned<f64>>>) -> Result<Values, MapError> {
+    fn list(&self, list: &Spanned<Vec<Spanned<f64>>>) -> Result<axis::Values, MapError> {
         let count = list.get_ref().len();
         if !(1..=MAX_POINTS).contains(&count) {
             return Err(self.error(list.span(), format!("values has {count} numbers: give 1 to {MAX_POINTS}")));
@@ -326,7 +384,7 @@ impl Source<'_> {
             let message = format!("{} is listed twice: remove one", Short(*pair[1].get_ref()));
             return Err(self.error(pair[1].span(), message));
         }
-        Ok(Values::List(list.get_ref().iter().map(|value| *value.get_ref()).collect()))
+        Ok(axis::Values::List(list.get_ref().iter().map(|value| *value.get_ref()).collect()))
     }
 
     /// A word of this chain, in its canonical form.

@@ -1,11 +1,10 @@
 //! The finest grid of a scene that is refined.
 
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Point};
 
 use crate::cell::Cell;
 use crate::extent::Extent;
-use crate::point::Point;
 use crate::scene::Scene;
 use crate::scene::axis::{Axis, Values};
 use crate::scene::refine::Refine;

@@ -4,12 +4,11 @@ use std::path::{Path, PathBuf};
 
 use toml::Spanned;
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Force, Layout, MAX_SITES};
+use vibrochain_lattice::{Force, Layout, MAX_SITES, Parameter};
 
 use crate::error::MapError;
-use crate::point::Parameter;
 use crate::scene::axis::Axis;
-use crate::scene::file::{File, MAX_BYTES, ModelTable, Source, of_manifest, tolerance_from};
+use crate::scene::file::{File, MAX_BYTES, ModelTable, Source, Values, tolerance_from};
 use crate::text::read_text;
 
 /// The model of a file, as far as it goes: of a scene, a manifest, an answer of `mapgen orbit --json` and its like, or of a file that
@@ -30,7 +29,7 @@ pub struct Given {
     pub tolerance: Option<Tolerance>,
     /// Whether it is an answer that holds orbits.
     pub has_orbits: bool,
-    values: [Option<f64>; Parameter::ALL.len()],
+    values: Values<f64>,
 }
 
 impl Given {
@@ -49,16 +48,14 @@ impl Given {
     ///
     /// ```
     /// use std::path::Path;
-    /// use vibrochain_maps::{point::Parameter, scene::Given};
+    /// use vibrochain_lattice::Parameter;
+    /// use vibrochain_maps::scene::Given;
     /// let given = Given::parse(Path::new("model.toml"), "model = { sites = 21, gamma1 = 0.2 }").unwrap();
     /// assert_eq!((given.layout.length, given.get(Parameter::Gamma1)), (21, Some(0.2)));
     /// assert_eq!(given.get(Parameter::Omega), None);
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, MapError> {
-        let json = of_manifest(path, text)?;
-        let (text, has_orbits) = json.as_ref().map_or((text, false), |json| (&json.scene, json.has_orbits));
-        let source = Source { path, text };
-        let file: File = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
+        let (file, source, has_orbits) = File::read(path, text)?;
         let parts = Parts::of(&file, &source)?;
         let compute = file.compute.as_ref();
         let threshold = compute.and_then(|compute| compute.threshold.as_ref());
@@ -95,7 +92,7 @@ pub(super) struct Parts<'a> {
     pub(super) force: Option<Force>,
     pub(super) axes: Vec<Axis>,
     /// In the order of [`Parameter::ALL`].
-    pub(super) values: [Option<&'a Spanned<f64>>; Parameter::ALL.len()],
+    pub(super) values: Values<&'a Spanned<f64>>,
 }
 
 impl<'a> Parts<'a> {
@@ -113,18 +110,8 @@ impl<'a> Parts<'a> {
         }
         let model = file.model.get_ref();
         let layout = model.layout(sites(model, source)?, source)?;
-        let [amplitude, restitution] = model.driving(source)?;
         let force = model.force.as_ref().map(|list| source.force(list)).transpose()?;
-        // In the order of the parameters.
-        let values = [
-            model.gamma1.as_ref(),
-            model.gamma2.as_ref(),
-            model.omega.as_ref(),
-            model.asymmetry.as_ref(),
-            amplitude,
-            restitution,
-            model.gamma3.as_ref(),
-        ];
+        let values = model.values(source)?;
         for (parameter, value) in Parameter::ALL.into_iter().zip(values) {
             let axis =
                 tables.iter().map(|table| &table.get_ref().parameter).find(|axis| axis.get_ref() == parameter.name());

@@ -1,6 +1,7 @@
 //! Scene files: what to sweep and what to compute, checked before anything is computed.
 
 mod axis;
+mod data;
 mod file;
 mod finest;
 mod given;
@@ -10,9 +11,10 @@ mod slice;
 use std::ops::Range;
 use std::path::Path;
 
+use serde_json::Value;
 use toml::Spanned;
 use vibrochain_floquet::{OrderFinder, Tolerance};
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Model, Parameter, Part, Point, Row};
 
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
 pub use crate::scene::file::{MAX_BYTES, Source, tolerance_from};
@@ -22,8 +24,7 @@ pub use crate::scene::slice::Slice;
 
 use crate::cell::Task;
 use crate::error::MapError;
-use crate::point::{Parameter, Point};
-use crate::scene::file::{File, of_manifest};
+use crate::scene::file::File;
 use crate::scene::given::Parts;
 use crate::text::read_text;
 
@@ -78,19 +79,29 @@ impl Scene {
     /// assert!(Scene::parse(Path::new("map.toml"), &text.replace("0.4,", "-0.4,")).is_err());
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, MapError> {
-        let json = of_manifest(path, text)?;
-        let text = json.as_ref().map_or(text, |json| &json.scene);
-        let source = Source { path, text };
-        let file: File = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
+        let (file, source, _) = File::read(path, text)?;
+        Self::checked(file, &source)
+    }
+
+    /// Checks a scene that is data already, as a manifest has it; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`Scene::read`], with the key of what is wrong.
+    pub fn of_data(path: &Path, scene: &Value) -> Result<Self, MapError> {
+        let (file, source) = File::of_data(path, scene)?;
+        Self::checked(file, &source)
+    }
+
+    fn checked(file: File, source: &Source<'_>) -> Result<Self, MapError> {
         let missing = |key: &str| source.error(0..0, format!("the table [{key}] is missing"));
         let sweep = file.sweep.as_ref().ok_or_else(|| missing("sweep"))?;
         let compute = file.compute.as_ref().ok_or_else(|| missing("compute"))?;
-        let tables = sweep.get_ref().axes(&source)?;
+        let tables = sweep.get_ref().axes(source)?;
         if tables.is_empty() {
             let message = "[sweep] has no axis: give x and y, and any others in the list axes";
             return Err(source.error(sweep.span(), message));
         }
-        let Parts { layout, force, axes, values } = Parts::of(&file, &source)?;
+        let Parts { layout, force, axes, values } = Parts::of(&file, source)?;
         let cells = axes.iter().try_fold(1_u64, |cells, axis| cells.checked_mul(axis.points() as u64));
         if cells.is_none_or(|cells| cells > MAX_CELLS) {
             let message = format!("the axes have more than {MAX_CELLS} cells together: give fewer points");
@@ -98,7 +109,7 @@ impl Scene {
         }
         let refine = sweep.get_ref().refine.as_ref();
         let refine = refine
-            .map(|table| Refine::of(table, &axes, (cells.unwrap_or(MAX_CELLS), MAX_CELLS), &source))
+            .map(|table| Refine::of(table, &axes, (cells.unwrap_or(MAX_CELLS), MAX_CELLS), source))
             .transpose()?;
         let mut base = Point::of(layout);
         let axis_of = |parameter| axes.iter().find(|axis| axis.parameter == parameter);
@@ -113,6 +124,14 @@ impl Scene {
             && !is_swept(Parameter::Restitution);
         // A restitution of 1 needs no force either.
         let elastic = restitution.is_some_and(|value| *value.get_ref() == 1.0);
+        let default = |parameter: Parameter| {
+            let Row { default, part, .. } = parameter.row();
+            default.filter(|_| match part {
+                Part::Lattice | Part::Motion => true,
+                Part::Layers => layout.layers == 1,
+                Part::Driving => conservative || elastic && parameter == Parameter::Amplitude,
+            })
+        };
         for (parameter, value) in Parameter::ALL.into_iter().zip(values) {
             if let (Parameter::Amplitude, Some(force)) = (parameter, &force) {
                 base = base.under(force);
@@ -121,9 +140,7 @@ impl Scene {
             let value = match (value, axis_of(parameter)) {
                 (Some(value), _) => *value.get_ref(),
                 (None, Some(axis)) => axis.first(),
-                (None, None) if (conservative || elastic) && parameter == Parameter::Amplitude => 0.0,
-                (None, None) if conservative && parameter == Parameter::Restitution => 1.0,
-                (None, None) if parameter == Parameter::Gamma3 && base.layout.layers == 1 => 0.0,
+                (None, None) if let Some(default) = default(parameter) => default,
                 (None, None) => {
                     let message = format!("{} is missing: set it in [model], or sweep it", parameter.name());
                     // What asks for it: a restitution is needed with a force, an amplitude with losses.
@@ -294,7 +311,7 @@ impl Scene {
             let forced = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
             if let (Parameter::Amplitude, Some(force)) = (parameter, &self.base.force) {
                 text += &format!(", force {force}");
-            } else if !(swept || forced && self.is_conservative()) {
+            } else if self.base.tells(parameter) && !(swept || forced && self.is_conservative()) {
                 text += &format!(", {} = {}", parameter.symbol(), self.base.get(parameter));
             }
         }

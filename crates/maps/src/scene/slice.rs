@@ -1,8 +1,8 @@
 //! A slice of a sweep: the cells at which some of its axes have one value each, which are the cells of a scene with fewer axes.
 
 use crate::error::MapError;
-use crate::point::Parameter;
 use crate::scene::{Axis, Scene};
+use vibrochain_lattice::Parameter;
 
 /// A value given in digits is that of an axis if it is no farther from it than this part of the axis' largest value: some units in
 /// the last place, which an axis of steps rounds and people do not write.

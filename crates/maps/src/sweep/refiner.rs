@@ -18,14 +18,13 @@ use std::sync::OnceLock;
 
 use vibrochain_breather::Family;
 use vibrochain_floquet::{Mechanism, SignatureOrder};
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Point, Stop};
 
 use super::covered::Covered;
 use super::engine::Job;
 use super::tiles::{Sample, Tiles};
 use crate::cell::{Cell, Class, Worker};
 use crate::extent::Extent;
-use crate::point::Point;
 use crate::scene::Scene;
 
 /// What all threads share: the cells of the grid that is refined, each computed once, and where more is to be seen than they show.

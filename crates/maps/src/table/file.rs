@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use vibrochain_lattice::Point;
 
 #[cfg(feature = "parquet")]
 use super::parquet::Columns;
@@ -11,7 +12,6 @@ use crate::error::MapError;
 use crate::files::Gzip;
 use crate::files::Output;
 use crate::files::ending;
-use crate::point::Point;
 use crate::scene::Scene;
 
 /// The forms of a table.

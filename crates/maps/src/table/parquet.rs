@@ -9,11 +9,11 @@ use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
+use vibrochain_lattice::{Parameter, Point};
 
 use super::columns::{Column as Field, Kind, Value, columns, parameters};
 use crate::cell::Cell;
 use crate::files::Output;
-use crate::point::{Parameter, Point};
 use crate::scene::Scene;
 
 /// Rows held in memory before they are written: readers skip and share such groups.

@@ -2,14 +2,13 @@
 
 use std::ops::Range;
 
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Point};
 
 use super::columns::{Column, Kind, Value, columns, names, parameters};
 use crate::cell::Cell;
 use crate::extent::Extent;
 use crate::lines::Lines;
 use crate::numbers::Number;
-use crate::point::Point;
 use crate::scene::Scene;
 use crate::summary::Summary;
 use crate::text::clipped;

@@ -7,8 +7,8 @@ use vibrochain_floquet::Tolerance;
 use crate::figures::captions::caption;
 use crate::figures::drawn::file_name;
 use crate::figures::scene::{FigureScene, Kind};
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::manifest::VERSION;
-use vibrochain_maps::point::Parameter;
 
 /// The whole.
 pub(super) struct Document {

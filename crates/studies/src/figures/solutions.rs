@@ -2,7 +2,7 @@
 //! one more parameter changes.
 
 use vibrochain_breather::Family;
-use vibrochain_lattice::{ImpulseResponse, Model, Spectrum, Stop};
+use vibrochain_lattice::{ImpulseResponse, Model, Parameter, Point, Spectrum, Stop};
 
 use crate::figures::drawn::{Drawn, Picture, Sheet};
 use crate::figures::scene::LineScene;
@@ -10,7 +10,6 @@ use crate::figures::solve::{COLUMNS, RULE, Solved, physical, row};
 use crate::figures::trace;
 use crate::forms::{Kernels, Reading, double_sided};
 use vibrochain_cli::common::error::CliError;
-use vibrochain_maps::point::{Parameter, Point};
 use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// Values of φ at which a(φ) is drawn.
