@@ -162,6 +162,42 @@ fn a_curve_is_the_same_from_another_of_its_points() {
 }
 
 #[test]
+fn impulses_that_are_rounding_all_along_end_no_curve() {
+    // One mass without coupling swings A/|1 − ω²| far and touches the near barrier where that is 1 − a.
+    let chain = Chain::new(1, 1.0, 0.0).unwrap();
+    let truth = |omega: f64| 0.1 * (1.0 - omega * omega).abs();
+    for (from, to) in [(0.7, 0.98), (1.1, 1.9), (2.1, 2.9)] {
+        let window =
+            Window { parameters: [Parameter::Amplitude, Parameter::Omega], from: [1e-4, from], to: [1.0, to] };
+        for start in [0.3, 0.8] {
+            let omega = from + start * (to - from);
+            let model = Model::forced(chain, omega, 0.9, 1.2 * truth(omega), 0.8).unwrap();
+            let list = breathers(&model, Family::SingleSided).unwrap();
+            let mut followed = 0;
+            for orbit in &list.orbits {
+                let search = Search { event: Event::Grazing, free: Parameter::Amplitude, from: 1e-4, to: 1.0 };
+                let found = locate(orbit, &search).unwrap();
+                let near = |value: f64| (value - truth(omega)).abs() < 1e-9;
+                let Some(located) = found.located.iter().find(|one| near(one.value)) else { continue };
+                let curve = curve(&located.orbit, Event::Grazing, located.evidence, &window, 1e-4).unwrap();
+                assert_eq!(curve.ends, [CurveEnd::Edge, CurveEnd::Edge], "{from} {start}");
+                assert!(curve.special.is_empty(), "{from} {start}: {:?}", curve.special);
+                assert!(curve.points.iter().all(|point| point.physical == Some(true)), "{from} {start}");
+                let mut ends = [curve.points[0].values[1], curve.points[curve.points.len() - 1].values[1]];
+                ends.sort_by(f64::total_cmp);
+                assert_eq!(ends, [from, to]);
+                for point in &curve.points {
+                    let [amplitude, omega] = point.values;
+                    assert!((amplitude - truth(omega)).abs() < 1e-12, "{omega} {amplitude}");
+                }
+                followed += 1;
+            }
+            assert!(followed > 0, "{from} {start}");
+        }
+    }
+}
+
+#[test]
 fn what_cannot_be_followed_is_told() {
     let orbit = first(&conservative(6, 0.15, 1.3), Family::DoubleSided);
     let found = locate(&orbit, &Search::new(&orbit, Event::Grazing, Parameter::Omega)).unwrap();

@@ -1,6 +1,7 @@
 //! What vanishes all along a curve.
 
 use nalgebra::Complex;
+use smallvec::SmallVec;
 use vibrochain_breather::{BranchError, BreatherError, Finder, Orbit, SurfacePoint};
 use vibrochain_lattice::{Barrier, Stop};
 
@@ -17,6 +18,9 @@ const FARTHEST: f64 = 0.05;
 
 /// Where else it is looked for, in periods.
 const ASIDE: [f64; 5] = [0.0, 0.01, -0.01, 0.04, -0.04];
+
+/// A mass that is no farther than this beyond a barrier, or hits it no faster than this over ω, touches it: at a grazing that is rounding.
+pub(super) const TOUCHES: f64 = 1e-9;
 
 /// How far half a sum of two multipliers may jump from what was expected: farther, it is another pair's.
 const JUMP: f64 = 0.1;
@@ -106,6 +110,15 @@ impl Signal {
             }
             _ => return None,
         })
+    }
+
+    /// The impacts of an orbit that have no velocity where this vanishes: by symmetry it may be several.
+    pub(super) fn grazing(self, orbit: &Orbit) -> SmallVec<[usize; 2]> {
+        let still = |i: &usize| orbit.impacts()[*i].velocity_before.abs() <= TOUCHES * orbit.model().omega();
+        match self {
+            Self::Velocity(own) => (0..orbit.impacts().len()).filter(|i| *i == own || still(i)).collect(),
+            _ => SmallVec::new(),
+        }
     }
 
     /// Whether it is seen by the multipliers.

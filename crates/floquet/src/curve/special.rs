@@ -3,14 +3,11 @@
 use vibrochain_breather::{Obstruction, SurfacePoint};
 
 use super::answer::Special;
-use super::signal::{Blind, Signal};
+use super::signal::{Blind, Signal, TOUCHES};
 use super::walker::{Aspects, Foot, Walker};
 use crate::bracket::zero;
 use crate::locate::Event;
 use crate::locate::spectrum_events::upper_half;
-
-/// A mass that is no farther than this beyond a barrier touches it: at a grazing that is rounding.
-const TOUCHES: f64 = 1e-9;
 
 /// The least growth that tells a pair from the circle.
 const GROWTH: f64 = 1e-12;
@@ -53,7 +50,8 @@ impl Walker {
     fn contacts(&mut self, point: &SurfacePoint, seen: &mut Aspects) {
         let orbit = point.orbit();
         for (i, impact) in orbit.impacts().iter().enumerate() {
-            if !matches!(self.signal, Signal::Velocity(own) if own == i) {
+            // Those that lose their velocity together with the event's own tell nothing.
+            if !self.grazing.contains(&i) {
                 seen.add(Special::With(Event::Grazing), 1 + i, impact.velocity_before * impact.barrier.sign());
             }
         }
@@ -66,8 +64,8 @@ impl Walker {
             }
         });
         if let Some(margin) = told.margin {
-            // Where one mass touches all along, others are told once they are beyond.
-            let own = if matches!(self.signal, Signal::Distance { .. }) { TOUCHES } else { 0.0 };
+            // Where one mass touches all along, be it with an impact, others are told once they are beyond.
+            let own = if self.event == Event::Grazing { TOUCHES } else { 0.0 };
             seen.add(Special::With(Event::Grazing), 0, margin + own);
         }
     }

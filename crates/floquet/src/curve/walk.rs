@@ -51,9 +51,11 @@ const SHRINK: f64 = 0.4;
 /// Points of a curve at most.
 const MOST_POINTS: usize = 50_000;
 
-/// Impulses this much larger or smaller than at the start are on their way to infinity or to 0.
+/// Impulses this much larger or smaller than at the start, or than those of a tenth of the forcing's own speed, are on their way to
+/// infinity or to 0.
 const UNBOUNDED: f64 = 1e4;
 const FAINT: f64 = 1e-6;
+const OWN_SPEED: f64 = 0.1;
 
 /// A curve that is lost this near to a resonance, as a part of ω, ends there.
 const NEAR: f64 = 1e-3;
@@ -106,7 +108,8 @@ pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<
     let free = [0, 1].map(|i| (window.parameters[i], sides[i]));
     let sight = Sight::new(orbit.model().chain().sites(), stop);
     let surface = Surface::through(orbit, free)?.until(stop);
-    let mut walker = Walker { surface, sight, signal, event, window, tolerance, special };
+    let grazing = signal.grazing(orbit);
+    let mut walker = Walker { surface, sight, signal, grazing, event, window, tolerance, special };
     let started = walker.start(mark);
     stop.heard()?;
     let (start, direction) = started.map_err(|blind| match blind {
@@ -184,7 +187,7 @@ impl Walker {
         let stop = self.sight.finder.stop();
         let (sight, surface) = (Sight::new(self.sight.sites, stop), surface.until(stop));
         let Self { signal, event, window, tolerance, special, .. } = *self;
-        Self { surface, sight, signal, event, window, tolerance, special }
+        Self { surface, sight, signal, grazing: self.grazing.clone(), event, window, tolerance, special }
     }
 
     fn plane(&self, point: &SurfacePoint) -> [f64; 2] {
@@ -367,7 +370,10 @@ impl Walker {
     fn follow(&mut self, start: &Foot, direction: [f64; 2], until: &dyn Fn([f64; 2], Option<bool>) -> bool) -> Way {
         let mut feet = vec![start.clone()];
         let (mut h, mut special) = (FIRST, Vec::new());
-        let first = start.point.orbit().strength().max(f64::MIN_POSITIVE);
+        // Where the event is that all impulses vanish, those of the start are rounding, and no scale.
+        let first = start.point.orbit().strength();
+        let scale = first.max(OWN_SPEED * start.point.orbit().model().omega());
+        let vanish = first < FAINT * scale;
         let (mut why, mut crawling) = (Blind::Other, 0);
         let end = loop {
             if feet.len() > MOST_POINTS {
@@ -418,7 +424,7 @@ impl Walker {
             let closed = feet.len() > 3 && self.passes(start, &feet[feet.len() - 1], &next);
             let next = if closed { Foot { at: feet[feet.len() - 1].at + taken, ..start.clone() } } else { next };
             let ends = next.aspects.ends;
-            let strength = next.point.orbit().strength() / first;
+            let strength = next.point.orbit().strength() / scale;
             let (told, mark) = (special.len(), next.mark);
             self.mark_special(&mut feet, &mut special, direction, next);
             if closed {
@@ -440,7 +446,7 @@ impl Walker {
             if strength > UNBOUNDED {
                 break CurveEnd::Unbounded;
             }
-            if strength < FAINT {
+            if strength < FAINT && !vanish {
                 break CurveEnd::ImpulsesVanish;
             }
             let wanted = if error > 0.0 { (ROOM * self.tolerance / error).sqrt() } else { GROW };

@@ -56,6 +56,8 @@ pub(super) struct Walker {
     pub(super) surface: Surface,
     pub(super) sight: Sight,
     pub(super) signal: Signal,
+    /// The impacts that have no velocity all along the curve.
+    pub(super) grazing: SmallVec<[usize; 2]>,
     pub(super) event: Event,
     pub(super) window: Window,
     pub(super) tolerance: f64,
