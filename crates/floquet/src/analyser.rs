@@ -16,13 +16,14 @@ use vibrochain_breather::{BreatherError, Finder, Orbit};
 
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::aside::aside;
-use crate::dense::{Dense, is_reduced, uncoupled};
 use crate::error::FloquetError;
-use crate::monodromy::MAX_DIMENSION;
-use crate::secular::{ForcedSecular, LARGE, MOST_IMPACTS, Pair, Partners, Secular, SecularError};
+use crate::map_paths::{ForcedSecular, LARGE, MOST_IMPACTS, Pair, Partners, Secular};
+use crate::reference::dense::{Dense, is_reduced, uncoupled};
+use crate::reference::monodromy::MAX_DIMENSION;
 use crate::spectrum::spectrum;
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
+use crate::zeros::SecularError;
 
 /// Multipliers and verdict of one orbit.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +34,7 @@ pub struct Stability {
     pub verdict: Verdict,
     /// The multipliers of the whole lattice, by falling modulus, then by argument; the trivial pair of a conservative
     /// orbit and the modes that feel no impact included.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complexes"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::complexes"))]
     pub multipliers: Vec<Complex<f64>>,
 }
 

@@ -3,7 +3,7 @@
 use thiserror::Error;
 use vibrochain_breather::BreatherError;
 
-use crate::secular::SecularError;
+use crate::zeros::SecularError;
 
 /// Failures of this layer; an unstable orbit is an answer, not a failure.
 #[derive(Debug, Clone, PartialEq, Error)]

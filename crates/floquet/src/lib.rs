@@ -41,58 +41,51 @@ mod all_multipliers;
 mod analyser;
 mod aside;
 mod bracket;
-mod by_partners;
-mod by_secular;
-mod certainty;
 mod curve;
-mod dense;
-mod eigen;
 mod eigenvectors;
 mod error;
-mod judge;
 mod locate;
-mod monodromy;
+mod map_paths;
 mod multipliers;
 mod phases;
-#[cfg(feature = "serde")]
-mod plain;
-mod reversible;
-mod reversible_word;
+mod reference;
 mod saltation;
-mod secular;
+#[cfg(feature = "serde")]
+mod serde_impl;
 mod spectrum;
 
-mod square;
 mod stripes;
 mod symmetry;
 mod verdict;
+mod zeros;
 
 pub use all_multipliers::Multipliers;
 pub use analyser::{Analyser, Stability, stability};
 pub use curve::{
     CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window, curve, curve_along,
 };
-pub use eigen::eigenvalues;
 pub use eigenvectors::{FloquetMode, leading_modes, leading_modes_until};
 pub use error::FloquetError;
 pub use locate::{
     Answer, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError,
     Located, Origin, Search, Station, Unresolved, diagram, diagram_until, is_physical_about, locate, locate_until,
 };
-pub use monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
+pub use map_paths::{
+    ForcedSecular, ModalShape, ModeLabels, Reason, Residues, Secular, SecularMultipliers, SecularVerdict, Standing,
+    multiplier_modes,
+};
 pub use multipliers::{felt_modes, odd_multipliers, sort_multipliers};
 pub use nalgebra::Complex;
 pub use phases::phases;
+pub use reference::eigen::eigenvalues;
+pub use reference::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use saltation::{Saltation, saltations};
-pub use secular::{
-    ForcedSecular, ModalShape, ModeLabels, Reason, Residues, Secular, SecularError, SecularMultipliers, SecularVerdict,
-    Standing, multiplier_modes,
-};
 
+pub use reference::square::Square;
 pub use spectrum::ImpactSpectrum;
-pub use square::Square;
 pub use stripes::{
     Collision, DressedModes, NoStripe, OrderFinder, OwnMode, Passing, Signature, SignatureOrder, Stripe, StripeEnd,
     StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
+pub use zeros::SecularError;

@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 use vibrochain_lattice::{Chain, Shapes, Spectrum};
 
-use crate::secular::{by_frequency, sort_felt};
+use crate::map_paths::{by_frequency, sort_felt};
 
 /// Multipliers of the modes that have a node at the one site that is hit, exactly e^{±iΩ_kT}: on a ring those odd about it, in
 /// pairs, k = 1 … ⌊(M−1)/2⌋. `None` for impacts at several sites.

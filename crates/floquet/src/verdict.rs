@@ -5,7 +5,7 @@ use std::fmt;
 use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 
-use crate::secular::SecularError;
+use crate::zeros::SecularError;
 
 /// Where the leading multiplier of an unstable orbit is: how stability is lost.
 ///
@@ -137,7 +137,7 @@ pub enum Method {
     Secular,
     /// From a matrix: where it was asked for ([`crate::Analyser::dense`]), and where a verdict alone is asked for of impacts at several
     /// sites or of masses without coupling; with the doubt where the secular function had no answer.
-    Dense(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::doubt"))] Option<SecularError>),
+    Dense(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::doubt"))] Option<SecularError>),
 }
 
 impl Method {
@@ -175,7 +175,7 @@ pub struct Verdict {
     pub spectral_radius: f64,
     /// The multiplier of that modulus. Where all are on the circle and none leads, any of them; [`crate::Analyser::verdict`]
     /// then names the trivial 1 and works none out.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::complex"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::complex"))]
     pub leading: Complex<f64>,
     /// Estimated error of the spectral radius, and of the growth. [`crate::Analyser::stability`] works out for every orbit
     /// what the errors of its own data add to it, [`crate::Analyser::verdict`] only where the answer may hang on it; there a

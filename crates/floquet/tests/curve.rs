@@ -167,8 +167,7 @@ fn impulses_that_are_rounding_all_along_end_no_curve() {
     let chain = Chain::new(1, 1.0, 0.0).unwrap();
     let truth = |omega: f64| 0.1 * (1.0 - omega * omega).abs();
     for (from, to) in [(0.7, 0.98), (1.1, 1.9), (2.1, 2.9)] {
-        let window =
-            Window { parameters: [Parameter::Amplitude, Parameter::Omega], from: [1e-4, from], to: [1.0, to] };
+        let window = Window { parameters: [Parameter::Amplitude, Parameter::Omega], from: [1e-4, from], to: [1.0, to] };
         for start in [0.3, 0.8] {
             let omega = from + start * (to - from);
             let model = Model::forced(chain, omega, 0.9, 1.2 * truth(omega), 0.8).unwrap();

@@ -166,9 +166,9 @@ pub enum CurveEnd {
     /// It is followed no farther than so many points.
     Long,
     /// Newton's method lost the orbit.
-    Lost(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] BranchError),
+    Lost(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::message"))] BranchError),
     /// What vanishes at the event could not be computed any further.
-    Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] FloquetError),
+    Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::message"))] FloquetError),
 }
 
 impl fmt::Display for CurveEnd {

@@ -88,7 +88,7 @@ pub enum Evidence {
     Multiplier(
         #[cfg_attr(
             feature = "serde",
-            serde(serialize_with = "crate::plain::complex", deserialize_with = "crate::plain::read_complex")
+            serde(serialize_with = "crate::serde_impl::complex", deserialize_with = "crate::serde_impl::read_complex")
         )]
         Complex<f64>,
     ),
@@ -186,9 +186,9 @@ pub enum End {
     /// All impulses vanish: the breather ends on the motion that the force drives alone, which touches the barrier there.
     ImpulsesVanish,
     /// Newton's method lost the branch.
-    Lost(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] BranchError),
+    Lost(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::message"))] BranchError),
     /// What was to be watched could not be computed any further.
-    Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::plain::message"))] FloquetError),
+    Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::message"))] FloquetError),
 }
 
 impl End {

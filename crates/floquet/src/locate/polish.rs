@@ -7,8 +7,8 @@ use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
 
 use crate::error::FloquetError;
+use crate::map_paths::ImpactMatrix;
 use crate::saltation::saltations;
-use crate::secular::ImpactMatrix;
 
 type C = Complex<f64>;
 

@@ -7,8 +7,8 @@ use vibrochain_lattice::Parameter;
 use super::answer::{Event, Evidence, LocateError, Located, Unresolved};
 use super::follower::{Follower, LONGEST};
 use super::watch::Test;
-use crate::secular::Nu;
 use crate::verdict::{Tolerance, Verdict};
+use crate::zeros::Nu;
 
 /// A multiplier farther than this from where it should be is not the zero of the function but a pole.
 const POLE: f64 = 1e-4;

@@ -4,7 +4,7 @@
 use nalgebra::{Complex, DMatrix, LU};
 use vibrochain_breather::Orbit;
 
-use crate::square::Square;
+use crate::reference::square::Square;
 
 /// The least imaginary part of one of a pair, and the largest distance from the circle of one that lies on it: the root of
 /// rounding, by which a double eigenvalue may split.

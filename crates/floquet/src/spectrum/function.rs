@@ -15,7 +15,7 @@ use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{BlochEquations, Shift};
 use vibrochain_lattice::Turn;
 
-use crate::secular::{Meromorphic, Value, modulus};
+use crate::zeros::{Meromorphic, Value, modulus};
 
 type C = Complex<f64>;
 

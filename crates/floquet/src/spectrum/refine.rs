@@ -9,7 +9,7 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Turn, Turned};
 
 use super::function::{Pole, SpectralFunction};
-use crate::secular::modulus;
+use crate::zeros::modulus;
 
 type C = Complex<f64>;
 

@@ -7,7 +7,7 @@ use vibrochain_lattice::Turn;
 use super::function::{OfHalfSum, SpectralFunction, outer};
 use super::refine::{Origin, Refined};
 use super::starts::DEAD;
-use crate::secular::{Aberth, Last, Meromorphic, Nu, modulus};
+use crate::zeros::{Aberth, Last, Meromorphic, Nu, modulus};
 
 type C = Complex<f64>;
 

@@ -6,7 +6,7 @@ use nalgebra::{Complex, DMatrix, Schur};
 use vibrochain_lattice::{BlochMode, Turn};
 
 use super::function::SpectralFunction;
-use crate::secular::modulus;
+use crate::zeros::modulus;
 
 type C = Complex<f64>;
 

@@ -12,8 +12,8 @@ use super::refine::{DataError, Origin};
 use super::solve::{Zero, Zeros, zeros};
 use crate::error::FloquetError;
 use crate::saltation::saltations;
-use crate::secular::{SecularError, excess};
 use crate::verdict::{Question, Tolerance, Verdict};
+use crate::zeros::{SecularError, excess};
 
 /// Room for what estimates of errors leave out where an answer hangs on them.
 const ROOM: f64 = 4.0;

@@ -25,7 +25,7 @@ use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 use vibrochain_lattice::{Ends, Spectrum, sine_over};
 
-use crate::secular::Modes;
+use crate::map_paths::Modes;
 
 pub(super) type C = Complex<f64>;
 

@@ -18,7 +18,7 @@ use vibrochain_breather::{Impact, Orbit};
 use vibrochain_lattice::{Ends, Propagator, Spectrum};
 
 use crate::error::FloquetError;
-use crate::monodromy::full_monodromy;
+use crate::reference::monodromy::full_monodromy;
 use crate::saltation::{Saltation, saltations};
 
 /// Relative difference up to which two impulses are those of mirror images. Rounding stays far below it; orbits that lack the symmetry

@@ -32,7 +32,7 @@ use nalgebra::{Matrix2, Matrix4, Matrix4x2, Vector2, Vector4};
 use vibrochain_breather::Prepared;
 
 use super::pencil::Pencil;
-use crate::secular::Modes;
+use crate::map_paths::Modes;
 
 /// A mode between two impacts.
 #[derive(Debug, Clone, Copy)]

@@ -15,7 +15,8 @@ use super::dressed::DressedModes;
 use super::pencil::Meeting;
 use super::reversal::{Kept, Reversal};
 use crate::bracket::zero;
-use crate::secular::{Nu, Secular};
+use crate::map_paths::Secular;
+use crate::zeros::Nu;
 
 /// Steps of Newton's method.
 const STEPS: usize = 40;

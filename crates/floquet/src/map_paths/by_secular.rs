@@ -1,0 +1,167 @@
+//! Verdicts from the secular form: what it says of an orbit, its own error and those that the orbit's data bring along,
+//! held against the tolerance.
+
+use nalgebra::Complex;
+use vibrochain_breather::{Finder, Sketch};
+use vibrochain_lattice::Model;
+
+use crate::analyser::{Analyser, Failure, is_affordable};
+use crate::error::FloquetError;
+use crate::map_paths::{LARGE, Leading, SecularVerdict, Standing};
+use crate::reference::dense::WORTH_A_MATRIX;
+use crate::saltation::saltations;
+use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
+use crate::zeros::SecularError;
+
+/// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
+/// ones. (Estimates are cautious there, by two to three digits.)
+const WORST: f64 = 1e-10;
+
+/// As [`WORST`], for a sweep, whose cells are not worth as much.
+const WORST_OF_SWEEP: f64 = 1e-9;
+
+/// Room for what estimated errors leave out where an answer hangs on them.
+const ROOM: f64 = 4.0;
+
+impl Analyser {
+    pub(crate) fn reversible(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {
+        let orbit = question.orbit;
+        let _ = saltations(orbit)?;
+        let ratio_error = ratio_error(question, finder)?;
+        let ratio = self.secular.residues.take_over(finder.prepared(orbit)?, ratio_error)?;
+        if !question.thorough && self.secular.residues.all_positive(ratio) {
+            return Ok(Verdict::on_circle(None));
+        }
+        if question.thorough {
+            // All multipliers of a large ring take as much room again.
+            finder.give_back();
+        }
+        self.secular.residues.complete(ratio)?;
+        let mut found = self.secular.verdict()?;
+        if !question.thorough && check(found.growth, found.growth_error, question).is_err() {
+            found = self.secular.settled(found, orbit.period());
+        }
+        if found.outcome == Standing::Marginal && is_affordable(orbit) {
+            return Err(SecularError::Tangency.into());
+        }
+        if found.outcome == Standing::Unstable {
+            check(found.growth, found.growth_error, question)?;
+        }
+        Ok(told(&found, question.tolerance))
+    }
+
+    /// The verdict on a breather of which there is only a sketch, as [`Analyser::verdict`] has it of the orbit; `None` where only the
+    /// orbit can tell: next to where its errors matter or to the border of stability, and how its symmetry breaks.
+    ///
+    /// ```
+    /// use vibrochain_breather::{Family, Finder, Sketched};
+    /// use vibrochain_floquet::{Analyser, Tolerance};
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
+    /// let mut finder = Finder::new(21);
+    /// let Sketched::One(sketch) = finder.sketch(&model, Family::SingleSided) else { panic!() };
+    /// let verdict = Analyser::default().sketch_verdict(&model, &sketch, Tolerance::Rounding).unwrap();
+    /// assert!(!verdict.stable && (verdict.spectral_radius - 2.797574412183362).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn sketch_verdict(&mut self, model: &Model, sketch: &Sketch<'_>, tolerance: Tolerance) -> Option<Verdict> {
+        let ratio = match *sketch.impulses() {
+            _ if self.dense_only => return None,
+            [_] => None,
+            [first, second] if !sketch.is_delicate() => {
+                Some((second / first, rounding_of_ratio([first, second].into_iter())))
+            }
+            _ => return None,
+        };
+        self.secular.residues.take_over_ring(sketch.response());
+        if self.secular.residues.all_positive(ratio) {
+            return Some(Verdict::on_circle(None));
+        }
+        self.secular.residues.complete(ratio).ok()?;
+        let mut found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Marginal)?;
+        let modes = model.chain().even_modes();
+        let is_precise = |found: &SecularVerdict| {
+            found.outcome == Standing::Stable || is_precise(found.growth, found.growth_error, modes, WORST_OF_SWEEP)
+        };
+        if !is_precise(&found) {
+            found = self.secular.settled(found, sketch.response().period());
+        }
+        let (verdict, precise) = (told(&found, tolerance), is_precise(&found));
+        // Of an orbit without asymmetry this may be a pitchfork.
+        let open = verdict.mechanism == Some(Mechanism::PlusOne) && model.asymmetry() == 0.0;
+        Some(verdict).filter(|_| precise && !open)
+    }
+
+    /// The verdict on impacts at one site with losses, or on a large ring. (Elastic impacts of few modes are the spectrum's, which knows
+    /// what keeps their multipliers on the circle.)
+    pub(crate) fn not_reversible(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {
+        let Question { orbit, tolerance, thorough } = question;
+        let _ = saltations(orbit)?;
+        let elastic = orbit.model().loss() == 0.0;
+        let careful = thorough || finder.is_delicate(orbit)?;
+        if (elastic || careful) && orbit.model().chain().even_modes() <= LARGE {
+            return Err(SecularError::Tangency.into());
+        }
+        self.forced.solve(finder.prepared(orbit)?)?;
+        if careful {
+            let condition = finder.condition(orbit)?;
+            self.forced.add_errors_of(finder.prepared(orbit)?, &condition)?;
+        }
+        let leading = self.forced.leading(finder.prepared(orbit)?);
+        let Some(Leading { place, growth, error }) = leading else { return Err(SecularError::NotReversible.into()) };
+        check(growth, error, question)?;
+        let leading = self.forced.multipliers().0.get(place).copied().unwrap_or(Complex::new(1.0, 0.0));
+        let leading = if leading.im.abs() <= error { Complex::new(leading.re, 0.0) } else { leading };
+        Ok(if elastic && growth <= ROOM * error {
+            // It may as well be on the circle.
+            Verdict::unsettled(leading, growth.max(0.0), ROOM * error, tolerance)
+        } else {
+            Verdict::of_growth(leading, growth, error, tolerance)
+        })
+    }
+}
+
+/// Error of the ratio of the impulses at the two instants of a reversible orbit, relative: all that the form takes from the orbit.
+pub(crate) fn ratio_error(question: Question<'_>, finder: &mut Finder) -> Result<f64, FloquetError> {
+    let impacts = question.orbit.impacts();
+    Ok(if question.orbit.instants().nth(1).is_none() {
+        0.0
+    } else if question.thorough || finder.is_delicate(question.orbit)? {
+        let condition = finder.condition(question.orbit)?;
+        let relative = impacts.iter().zip(&condition.impacts).map(|(i, error)| error.impulse / i.impulse);
+        relative.map(f64::abs).sum()
+    } else {
+        rounding_of_ratio(impacts.iter().map(|impact| impact.impulse))
+    })
+}
+
+/// What rounding of impulses makes of the ratio of any two of them, relative.
+fn rounding_of_ratio(impulses: impl Iterator<Item = f64>) -> f64 {
+    let extremes = |(least, most): (f64, f64), impulse: f64| (least.min(impulse.abs()), most.max(impulse.abs()));
+    let (least, most) = impulses.fold((f64::INFINITY, 0.0), extremes);
+    4.0 * f64::EPSILON * most / least
+}
+
+/// What the secular function says, held against the tolerance.
+pub(crate) fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
+    match (found.outcome, found.leading) {
+        (Standing::Unstable, Some(leading)) => Verdict::of_growth(leading, found.growth, found.growth_error, tolerance),
+        (Standing::Marginal, Some(leading)) => Verdict::unsettled(leading, found.growth, found.growth_error, tolerance),
+        _ => Verdict::on_circle(None),
+    }
+}
+
+/// An error that a dense solver would beat is a doubt.
+pub(crate) fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
+    let worst = if question.thorough { WORST } else { WORST_OF_SWEEP };
+    if is_precise(growth, error, question.orbit.model().chain().even_modes(), worst) {
+        Ok(())
+    } else {
+        Err(SecularError::Imprecise { growth, growth_error: error }.into())
+    }
+}
+
+/// Not a number is not.
+fn is_precise(growth: f64, error: f64, modes: usize, worst: f64) -> bool {
+    modes > WORTH_A_MATRIX || error <= worst * (2.0 + growth)
+}

@@ -1,0 +1,35 @@
+//! What maps and large rings need faster than [`crate::spectrum`] is, for impacts at one site and for pairs: the same determinant from the
+//! modes' own poles and residues, a pass over the modes or a few for a verdict. `tests/map_paths.rs` holds it against the spectrum.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `by_secular`, `by_mirror_pair` | the doors: from an orbit to its verdict |
+//! | `reversible` | conservative orbits that are their own mirror image in time |
+//! | `one_contact` | any other impacts at one site |
+//! | `fast_sums` | sums in O(M) for rings of up to 10⁶ masses |
+//! | `modes` | the modes that impacts feel |
+//! | `labels` | the mode that a multiplier is next to |
+
+mod by_mirror_pair;
+mod by_secular;
+pub(crate) mod fast_sums;
+mod labels;
+mod modes;
+pub(crate) mod one_contact;
+pub(crate) mod reversible;
+
+pub(crate) use fast_sums::large_general::LARGE;
+pub use labels::{ModeLabels, multiplier_modes};
+pub(crate) use modes::{Mode, Modes, by_frequency, sort_felt};
+pub(crate) use one_contact::impact_matrix::ImpactMatrix;
+pub(crate) use one_contact::multipliers::MOST_IMPACTS;
+pub use one_contact::multipliers::SecularMultipliers;
+pub use one_contact::shapes::ModalShape;
+pub use one_contact::verdict::ForcedSecular;
+pub(crate) use one_contact::verdict::Leading;
+pub(crate) use reversible::mirror_pair::{Pair, Partners};
+pub use reversible::residues::Residues;
+pub use reversible::verdict::{Reason, Secular, SecularVerdict, Standing};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,161 @@
+//! One elimination for small complex matrices, stored by rows: determinant, its condition, null vectors, for any number of impacts and
+//! without allocation up to eight. (nalgebra's LU of fixed sizes takes 610 instructions instead of 1000 for a determinant of 3 × 3 and 1980
+//! instead of 2250 for 5 × 5, half a percent of a sweep of forced orbits; it has neither the other two nor the other sizes in one routine.)
+
+use nalgebra::Complex;
+use smallvec::{SmallVec, smallvec};
+
+type C = Complex<f64>;
+
+/// Rows up to which nothing is allocated: two for each of eight impacts, and one.
+const MOST: usize = 17;
+
+/// Where pivots are sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pivots {
+    /// In their column.
+    Partial,
+    /// In all that is left: the last one tells how singular the matrix is.
+    Full,
+}
+
+/// The order of rows and columns in which a matrix is LU; both factors have taken its place.
+pub(crate) struct Factors {
+    pub(crate) rows: SmallVec<[usize; MOST]>,
+    pub(crate) columns: SmallVec<[usize; MOST]>,
+    odd: bool,
+}
+
+/// Factors a matrix in place; `None` where a pivot but the last is 0 or not a number.
+#[inline]
+pub(crate) fn eliminate(matrix: &mut [C], size: usize, pivots: Pivots) -> Option<Factors> {
+    let order = || (0..size).collect::<SmallVec<[usize; MOST]>>();
+    let mut factors = Factors { rows: order(), columns: order(), odd: false };
+    for step in 0..size.saturating_sub(1) {
+        let (mut at, mut largest) = ((step, step), 0.0);
+        let columns = if pivots == Pivots::Full { step..size } else { step..step + 1 };
+        for row in step..size {
+            for column in columns.clone() {
+                let modulus = matrix[row * size + column].norm_sqr();
+                if modulus > largest {
+                    (at, largest) = ((row, column), modulus);
+                }
+            }
+        }
+        if largest == 0.0 {
+            return None;
+        }
+        if at.0 != step {
+            (0..size).for_each(|column| matrix.swap(at.0 * size + column, step * size + column));
+            factors.rows.swap(at.0, step);
+            factors.odd = !factors.odd;
+        }
+        if at.1 != step {
+            (0..size).for_each(|row| matrix.swap(row * size + at.1, row * size + step));
+            factors.columns.swap(at.1, step);
+            factors.odd = !factors.odd;
+        }
+        let (head, tail) = matrix.split_at_mut((step + 1) * size);
+        let above = &head[step * size + step..];
+        let inverse = above[0].inv();
+        for row in tail.chunks_exact_mut(size) {
+            let row = &mut row[step..];
+            let factor = row[0] * inverse;
+            row[0] = factor;
+            for (entry, above) in row.iter_mut().zip(above).skip(1) {
+                *entry -= factor * above;
+            }
+        }
+    }
+    Some(factors)
+}
+
+impl Factors {
+    fn determinant(&self, matrix: &[C], size: usize) -> C {
+        let one = C::new(if self.odd { -1.0 } else { 1.0 }, 0.0);
+        (0..size).fold(one, |product, i| product * matrix[i * size + i])
+    }
+
+    /// x and y with xᵀA = Ay = 0, the last pivot taken for 0, on a scale of their own and in the order of the factors.
+    pub(crate) fn null_vectors(matrix: &[C], size: usize) -> [SmallVec<[C; MOST]>; 2] {
+        let (mut x, mut y) = (smallvec![C::default(); size], smallvec![C::default(); size]);
+        (x[size - 1], y[size - 1]) = (C::new(1.0, 0.0), C::new(1.0, 0.0));
+        for i in (0..size - 1).rev() {
+            for j in i + 1..size {
+                let (a, b) = (matrix[j * size + i] * x[j], matrix[i * size + j] * y[j]);
+                x[i] -= a;
+                y[i] -= b;
+            }
+            y[i] *= matrix[i * size + i].inv();
+        }
+        [x, y]
+    }
+}
+
+/// Determinant; the matrix is used up.
+pub(crate) fn determinant(matrix: &mut [C], size: usize) -> C {
+    eliminate(matrix, size, Pivots::Partial).map_or(C::default(), |factors| factors.determinant(matrix, size))
+}
+
+/// As [`determinant`], with Σ|B⁻¹_ji||B_ij|, by which relative errors of the entries are multiplied. `sizes` is scratch space.
+pub(crate) fn determinant_and_condition(matrix: &mut [C], sizes: &mut Vec<f64>, size: usize) -> (C, f64) {
+    sizes.clear();
+    sizes.extend(matrix.iter().map(|entry| entry.norm()));
+    let Some(factors) = eliminate(matrix, size, Pivots::Partial) else { return (C::default(), f64::INFINITY) };
+    let mut condition = 0.0;
+    for (unit, row) in factors.rows.iter().enumerate() {
+        // A column of B⁻¹.
+        let mut v: SmallVec<[C; MOST]> = smallvec![C::default(); size];
+        v[unit] = C::new(1.0, 0.0);
+        for i in unit + 1..size {
+            v[i] = -(unit..i).map(|j| matrix[i * size + j] * v[j]).sum::<C>();
+        }
+        for i in (0..size).rev() {
+            let rest: C = (i + 1..size).map(|j| matrix[i * size + j] * v[j]).sum();
+            v[i] = (v[i] - rest) * matrix[i * size + i].inv();
+        }
+        condition += v.iter().zip(&sizes[row * size..]).map(|(v, size)| v.norm() * size).sum::<f64>();
+    }
+    (factors.determinant(matrix, size), condition)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_determinants_agree_and_the_condition_is_that_of_the_entries() {
+        // (1 + i)·3i − 2·(4 − i) and its inverse by hand.
+        let entries = [C::new(1.0, 1.0), C::new(2.0, 0.0), C::new(4.0, -1.0), C::new(0.0, 3.0)];
+        let expected = entries[0] * entries[3] - entries[1] * entries[2];
+        assert!((determinant(&mut entries.clone(), 2) - expected).norm() < 1e-15);
+        let (found, condition) = determinant_and_condition(&mut entries.clone(), &mut Vec::new(), 2);
+        assert!((found - expected).norm() < 1e-15);
+        let by_hand = 2.0 * ((entries[0] * entries[3]).norm() + (entries[1] * entries[2]).norm()) / expected.norm();
+        assert!((condition - by_hand).abs() < 1e-14, "{condition} {by_hand}");
+    }
+
+    /// A product of a tall and a wide matrix has one null vector on either side.
+    #[test]
+    fn null_vectors_of_a_singular_matrix() {
+        let mut random = vibrochain_testkit::Random(3);
+        for size in [2, 3, 4, 6, 12] {
+            let mut entry = || C::new(random.unit() - 0.5, random.unit() - 0.5);
+            let (tall, wide): (Vec<C>, Vec<C>) = (0..size * (size - 1)).map(|_| (entry(), entry())).unzip();
+            let inner = size - 1;
+            let matrix: Vec<C> = (0..size * size)
+                .map(|at| (0..inner).map(|k| tall[at / size * inner + k] * wide[k * size + at % size]).sum())
+                .collect();
+            let mut factored = matrix.clone();
+            let factors = eliminate(&mut factored, size, Pivots::Full).unwrap();
+            let [x, y] = Factors::null_vectors(&factored, size);
+            let length = |v: &[C]| v.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+            let allowed = 1e-13 * length(&x) * length(&y);
+            for i in 0..size {
+                let left: C = (0..size).map(|j| x[j] * matrix[factors.rows[j] * size + i]).sum();
+                let right: C = (0..size).map(|j| matrix[i * size + factors.columns[j]] * y[j]).sum();
+                assert!(left.norm() < allowed && right.norm() < allowed, "{size}: {left} {right}");
+            }
+        }
+    }
+}

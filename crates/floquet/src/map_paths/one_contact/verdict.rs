@@ -1,0 +1,267 @@
+//! Stable or not, for impacts at one site that are not reversible: by all multipliers, the leading one and its rivals settled by the
+//! impacts' own equations. The fast path of maps with losses, and that of large rings; a test holds it against `spectrum`.
+
+use nalgebra::Complex;
+use vibrochain_breather::{Condition, ImpactError, Orbit, Prepared};
+
+use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
+use crate::map_paths::one_contact::multipliers::SecularMultipliers;
+use crate::map_paths::one_contact::refine::{DataError, Origin, Settled};
+use crate::map_paths::reversible::verdict::{Reason, SecularVerdict, Standing};
+use crate::zeros::SecularError;
+use crate::zeros::{excess, modulus};
+
+/// Work space for verdicts on orbits with a force or losses, all impacts at one site.
+///
+/// ```
+/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_floquet::{ForcedSecular, Standing};
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+/// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), ForcedSecular::default());
+/// finder.find(&model, Family::DoubleSided, &mut found)?;
+/// let verdict = secular.verdict(finder.prepared(&found.orbits[0])?)?;
+/// assert!(verdict.outcome == Standing::Unstable && (verdict.growth - 0.0016290236374028).abs() < 1e-11);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct ForcedSecular {
+    multipliers: SecularMultipliers,
+    moved: SecularMultipliers,
+    values: Vec<Complex<f64>>,
+    errors: Vec<f64>,
+    matrix: ImpactMatrix,
+    /// `matrix` is that of the orbit.
+    has_matrix: bool,
+    asked: Vec<Settling>,
+    /// Errors of the orbit's data by origin.
+    data: Vec<Origin>,
+    /// A multiplier that is not among the values.
+    trivial: Option<Complex<f64>>,
+}
+
+/// What the impacts' equations have said of a multiplier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Settling {
+    Open,
+    /// Its error is known by them.
+    Settled,
+    /// They have no answer.
+    Refused,
+}
+
+/// A multiplier that no other one surely exceeds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Leading {
+    pub(crate) place: usize,
+    /// |μ| − 1
+    pub(crate) growth: f64,
+    pub(crate) error: f64,
+}
+
+/// Multipliers that are settled one by one, each in a pass over the modes, before the rest is left with the errors it has.
+const MOST_SETTLED: usize = 256;
+
+impl ForcedSecular {
+    /// The verdict. For elastic impacts multipliers stay on the circle, which this form cannot tell from next to it: it then
+    /// says marginal where it does not say unstable.
+    ///
+    /// # Errors
+    /// [`SecularError`]; [`SecularError::NotReversible`] also for conservative orbits, whose trivial pair this form does not split off.
+    pub fn verdict(&mut self, prepared: Prepared<'_>) -> Result<SecularVerdict, SecularError> {
+        if prepared.orbit().model().is_conservative() {
+            return Err(SecularError::NotReversible);
+        }
+        self.solve(prepared)?;
+        let Some(leading) = self.leading(prepared) else { return Err(SecularError::NotReversible) };
+        let Leading { place, growth, error } = leading;
+        let leading = self.values[place];
+        let clearance = self.values.iter().map(|z| excess(*z).abs()).fold(f64::INFINITY, f64::min);
+        let real = leading.im.abs() <= error;
+        let (outcome, reason) = if growth > error {
+            (Standing::Unstable, if real { Reason::RealRoot } else { Reason::ComplexPair })
+        } else if growth < -error {
+            (Standing::Stable, Reason::NoneOutside)
+        } else {
+            (Standing::Marginal, Reason::Tangency)
+        };
+        let leading = Some(if real { Complex::new(leading.re, 0.0) } else { leading });
+        Ok(SecularVerdict { outcome, reason, leading, growth, growth_error: error, clearance })
+    }
+
+    /// The leading multiplier and its error, those that may lead instead counted in; whatever decides on it is
+    /// settled first.
+    pub(crate) fn leading(&mut self, prepared: Prepared<'_>) -> Option<Leading> {
+        for _ in 0..MOST_SETTLED {
+            let best = self.best()?;
+            let reach = best.growth + self.errors[best.place];
+            // The one that may be the farthest outside decides what there is to gain.
+            let rivals = self.values.iter().zip(&self.errors).zip(&self.asked).enumerate();
+            let rival = rivals
+                .filter(|(place, ((z, error), asked))| {
+                    let counts = *place == best.place || excess(**z) + **error > reach;
+                    **asked == Settling::Open && counts
+                })
+                .map(|(place, ((z, error), _))| (place, excess(*z) + error))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((place, _)) = rival else { break };
+            self.settle(place, prepared);
+        }
+        self.best()
+    }
+
+    /// The largest modulus, with room for others that may be larger.
+    fn best(&self) -> Option<Leading> {
+        let all = || self.values.iter().map(|z| excess(*z)).zip(&self.errors);
+        let (place, (growth, &error)) = all().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
+        // Another one that may lead is as good.
+        let error = all().map(|(other, error)| other + error - growth).fold(error, f64::max);
+        Some(Leading { place, growth, error })
+    }
+
+    /// Settles one multiplier by the impacts' equations, where they know better.
+    fn settle(&mut self, place: usize, prepared: Prepared<'_>) {
+        self.set_matrix(prepared);
+        let z = self.values[place];
+        let Some(Settled { z: settled, error, data }) = self.matrix.settle(z, &self.data) else {
+            self.asked[place] = Settling::Refused;
+            return;
+        };
+        self.asked[place] = Settling::Settled;
+        let moved = modulus(settled - z);
+        let nearest_to = |w: Complex<f64>| {
+            let others = self.values.iter().enumerate().filter(|(other, _)| *other != place);
+            others.map(|(other, value)| (other, modulus(value - w))).min_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        // To first order only if no other one is near.
+        let distance = nearest_to(settled).map_or(f64::INFINITY, |(_, distance)| distance);
+        let distance = self.trivial.map_or(distance, |trivial| distance.min(modulus(trivial - settled)));
+        let alone = ALONE * error.max(moved) < distance;
+        let partner = nearest_to(z.conj()).filter(|(_, distance)| *distance < z.im.abs());
+        if alone {
+            (self.values[place], self.errors[place]) = (settled, error + data);
+        } else {
+            self.errors[place] = self.errors[place].max(error + moved);
+        }
+        // The same holds of its mirror image.
+        if let Some((partner, _)) = partner {
+            (self.values[partner], self.errors[partner]) = (self.values[place].conj(), self.errors[place]);
+            self.asked[partner] = Settling::Settled;
+        }
+    }
+
+    /// K̂ of another orbit, of which nothing else is worked out.
+    pub(crate) fn matrix_for(&mut self, prepared: Prepared<'_>) -> &mut ImpactMatrix {
+        self.has_matrix = false;
+        self.matrix.set(prepared);
+        &mut self.matrix
+    }
+
+    fn set_matrix(&mut self, prepared: Prepared<'_>) {
+        if !self.has_matrix {
+            self.matrix.set(prepared);
+            self.has_matrix = true;
+        }
+    }
+
+    /// All multipliers of the even subspace but a conservative orbit's trivial pair.
+    pub(crate) fn solve(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
+        self.multipliers.replace(prepared)?;
+        // A conservative orbit's trivial pair is known.
+        let trivial = self.multipliers.trivial;
+        let (values, errors) = self.multipliers.multipliers()?;
+        self.values.clear();
+        self.values.extend(values.iter().skip(trivial));
+        self.errors.clear();
+        self.errors.extend(errors.iter().skip(trivial));
+        self.has_matrix = false;
+        self.trivial = (trivial > 0).then_some(Complex::new(1.0, 0.0));
+        self.asked.clear();
+        self.asked.resize(self.values.len(), Settling::Open);
+        self.data.clear();
+        Ok(())
+    }
+
+    /// The multipliers last solved for, and their errors.
+    pub(crate) fn multipliers(&self) -> (&[Complex<f64>], &[f64]) {
+        (&self.values, &self.errors)
+    }
+
+    /// Adds what the errors of the orbit's own data, of its saltations and times, do to each multiplier, to first order, each
+    /// error with the worst sign: by difference quotients of the secular function.
+    ///
+    /// # Errors
+    /// Of the function next to the orbit's.
+    pub(crate) fn add_errors_of(&mut self, prepared: Prepared<'_>, condition: &Condition) -> Result<(), SecularError> {
+        self.know_data_of(prepared.orbit(), condition);
+        self.add_differences(prepared)
+    }
+
+    fn know_data_of(&mut self, orbit: &Orbit, condition: &Condition) {
+        let kappas = &self.multipliers.kappas;
+        // κ' = −v̈/P; only differences of times count.
+        let of_impact = |(i, known): (usize, &ImpactError)| {
+            let kappa = -(known.acceleration + kappas[i] * known.impulse) / orbit.impacts()[i].impulse;
+            DataError { kappa, time: if i == 0 { 0.0 } else { known.time } }
+        };
+        self.data.clear();
+        self.data.extend(condition.origins.iter().map(|origin| origin.iter().enumerate().map(of_impact).collect()));
+        // And both are rounded.
+        for (i, kappa) in kappas.iter().enumerate() {
+            let mut origin: Origin = kappas.iter().map(|_| DataError::default()).collect();
+            origin[i].kappa = 4.0 * f64::EPSILON * kappa;
+            self.data.push(origin.clone());
+            origin[i] = DataError { kappa: 0.0, time: if i == 0 { 0.0 } else { f64::EPSILON * orbit.period() } };
+            self.data.push(origin);
+        }
+    }
+
+    fn add_differences(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
+        let Self { multipliers: form, moved, values, errors, data, .. } = self;
+        let mut worst: Origin = form.kappas.iter().map(|_| DataError::default()).collect();
+        for origin in data.iter() {
+            for (sum, error) in worst.iter_mut().zip(origin) {
+                *sum = DataError { kappa: sum.kappa + error.kappa.abs(), time: sum.time + error.time.abs() };
+            }
+        }
+        let response = prepared.response();
+        let top = response.frequencies().iter().copied().fold(response.omega(), f64::max);
+        for (i, DataError { kappa, time }) in worst.iter().enumerate() {
+            let kappa_step = STEP * (form.kappas[i].abs() + response.omega());
+            for (error, step, of_time) in [(*kappa, kappa_step, false), (*time, STEP / top, true)] {
+                if error == 0.0 {
+                    continue;
+                }
+                moved.times.clone_from(&form.times);
+                moved.kappas.clone_from(&form.kappas);
+                (if of_time { &mut moved.times } else { &mut moved.kappas })[i] += step;
+                // The certificate is the orbit's own business; here a derivative is all.
+                match moved.assemble(prepared) {
+                    Ok(()) | Err(SecularError::Certificate { .. }) => {}
+                    Err(doubt) => return Err(doubt),
+                }
+                let scale = error / step;
+                if form.is_large() {
+                    let moves = form.large.moved(&moved.large).into_iter().skip(form.trivial);
+                    errors.iter_mut().zip(moves).for_each(|(total, by)| *total += by * scale);
+                    continue;
+                }
+                for (z, total) in values.iter().zip(errors.iter_mut()) {
+                    let (here, there) = (form.form.evaluate(*z), moved.form.evaluate(*z));
+                    *total += (there.f - here.f).norm() / here.slope.norm() * scale;
+                }
+            }
+        }
+        if form.is_large() {
+            // It takes as much room as all multipliers of the orbit.
+            *moved = SecularMultipliers::default();
+        }
+        Ok(())
+    }
+}
+
+/// An error this many times smaller than the distance to the next multiplier is one of first order.
+const ALONE: f64 = 8.0;
+
+/// Step of a difference quotient, relative to the natural size: error and rounding balance.
+const STEP: f64 = 1e-7;

@@ -1,0 +1,60 @@
+//! The verdict from all roots: where signs and searches from the lowest points leave some open, and for large rings, where with the known ones
+//! nearby divided out all of them cost less than a search for those off the axis alone would.
+//!
+//! Among thousands of poles some always meet so closely that their residues are as good as lost. The roots are those of F as
+//! it has been worked out, complete; what errors of the residues could make of them is told apart: a pair that may have met
+//! makes the orbit marginal, a signature that is not known forbids to call it stable.
+
+use nalgebra::Complex;
+
+use crate::map_paths::reversible::gap::Lowest;
+use crate::map_paths::reversible::root::Touching;
+use crate::map_paths::reversible::verdict::{
+    LeadingRoot, Reason, Secular, SecularVerdict, Standing, WORST, assemble, most, tangency,
+};
+use crate::zeros::SecularError;
+
+impl Touching {
+    pub(crate) fn new(gap: usize, low: &Lowest) -> Self {
+        Self { gap, t: low.t, reach: tangency(low) }
+    }
+}
+
+impl Secular {
+    /// The verdict from all roots. `unknown` is a mode whose signature is lost, `marginal` what is next to ±1.
+    pub(crate) fn judge_all_roots(
+        &mut self,
+        unknown: Option<usize>,
+        mut marginal: Option<LeadingRoot>,
+        mut clearance: f64,
+    ) -> Result<SecularVerdict, SecularError> {
+        let mut leading: Option<LeadingRoot> = None;
+        for (nu, error) in self.all_nu()? {
+            let growth = nu.growth();
+            clearance = clearance.min(if nu.im == 0.0 { nu.below.abs().min(nu.above.abs()) } else { nu.im.abs() });
+            if growth == 0.0 || nu.im < 0.0 {
+                continue;
+            }
+            let error = nu.growth_error(growth, error);
+            let reason = if nu.im == 0.0 { Reason::RealRoot } else { Reason::ComplexPair };
+            let this = LeadingRoot { nu, growth, error, reason };
+            if error < growth {
+                leading = most(leading, this);
+            } else {
+                marginal = most(marginal, LeadingRoot { reason: Reason::Tangency, growth: growth + error, ..this });
+            }
+        }
+        let Self { residues: form, roots, .. } = self;
+        for &Touching { gap, t, reach } in &roots.touching {
+            let nu = form.nu(gap, Complex::new(t, reach));
+            let growth = nu.growth();
+            marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
+        }
+        let worst = if form.neighbourhoods.is_empty() { WORST } else { f64::INFINITY };
+        let verdict = assemble(leading, marginal, clearance, worst)?;
+        match unknown {
+            Some(mode) if verdict.outcome == Standing::Stable => Err(SecularError::Signature { mode }),
+            _ => Ok(verdict),
+        }
+    }
+}

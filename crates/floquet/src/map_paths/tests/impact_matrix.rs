@@ -1,0 +1,140 @@
+//! The matrix from impact to impact against dense determinants, for words at any sites, and all other ways to work its determinant out
+//! against it.
+
+use nalgebra::{Complex, DMatrix};
+use vibrochain_breather::{Family, Finder, Found, Hit, Orbit};
+use vibrochain_lattice::{Barrier, Chain, Model, Spectrum};
+use vibrochain_testkit::{Ranges, Values};
+
+use super::forced::forced_cases;
+use super::*;
+use crate::map_paths::{ImpactMatrix, Residues, SecularMultipliers};
+
+/// det(z−M)/det(z−R) = (1+e)^{2n} det K̂(z).
+fn secular(matrix: &mut ImpactMatrix, orbit: &Orbit, z: Complex<f64>) -> Complex<f64> {
+    let scale = (1.0 + orbit.model().restitution()).powi(2 * orbit.impacts().len() as i32);
+    matrix.determinant(z).unwrap() * scale
+}
+
+/// Four places, inside and outside the circle.
+fn places(random: &mut Random) -> [Complex<f64>; 4] {
+    [0.3, 0.9, 1.1, 2.5].map(|radius| Complex::from_polar(radius, std::f64::consts::TAU * random.unit()))
+}
+
+/// Words of one to five impacts at up to four sites: whether they are motions between barriers does not matter here.
+#[test]
+fn determinants_of_words_are_those_of_the_whole_lattice() {
+    let (mut random, mut matrix, mut several, mut layered) = (Random(41), ImpactMatrix::default(), 0, 0);
+    let (gamma1, gamma2) = (Values::Log(0.05, 1.0), Values::Log(0.02, 0.5));
+    let ranges = Ranges { sites: [1, 6], gamma1, gamma2, ..Ranges::CONSERVATIVE };
+    for case in 0..300 {
+        let sites = 1 + (random.unit() * 9.0) as usize;
+        let ring = Chain::new(sites, random.log(0.05, 1.0), random.log(0.02, 0.5)).unwrap();
+        let chain = if case % 2 == 0 { ring } else { random.lattice(&ranges) };
+        let sites = chain.sites();
+        let (omega, e) = (random.between(0.7, 2.5), if case % 3 == 0 { 1.0 } else { random.between(0.3, 0.99) });
+        let model = Model::forced(chain, omega, 0.3, 0.2, e).unwrap();
+        let count = 1 + case % 5;
+        let mut times: Vec<f64> = (0..count).map(|_| random.unit() * model.period()).collect();
+        times.sort_by(f64::total_cmp);
+        let mut hit = |time: &f64| {
+            let site = (random.unit() * sites.min(4) as f64) as usize;
+            let barrier = if random.unit() < 0.5 { Barrier::Upper } else { Barrier::Lower };
+            Hit::new(site, barrier, *time, -barrier.sign() * random.between(0.5, 2.0))
+        };
+        let hits: Vec<Hit> = times.iter().map(&mut hit).collect();
+        let orbit = Orbit::from_impulses(&model, 1, 0.4, &hits).unwrap();
+        matrix.set(Finder::new(sites).prepared(&orbit).unwrap());
+        let dense = crate::full_monodromy(&orbit).unwrap();
+        let size = dense.size();
+        several += usize::from(orbit.impact_site().is_none());
+        layered += usize::from(orbit.impact_site().is_none() && chain.layers() > 1);
+        for z in places(&mut random) {
+            let shifted = DMatrix::from_fn(size, size, |i, j| {
+                Complex::new(-dense.at(i, j), 0.0) + if i == j { z } else { Complex::default() }
+            });
+            // All modes, those with a node at site 0 too.
+            let poles = |k: usize| {
+                let angle = Spectrum::new(chain).frequencies()[k] * model.period();
+                let both = [1.0, -1.0].map(|sign| z - Complex::from_polar(1.0, sign * angle));
+                both[0] * both[1]
+            };
+            let ring: Complex<f64> =
+                (0..chain.even_modes()).map(|k| poles(k).powi(chain.multiplicity(k) as i32)).product();
+            let (found, expected) = (secular(&mut matrix, &orbit, z), shifted.determinant() / ring);
+            let allowed = 1e-11 * (1.0 + expected.norm()) * (1.0 + dense.norm());
+            assert!((found - expected).norm() < allowed, "{case} {z}: {found} {expected}");
+        }
+    }
+    assert!(several > 150 && layered > 40, "{several} {layered}");
+}
+
+#[test]
+fn poles_and_residues_of_forced_orbits_have_that_determinant() {
+    let (mut random, mut matrix) = (Random(42), ImpactMatrix::default());
+    let mut form = SecularMultipliers::default();
+    let mut checked = 0;
+    for (i, family) in [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled].into_iter().enumerate() {
+        forced_cases(50 + i as u64, 100, family, |orbit, finder, _, _| {
+            if form.replace(finder.prepared(orbit).unwrap()).is_err() {
+                return;
+            }
+            matrix.set(finder.prepared(orbit).unwrap());
+            for z in places(&mut random) {
+                let (value, expected) = (form.form.evaluate(z), secular(&mut matrix, orbit, z));
+                let allowed = 1e-12 * value.noise + 4.0 * form.form.doubt(z);
+                assert!((value.f - expected).norm() <= allowed, "{:?}: {} {expected}", orbit.model(), value.f);
+                checked += 1;
+            }
+        });
+    }
+    assert!(checked > 800, "{checked}");
+}
+
+/// Two impacts in a ring so large that the sums over modes are Cauchy sums.
+#[test]
+fn residues_of_large_rings_have_that_determinant() {
+    let model = Model::forced(Chain::new(501, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let (mut finder, mut found, mut random) = (Finder::new(501), Found::default(), Random(43));
+    finder.find(&model, Family::DoubleSided, &mut found).unwrap();
+    let (mut form, mut matrix) = (SecularMultipliers::default(), ImpactMatrix::default());
+    let prepared = finder.prepared(&found.orbits[0]).unwrap();
+    form.replace(prepared).unwrap();
+    matrix.set(prepared);
+    for z in places(&mut random) {
+        let (value, expected) = (form.form.evaluate(z).f, secular(&mut matrix, &found.orbits[0], z));
+        assert!((value - expected).norm() < 1e-10 * (1.0 + expected.norm()), "{value} {expected}");
+    }
+}
+
+#[test]
+fn residues_of_reversible_orbits_have_that_determinant() {
+    let (mut random, mut matrix, mut residues) = (Random(44), ImpactMatrix::default(), Residues::default());
+    let mut checked = 0;
+    for case in 0..200 {
+        let sites = 1 + (random.unit() * 40.0) as usize;
+        let (g1, g2) = (random.log(0.02, 1.0), random.log(1e-3, 0.5));
+        let Some(model) = model(sites, g1, g2, random.between(0.5, 3.0), random.between(0.0, 0.9)) else { continue };
+        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        if finder.find_symmetric(&model, BOTH[case % 2], &mut found).is_err() {
+            continue;
+        }
+        for orbit in &found.orbits {
+            let Ok(prepared) = finder.prepared(orbit) else { continue };
+            if residues.replace(prepared).is_err() {
+                continue;
+            }
+            matrix.set(prepared);
+            for z in places(&mut random) {
+                let nu = (z + z.inv()) * 0.5;
+                let terms = residues.poles().iter().zip(residues.residues()).map(|(d, r)| *r / (nu - d));
+                let sizes: f64 = terms.clone().map(|term| term.norm()).sum();
+                let (value, expected) = (terms.sum::<Complex<f64>>() * (nu - 1.0), secular(&mut matrix, orbit, z));
+                let allowed = 1e-10 * prepared.response().condition() * (1.0 + sizes) * (1.0 + nu.norm());
+                assert!((value - expected).norm() < allowed, "{model:?} {z}: {value} {expected}");
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 300, "{checked}");
+}

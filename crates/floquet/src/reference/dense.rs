@@ -1,0 +1,161 @@
+//! Multipliers as eigenvalues of the smallest dense matrix that an orbit's structure leaves: the reference, and what answers
+//! where the secular form does not.
+//!
+//! | orbit | matrix | dimension |
+//! |---|---|---|
+//! | conservative, mirror image of itself in time | `reversible` block | ⌊M/2⌋ |
+//! | the same, of several sites or not on a ring | `reversible_word` block | M − 1 |
+//! | impacts at one site | the modes that feel them | on a ring 2(⌊M/2⌋+1), less the trivial pair |
+//! | impacts at several sites | whole lattice | 2M, less the trivial pair |
+//!
+//! The trivial pair μ = 1 of a conservative orbit (the perturbation along the orbit and its canonical partner) is
+//! taken out before the eigenvalues are computed, by reflecting the known right and left eigenvectors to the axes.
+
+use nalgebra::Complex;
+use vibrochain_breather::{Finder, Orbit};
+
+use crate::error::FloquetError;
+use crate::map_paths::Modes;
+use crate::reference::eigen::eigenvalues_until;
+use crate::reference::half_period::Reversible;
+use crate::reference::half_period_word::ReversibleWord;
+use crate::reference::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy_until};
+use crate::reference::square::{Reflector, Square};
+use crate::zeros::Nu;
+
+/// Reusable work space for dense matrices.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Dense {
+    reversible: Reversible,
+    reversible_word: ReversibleWord,
+    modes: Modes,
+    coordinates: EvenCoordinates,
+    matrix: Square,
+    flow: Vec<f64>,
+    left: Vec<f64>,
+    rows: (Vec<f64>, Vec<f64>),
+    reflector: Reflector,
+    pub(crate) values: Vec<Complex<f64>>,
+    /// How far, at most, errors carry any of them.
+    pub(crate) reach: f64,
+    /// How far rounding of the matrix alone does.
+    pub(crate) rounding: f64,
+}
+
+impl Dense {
+    /// The multipliers of the space that feels impacts as the last verdict or [`Dense::solve`] found them, without the trivial
+    /// pair.
+    pub(crate) fn multipliers(&self, orbit: &Orbit) -> Vec<Complex<f64>> {
+        if orbit.is_reversible() {
+            self.values.iter().flat_map(|&nu| Nu::of(nu).multipliers()).collect()
+        } else {
+            self.values.clone()
+        }
+    }
+
+    /// The matrix whose eigenvalues `values` are.
+    pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
+        match (orbit.is_reversible(), orbit.centre()) {
+            (true, Some(_)) => &self.reversible.block,
+            (true, None) => &self.reversible_word.block,
+            (false, _) => &self.matrix,
+        }
+    }
+
+    /// Fills `values` with the non-trivial multipliers of the space that feels impacts (for a reversible orbit with
+    /// their ν) and returns the norm of the matrix.
+    pub(crate) fn solve(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<f64, FloquetError> {
+        self.values.clear();
+        let chain = orbit.model().chain();
+        let alone = uncoupled(orbit);
+        if alone && orbit.model().is_conservative() {
+            // One mass, whose only pair is the trivial one.
+            return Ok(0.0);
+        }
+        if orbit.is_reversible() {
+            if orbit.centre().is_some() {
+                check_dimension(chain.even_modes())?;
+                self.reversible.build(orbit, finder)?;
+            } else {
+                check_dimension(chain.sites())?;
+                self.reversible_word.build(orbit, finder)?;
+            }
+            let mut values = std::mem::take(&mut self.values);
+            let block = self.matrix_of(orbit);
+            eigenvalues_until(block, &mut values, finder.stop())?;
+            let norm = block.norm();
+            self.values = values;
+            return Ok(norm);
+        }
+        if is_reduced(orbit) || alone {
+            check_dimension(2 * chain.even_modes())?;
+            self.modes.set_felt(finder.prepared(orbit)?);
+            let felt = || self.modes.list().iter().map(|mode| (mode.frequency, mode.weight));
+            match felt().next() {
+                Some((frequency, _)) if alone => {
+                    self.coordinates.set([(frequency, 1.0)].into_iter(), orbit.frequency())
+                }
+                _ => self.coordinates.set(felt(), orbit.frequency()),
+            }
+            self.coordinates.monodromy(orbit, &mut self.matrix, (&mut self.rows.0, &mut self.rows.1))?;
+        } else {
+            self.matrix = full_monodromy_until(orbit, finder.stop())?;
+        }
+        let norm = self.matrix.norm();
+        if !norm.is_finite() {
+            return Err(FloquetError::NotConverged { dimension: self.matrix.size() });
+        }
+        if orbit.model().is_conservative() {
+            self.deflate(orbit, finder)?;
+        }
+        eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;
+        Ok(norm)
+    }
+
+    /// Removes the trivial pair: M f = f with the flow f, and ωᵀ(f, ·)M = ωᵀ(f, ·) because M keeps the canonical form ω.
+    fn deflate(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<(), FloquetError> {
+        let half = self.matrix.size() / 2;
+        self.left.clear();
+        if orbit.centre().is_some() {
+            flow_before_first_impact(orbit, finder, &self.coordinates, &mut self.flow)?;
+            // ω(f, z) = Σ (f_X z_Y − f_Y z_X)/Ω̃
+            let scales = &self.coordinates.scales;
+            self.left.extend((0..half).map(|k| -self.flow[k + half] / scales[k]));
+            self.left.extend((0..half).map(|k| self.flow[k] / scales[k]));
+        } else {
+            let motion = finder.motion(orbit)?;
+            motion.seek(0, 0.0);
+            self.flow.clear();
+            self.flow.extend((0..half).map(|n| motion.site(n).velocity));
+            self.flow.extend((0..half).map(|n| motion.site(n).acceleration));
+            // Several impacts may share the first instant; before it each site is slower by its impulse.
+            let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
+            for impact in orbit.impacts().iter().filter(|impact| impact.time == first) {
+                self.flow[impact.site] -= impact.impulse;
+            }
+            self.left.extend((0..half).map(|n| -self.flow[n + half]));
+            self.left.extend_from_slice(&self.flow[..half]);
+        }
+        self.reflector.set(self.flow.iter().copied());
+        self.matrix.reflect(&self.reflector);
+        self.matrix.drop_first();
+        self.reflector.apply(&mut self.left);
+        self.reflector.set(self.left.iter().skip(1).copied());
+        self.matrix.reflect(&self.reflector);
+        self.matrix.drop_first();
+        Ok(())
+    }
+}
+
+/// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
+pub(crate) const WORTH_A_MATRIX: usize = 1000;
+
+/// Matrices are those of the modes that feel the impacts.
+pub(crate) fn is_reduced(orbit: &Orbit) -> bool {
+    orbit.centre().is_some() || orbit.impact_site().is_some() && !orbit.model().is_conservative()
+}
+
+/// The masses that are not hit swing alone.
+pub(crate) fn uncoupled(orbit: &Orbit) -> bool {
+    orbit.impact_site().is_some() && orbit.model().chain().is_uncoupled()
+}

@@ -1,0 +1,212 @@
+//! The monodromy matrix: what one period does to a small perturbation, from just before the first impact,
+//!
+//! ```text
+//! M = L(T−φ) S_φ L(φ) S_0            (in order of time; `errata` for the paper's order)
+//! ```
+//!
+//! with free flights L and saltations S. Two forms:
+//! - [`full_monodromy`]: all displacements and velocities, for impacts at any sites;
+//! - [`even_monodromy`]: the modes even about the one site that is hit, 2(⌊M/2⌋+1) of 2M dimensions. The odd modes
+//!   have a node there and never feel an impact: their multipliers are e^{±iΩ_kT}, see [`crate::odd_multipliers`].
+
+use vibrochain_breather::{BreatherError, Finder, Orbit};
+use vibrochain_lattice::{Propagator, Spectrum, Stop, sine_over};
+
+use crate::error::FloquetError;
+use crate::reference::square::Square;
+use crate::saltation::saltations;
+
+/// The largest dense matrix that is analysed.
+pub const MAX_DIMENSION: usize = 6000;
+
+/// Coordinates of the even subspace: X_k = Ω̃_k x_k and Y_k = ẋ_k of the normalised modes (u_site = Σ b_k x_k), with
+/// Ω̃_k = max(Ω_k, ω): flights are then rotations, and stiff rings stay balanced.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct EvenCoordinates {
+    pub(crate) frequencies: Vec<f64>,
+    /// b_k
+    pub(crate) amplitudes: Vec<f64>,
+    /// Ω̃_k
+    pub(crate) scales: Vec<f64>,
+}
+
+impl EvenCoordinates {
+    /// Takes over modes, their frequencies and weights.
+    pub(crate) fn set(&mut self, modes: impl Iterator<Item = (f64, f64)> + Clone, omega: f64) {
+        self.frequencies.clear();
+        self.frequencies.extend(modes.clone().map(|(f, _)| f));
+        self.amplitudes.clear();
+        self.amplitudes.extend(modes.clone().map(|(_, weight)| weight.sqrt()));
+        self.scales.clear();
+        self.scales.extend(modes.map(|(f, _)| f.max(omega)));
+    }
+
+    fn modes(&self) -> usize {
+        self.frequencies.len()
+    }
+
+    /// Multiplies from the left by the flight over `time`.
+    fn fly(&self, matrix: &mut Square, time: f64) {
+        let modes = self.modes();
+        for k in 0..modes {
+            let (f, scale) = (self.frequencies[k], self.scales[k]);
+            let (cos, sin_over) = ((f * time).cos(), sine_over(f, time));
+            let (up, down) = (scale * sin_over, -f * f * sin_over / scale);
+            let (x, y) = matrix.two_rows_mut(k, k + modes);
+            for (x, y) in x.iter_mut().zip(y) {
+                (*x, *y) = (cos * *x + up * *y, down * *x + cos * *y);
+            }
+        }
+    }
+
+    /// Multiplies from the left by a saltation at the site. `u` and `v` are scratch rows.
+    fn hit(&self, matrix: &mut Square, e: f64, kappa: f64, u: &mut Vec<f64>, v: &mut Vec<f64>) {
+        let modes = self.modes();
+        // Rows of displacement and velocity of the site.
+        u.clear();
+        u.resize(2 * modes, 0.0);
+        v.clear();
+        v.resize(2 * modes, 0.0);
+        for k in 0..modes {
+            let (b, scale) = (self.amplitudes[k], self.scales[k]);
+            for (u, x) in u.iter_mut().zip(matrix.row(k)) {
+                *u += b / scale * x;
+            }
+            for (v, y) in v.iter_mut().zip(matrix.row(k + modes)) {
+                *v += b * y;
+            }
+        }
+        for k in 0..modes {
+            let (b, scale) = (self.amplitudes[k], self.scales[k]);
+            for (x, u) in matrix.row_mut(k).iter_mut().zip(&*u) {
+                *x -= (1.0 + e) * b * scale * u;
+            }
+            for ((y, u), v) in matrix.row_mut(k + modes).iter_mut().zip(&*u).zip(&*v) {
+                *y += b * (kappa * u - (1.0 + e) * v);
+            }
+        }
+    }
+
+    /// The monodromy matrix of an orbit whose impacts are all at one site.
+    pub(crate) fn monodromy(
+        &self,
+        orbit: &Orbit,
+        matrix: &mut Square,
+        (u, v): (&mut Vec<f64>, &mut Vec<f64>),
+    ) -> Result<(), FloquetError> {
+        matrix.set_identity(2 * self.modes());
+        let mut hits = saltations(orbit)?.peekable();
+        let first = hits.peek().map_or(0.0, |hit| hit.time);
+        while let Some(hit) = hits.next() {
+            self.hit(matrix, hit.restitution, hit.kappa, u, v);
+            let next = hits.peek().map_or(first + orbit.period(), |hit| hit.time);
+            self.fly(matrix, next - hit.time);
+        }
+        Ok(())
+    }
+}
+
+/// The monodromy matrix on the modes even about the site that is hit, from just before the first impact. Coordinates:
+/// first X_k = max(Ω_k, ω)·x_k, then Y_k = ẋ_k, k = 0 … ⌊M/2⌋, of the normalised modes, u_site = Σ_k b_k x_k.
+///
+/// # Errors
+/// [`FloquetError::Grazing`], [`FloquetError::TooLarge`]; [`FloquetError::Breather`] if the impacts are at several
+/// sites.
+///
+/// ```
+/// use vibrochain_breather::{Family, breathers};
+/// use vibrochain_floquet::even_monodromy;
+/// use vibrochain_lattice::{Chain, Model};
+/// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
+/// let orbit = &breathers(&model, Family::DoubleSided)?.orbits[0];
+/// assert_eq!(even_monodromy(orbit)?.size(), 22);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn even_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
+    if orbit.centre().is_none() {
+        let what = "the even subspace needs all impacts at one site";
+        return Err(BreatherError::Impact { index: 1, what }.into());
+    }
+    let chain = orbit.model().chain();
+    check_dimension(2 * chain.even_modes())?;
+    let spectrum = Spectrum::new(*chain);
+    let mut coordinates = EvenCoordinates::default();
+    let modes = spectrum.frequencies().iter().copied().zip(spectrum.weights().iter().copied());
+    coordinates.set(modes, orbit.frequency());
+    let mut matrix = Square::default();
+    coordinates.monodromy(orbit, &mut matrix, (&mut Vec::new(), &mut Vec::new()))?;
+    Ok(matrix)
+}
+
+/// The monodromy matrix of the whole ring, from just before the first impact; coordinates u_0 … u_{M−1}, then
+/// u̇_0 … u̇_{M−1}.
+///
+/// # Errors
+/// [`FloquetError::Grazing`], [`FloquetError::TooLarge`].
+pub fn full_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
+    full_monodromy_until(orbit, &Stop::default())
+}
+
+/// The same, until `stop` is raised.
+pub(crate) fn full_monodromy_until(orbit: &Orbit, stop: &Stop) -> Result<Square, FloquetError> {
+    let chain = orbit.model().chain();
+    let sites = chain.sites();
+    check_dimension(2 * sites)?;
+    let spectrum = Spectrum::new(*chain);
+    let mut matrix = Square::identity(2 * sites);
+    let mut next = Square::zeros(2 * sites);
+    let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
+    let mut hits = saltations(orbit)?.peekable();
+    while let Some(hit) = hits.next() {
+        let (u, v) = matrix.two_rows_mut(hit.site, hit.site + sites);
+        for (u, v) in u.iter_mut().zip(v) {
+            (*u, *v) = (-hit.restitution * *u, hit.kappa * *u - hit.restitution * *v);
+        }
+        let until = hits.peek().map_or(first + orbit.period(), |hit| hit.time);
+        if until == hit.time {
+            continue;
+        }
+        let flow = Propagator::new(&spectrum, until - hit.time);
+        next.reset(2 * sites);
+        for n in 0..sites {
+            stop.heard().map_err(BreatherError::from)?;
+            for m in 0..sites {
+                let block = flow.block(n, m);
+                for (half, row) in block.iter().enumerate() {
+                    let target = next.row_mut(n + half * sites);
+                    for ((t, u), v) in target.iter_mut().zip(matrix.row(m)).zip(matrix.row(m + sites)) {
+                        *t += row[0] * u + row[1] * v;
+                    }
+                }
+            }
+        }
+        std::mem::swap(&mut matrix, &mut next);
+    }
+    Ok(matrix)
+}
+
+pub(crate) fn check_dimension(dimension: usize) -> Result<(), FloquetError> {
+    if dimension <= MAX_DIMENSION { Ok(()) } else { Err(FloquetError::TooLarge { dimension, limit: MAX_DIMENSION }) }
+}
+
+/// The flow direction (v̇, v̈) just before the first impact, in even coordinates: the right eigenvector of a conservative
+/// orbit's trivial multiplier.
+pub(crate) fn flow_before_first_impact(
+    orbit: &Orbit,
+    finder: &mut Finder,
+    coordinates: &EvenCoordinates,
+    flow: &mut Vec<f64>,
+) -> Result<(), FloquetError> {
+    let motion = finder.motion(orbit)?;
+    motion.seek(0, 0.0);
+    // A Motion starts just after the impact; before it the site is slower by the impulse, spread over the modes.
+    let impulse = orbit.impacts().first().map_or(0.0, |impact| impact.impulse);
+    flow.clear();
+    for half in 0..2 {
+        for (k, mode) in motion.modes().iter().enumerate() {
+            let (b, scale) = (coordinates.amplitudes[k], coordinates.scales[k]);
+            flow.push(if half == 0 { scale * (mode[1] / b - impulse * b) } else { mode[2] / b });
+        }
+    }
+    Ok(())
+}
