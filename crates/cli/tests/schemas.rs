@@ -63,6 +63,11 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
          y = { parameter = \"gamma2\", from = 0.0, to = 0.2, points = 20 }\n\
          [compute]\nfamilies = [\"double-sided\"]\nstability = true\n",
     );
+    // The second harmonic all but on a mode: a matrix answers, and why.
+    answers.push((
+        "orbit",
+        told("orbit --sites 21 --gamma1 0.2 --gamma2 0.1 --omega 0.31026359316869373 --asymmetry 0.4 --family double-sided --json"),
+    ));
     answers.push(("curves", told("curves scene.toml --json")));
     desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     answers.push(("manifest", desk.json("map.manifest.json")));

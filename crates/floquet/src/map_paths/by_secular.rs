@@ -2,7 +2,7 @@
 //! held against the tolerance.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, Sketch};
+use vibrochain_breather::{BlochEquations, Finder, Sketch};
 use vibrochain_lattice::Model;
 
 use crate::analyser::{Analyser, Failure, is_affordable};
@@ -10,8 +10,9 @@ use crate::error::FloquetError;
 use crate::map_paths::{LARGE, Leading, SecularVerdict, Standing};
 use crate::reference::dense::WORTH_A_MATRIX;
 use crate::saltation::saltations;
+use crate::spectrum::SpectralFunction;
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
-use crate::zeros::SecularError;
+use crate::zeros::{SecularError, excess};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
 /// ones. (Estimates are cautious there, by two to three digits.)
@@ -19,6 +20,9 @@ const WORST: f64 = 1e-10;
 
 /// As [`WORST`], for a sweep, whose cells are not worth as much.
 const WORST_OF_SWEEP: f64 = 1e-9;
+
+/// Multipliers that are refined one by one, each in a pass or a few over the modes, before the rest is left with the errors it has.
+const MOST_REFINED: usize = 256;
 
 /// Room for what estimated errors leave out where an answer hangs on them.
 const ROOM: f64 = 4.0;
@@ -41,13 +45,47 @@ impl Analyser {
         if !question.thorough && check(found.growth, found.growth_error, question).is_err() {
             found = self.secular.settled(found, orbit.period());
         }
-        if found.outcome == Standing::Marginal && is_affordable(orbit) {
-            return Err(SecularError::Tangency.into());
+        if found.outcome == Standing::Marginal {
+            if is_affordable(orbit) {
+                return Err(SecularError::Tangency.into());
+            }
+            if let Some(verdict) = self.refined_leading(question, finder)? {
+                return Ok(verdict);
+            }
         }
         if found.outcome == Standing::Unstable {
             check(found.growth, found.growth_error, question)?;
         }
         Ok(told(&found, question.tolerance))
+    }
+
+    /// The verdict on a large ring that errors of residues leave open, where the impacts' equations say that a multiplier is outside the
+    /// circle: those that may lead are refined, as far as another one may be beyond them.
+    fn refined_leading(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Option<Verdict>, Failure> {
+        let orbit = question.orbit;
+        let mut open: Vec<(f64, Complex<f64>)> = self
+            .secular
+            .all_nu()?
+            .map(|(nu, error)| (nu.growth() + nu.growth_error(nu.growth(), error), nu.multipliers()[0]))
+            .filter(|(most, value)| *most > 0.0 && value.im >= 0.0)
+            .collect();
+        open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
+        let function = SpectralFunction::new(&equations, true);
+        let mut leading: Option<(Complex<f64>, f64)> = None;
+        for (number, (most, value)) in open.iter().enumerate() {
+            let surely = leading.map_or(0.0, |(z, error)| excess(z) - ROOM * error);
+            if surely >= *most || number == MOST_REFINED {
+                let Some((z, error)) = leading.filter(|_| surely > 0.0) else { return Ok(None) };
+                let error = error.max(most - excess(z));
+                return Ok(Some(Verdict::of_growth(z, excess(z), error, question.tolerance)));
+            }
+            let refined = function.refine(*value, &[]).map(|refined| (refined.z, refined.error));
+            let farther = |(z, _): &(Complex<f64>, f64)| leading.is_none_or(|(other, _)| excess(*z) > excess(other));
+            leading = refined.filter(farther).or(leading);
+        }
+        let told = leading.filter(|(z, error)| excess(*z) > ROOM * error);
+        Ok(told.map(|(z, error)| Verdict::of_growth(z, excess(z), error, question.tolerance)))
     }
 
     /// The verdict on a breather of which there is only a sketch, as [`Analyser::verdict`] has it of the orbit; `None` where only the

@@ -169,31 +169,28 @@ impl<'a> SpectralFunction<'a> {
         [rows.collect(), columns.collect()]
     }
 
-    /// J(z) bordered by the poles `near`, and its derivative, by rows of `size` + the number of these.
-    pub(super) fn bordered(&self, z: C, near: &[Pole]) -> [DMatrix<C>; 2] {
+    /// J(z) bordered by the poles `near`, by rows of `size` + the number of these.
+    pub(super) fn bordered(&self, z: C, near: &[Pole]) -> DMatrix<C> {
         let size = self.equations.size();
         let apart: Vec<usize> = near.iter().map(|pole| pole.mode).collect();
-        let (mut entries, mut slopes) = (Vec::new(), Vec::new());
-        self.equations.fill_without(z, &apart, &mut entries, Some(&mut slopes));
+        let mut entries = Vec::new();
+        self.equations.fill_without(z, &apart, &mut entries, None);
         let is_near = |pole: &Pole| near.iter().any(|other| other.mode == pole.mode && other.root == pole.root);
         // The other pole of a mode whose one pole is near.
         for pole in self.simple.iter().filter(|pole| apart.contains(&pole.mode) && !is_near(pole)) {
             let [a, c] = self.dyad(pole);
-            let inverse = (z - pole.value).inv();
-            let (factor, slope) = (pole.value * inverse, pole.value * inverse * inverse);
+            let factor = pole.value * (z - pole.value).inv();
             for (i, a) in a.iter().enumerate() {
                 for (j, c) in c.iter().enumerate() {
                     entries[i * size + j] += factor * a * c;
-                    slopes[i * size + j] -= slope * a * c;
                 }
             }
         }
         let all = size + near.len();
         let mut matrix = DMatrix::zeros(all, all);
-        let mut derivative = DMatrix::zeros(all, all);
         for i in 0..size {
             for j in 0..size {
-                (matrix[(i, j)], derivative[(i, j)]) = (entries[i * size + j], slopes[i * size + j]);
+                matrix[(i, j)] = entries[i * size + j];
             }
         }
         for (place, pole) in near.iter().enumerate() {
@@ -204,9 +201,8 @@ impl<'a> SpectralFunction<'a> {
                 matrix[(border, i)] = -pole.value * c[i];
             }
             matrix[(border, border)] = z - pole.value;
-            derivative[(border, border)] = C::new(1.0, 0.0);
         }
-        [matrix, derivative]
+        matrix
     }
 }
 

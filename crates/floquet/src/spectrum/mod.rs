@@ -20,5 +20,6 @@ mod solve;
 mod starts;
 mod verdict;
 
+pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
 pub(crate) use verdict::spectrum;

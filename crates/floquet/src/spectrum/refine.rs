@@ -173,7 +173,7 @@ impl SpectralFunction<'_> {
     /// The `count` null vectors of B(z).
     fn null(&self, z: C, count: usize) -> Option<Null> {
         let near = self.near(z);
-        let [mut matrix, _] = self.bordered(z, &near);
+        let mut matrix = self.bordered(z, &near);
         let size = matrix.nrows();
         let finite = |entry: &C| entry.re.is_finite() && entry.im.is_finite();
         if count > size || !matrix.iter().all(finite) {

@@ -7,7 +7,7 @@ use vibrochain_lattice::Turn;
 use super::function::{OfHalfSum, SpectralFunction, outer};
 use super::refine::{Origin, Refined};
 use super::starts::DEAD;
-use crate::zeros::{Aberth, Last, Meromorphic, Nu, modulus};
+use crate::zeros::{Aberth, Last, Nu, modulus};
 
 type C = Complex<f64>;
 
@@ -238,18 +238,6 @@ impl Search<'_> {
         if self.reciprocal { outer(root) } else { root }
     }
 
-    /// How far from an approximation there may be one of `close` zeros that are close together: one is within as many steps of
-    /// Newton's method.
-    fn reach(&mut self, root: C, close: usize) -> f64 {
-        let value =
-            if self.reciprocal { OfHalfSum(&mut self.function).evaluate(root) } else { self.function.evaluate(root) };
-        let mut log = value.slope + value.poles;
-        if self.trivial == Trivial::Known {
-            log -= (root - 1.0).inv() * if self.reciprocal { 1.0 } else { 2.0 };
-        }
-        8.0 * close as f64 / (modulus(log) - value.slope_error).max(f64::MIN_POSITIVE)
-    }
-
     /// The zeros next to approximations, no two the same.
     fn settled(&mut self, roots: &[C]) -> Vec<Zero> {
         let count = roots.len();
@@ -295,13 +283,11 @@ impl Search<'_> {
             let here = |zero: &Zero| self.distance(zero, &begun) <= STRAY * (farthest + zero.error);
             match found.filter(|found| found.iter().all(here)) {
                 Some(found) => members.iter().zip(found).for_each(|(&i, zero)| zeros[i] = zero),
-                None => {
-                    for &i in &members {
-                        let error = self.reach(roots[i], members.len()) + 2.0 * farthest;
-                        let z = self.multiplier(roots[i]);
-                        zeros[i] = Zero { error, ..self.placed(Refined { z, error: 0.0 }, false) };
-                    }
-                }
+                // Nothing is known of what no null vector leads to.
+                None => members.iter().for_each(|&i| {
+                    let z = self.multiplier(roots[i]);
+                    zeros[i] = Zero { error: f64::INFINITY, ..self.placed(Refined { z, error: 0.0 }, false) };
+                }),
             }
         }
         for i in 0..count {

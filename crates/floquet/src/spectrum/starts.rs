@@ -90,12 +90,15 @@ impl SpectralFunction<'_> {
         let others = self.simple.iter().filter(|other| !(from..from + count).contains(&other.mode));
         let gap = others.map(|other| modulus(other.value - pole)).fold(modulus(pole), f64::min);
         let size = self.equations.size();
-        let [bordered, _] = self.bordered(pole, &own);
+        let bordered = self.bordered(pole, &own);
         let offsets = || {
             let (apart, a) = (bordered.view((0, 0), (size, size)), bordered.view((0, size), (size, count)));
             let c = bordered.view((size, 0), (count, size));
             let offsets: DMatrix<C> = c * apart.clone_owned().lu().solve(&a.clone_owned())?;
             let finite = offsets.iter().all(|entry| entry.re.is_finite() && entry.im.is_finite());
+            if finite && count == 1 {
+                return Some(vec![offsets[(0, 0)]]);
+            }
             let schur = if finite { Schur::try_new(offsets, f64::EPSILON, 100 * count)? } else { return None };
             Some(schur.eigenvalues()?.iter().copied().collect::<Vec<_>>())
         };
