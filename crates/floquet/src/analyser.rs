@@ -60,6 +60,9 @@ pub struct Analyser {
     pub(crate) forced: ForcedSecular,
 }
 
+/// A verdict and, if they are asked for, the non-trivial multipliers of the space that feels impacts.
+pub(crate) type Answer = (Verdict, Vec<Complex<f64>>);
+
 /// Why the secular form has no answer.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -184,11 +187,7 @@ impl Analyser {
     }
 
     /// Verdict and, if `thorough`, the non-trivial multipliers of the space that feels impacts.
-    fn decide(
-        &mut self,
-        question: Question<'_>,
-        finder: &mut Finder,
-    ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+    fn decide(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         if !takes_long(question) {
             return self.decide_here(question, finder);
         }
@@ -212,11 +211,7 @@ impl Analyser {
         }
     }
 
-    fn decide_here(
-        &mut self,
-        question: Question<'_>,
-        finder: &mut Finder,
-    ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+    fn decide_here(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         let (mut verdict, multipliers) = self.by_multipliers(question, finder)?;
         let orbit = question.orbit;
         if verdict.mechanism == Some(Mechanism::PlusOne)
@@ -228,11 +223,7 @@ impl Analyser {
         Ok((verdict, multipliers))
     }
 
-    fn by_multipliers(
-        &mut self,
-        question: Question<'_>,
-        finder: &mut Finder,
-    ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+    fn by_multipliers(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         if self.dense_only {
             return self.by_matrix(question, finder, None);
         }
@@ -286,11 +277,7 @@ impl Analyser {
     }
 
     /// The path that maps and large rings take, if the orbit has one.
-    fn by_map_path(
-        &mut self,
-        question: Question<'_>,
-        finder: &mut Finder,
-    ) -> Option<Result<(Verdict, Vec<Complex<f64>>), Failure>> {
+    fn by_map_path(&mut self, question: Question<'_>, finder: &mut Finder) -> Option<Result<Answer, Failure>> {
         let orbit = question.orbit;
         if orbit.model().chain().is_uncoupled() {
             None
@@ -307,17 +294,13 @@ impl Analyser {
         question: Question<'_>,
         finder: &mut Finder,
         doubt: Option<SecularError>,
-    ) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+    ) -> Result<Answer, FloquetError> {
         let verdict = self.dense.judge(question, finder)?;
         let multipliers = if question.thorough { self.dense.multipliers(question.orbit) } else { Vec::new() };
         Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
     }
 
-    fn by_secular_function(
-        &mut self,
-        question: Question<'_>,
-        finder: &mut Finder,
-    ) -> Result<(Verdict, Vec<Complex<f64>>), Failure> {
+    fn by_secular_function(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, Failure> {
         let thorough = question.thorough;
         if question.orbit.is_reversible() {
             let verdict = self.reversible(question, finder)?;

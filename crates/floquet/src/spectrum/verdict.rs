@@ -76,7 +76,8 @@ fn dissipative(list: &[Zero], tolerance: Tolerance) -> Verdict {
         return Verdict::on_circle(None);
     };
     let error = all().map(|(_, other, reach)| other + reach - growth).fold(error, f64::max);
-    let leading = if leading.im.abs() <= error { Complex::new(leading.re, 0.0) } else { leading };
+    // Of two conjugates the one above the real axis.
+    let leading = Complex::new(leading.re, if leading.im.abs() <= error { 0.0 } else { leading.im.abs() });
     Verdict::of_growth(leading, growth, error, tolerance)
 }
 
@@ -119,13 +120,16 @@ impl Reciprocal {
     }
 
     fn verdict(&self, any: Option<Complex<f64>>, tolerance: Tolerance) -> Verdict {
+        let above = |value: Complex<f64>| Complex::new(value.re, value.im.abs());
         match (self.leading, self.open) {
             (Some((value, growth, error)), other) => {
                 // One that may lead instead is as good.
                 let error = other.map_or(error, |(_, farthest)| error.max(farthest - growth));
-                Verdict::of_growth(value, growth, error, tolerance)
+                Verdict::of_growth(above(value), growth, error, tolerance)
             }
-            (None, Some((value, farthest))) => Verdict::unsettled(value, excess(value).max(0.0), farthest, tolerance),
+            (None, Some((value, farthest))) => {
+                Verdict::unsettled(above(value), excess(value).max(0.0), farthest, tolerance)
+            }
             (None, None) => Verdict::on_circle(any),
         }
     }
