@@ -131,6 +131,6 @@ fn a_multiplier_next_to_the_trivial_pair_is_told() {
     let found = spectrum(&found.orbits[0], &mut finder);
     assert!(found.is_certified);
     let largest = found.multipliers.iter().zip(&found.errors).max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
-    let off = (largest.0.norm() - 1.00067188517524884).abs();
+    let off = (largest.0.norm() - 1.000_671_885_175_248_8).abs();
     assert!(off <= *largest.1 && *largest.1 < 1e-8, "{largest:?} {off:e}");
 }

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::Finder;
 
-use crate::analyser::{Analyser, Failure};
+use crate::analyser::{Analyser, Answer, Failure};
 use crate::map_paths::Pair;
 use crate::map_paths::by_secular::{check, ratio_error, told};
 use crate::saltation::saltations;
@@ -19,7 +19,7 @@ impl Analyser {
         pair: Pair,
         question: Question<'_>,
         finder: &mut Finder,
-    ) -> Result<(Verdict, Vec<Complex<f64>>), Failure> {
+    ) -> Result<Answer, Failure> {
         let orbit = question.orbit;
         let _ = saltations(orbit)?;
         let ratio_error = if pair.is_symmetric { 0.0 } else { ratio_error(question, finder)? };
