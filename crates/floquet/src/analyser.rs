@@ -7,7 +7,7 @@
 //! | other impacts at one site | [`crate::SecularMultipliers`]: poles and residues in μ |
 //! | a verdict alone, as in maps, on impacts at several sites of few masses or where these have a doubt | the eigenvalues of a matrix, unless they leave it open |
 //! | all others, and whatever these doubt | `spectrum`: all zeros of the determinant of the impacts' equations |
-//! | what that cannot certify, or leaves open | a dense matrix |
+//! | what that cannot certify or leaves open, and words of many impacts on some thousand masses | a dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
 
@@ -247,6 +247,9 @@ impl Analyser {
         let told = match doubt {
             _ if is_affordable(orbit) => spectrum(question, finder)?,
             Some(doubt) => Err(doubt),
+            None if chain.sites() * if orbit.is_reversible() { 1 } else { 2 } <= MOST_DENSE => {
+                return self.by_matrix(question, finder, None);
+            }
             None => {
                 let impacts = orbit.impacts().len();
                 let limit = (MOST_WORK.sqrt() / (2 * impacts) as f64) as usize;
@@ -334,8 +337,11 @@ fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
 /// three sites of 21 masses. Ten times as many would take seconds.
 const QUICK_AS_MATRIX: usize = 200;
 
-/// Entries of J(z) times pairs of modes that all zeros of a determinant may cost: some ten seconds.
-const MOST_WORK: f64 = 1e9;
+/// Entries of J(z) times pairs of modes that all zeros of a determinant may cost: some three seconds.
+const MOST_WORK: f64 = 1e8;
+
+/// Dimension of a matrix that answers for a word of which that is too much: seconds, too.
+const MOST_DENSE: usize = 2000;
 
 /// Whether all zeros of an orbit's determinant are worked out.
 pub(crate) fn is_affordable(orbit: &Orbit) -> bool {

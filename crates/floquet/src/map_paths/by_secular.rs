@@ -21,8 +21,10 @@ const WORST: f64 = 1e-10;
 /// As [`WORST`], for a sweep, whose cells are not worth as much.
 const WORST_OF_SWEEP: f64 = 1e-9;
 
-/// Multipliers that are refined one by one, each in a pass or a few over the modes, before the rest is left with the errors it has.
+/// Multipliers that are refined one by one before the rest is left with the errors it has, and how many times the modes these may be in all:
+/// each takes a few passes over the modes, and ten times as many would be ten seconds for 10⁶ masses.
 const MOST_REFINED: usize = 256;
+const MOST_PASSES: usize = 2_000_000;
 
 /// Room for what estimated errors leave out where an answer hangs on them.
 const ROOM: f64 = 4.0;
@@ -72,10 +74,11 @@ impl Analyser {
         open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
         let function = SpectralFunction::new(&equations, true);
+        let refined_at_most = MOST_REFINED.min(MOST_PASSES / orbit.model().chain().even_modes());
         let mut leading: Option<(Complex<f64>, f64)> = None;
         for (number, (most, value)) in open.iter().enumerate() {
             let surely = leading.map_or(0.0, |(z, error)| excess(z) - ROOM * error);
-            if surely >= *most || number == MOST_REFINED {
+            if surely >= *most || number == refined_at_most {
                 let Some((z, error)) = leading.filter(|_| surely > 0.0) else { return Ok(None) };
                 let error = error.max(most - excess(z));
                 return Ok(Some(Verdict::of_growth(z, excess(z), error, question.tolerance)));
