@@ -117,6 +117,11 @@ export class Point {
     const rank = ({ orbit }) => (orbit.physical ? (orbit.stability?.stable ? 0 : 1) : 2);
     const best = list.reduce((found, one, i) => (rank(one) < rank(list[found]) ? i : found), 0);
     this.pick(before >= 0 ? before : best);
+    if (focus) {
+      // Before its body was there the page may have been too short to bring it up.
+      const [{ top }, { bottom }] = ["pointname", "chain"].map((id) => $(id).getBoundingClientRect());
+      if (top < 0 || bottom > window.innerHeight) this.box.scrollIntoView({ block: "start" });
+    }
   }
 
   pick(i) {
