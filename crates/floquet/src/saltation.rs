@@ -48,7 +48,7 @@ impl Saltation {
         Self { site: impact.site, time: impact.time, restitution, kappa }
     }
 
-    /// κ' = κ/(1+e)² = v̈/((1+e)v⁻): what the matrix from impact to impact has on its diagonal. All of `secular` and `stripes` has
+    /// κ' = κ/(1+e)² = v̈/((1+e)v⁻): what the matrix from impact to impact has on its diagonal. All of `map_paths` and `stripes` has
     /// this scaling, and has it from here.
     pub(crate) fn reduced(impact: &Impact, restitution: f64) -> f64 {
         impact.acceleration / ((1.0 + restitution) * impact.velocity_before)

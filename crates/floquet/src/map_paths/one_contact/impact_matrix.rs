@@ -19,12 +19,12 @@
 //! mode k is cos(2πk(n_i−n_1)/M); each of its doublets has a second mode, sin(2πk(n_i−n_1)/M). On other lattices the products φ_iφ_j of a
 //! mode, or their sum over a doublet, are known ([`Shapes::even`]); their pivoted Cholesky factors are as good as shapes.
 //!
-//! All other files of this folder have the same determinant, worked out in ways that are faster or know more digits where they apply:
+//! Other files have the same determinant, worked out in ways that are faster or know more digits where they apply:
 //!
 //! | file | f for |
 //! |---|---|
-//! | `forced`, `forced_large` | impacts at one site, by poles and residues; K̂(p_k) from real sums |
-//! | `forced_count` | one impact: three real sums on the circle |
+//! | `multipliers`, `fast_sums` | impacts at one site, by poles and residues; K̂(p_k) from real sums |
+//! | `crate::spectrum` | any impacts between the contacts of any structure |
 //! | `single_sided`, `double_sided` | reversible orbits in ν = ½(z + 1/z), the trivial pair divided out |
 //! | `crate::symmetry` | half a period of a symmetric orbit, at real z |
 //! | `crate::stripes` | the same as sums over the waves that impacts reflect |
