@@ -238,7 +238,8 @@ impl Analyser {
             None => {}
         }
         let is_asked = orbit.impact_site().is_none() || doubt.is_some() && orbit.is_reversible();
-        if !thorough && is_asked && chain.sites() <= QUICK_AS_MATRIX {
+        let by_eigenvalues = !thorough && is_asked && chain.sites() <= QUICK_AS_MATRIX;
+        if by_eigenvalues {
             let answer = self.by_matrix(question, finder, doubt)?;
             if !answer.0.marginal {
                 return Ok(answer);
@@ -260,8 +261,11 @@ impl Analyser {
         match told {
             Ok(answer) if answer.verdict.marginal && dimension <= MOST_DOUBTED => {
                 let is_clear = |verdict: &Verdict| !verdict.marginal;
-                let other = match self.by_map_path(question, finder) {
+                // Neither is asked twice.
+                let path = if screened { None } else { self.by_map_path(question, finder) };
+                let other = match path {
                     Some(Ok((verdict, _))) if is_clear(&verdict) => Some(verdict),
+                    _ if by_eigenvalues => None,
                     _ => self.by_matrix(question, finder, doubt).ok().map(|(verdict, _)| verdict).filter(is_clear),
                 };
                 Ok((other.unwrap_or(answer.verdict), if thorough { answer.listed(orbit) } else { Vec::new() }))

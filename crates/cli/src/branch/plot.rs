@@ -11,7 +11,7 @@ use crate::args::QuantityName;
 use crate::branch::table::{BranchName, Row, Table};
 use crate::common::caption::in_words;
 
-/// Colours of families, those that their stable classes have in maps, and of the one family that maps do not have.
+/// The colour of each family: that of its stable class in maps. Maps have no period-doubled family; it has a colour of its own.
 const FAMILIES: [(Family, usize); 3] = [(Family::DoubleSided, 0), (Family::SingleSided, 1), (Family::PeriodDoubled, 3)];
 const WORDS: usize = 2;
 

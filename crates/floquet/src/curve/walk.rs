@@ -370,7 +370,7 @@ impl Walker {
     fn follow(&mut self, start: &Foot, direction: [f64; 2], until: &dyn Fn([f64; 2], Option<bool>) -> bool) -> Way {
         let mut feet = vec![start.clone()];
         let (mut h, mut special) = (FIRST, Vec::new());
-        // Where the event is that all impulses vanish, those of the start are rounding, and no scale.
+        // On a curve along which all impulses vanish, the first point's impulses are rounding and set no scale.
         let first = start.point.orbit().strength();
         let scale = first.max(OWN_SPEED * start.point.orbit().model().omega());
         let vanish = first < FAINT * scale;

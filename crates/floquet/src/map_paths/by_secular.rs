@@ -10,7 +10,7 @@ use crate::error::FloquetError;
 use crate::map_paths::{LARGE, Leading, SecularVerdict, Standing};
 use crate::reference::dense::WORTH_A_MATRIX;
 use crate::saltation::saltations;
-use crate::spectrum::SpectralFunction;
+use crate::spectrum::{SpectralFunction, origins};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
 
@@ -72,23 +72,33 @@ impl Analyser {
             .filter(|(most, value)| *most > 0.0 && value.im >= 0.0)
             .collect();
         open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        let careful = question.thorough || finder.is_delicate(orbit)?;
+        let condition = if careful { Some(finder.condition(orbit)?) } else { None };
         let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
+        let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
         let function = SpectralFunction::new(&equations, true);
         let refined_at_most = MOST_REFINED.min(MOST_PASSES / orbit.model().chain().even_modes());
         let mut leading: Option<(Complex<f64>, f64)> = None;
+        // How far outside one may be that could not be refined.
+        let mut unrefined: f64 = 0.0;
         for (number, (most, value)) in open.iter().enumerate() {
             let surely = leading.map_or(0.0, |(z, error)| excess(z) - ROOM * error);
             if surely >= *most || number == refined_at_most {
-                let Some((z, error)) = leading.filter(|_| surely > 0.0) else { return Ok(None) };
-                let error = error.max(most - excess(z));
-                return Ok(Some(Verdict::of_growth(z, excess(z), error, question.tolerance)));
+                unrefined = unrefined.max(*most);
+                break;
             }
-            let refined = function.refine(*value, &[]).map(|refined| (refined.z, refined.error));
+            let refined = function.refine(*value, &data).map(|refined| (refined.z, refined.error));
+            if refined.is_none() {
+                unrefined = unrefined.max(*most);
+            }
             let farther = |(z, _): &(Complex<f64>, f64)| leading.is_none_or(|(other, _)| excess(*z) > excess(other));
             leading = refined.filter(farther).or(leading);
         }
         let told = leading.filter(|(z, error)| excess(*z) > ROOM * error);
-        Ok(told.map(|(z, error)| Verdict::of_growth(z, excess(z), error, question.tolerance)))
+        Ok(told.map(|(z, error)| {
+            let error = error.max(unrefined - excess(z));
+            Verdict::of_growth(z, excess(z), error, question.tolerance)
+        }))
     }
 
     /// The verdict on a breather of which there is only a sketch, as [`Analyser::verdict`] has it of the orbit; `None` where only the

@@ -22,4 +22,4 @@ mod verdict;
 
 pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
-pub(crate) use verdict::spectrum;
+pub(crate) use verdict::{origins, spectrum};

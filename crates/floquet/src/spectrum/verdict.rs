@@ -136,7 +136,7 @@ impl Reciprocal {
 }
 
 /// What errors of the orbit's own data do to its equations, by origin.
-fn origins(equations: &BlochEquations, condition: &Condition) -> Vec<Origin> {
+pub(crate) fn origins(equations: &BlochEquations, condition: &Condition) -> Vec<Origin> {
     let impacts = equations.impacts();
     // Impulses are units of times: of g″⁻/(ωP) alone they count. Only differences of times do.
     let of_impact = |(i, known): (usize, &ImpactError)| {

@@ -45,7 +45,7 @@ pub struct OrderFinder {
 }
 
 impl OrderFinder {
-    /// The most masses of an orbit whose order is told: beyond them a matrix takes more time than the points between that it spares.
+    /// The most masses: on larger lattices the matrix of one order takes more time than computing the cells that it saves.
     pub const MOST_MASSES: usize = 200;
 
     /// The order of an orbit without losses; `None` where nothing couples the masses, and their multipliers are equal. O(M³).

@@ -34,7 +34,7 @@ const FINEST: f64 = 1e-9;
 /// Intervals that a search may take, as one function's may; most take fewer than 500.
 const MOST_INTERVALS: usize = 20_000;
 
-/// Terms of modes' sums that it may take, on large lattices: seconds.
+/// The most terms that a search may add up in sums over modes: seconds on large lattices.
 const MOST_TERMS: usize = 100_000_000;
 
 /// Intervals longer than this part of their distance to a place where all s vanish take s/δ, others s itself, which is known better.
