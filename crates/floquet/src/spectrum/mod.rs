@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `function` | f′/f, and J(z) with near poles kept apart |
 //! | `starts` | where the zeros are to first order |
+//! | `null` | null vectors of J(z) |
 //! | `refine` | one zero, or several close ones, with errors |
 //! | `solve` | all of them, counted |
 //! | `multipliers` | [`ImpactSpectrum`]: the multipliers of impacts on any linear structure |
@@ -15,6 +16,7 @@
 
 mod function;
 mod multipliers;
+mod null;
 mod refine;
 mod solve;
 mod starts;

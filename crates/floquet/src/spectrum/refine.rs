@@ -9,6 +9,7 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Turn, Turned};
 
 use super::function::{Pole, SpectralFunction};
+use super::null::{Null, singular_values};
 use crate::zeros::modulus;
 
 type C = Complex<f64>;
@@ -18,9 +19,6 @@ const STEPS: usize = 12;
 
 /// A pole that is not bordered and whose error is not small against its distance is not followed to first order.
 const TOO_NEAR: f64 = 1e-2;
-
-/// Sweeps that make rows and columns alike in size.
-const BALANCE: usize = 3;
 
 /// Errors of the orbit's own data at one impact, of one origin.
 #[derive(Debug, Clone, Copy, Default)]
@@ -52,17 +50,6 @@ struct Product {
     value_error: f64,
     slope_error: f64,
     data: f64,
-}
-
-/// Null vectors of B(z) on both sides, columns of `left` and `right`, and how singular B is.
-struct Null {
-    near: Vec<Pole>,
-    left: DMatrix<C>,
-    right: DMatrix<C>,
-    /// Norm of |x||B||y| with B balanced.
-    norm: f64,
-    /// The least singular value that is not taken for 0, on the same scale.
-    second: f64,
 }
 
 impl SpectralFunction<'_> {
@@ -118,8 +105,7 @@ impl SpectralFunction<'_> {
             let off = 16.0 * f64::EPSILON * null.norm;
             let error = error.sqrt() + count as f64 * off * off / null.second;
             let definite = self.is_definite(z, &null, &slopes, slope_error.sqrt());
-            let singular = slopes.clone().svd(false, false).singular_values;
-            let least = singular.iter().copied().fold(f64::INFINITY, f64::min) - slope_error.sqrt();
+            let least = singular_values(&slopes)?.into_iter().fold(f64::INFINITY, f64::min) - slope_error.sqrt();
             if least.is_nan() || least <= 0.0 {
                 return None;
             }
@@ -168,45 +154,6 @@ impl SpectralFunction<'_> {
         let one_sign = values.iter().all(|value| *value > 0.0) || values.iter().all(|value| *value < 0.0);
         let sound = rest < 1e-3 * left.norm() && off < 0.1 * least && slope_error < 0.1 * least;
         one_sign && sound && least > 1e-6 * largest && count > 0
-    }
-
-    /// The `count` null vectors of B(z).
-    fn null(&self, z: C, count: usize) -> Option<Null> {
-        let near = self.near(z);
-        let mut matrix = self.bordered(z, &near);
-        let size = matrix.nrows();
-        let finite = |entry: &C| entry.re.is_finite() && entry.im.is_finite();
-        if count > size || !matrix.iter().all(finite) {
-            return None;
-        }
-        let (mut rows, mut columns) = (vec![1.0; size], vec![1.0; size]);
-        for _ in 0..BALANCE {
-            for i in 0..size {
-                let largest = matrix.row(i).iter().map(|entry| modulus(*entry)).fold(0.0, f64::max);
-                let by = largest.sqrt().recip();
-                if by.is_normal() {
-                    rows[i] *= by;
-                    matrix.row_mut(i).iter_mut().for_each(|entry| *entry *= by);
-                }
-            }
-            for j in 0..size {
-                let largest = matrix.column(j).iter().map(|entry| modulus(*entry)).fold(0.0, f64::max);
-                let by = largest.sqrt().recip();
-                if by.is_normal() {
-                    columns[j] *= by;
-                    matrix.column_mut(j).iter_mut().for_each(|entry| *entry *= by);
-                }
-            }
-        }
-        let svd = matrix.try_svd(true, true, f64::EPSILON, 0)?;
-        let (u, v) = (svd.u?, svd.v_t?);
-        let values = svd.singular_values;
-        let mut order: Vec<usize> = (0..size).collect();
-        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let left = DMatrix::from_fn(size, count, |i, k| u[(i, order[k])].conj() * rows[i]);
-        let right = DMatrix::from_fn(size, count, |j, k| v[(order[k], j)].conj() * columns[j]);
-        let second = order.get(count).map_or(f64::INFINITY, |&k| values[k]);
-        Some(Null { near, left, right, norm: values.max(), second })
     }
 
     /// The products with two vectors of B(z).
