@@ -56,6 +56,7 @@ mod model;
 mod modes;
 mod simd;
 mod stop;
+mod structure;
 
 pub use error::{LatticeError, MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, Short};
 pub use flight::propagator::Propagator;
@@ -76,3 +77,9 @@ pub use modes::spectrum::Spectrum;
 pub use rustfft::num_complex::Complex;
 pub use simd::small::{sinc, sine_over};
 pub use stop::{Stop, Stopped};
+pub use structure::contact::Contact;
+pub use structure::error::StructureError;
+pub use structure::linear_mode::{LinearMode, ModeShape};
+#[cfg(feature = "matrices")]
+pub use structure::matrices::Structure;
+pub use structure::modal::ModalStructure;

@@ -95,7 +95,8 @@ mod tests {
     fn both_sides_vanish_on_a_nearly_singular_matrix() {
         let chain = Chain::new(2, 0.073_966_543_980_647_89, 0.011_884_233_414_967_131).unwrap();
         let model =
-            Model::forced(chain, 0.348_589_406_946_606_84, 0.0, 0.093_400_631_787_602_25, 0.563_004_254_549_515_2).unwrap();
+            Model::forced(chain, 0.348_589_406_946_606_84, 0.0, 0.093_400_631_787_602_25, 0.563_004_254_549_515_2)
+                .unwrap();
         let orbit = &breathers(&model, Family::SingleSided).unwrap().orbits[1];
         let response = ImpulseResponse::new(&Spectrum::new(chain), orbit.frequency()).unwrap();
         let (equations, _) = BlochEquations::of(orbit, &response);

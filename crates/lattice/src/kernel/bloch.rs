@@ -3,6 +3,7 @@
 use rustfft::num_complex::Complex;
 
 use super::turn::{Turn, Turned};
+use crate::structure::linear_mode::LinearMode;
 
 type C = Complex<f64>;
 
@@ -124,6 +125,11 @@ impl BlochKernel {
         let rows = (0..shapes[0].len()).map(|i| sum(both(i)));
         let columns = (0..shapes[0].len()).map(|i| sum([signs[0] * shapes[0][i], signs[1] * shapes[1][i]]));
         self.push(Turn::Hyperbolic, (-mean, half), rows, columns);
+    }
+
+    /// Adds a mode of a structure, as some of its contacts feel it.
+    pub(crate) fn push_linear(&mut self, mode: &LinearMode, rows: Vec<[f64; 2]>, columns: Vec<[f64; 2]>) {
+        self.push(mode.turn, (mode.decay, mode.rate), rows.into_iter(), columns.into_iter());
     }
 
     fn push(

@@ -15,13 +15,13 @@
 //! | `bloch` | [`BlochKernel`]: modes, their shapes at the contacts, sums over them |
 //! | `lattice_modes` | the modes of a [`crate::Chain`], those of equal frequency merged |
 
-mod bloch;
+pub(crate) mod bloch;
 pub(crate) mod decay;
 pub(crate) mod impulse;
 mod lattice_modes;
 pub(crate) mod sensitivity;
 pub(crate) mod steady;
-mod turn;
+pub(crate) mod turn;
 
 pub use bloch::{BlochJet, BlochKernel, BlochMode};
 pub use lattice_modes::SparedModes;

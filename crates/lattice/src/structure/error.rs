@@ -1,0 +1,107 @@
+//! What can be wrong with a structure.
+
+use thiserror::Error;
+
+use crate::error::Short;
+
+/// Why there is no such structure, or no answer about it.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum StructureError {
+    /// A list or a matrix has the wrong size.
+    #[error("{what} has {given} entries where the structure needs {wanted}")]
+    Size {
+        /// Which one.
+        what: String,
+        /// Its size.
+        given: usize,
+        /// The size that fits.
+        wanted: usize,
+    },
+    /// A number is not finite, or outside its range.
+    #[error("{what} = {} is out of range: give {requirement}", Short(*value))]
+    Range {
+        /// Which one.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        requirement: &'static str,
+    },
+    /// A matrix is not symmetric.
+    #[error("{what} is not symmetric: its entries ({row}, {column}) and ({column}, {row}) differ")]
+    Asymmetric {
+        /// Which one.
+        what: &'static str,
+        /// A row where it is not.
+        row: usize,
+        /// And the column.
+        column: usize,
+    },
+    /// The mass matrix is not positive.
+    #[error("the mass matrix is not positive definite: every coordinate needs a mass; eliminate those without")]
+    Massless,
+    /// The stiffness has a negative eigenvalue.
+    #[error(
+        "the stiffness matrix is indefinite (eigenvalue {} relative to mass): the structure falls over between its stops; give a \
+         stiffness without negative eigenvalues",
+        Short(*square)
+    )]
+    Unstable {
+        /// The eigenvalue Ω².
+        square: f64,
+    },
+    /// A contact that moves with no coordinate.
+    #[error("contact {contact} has no weight: name the coordinate it is at, or weights of which one is not 0")]
+    NoWeight {
+        /// Its number.
+        contact: usize,
+    },
+    /// A contact without barriers, or with one above the other.
+    #[error("contact {contact} has its lower barrier at {} and its upper one at {}: give lower < upper", Short(*lower), Short(*upper))]
+    Barriers {
+        /// Its number.
+        contact: usize,
+        /// The lower barrier.
+        lower: f64,
+        /// The upper one.
+        upper: f64,
+    },
+    /// There is nothing to hit.
+    #[error("the structure has no contact: give one at least")]
+    NoContact,
+    /// Two poles of the damped structure coincide and have one shape.
+    #[error(
+        "two modes of the damped structure meet at the rate {} + {}i: change a damping a little",
+        Short(*re),
+        Short(*im)
+    )]
+    Defective {
+        /// Real part of the rate.
+        re: f64,
+        /// Its imaginary part.
+        im: f64,
+    },
+    /// A dashpot couples a mode without stiffness to others.
+    #[error("dashpots couple a rigid motion to others: give it a spring, however soft, or a dashpot of its own alone")]
+    RigidDamped,
+    /// A harmonic of the load meets a mode that nothing damps.
+    #[error(
+        "resonance: harmonic {harmonic} of omega = {} meets mode {mode} (frequency {}) that nothing damps; move omega off it or \
+         give it damping",
+        Short(*omega),
+        Short(*frequency)
+    )]
+    Resonance {
+        /// Number of the harmonic.
+        harmonic: u32,
+        /// Of the mode.
+        mode: usize,
+        /// The mode's frequency.
+        frequency: f64,
+        /// ω
+        omega: f64,
+    },
+    /// The eigenvalues were not found.
+    #[error("the eigenvalues of the structure did not converge")]
+    NotConverged,
+}

@@ -1,0 +1,144 @@
+//! One mode of a structure: two real coordinates ξ with ξ′ = Aξ + what impulses and loads give, A = −δ + κJ ([`Turn`]).
+
+use rustfft::num_complex::Complex;
+
+use crate::kernel::turn::{Turn, Turned};
+
+type C = Complex<f64>;
+
+/// A pair of poles of (λ²M + λC + K)⁻¹.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearMode {
+    /// How its coordinates move.
+    pub turn: Turn,
+    /// δ, the rate at which it dies; below 0 it grows.
+    pub decay: f64,
+    /// κ
+    pub rate: f64,
+    /// What each contact sees of ξ.
+    pub rows: Vec<[f64; 2]>,
+    /// What a unit impulse at each contact adds to ξ.
+    pub columns: Vec<[f64; 2]>,
+    /// What each coordinate sees of ξ; empty where these are not asked for.
+    pub coordinates: Vec<[f64; 2]>,
+    /// What the static load adds to ξ in a unit of time.
+    pub still: [f64; 2],
+    /// What the loads of each harmonic add, with their phases: Re of it times e^{ijω(t+ψ)}.
+    pub loads: Vec<[C; 2]>,
+    /// It is an oscillator of real shape: contacts see the first coordinate, impulses change the second.
+    pub is_real: bool,
+}
+
+/// The shape φ of a mode as it is asked for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ModeShape<T> {
+    /// wᵀφ at each contact.
+    pub contacts: Vec<T>,
+    /// φ itself; may be left out.
+    pub coordinates: Vec<T>,
+    /// φᵀs of the static load.
+    pub still: T,
+}
+
+impl LinearMode {
+    /// q″ + 2δq′ + (δ² + ν²)q of real shape with φᵀMφ = 1, `square` being ν²; `loads` are φᵀf of each harmonic. A rigid mode has δ = 0 and
+    /// ν² = 0, one with a dashpot c of its own δ = c/2 and ν² = −c²/4.
+    pub fn oscillator(decay: f64, square: f64, shape: &ModeShape<f64>, loads: &[C]) -> Self {
+        let (turn, rate) = if square > 0.0 {
+            (Turn::Circular, square.sqrt())
+        } else if square < 0.0 {
+            (Turn::Hyperbolic, (-square).sqrt())
+        } else {
+            // Any scale serves where both poles are one.
+            (Turn::Parabolic, if decay == 0.0 { 1.0 } else { decay.abs() })
+        };
+        let seen = |list: &[f64]| list.iter().map(|shape| [*shape, 0.0]).collect();
+        Self {
+            turn,
+            decay,
+            rate,
+            rows: seen(&shape.contacts),
+            columns: shape.contacts.iter().map(|shape| [0.0, shape / rate]).collect(),
+            coordinates: seen(&shape.coordinates),
+            still: [0.0, shape.still / rate],
+            loads: loads.iter().map(|load| [C::default(), load / rate]).collect(),
+            is_real: true,
+        }
+    }
+
+    /// A complex pole λ and its conjugate, φᵀ(2λM + C)φ = 1: φφᵀ is the residue there. `loads` are (Re φ)ᵀf and (Im φ)ᵀf.
+    pub fn pole(rate: C, shape: &ModeShape<C>, loads: &[[C; 2]]) -> Self {
+        // The complex amplitude ξ, as (Re ξ, −Im ξ).
+        let seen = |list: &[C]| list.iter().map(|shape| [2.0 * shape.re, 2.0 * shape.im]).collect();
+        let given = |shape: C| [shape.re, -shape.im];
+        Self {
+            turn: Turn::Circular,
+            decay: -rate.re,
+            rate: rate.im,
+            rows: seen(&shape.contacts),
+            columns: shape.contacts.iter().copied().map(given).collect(),
+            coordinates: seen(&shape.coordinates),
+            still: given(shape.still),
+            loads: loads.iter().map(|[real, imaginary]| [*real, -*imaginary]).collect(),
+            is_real: false,
+        }
+    }
+
+    /// Two real poles, each with the sign of its residue: sign·φφᵀ. `loads` are φᵀf of both.
+    pub fn real_poles(rates: [f64; 2], signs: [f64; 2], shapes: [&ModeShape<f64>; 2], loads: &[[C; 2]]) -> Self {
+        let root = 0.5f64.sqrt();
+        let seen = |lists: [&[f64]; 2]| -> Vec<[f64; 2]> {
+            lists[0].iter().zip(lists[1]).map(|(a, b)| [(a + b) * root, (a - b) * root]).collect()
+        };
+        let given = |a: f64, b: f64| {
+            let (a, b) = (signs[0] * a, signs[1] * b);
+            [(a + b) * root, (a - b) * root]
+        };
+        let [contacts, coordinates] =
+            [|shape: &ModeShape<f64>| shape.contacts.clone(), |shape: &ModeShape<f64>| shape.coordinates.clone()]
+                .map(|list| shapes.map(list));
+        Self {
+            turn: Turn::Hyperbolic,
+            decay: -0.5 * (rates[0] + rates[1]),
+            rate: 0.5 * (rates[0] - rates[1]),
+            rows: seen([&contacts[0], &contacts[1]]),
+            columns: contacts[0].iter().zip(&contacts[1]).map(|(a, b)| given(*a, *b)).collect(),
+            coordinates: seen([&coordinates[0], &coordinates[1]]),
+            still: given(shapes[0].still, shapes[1].still),
+            loads: (loads.iter())
+                .map(|[a, b]| {
+                    let (a, b) = (a * signs[0], b * signs[1]);
+                    [(a + b) * root, (a - b) * root]
+                })
+                .collect(),
+            is_real: false,
+        }
+    }
+
+    /// e^{At}
+    pub fn flight(&self, t: f64) -> Turned {
+        self.turn.flight(self.decay, self.rate, t)
+    }
+
+    /// A
+    pub fn generator(&self) -> Turned {
+        Turned { even: -self.decay, odd: self.rate }
+    }
+
+    /// The poles λ.
+    pub fn rates(&self) -> [C; 2] {
+        self.generator().eigenvalues(self.turn)
+    }
+
+    /// Whether a pole is 0: nothing holds the mode in its place.
+    pub fn is_rigid(&self) -> bool {
+        self.rates().contains(&C::default())
+    }
+
+    /// The coordinates, complex, under a load `given`·e^{iwt}: (iw − A)⁻¹·given. Not finite at a resonance.
+    pub fn steady(&self, w: f64, given: [C; 2]) -> [C; 2] {
+        let by = self.generator().resolvent(self.turn, C::new(0.0, w));
+        // (a + bJ)·column
+        [by.even * given[0] + by.odd * given[1], by.even * given[1] - by.odd * given[0] * self.turn.sign()]
+    }
+}

@@ -1,0 +1,291 @@
+//! Mass, damping and stiffness: from full matrices to modes.
+//!
+//! Φ with ΦᵀMΦ = 1, ΦᵀKΦ = Ω² first. Where ΦᵀCΦ is diagonal the modes are oscillators of real shape; otherwise the poles of
+//! λ² + λD + Ω² are eigenvalues of the state matrix [[0, 1], [−Ω², −D]], and its triangular form has their shapes.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Schur};
+use rustfft::num_complex::Complex;
+
+use super::contact::Contact;
+use super::error::StructureError;
+use super::linear_mode::{LinearMode, ModeShape};
+use super::modal::ModalStructure;
+
+type C = Complex<f64>;
+
+/// Entries of D off the diagonal below this part of what the dashpots are, are rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Steps of QR for an eigenvalue; a handful is usual.
+const SWEEPS: usize = 60;
+
+/// Poles of one shape closer than this part of their size are as good as one.
+const COINCIDENT: f64 = 1e-7;
+
+/// M q″ + C q′ + K q = s + Σ_j f_j cos jω(t+ψ), with contacts g = wᵀq. Units are the user's.
+///
+/// ```
+/// use nalgebra::{DMatrix, DVector};
+/// use vibrochain_lattice::{Contact, Structure};
+/// let structure = Structure {
+///     mass: DMatrix::identity(2, 2),
+///     damping: DMatrix::from_row_slice(2, 2, &[0.02, 0.0, 0.0, 0.1]),
+///     stiffness: DMatrix::from_row_slice(2, 2, &[1.0, -0.3, -0.3, 0.8]),
+///     contacts: vec![(DVector::from_vec(vec![0.0, 1.0]), Contact { lower: None, upper: Some(0.7), restitution: 0.8 })],
+///     ..Structure::default()
+/// };
+/// let modal = structure.modal()?;
+/// assert_eq!(modal.modes().len(), 2);
+/// assert!((modal.mobility(0, 0) - 1.0).abs() < 1e-14);
+/// # Ok::<(), vibrochain_lattice::StructureError>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Structure {
+    /// M, symmetric and positive.
+    pub mass: DMatrix<f64>,
+    /// C, symmetric or not; without rows: none.
+    pub damping: DMatrix<f64>,
+    /// K, symmetric, without negative eigenvalues.
+    pub stiffness: DMatrix<f64>,
+    /// w of each contact, and where it is stopped.
+    pub contacts: Vec<(DVector<f64>, Contact)>,
+    /// s; without entries: none.
+    pub static_load: DVector<f64>,
+    /// Number j and f of each harmonic, complex: |f|cos(jω(t+ψ) + arg f).
+    pub loads: Vec<(u32, DVector<C>)>,
+}
+
+impl Structure {
+    /// Its modes.
+    ///
+    /// # Errors
+    /// [`StructureError`]: sizes that do not fit, numbers that are not finite, a mass that is not positive, a stiffness that is not
+    /// symmetric or has a negative eigenvalue, damping that makes two poles of one shape coincide.
+    pub fn modal(&self) -> Result<ModalStructure, StructureError> {
+        let n = self.mass.nrows();
+        self.check()?;
+        let mass = Cholesky::new(self.mass.clone()).ok_or(StructureError::Massless)?;
+        let lower = mass.l();
+        // L⁻¹KL⁻ᵀ
+        let half = lower.solve_lower_triangular(&self.stiffness).ok_or(StructureError::Massless)?;
+        let even = lower.solve_lower_triangular(&half.transpose()).ok_or(StructureError::Massless)?;
+        let eigen = (&even + even.transpose()).scale(0.5).try_symmetric_eigen(f64::EPSILON, SWEEPS * n);
+        let eigen = eigen.ok_or(StructureError::NotConverged)?;
+        let largest = eigen.eigenvalues.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let floor = 8.0 * n as f64 * f64::EPSILON * largest;
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let mut squares = Vec::with_capacity(n);
+        for &k in &order {
+            let square = eigen.eigenvalues[k];
+            if square < -floor {
+                return Err(StructureError::Unstable { square });
+            }
+            squares.push(if square <= floor { 0.0 } else { square });
+        }
+        let sorted = DMatrix::from_fn(n, n, |i, k| eigen.eigenvectors[(i, order[k])]);
+        let shapes = lower.tr_solve_lower_triangular(&sorted).ok_or(StructureError::Massless)?;
+        let modes = if self.damping.is_empty() {
+            self.oscillators(&shapes, &squares, &vec![0.0; n])
+        } else {
+            let damping = shapes.transpose() * &self.damping * &shapes;
+            let size = damping.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+            let off = |i: usize, j: usize| i != j && damping[(i, j)].abs() > ROUNDING * n as f64 * size;
+            if (0..n).all(|i| (0..n).all(|j| !off(i, j))) {
+                let decays: Vec<f64> = (0..n).map(|k| 0.5 * damping[(k, k)]).collect();
+                self.oscillators(&shapes, &squares, &decays)
+            } else {
+                self.poles(&shapes, &squares, &damping)?
+            }
+        };
+        let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
+        ModalStructure::new(contacts, self.loads.iter().map(|(number, _)| *number).collect(), modes)
+    }
+
+    fn check(&self) -> Result<(), StructureError> {
+        let n = self.mass.nrows();
+        let size = |what: &str, given: usize, wanted: usize| {
+            if given == wanted { Ok(()) } else { Err(StructureError::Size { what: what.to_owned(), given, wanted }) }
+        };
+        size("the mass matrix", self.mass.ncols(), n)?;
+        for (what, matrix) in [("the stiffness matrix", &self.stiffness), ("the damping matrix", &self.damping)] {
+            if !(what == "the damping matrix" && matrix.is_empty()) {
+                size(what, matrix.nrows(), n)?;
+                size(what, matrix.ncols(), n)?;
+            }
+        }
+        for (what, matrix) in [("the mass matrix", &self.mass), ("the stiffness matrix", &self.stiffness)] {
+            let largest = matrix.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+            for row in 0..n {
+                for column in 0..row {
+                    if (matrix[(row, column)] - matrix[(column, row)]).abs() > 1e-12 * largest {
+                        return Err(StructureError::Asymmetric { what, row, column });
+                    }
+                }
+            }
+        }
+        if !self.static_load.is_empty() {
+            size("the static load", self.static_load.len(), n)?;
+        }
+        for (number, load) in &self.loads {
+            size("the load", load.len(), n)?;
+            if *number == 0 {
+                let (what, requirement) =
+                    ("harmonic of the load".to_owned(), "a number from 1; the static load has its own key");
+                return Err(StructureError::Range { what, value: 0.0, requirement });
+            }
+        }
+        for (number, (weights, _)) in self.contacts.iter().enumerate() {
+            size(&format!("the weights of contact {number}"), weights.len(), n)?;
+            if weights.iter().all(|weight| *weight == 0.0) {
+                return Err(StructureError::NoWeight { contact: number });
+            }
+        }
+        let of_contacts = self.contacts.iter().flat_map(|(weights, _)| weights.iter().copied());
+        let of_loads = self.loads.iter().flat_map(|(_, load)| load.iter().flat_map(|f| [f.re, f.im]));
+        finite("the mass matrix", self.mass.iter().copied())?;
+        finite("the stiffness matrix", self.stiffness.iter().copied())?;
+        finite("the damping matrix", self.damping.iter().copied())?;
+        finite("the static load", self.static_load.iter().copied())?;
+        finite("the weights of contacts", of_contacts)?;
+        finite("the load", of_loads)
+    }
+
+    /// What a real shape is at contacts and under the static load.
+    fn shape(&self, shape: &DVector<f64>) -> ModeShape<f64> {
+        ModeShape {
+            contacts: self.contacts.iter().map(|(weights, _)| weights.dot(shape)).collect(),
+            coordinates: shape.iter().copied().collect(),
+            still: if self.static_load.is_empty() { 0.0 } else { self.static_load.dot(shape) },
+        }
+    }
+
+    /// φᵀf of each harmonic.
+    fn loads(&self, shape: &DVector<f64>) -> Vec<C> {
+        self.loads.iter().map(|(_, load)| load.iter().zip(shape).map(|(f, shape)| f * *shape).sum()).collect()
+    }
+
+    fn oscillators(&self, shapes: &DMatrix<f64>, squares: &[f64], decays: &[f64]) -> Vec<LinearMode> {
+        let of_mode = |k: usize| {
+            let shape = shapes.column(k).clone_owned();
+            LinearMode::oscillator(
+                decays[k],
+                squares[k] - decays[k] * decays[k],
+                &self.shape(&shape),
+                &self.loads(&shape),
+            )
+        };
+        (0..squares.len()).map(of_mode).collect()
+    }
+
+    /// Poles of λ² + λD + Ω², where D couples the modes; rigid ones that it leaves alone stay oscillators.
+    fn poles(
+        &self,
+        shapes: &DMatrix<f64>,
+        squares: &[f64],
+        damping: &DMatrix<f64>,
+    ) -> Result<Vec<LinearMode>, StructureError> {
+        let n = squares.len();
+        let size = damping.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+        let alone = |k: usize| {
+            (0..n).all(|j| j == k || damping[(j, k)].abs().max(damping[(k, j)].abs()) <= ROUNDING * n as f64 * size)
+        };
+        let (own, coupled): (Vec<usize>, Vec<usize>) = (0..n).partition(|&k| alone(k));
+        if coupled.iter().any(|&k| squares[k] == 0.0) {
+            return Err(StructureError::RigidDamped);
+        }
+        let pick = |list: &[usize]| DMatrix::from_fn(n, list.len(), |i, k| shapes[(i, list[k])]);
+        let picked = |list: &[usize]| list.iter().map(|&k| squares[k]).collect::<Vec<_>>();
+        let decays: Vec<f64> = own.iter().map(|&k| 0.5 * damping[(k, k)]).collect();
+        let mut modes = self.oscillators(&pick(&own), &picked(&own), &decays);
+        let m = coupled.len();
+        let inner = DMatrix::from_fn(m, m, |i, j| damping[(coupled[i], coupled[j])]);
+        let (found, vectors) = eigen(&picked(&coupled), &inner)?;
+        let basis = pick(&coupled).map(|x| C::new(x, 0.0));
+        let complex_inner = inner.map(|x| C::new(x, 0.0));
+        let mut real: Vec<(f64, f64, DVector<f64>)> = Vec::new();
+        for (rate, vector) in found.iter().zip(&vectors) {
+            // φᵀ(2λ + D)φ, of a symmetric D; of others both sides would count.
+            let square = vector.dot(&(vector * (rate * 2.0) + &complex_inner * vector));
+            let length = vector.iter().map(|x| x.norm_sqr()).sum::<f64>();
+            if square.norm() <= COINCIDENT * length * (rate.norm() + size) {
+                return Err(StructureError::Defective { re: rate.re, im: rate.im });
+            }
+            if rate.im == 0.0 {
+                // Its phase is any: along its largest entry it is real.
+                let largest = vector.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
+                let straight = vector.map(|x| (x / largest).re);
+                let square = straight.dot(&(&straight * (2.0 * rate.re) + &inner * &straight));
+                let shape = pick(&coupled) * straight / square.abs().sqrt();
+                real.push((rate.re, square.signum(), shape));
+            } else if rate.im > 0.0 {
+                let shape = &basis * vector / square.sqrt();
+                let dot = |weights: &DVector<f64>| weights.iter().zip(&shape).map(|(w, x)| x * *w).sum::<C>();
+                let of_shape = ModeShape {
+                    contacts: self.contacts.iter().map(|(weights, _)| dot(weights)).collect(),
+                    coordinates: shape.iter().copied().collect(),
+                    still: if self.static_load.is_empty() { C::default() } else { dot(&self.static_load) },
+                };
+                let parts = [shape.map(|x| x.re), shape.map(|x| x.im)].map(|part| self.loads(&part));
+                let loads: Vec<[C; 2]> = parts[0].iter().zip(&parts[1]).map(|(a, b)| [*a, *b]).collect();
+                modes.push(LinearMode::pole(*rate, &of_shape, &loads));
+            }
+        }
+        real.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for pair in real.chunks(2) {
+            let [(first, sign, shape), (second, other, beside)] = pair else {
+                return Err(StructureError::NotConverged);
+            };
+            let loads: Vec<[C; 2]> =
+                self.loads(shape).into_iter().zip(self.loads(beside)).map(|(a, b)| [a, b]).collect();
+            let both = [&self.shape(shape), &self.shape(beside)];
+            modes.push(LinearMode::real_poles([*first, *second], [*sign, *other], both, &loads));
+        }
+        modes.sort_by(|a, b| a.rates()[0].norm().total_cmp(&b.rates()[0].norm()));
+        Ok(modes)
+    }
+}
+
+fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), StructureError> {
+    match values.find(|value| !value.is_finite()) {
+        Some(value) => Err(StructureError::Range { what: what.to_owned(), value, requirement: "finite numbers" }),
+        None => Ok(()),
+    }
+}
+
+/// Eigenvalues λ of [[0, 1], [−Ω², −D]] and the upper halves of their vectors; complex ones in exact pairs, real ones exactly real.
+fn eigen(squares: &[f64], damping: &DMatrix<f64>) -> Result<(Vec<C>, Vec<DVector<C>>), StructureError> {
+    let m = squares.len();
+    let state = DMatrix::from_fn(2 * m, 2 * m, |i, j| match (i < m, j < m) {
+        (true, _) => f64::from(u8::from(j == i + m)),
+        (false, true) if i == j + m => -squares[j],
+        (false, true) => 0.0,
+        (false, false) => -damping[(i - m, j - m)],
+    });
+    let schur = Schur::try_new(state.map(|x| C::new(x, 0.0)), f64::EPSILON, SWEEPS * 2 * m);
+    let (unitary, triangle) = schur.ok_or(StructureError::NotConverged)?.unpack();
+    let norm = triangle.iter().map(|x| x.norm()).fold(0.0, f64::max);
+    let (mut values, mut vectors) = (Vec::new(), Vec::new());
+    for k in 0..2 * m {
+        let value = triangle[(k, k)];
+        let mut vector = DVector::from_element(2 * m, C::default());
+        vector[k] = C::new(1.0, 0.0);
+        for i in (0..k).rev() {
+            let sum: C = (i + 1..=k).map(|j| triangle[(i, j)] * vector[j]).sum();
+            let mut distance = triangle[(i, i)] - value;
+            if distance.norm() < f64::EPSILON * norm {
+                // Of one value twice any combination serves, if there are two shapes at all.
+                distance = C::new(f64::EPSILON * norm, 0.0);
+            }
+            vector[i] = -sum / distance;
+        }
+        let whole = &unitary * vector;
+        // Of real matrices: what is as good as real is.
+        let is_real = value.im.abs() <= 1e-9 * norm * f64::EPSILON.sqrt();
+        values.push(if is_real { C::new(value.re, 0.0) } else { value });
+        let half = whole.rows(0, m).clone_owned();
+        let length = half.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
+        vectors.push(half / C::new(length, 0.0));
+    }
+    Ok((values, vectors))
+}

@@ -1,0 +1,16 @@
+//! Any linear structure with stops: M q″ + C q′ + K q = s + Σ_j f_j cos jω(t+ψ), contacts g = wᵀq between barriers.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `contact` | [`Contact`]: where it is stopped, and what an impact leaves of its velocity |
+//! | `linear_mode` | [`LinearMode`]: two coordinates that move together, what contacts see of them, what impulses and loads give to them |
+//! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
+//! | `matrices` | [`Structure`]: mass, damping and stiffness, from which modes are made (feature `matrices`) |
+//! | `error` | [`StructureError`] |
+
+pub(crate) mod contact;
+pub(crate) mod error;
+pub(crate) mod linear_mode;
+#[cfg(feature = "matrices")]
+pub(crate) mod matrices;
+pub(crate) mod modal;

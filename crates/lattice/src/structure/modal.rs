@@ -1,0 +1,205 @@
+//! Modes and contacts: a structure as everything above sees it.
+
+use rustfft::num_complex::Complex;
+
+use super::contact::Contact;
+use super::error::StructureError;
+use super::linear_mode::LinearMode;
+use crate::error::RESONANCE_TOLERANCE;
+use crate::kernel::bloch::BlochKernel;
+use crate::kernel::turn::Turned;
+
+type C = Complex<f64>;
+
+/// A linear structure by its modes, with contacts, static load and periodic loads.
+///
+/// ```
+/// use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
+/// // q″ + 0.1 q′ + q = cos ωt, a stop at 0.1.
+/// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
+/// let mode = LinearMode::oscillator(0.05, 1.0 - 0.05 * 0.05, &shape, &[Complex::new(1.0, 0.0)]);
+/// let stop = Contact { lower: None, upper: Some(0.1), restitution: 0.8 };
+/// let structure = ModalStructure::new(vec![stop], vec![1], vec![mode])?;
+/// let swing = structure.steady_at(0, 2.0)?[0];
+/// let exact = Complex::new(1.0 - 4.0, 0.2).inv();
+/// assert!((swing - exact).norm() < 1e-15 && (structure.mobility(0, 0) - 1.0).abs() < 1e-15);
+/// # Ok::<(), vibrochain_lattice::StructureError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalStructure {
+    contacts: Vec<Contact>,
+    harmonics: Vec<u32>,
+    modes: Vec<LinearMode>,
+}
+
+impl ModalStructure {
+    /// A structure of contacts, harmonics of the loads and modes.
+    ///
+    /// # Errors
+    /// [`StructureError`] where a mode does not have the shapes of all contacts or the loads of all harmonics, where a contact has no
+    /// barrier, or nothing can hit it.
+    pub fn new(contacts: Vec<Contact>, harmonics: Vec<u32>, modes: Vec<LinearMode>) -> Result<Self, StructureError> {
+        if contacts.is_empty() {
+            return Err(StructureError::NoContact);
+        }
+        for (number, contact) in contacts.iter().enumerate() {
+            contact.check(number)?;
+        }
+        for (k, mode) in modes.iter().enumerate() {
+            let sizes = [
+                ("the shape at contacts", mode.rows.len(), contacts.len()),
+                ("the shape at contacts", mode.columns.len(), contacts.len()),
+                ("the load", mode.loads.len(), harmonics.len()),
+                ("the shape", mode.coordinates.len(), modes[0].coordinates.len()),
+            ];
+            for (what, given, wanted) in sizes {
+                if given != wanted {
+                    return Err(StructureError::Size { what: format!("{what} of mode {k}"), given, wanted });
+                }
+            }
+            let own = [mode.still, [mode.decay, mode.rate]];
+            let real = mode.rows.iter().chain(&mode.columns).chain(&own).flatten().copied();
+            let complex = mode.loads.iter().flatten().flat_map(|load| [load.re, load.im]);
+            if let Some(value) = real.chain(complex).find(|value| !value.is_finite()) {
+                let what = format!("mode {k}");
+                return Err(StructureError::Range { what, value, requirement: "finite numbers" });
+            }
+        }
+        let structure = Self { contacts, harmonics, modes };
+        for contact in 0..structure.contacts.len() {
+            let mobility = structure.mobility(contact, contact);
+            let sound = mobility > 0.0;
+            if !sound {
+                return Err(StructureError::NoWeight { contact });
+            }
+        }
+        Ok(structure)
+    }
+
+    /// The contacts.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// The modes.
+    pub fn modes(&self) -> &[LinearMode] {
+        &self.modes
+    }
+
+    /// Numbers j of the harmonics of the loads.
+    pub fn harmonics(&self) -> &[u32] {
+        &self.harmonics
+    }
+
+    /// How many coordinates can be looked at.
+    pub fn coordinates(&self) -> usize {
+        self.modes.first().map_or(0, |mode| mode.coordinates.len())
+    }
+
+    /// Another contact in place of number `contact`.
+    ///
+    /// # Errors
+    /// As [`ModalStructure::new`].
+    pub fn with_contact(&self, contact: usize, other: Contact) -> Result<Self, StructureError> {
+        let mut contacts = self.contacts.clone();
+        if let Some(place) = contacts.get_mut(contact) {
+            *place = other;
+        }
+        Self::new(contacts, self.harmonics.clone(), self.modes.clone())
+    }
+
+    /// All periodic loads times `factor`, the static one times `still`.
+    pub fn with_loads_times(&self, factor: f64, still: f64) -> Self {
+        let mut structure = self.clone();
+        for mode in &mut structure.modes {
+            mode.loads.iter_mut().flatten().for_each(|load| *load *= factor);
+            mode.still.iter_mut().for_each(|load| *load *= still);
+        }
+        structure
+    }
+
+    /// Whether a periodic load drives it.
+    pub fn is_forced(&self) -> bool {
+        self.modes.iter().any(|mode| mode.loads.iter().flatten().any(|load| *load != C::default()))
+    }
+
+    /// Whether neither dashpots nor impacts take energy, nor give any.
+    pub fn is_lossless(&self) -> bool {
+        self.modes.iter().all(|mode| mode.decay == 0.0)
+            && self.contacts.iter().all(|contact| contact.restitution == 1.0)
+    }
+
+    /// w_iᵀM⁻¹w_j: the velocity that a unit impulse at one contact gives to another.
+    pub fn mobility(&self, to: usize, from: usize) -> f64 {
+        self.modes.iter().map(|mode| seen(mode, mode.rows[to], mode.generator(), mode.columns[from])).sum()
+    }
+
+    /// The kernel K^z between some of its contacts, for a period.
+    pub fn kernel(&self, period: f64, contacts: &[usize]) -> BlochKernel {
+        let mut kernel = BlochKernel::new(period, contacts.len());
+        for mode in &self.modes {
+            let pick = |table: &[[f64; 2]]| contacts.iter().map(|&contact| table[contact]).collect::<Vec<_>>();
+            let (rows, columns) = (pick(&mode.rows), pick(&mode.columns));
+            // A mode with a node at every one of them is not felt.
+            if rows.iter().any(|row| *row != [0.0; 2]) && columns.iter().any(|column| *column != [0.0; 2]) {
+                kernel.push_linear(mode, rows, columns);
+            }
+        }
+        kernel
+    }
+
+    /// Coordinates ξ of all modes under harmonic number `place` of the loads at frequency ω, complex: Re of them times e^{ijω(t+ψ)}.
+    ///
+    /// # Errors
+    /// [`StructureError::Resonance`] where a mode that nothing damps is met.
+    pub fn steady(&self, place: usize, omega: f64) -> Result<Vec<[C; 2]>, StructureError> {
+        let harmonic = self.harmonics[place];
+        let w = f64::from(harmonic) * omega;
+        let of_mode = |(k, mode): (usize, &LinearMode)| {
+            let load = mode.loads[place];
+            if load == [C::default(); 2] {
+                return Ok(load);
+            }
+            let distance =
+                mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min);
+            if distance <= RESONANCE_TOLERANCE * w {
+                return Err(StructureError::Resonance { harmonic, mode: k, frequency: mode.rate, omega });
+            }
+            Ok(mode.steady(w, load))
+        };
+        self.modes.iter().enumerate().map(of_mode).collect()
+    }
+
+    /// The motion of each contact under that harmonic, complex.
+    ///
+    /// # Errors
+    /// As [`ModalStructure::steady`].
+    pub fn steady_at(&self, place: usize, omega: f64) -> Result<Vec<C>, StructureError> {
+        let all = self.steady(place, omega)?;
+        let at = |contact: usize| {
+            let terms = self.modes.iter().zip(&all).map(|(mode, xi)| {
+                let row = mode.rows[contact];
+                xi[0] * row[0] + xi[1] * row[1]
+            });
+            terms.sum()
+        };
+        Ok((0..self.contacts.len()).map(at).collect())
+    }
+
+    /// Coordinates ξ of all modes under the static load alone; of a rigid one 0.
+    pub fn still(&self) -> Vec<[f64; 2]> {
+        let of_mode = |mode: &LinearMode| {
+            if mode.is_rigid() {
+                return [0.0; 2];
+            }
+            mode.steady(0.0, mode.still.map(|load| C::new(load, 0.0))).map(|xi| xi.re)
+        };
+        self.modes.iter().map(of_mode).collect()
+    }
+}
+
+/// row·(a + bJ)·column
+fn seen(mode: &LinearMode, row: [f64; 2], by: Turned, column: [f64; 2]) -> f64 {
+    by.even * (row[0] * column[0] + row[1] * column[1])
+        + by.odd * (row[0] * column[1] - mode.turn.sign() * row[1] * column[0])
+}
