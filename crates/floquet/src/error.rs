@@ -55,6 +55,9 @@ pub enum FloquetError {
         /// The most masses for as many impacts.
         limit: usize,
     },
+    /// The multipliers of a structure's orbit could not be told apart and counted.
+    #[error("the multipliers are in doubt: {0}")]
+    Uncounted(SecularError),
     /// The dense matrices would not fit.
     #[error("a dense analysis of dimension {dimension} exceeds the limit of {limit}; use fewer masses")]
     TooLarge {

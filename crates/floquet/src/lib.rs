@@ -53,8 +53,8 @@ mod saltation;
 #[cfg(feature = "serde")]
 mod serde_impl;
 mod spectrum;
-
 mod stripes;
+mod structures;
 mod symmetry;
 mod verdict;
 mod zeros;
@@ -87,5 +87,6 @@ pub use stripes::{
     Collision, DressedModes, NoStripe, OrderFinder, OwnMode, Passing, Signature, SignatureOrder, Stripe, StripeEnd,
     StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
+pub use structures::structure_stability;
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

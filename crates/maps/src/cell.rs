@@ -196,6 +196,7 @@ impl Status {
             FloquetError::TooLarge { .. } | FloquetError::TooManyModes { .. } | FloquetError::InDoubt { .. } => {
                 Self::TooLarge
             }
+            FloquetError::Uncounted(_) => Self::NotConverged,
             FloquetError::Breather(error) => Self::of_orbit(error),
         }
     }

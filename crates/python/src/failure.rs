@@ -123,7 +123,7 @@ impl From<FloquetError> for Failure {
         match error {
             FloquetError::Breather(breather) => breather.into(),
             FloquetError::Grazing { .. } => Self::IllConditioned(message),
-            FloquetError::NotConverged { .. } => Self::NotConverged(message),
+            FloquetError::NotConverged { .. } | FloquetError::Uncounted(_) => Self::NotConverged(message),
             FloquetError::InDoubt { .. } | FloquetError::TooManyModes { .. } | FloquetError::TooLarge { .. } => {
                 Self::TooLarge(message)
             }

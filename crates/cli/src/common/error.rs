@@ -109,6 +109,7 @@ impl From<FloquetError> for CliError {
             FloquetError::Breather(breather) => breather.into(),
             FloquetError::Grazing { .. } => Self::IllPosed(error.to_string()),
             FloquetError::NotConverged { .. }
+            | FloquetError::Uncounted(_)
             | FloquetError::InDoubt { .. }
             | FloquetError::TooManyModes { .. }
             | FloquetError::TooLarge { .. } => Self::Computation(error.to_string()),

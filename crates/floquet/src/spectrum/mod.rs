@@ -24,4 +24,4 @@ mod verdict;
 
 pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
-pub(crate) use verdict::{origins, spectrum};
+pub(crate) use verdict::{origins, spectrum, told};

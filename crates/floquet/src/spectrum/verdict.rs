@@ -52,21 +52,32 @@ pub(crate) fn spectrum(
     let condition = if careful { Some(finder.condition(orbit)?) } else { None };
     let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
     let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
-    let Zeros { list, reciprocal, certified, .. } = zeros(&equations, orbit.model().is_conservative(), &data);
+    let told = told(&equations, orbit.model().is_conservative(), &data, tolerance);
+    Ok(told.map(|(verdict, multipliers)| Spectrum { verdict, multipliers, spared }))
+}
+
+/// Verdict and multipliers of equations; `data` are the errors of what the orbit brings along.
+pub(crate) fn told(
+    equations: &BlochEquations,
+    conservative: bool,
+    data: &[Origin],
+    tolerance: Tolerance,
+) -> Result<(Verdict, Vec<Complex<f64>>), SecularError> {
+    let Zeros { list, reciprocal, certified, .. } = zeros(equations, conservative, data);
     if !certified {
         let found = list.iter().filter(|zero| zero.settled).count();
-        return Ok(Err(SecularError::Incomplete { found, wanted: list.len() }));
+        return Err(SecularError::Incomplete { found, wanted: list.len() });
     }
     if !reciprocal {
         let multipliers = list.iter().map(|zero| zero.z).collect();
-        return Ok(Ok(Spectrum { verdict: dissipative(&list, tolerance), multipliers, spared }));
+        return Ok((dissipative(&list, tolerance), multipliers));
     }
     let (mut multipliers, mut judge) = (Vec::with_capacity(2 * list.len()), Reciprocal::default());
     for zero in &list {
         multipliers.extend(judge.take(zero));
     }
     let verdict = judge.verdict(multipliers.first().copied(), tolerance);
-    Ok(Ok(Spectrum { verdict, multipliers, spared }))
+    Ok((verdict, multipliers))
 }
 
 /// The largest modulus, with room for others that may be larger.

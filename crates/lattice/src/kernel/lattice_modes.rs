@@ -79,7 +79,7 @@ impl BlochKernel {
 
 /// One step of the pivoted Cholesky decomposition of a symmetric matrix, which is taken out of it: the factor and its pivot, `None`
 /// where the largest one left is below `least`.
-fn next_factor(matrix: &mut [f64], least: f64) -> Option<(Vec<f64>, f64)> {
+pub(crate) fn next_factor(matrix: &mut [f64], least: f64) -> Option<(Vec<f64>, f64)> {
     let size = matrix.len().isqrt();
     let pivots = (0..size).map(|i| (i, matrix[i * size + i]));
     let (pivot, square) = pivots.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, square)| *square > least)?;

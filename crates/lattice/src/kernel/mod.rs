@@ -18,7 +18,7 @@
 pub(crate) mod bloch;
 pub(crate) mod decay;
 pub(crate) mod impulse;
-mod lattice_modes;
+pub(crate) mod lattice_modes;
 pub(crate) mod sensitivity;
 pub(crate) mod steady;
 pub(crate) mod turn;

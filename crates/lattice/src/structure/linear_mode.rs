@@ -6,6 +6,9 @@ use crate::kernel::turn::{Turn, Turned};
 
 type C = Complex<f64>;
 
+/// Poles this close, against their size, are equal.
+const ALIKE: f64 = 1e-13;
+
 /// A pair of poles of (λ²M + λC + K)⁻¹.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearMode {
@@ -128,6 +131,16 @@ impl LinearMode {
     /// The poles λ.
     pub fn rates(&self) -> [C; 2] {
         self.generator().eigenvalues(self.turn)
+    }
+
+    /// Whether another oscillator has the same poles, to the rounding of eigenvalues.
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * (self.decay.abs() + self.rate);
+        self.is_real
+            && other.is_real
+            && self.turn == other.turn
+            && near(self.decay, other.decay)
+            && near(self.rate, other.rate)
     }
 
     /// Whether a pole is 0: nothing holds the mode in its place.

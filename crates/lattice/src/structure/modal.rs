@@ -7,9 +7,16 @@ use super::error::StructureError;
 use super::linear_mode::LinearMode;
 use crate::error::RESONANCE_TOLERANCE;
 use crate::kernel::bloch::BlochKernel;
+use crate::kernel::lattice_modes::next_factor;
 use crate::kernel::turn::Turned;
 
 type C = Complex<f64>;
+
+/// A square of a shape at contacts below this part of the largest is rounding of the eigenvectors.
+const SPARED: f64 = 1e-24;
+
+/// A square of a shape below this part of the largest of its kind is rounding of their products.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A linear structure by its modes, with contacts, static load and periodic loads.
 ///
@@ -134,18 +141,46 @@ impl ModalStructure {
         self.modes.iter().map(|mode| seen(mode, mode.rows[to], mode.generator(), mode.columns[from])).sum()
     }
 
-    /// The kernel K^z between some of its contacts, for a period.
-    pub fn kernel(&self, period: f64, contacts: &[usize]) -> BlochKernel {
+    /// The kernel K^z between some of its contacts, for a period, and the pairs of poles λ of modes that none of them feels. Oscillators of one
+    /// frequency and damping are merged.
+    pub fn kernel(&self, period: f64, contacts: &[usize]) -> (BlochKernel, Vec<[C; 2]>) {
         let mut kernel = BlochKernel::new(period, contacts.len());
-        for mode in &self.modes {
-            let pick = |table: &[[f64; 2]]| contacts.iter().map(|&contact| table[contact]).collect::<Vec<_>>();
-            let (rows, columns) = (pick(&mode.rows), pick(&mode.columns));
-            // A mode with a node at every one of them is not felt.
-            if rows.iter().any(|row| *row != [0.0; 2]) && columns.iter().any(|column| *column != [0.0; 2]) {
-                kernel.push_linear(mode, rows, columns);
+        let mut spared = Vec::new();
+        let pick = |table: &[[f64; 2]]| contacts.iter().map(|&contact| table[contact]).collect::<Vec<_>>();
+        let mut done = vec![false; self.modes.len()];
+        for (k, mode) in self.modes.iter().enumerate() {
+            if std::mem::replace(&mut done[k], true) {
+                continue;
             }
+            if !mode.is_real {
+                kernel.push_linear(mode, pick(&mode.rows), pick(&mode.columns));
+                continue;
+            }
+            // Products of the shapes of all that are alike.
+            let size = contacts.len();
+            let (mut products, mut count) = (vec![0.0; size * size], 0);
+            for (other, alike) in self.modes.iter().enumerate().skip(k) {
+                if other == k || !done[other] && mode.is_alike(alike) {
+                    done[other] = true;
+                    count += 1;
+                    for (i, row) in products.chunks_exact_mut(size).enumerate() {
+                        for (entry, &from) in row.iter_mut().zip(contacts) {
+                            *entry += alike.rows[contacts[i]][0] * alike.rows[from][0];
+                        }
+                    }
+                }
+            }
+            let largest = (0..size).map(|i| products[i * (size + 1)]).fold(0.0, f64::max);
+            let all = self.modes.iter().flat_map(|mode| &mode.rows).map(|row| row[0] * row[0]).fold(0.0, f64::max);
+            let least = (SPARED * all).max(ROUNDING * largest);
+            while let Some((shape, _)) = next_factor(&mut products, least).filter(|_| count > 0) {
+                let columns = shape.iter().map(|shape| [0.0, shape / mode.rate]).collect();
+                kernel.push_linear(mode, shape.iter().map(|shape| [*shape, 0.0]).collect(), columns);
+                count -= 1;
+            }
+            spared.extend(std::iter::repeat_n(mode.rates(), count));
         }
-        kernel
+        (kernel, spared)
     }
 
     /// Coordinates ξ of all modes under harmonic number `place` of the loads at frequency ω, complex: Re of them times e^{ijω(t+ψ)}.

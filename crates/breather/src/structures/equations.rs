@@ -1,0 +1,243 @@
+//! Position and Newton's law at every impact, the balance of rigid modes, and their derivatives.
+//!
+//! The state is that just before each impact: of the kernel past impulses alone count, the own of earlier periods included.
+
+use smallvec::SmallVec;
+use vibrochain_lattice::{Barrier, Complex, LinearMode};
+
+use super::error::StructureOrbitError;
+use super::model::StructureModel;
+use super::periodic_kernel::PeriodicKernel;
+use crate::equations::linear::{Matrix, Vector, zeros};
+
+type C = Complex<f64>;
+
+/// An impact as its equations know it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Strike {
+    pub(super) contact: usize,
+    pub(super) barrier: Barrier,
+    pub(super) time: f64,
+    pub(super) impulse: f64,
+}
+
+/// Impacts, the force's phase and the offsets of rigid modes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Point {
+    pub(super) strikes: SmallVec<[Strike; 4]>,
+    pub(super) psi: f64,
+    pub(super) offsets: SmallVec<[f64; 1]>,
+}
+
+/// One impact of the equations: what its contact does just before.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Arrival {
+    pub(super) place: f64,
+    pub(super) velocity: f64,
+    pub(super) acceleration: f64,
+    /// g‴
+    pub(super) jerk: f64,
+    /// Sizes of the terms of place, velocity and acceleration.
+    pub(super) sizes: [f64; 3],
+}
+
+/// The equations of a model's orbits of one period.
+#[derive(Debug, Clone)]
+pub(super) struct Equations<'a> {
+    pub(super) model: &'a StructureModel,
+    pub(super) kernel: PeriodicKernel<'a>,
+    /// ĝ of each harmonic, at each contact.
+    swings: Vec<(f64, Vec<C>)>,
+    /// g⁰
+    still: Vec<f64>,
+    pub(super) rigid: Vec<&'a LinearMode>,
+    pub(super) forced: bool,
+}
+
+/// The rows that are to vanish, their derivatives, and what is made of them on the way.
+#[derive(Debug, Clone)]
+pub(super) struct System {
+    pub(super) rows: Vector,
+    /// Sizes of their terms.
+    pub(super) sizes: Vector,
+    pub(super) jacobian: Matrix,
+    pub(super) arrivals: SmallVec<[Arrival; 4]>,
+    /// Derivatives of the accelerations by the unknowns.
+    pub(super) gradients: Vec<Vector>,
+}
+
+impl<'a> Equations<'a> {
+    pub(super) fn new(model: &'a StructureModel, force_periods: u32) -> Result<Self, StructureOrbitError> {
+        if force_periods == 0 {
+            return Err(StructureOrbitError::Periods);
+        }
+        let structure = model.structure();
+        let kernel = PeriodicKernel::new(structure.modes(), model.period() * f64::from(force_periods));
+        let mut swings = Vec::new();
+        for (place, harmonic) in structure.harmonics().iter().enumerate() {
+            swings.push((f64::from(*harmonic) * model.omega(), structure.steady_at(place, model.omega())?));
+        }
+        let rigid: Vec<_> = kernel.rigid().collect();
+        let resting = structure.still();
+        let still = (0..structure.contacts().len()).map(|contact| {
+            let terms = structure.modes().iter().zip(&resting).map(|(mode, xi)| {
+                let row = mode.rows[contact];
+                row[0] * xi[0] + row[1] * xi[1]
+            });
+            terms.sum()
+        });
+        let still = still.collect();
+        Ok(Self { model, kernel, swings, still, rigid, forced: structure.is_forced() })
+    }
+
+    pub(super) fn period(&self) -> f64 {
+        self.kernel.period
+    }
+
+    /// 1/m of a contact.
+    pub(super) fn mobility(&self, contact: usize) -> f64 {
+        self.model.structure().mobility(contact, contact)
+    }
+
+    pub(super) fn restitution(&self, contact: usize) -> f64 {
+        self.model.structure().contacts()[contact].restitution
+    }
+
+    /// g⁰ of a contact.
+    pub(super) fn still(&self, contact: usize) -> f64 {
+        self.still[contact]
+    }
+
+    /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
+    pub(super) fn single(&self) -> Option<(f64, &[C])> {
+        match &self.swings[..] {
+            [(rate, swing)] if self.forced => Some((*rate, swing)),
+            _ => None,
+        }
+    }
+
+    /// Frequencies and ĝ of a contact.
+    pub(super) fn swings(&self, contact: usize) -> impl Iterator<Item = (f64, C)> + '_ {
+        self.swings.iter().map(move |(rate, swing)| (*rate, swing[contact]))
+    }
+
+    /// G of a contact, and its first three derivatives, at t + ψ.
+    pub(super) fn load(&self, contact: usize, t: f64) -> [f64; 4] {
+        let mut jet = [0.0; 4];
+        for (rate, swing) in self.swings(contact) {
+            let mut value = swing * C::from_polar(1.0, rate * t);
+            for entry in &mut jet {
+                *entry += value.re;
+                value *= C::new(0.0, rate);
+            }
+        }
+        jet
+    }
+
+    /// Numbers of unknowns: impulses, times but the first, ψ if there is a load, offsets.
+    pub(super) fn unknowns(&self, impacts: usize) -> usize {
+        2 * impacts - 1 + usize::from(self.forced) + self.rigid.len()
+    }
+
+    /// φ of a rigid mode at a contact.
+    pub(super) fn shape(mode: &LinearMode, contact: usize) -> f64 {
+        mode.rows[contact][0]
+    }
+
+    /// φᵀs of a rigid mode.
+    pub(super) fn push(mode: &LinearMode) -> f64 {
+        mode.still[1] * mode.rate
+    }
+
+    /// All of it at a point. Without loads one of Newton's laws follows from the others, and the first is left out.
+    pub(super) fn system(&self, point: &Point) -> Result<System, StructureOrbitError> {
+        let (n, offsets) = (point.strikes.len(), self.rigid.len());
+        let size = self.unknowns(n);
+        let laws_left_out = usize::from(!self.forced);
+        let mut system = System {
+            rows: zeros(size),
+            sizes: zeros(size),
+            jacobian: Matrix::zeros(size),
+            arrivals: SmallVec::new(),
+            gradients: Vec::with_capacity(n),
+        };
+        let (psi, first_offset) = (2 * n - 1, size - offsets);
+        for (i, strike) in point.strikes.iter().enumerate() {
+            let stop = self.model.barrier(strike.contact, strike.barrier)?;
+            let load = self.load(strike.contact, strike.time + point.psi);
+            let mut sums = load;
+            sums[0] += self.still[strike.contact];
+            let mut sizes = [sums[0].abs() + stop.abs(), sums[1].abs(), sums[2].abs()];
+            // By unknown, of place, velocity and acceleration.
+            let mut gradient = [zeros(size), zeros(size), zeros(size)];
+            for (j, other) in point.strikes.iter().enumerate() {
+                let lapse = if i == j { 0.0 } else { strike.time - other.time };
+                let (jet, terms) = self.kernel.jet(strike.contact, other.contact, lapse);
+                for order in 0..4 {
+                    sums[order] += other.impulse * jet[order];
+                }
+                for order in 0..3 {
+                    sizes[order] += (other.impulse * terms[order]).abs();
+                    gradient[order][j] += jet[order];
+                    if j > 0 && i != j {
+                        gradient[order][n + j - 1] -= other.impulse * jet[order + 1];
+                    }
+                }
+                // Its own time moves all others away.
+                if i > 0 && i != j {
+                    for order in 0..3 {
+                        gradient[order][n + i - 1] += other.impulse * jet[order + 1];
+                    }
+                }
+            }
+            for order in 0..3 {
+                if i > 0 {
+                    gradient[order][n + i - 1] += load[order + 1];
+                }
+                if self.forced {
+                    gradient[order][psi] += load[order + 1];
+                }
+            }
+            for (place, mode) in self.rigid.iter().enumerate() {
+                let shape = Self::shape(mode, strike.contact);
+                sums[0] += shape * point.offsets[place];
+                sizes[0] += (shape * point.offsets[place]).abs();
+                gradient[0][first_offset + place] += shape;
+            }
+            let [of_place, of_velocity, of_acceleration] = gradient;
+            system.rows[i] = sums[0] - stop;
+            system.sizes[i] = sizes[0];
+            system.jacobian.row_mut(i).copy_from_slice(&of_place);
+            let weight = 1.0 + self.restitution(strike.contact);
+            if i >= laws_left_out {
+                let (row, mobility) = (n + i - laws_left_out, self.mobility(strike.contact));
+                system.rows[row] = strike.impulse * mobility + weight * sums[1];
+                system.sizes[row] = strike.impulse.abs() * mobility + weight * sizes[1];
+                let line = system.jacobian.row_mut(row);
+                line.iter_mut().zip(&of_velocity).for_each(|(entry, slope)| *entry = weight * slope);
+                line[i] += mobility;
+            }
+            system.gradients.push(of_acceleration);
+            system.arrivals.push(Arrival {
+                place: sums[0],
+                velocity: sums[1],
+                acceleration: sums[2],
+                jerk: sums[3],
+                sizes,
+            });
+        }
+        for (place, mode) in self.rigid.iter().enumerate() {
+            let row = 2 * n - laws_left_out + place;
+            let push = Self::push(mode) * self.period();
+            system.rows[row] = push;
+            system.sizes[row] = push.abs();
+            for (j, strike) in point.strikes.iter().enumerate() {
+                let shape = Self::shape(mode, strike.contact);
+                system.rows[row] += shape * strike.impulse;
+                system.sizes[row] += (shape * strike.impulse).abs();
+                system.jacobian[(row, j)] = shape;
+            }
+        }
+        Ok(system)
+    }
+}

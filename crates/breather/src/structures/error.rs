@@ -1,0 +1,61 @@
+//! Why there is no answer about the orbits of a structure.
+
+use thiserror::Error;
+use vibrochain_lattice::{Short, StructureError};
+
+/// Why a structure's orbits could not be worked out. That there are none is an answer, not one of these.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum StructureOrbitError {
+    /// The structure does not answer.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
+    /// ω is no frequency.
+    #[error("omega = {} is out of range: give a positive number, 1e-100 to 1e100", Short(*omega))]
+    Omega {
+        /// As given.
+        omega: f64,
+    },
+    /// A period that is none.
+    #[error("force-periods = 0: an orbit lasts one period of the force or more")]
+    Periods,
+    /// A contact that the structure does not have.
+    #[error("contact {contact} does not exist: this structure has the contacts 0 to {last}")]
+    NoSuchContact {
+        /// Its number.
+        contact: usize,
+        /// The last one there is.
+        last: usize,
+    },
+    /// A barrier that a contact does not have.
+    #[error("contact {contact} has no {barrier} barrier")]
+    NoBarrier {
+        /// The contact.
+        contact: usize,
+        /// `lower` or `upper`.
+        barrier: vibrochain_lattice::Barrier,
+    },
+    /// Several contacts of a word at one instant.
+    #[error(
+        "impacts at one instant are searched for without loads and losses, in two instants at most: put commas between them, as in 0+,1+"
+    )]
+    AtOnce,
+    /// Losses and nothing that restores them.
+    #[error(
+        "impacts or dashpots take energy and no load that changes restores it: give a load, or neither losses nor dashpots"
+    )]
+    LossWithoutLoad,
+    /// Impulses cannot balance the load on a rigid motion.
+    #[error(
+        "a rigid motion is pushed by a static load that no impact of this word balances, or by impacts that no load balances"
+    )]
+    Unbalanced,
+    /// Newton's method has not ended.
+    #[error(
+        "no orbit found near the given impacts: Newton's method leaves a violation of {violation:e} (relative to the terms of the conditions \
+         at the impacts); start nearer to an orbit"
+    )]
+    NotConverged {
+        /// What is left.
+        violation: f64,
+    },
+}

@@ -1,0 +1,181 @@
+//! Every contact of an orbit at any time: exact flight of the modes from impact to impact, the motion under the loads on top.
+
+use vibrochain_lattice::{Complex, LinearMode, ModalStructure, Turn};
+
+use super::equations::Equations;
+use super::error::StructureOrbitError;
+use super::orbit::StructureOrbit;
+
+type C = Complex<f64>;
+
+/// The motion of an orbit. Times are since an impact, given by its number.
+#[derive(Debug, Clone)]
+pub struct StructureMotion<'a> {
+    orbit: &'a StructureOrbit,
+    equations: Equations<'a>,
+    /// ξ of each regular mode just after each impact, without loads: [impact][mode].
+    states: Vec<Vec<[f64; 2]>>,
+}
+
+impl<'a> StructureMotion<'a> {
+    /// The motion of an orbit.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError::Structure`] at a resonance.
+    pub fn new(orbit: &'a StructureOrbit) -> Result<Self, StructureOrbitError> {
+        let equations = Equations::new(orbit.model(), orbit.force_periods())?;
+        let modes = orbit.model().structure().modes();
+        let (impacts, period) = (orbit.impacts(), orbit.period());
+        let mut states = vec![vec![[0.0; 2]; modes.len()]; impacts.len()];
+        for (k, mode) in modes.iter().enumerate() {
+            let Some(sum) = equations.kernel.sum(k) else { continue };
+            // Just after each impact: its own impulse, and all others since, over all periods.
+            for (i, impact) in impacts.iter().enumerate() {
+                for (j, other) in impacts.iter().enumerate() {
+                    let past = if impact.time > other.time || i == j {
+                        impact.time - other.time
+                    } else if impact.time == other.time {
+                        // Of one instant: the earlier ones in the list have happened.
+                        if j < i { 0.0 } else { period }
+                    } else {
+                        impact.time - other.time + period
+                    };
+                    let by = mode.turn.product(mode.flight(past), sum);
+                    let column = mode.columns[other.contact].map(|x| x * other.impulse);
+                    let given = turned(mode.turn, [by.even, by.odd], column);
+                    states[i][k][0] += given[0];
+                    states[i][k][1] += given[1];
+                }
+            }
+        }
+        Ok(Self { orbit, equations, states })
+    }
+
+    fn structure(&self) -> &ModalStructure {
+        self.orbit.model().structure()
+    }
+
+    /// Time from impact `i` to the next one.
+    pub fn until_next(&self, i: usize) -> f64 {
+        let impacts = self.orbit.impacts();
+        impacts.get(i + 1).map_or(self.orbit.period() + impacts[0].time, |next| next.time) - impacts[i].time
+    }
+
+    /// Place, velocity and acceleration of a contact at `s` after impact `i`, before the next one.
+    pub fn contact(&self, contact: usize, i: usize, s: f64) -> [f64; 3] {
+        let at = self.orbit.impacts()[i].time + s;
+        let [place, velocity, acceleration, _] = self.equations.load(contact, at + self.orbit.psi().unwrap_or(0.0));
+        let mut sums = [place + self.equations.still(contact), velocity, acceleration];
+        self.add(i, s, |mode| mode.rows[contact], &mut sums);
+        sums
+    }
+
+    /// Displacements and velocities of all coordinates there, where the structure has them.
+    pub fn coordinates(&self, i: usize, s: f64) -> Result<Vec<[f64; 2]>, StructureOrbitError> {
+        let structure = self.structure();
+        let t = self.orbit.impacts()[i].time + s + self.orbit.psi().unwrap_or(0.0);
+        let mut under_loads = structure.still();
+        for (place, harmonic) in structure.harmonics().iter().enumerate() {
+            let turn = C::from_polar(1.0, f64::from(*harmonic) * self.orbit.model().omega() * t);
+            let swing = structure.steady(place, self.orbit.model().omega())?;
+            for (sum, swing) in under_loads.iter_mut().zip(&swing) {
+                (0..2).for_each(|n| sum[n] += (swing[n] * turn).re);
+            }
+        }
+        let mut rates = vec![[0.0; 2]; under_loads.len()];
+        for (place, harmonic) in structure.harmonics().iter().enumerate() {
+            let w = f64::from(*harmonic) * self.orbit.model().omega();
+            let turn = C::from_polar(1.0, w * t) * C::new(0.0, w);
+            let swing = structure.steady(place, self.orbit.model().omega())?;
+            for (sum, swing) in rates.iter_mut().zip(&swing) {
+                (0..2).for_each(|n| sum[n] += (swing[n] * turn).re);
+            }
+        }
+        let of = |coordinate: usize| {
+            let mut sums = [0.0; 3];
+            for ((mode, xi), rate) in structure.modes().iter().zip(&under_loads).zip(&rates) {
+                let row = mode.coordinates[coordinate];
+                sums[0] += row[0] * xi[0] + row[1] * xi[1];
+                sums[1] += row[0] * rate[0] + row[1] * rate[1];
+            }
+            self.add(i, s, |mode| mode.coordinates[coordinate], &mut sums);
+            [sums[0], sums[1]]
+        };
+        Ok((0..structure.coordinates()).map(of).collect())
+    }
+
+    /// Adds what impacts do.
+    fn add(&self, i: usize, s: f64, row: impl Fn(&LinearMode) -> [f64; 2], sums: &mut [f64; 3]) {
+        let mut rigid = 0;
+        for (k, mode) in self.structure().modes().iter().enumerate() {
+            let row = row(mode);
+            if self.equations.kernel.sum(k).is_none() {
+                sums[0] += row[0] * self.orbit.offsets()[rigid];
+                rigid += 1;
+                for (order, value) in self.rigid(mode, i, s).into_iter().enumerate() {
+                    sums[order] += row[0] * value;
+                }
+                continue;
+            }
+            if row == [0.0; 2] {
+                continue;
+            }
+            let flight = mode.flight(s);
+            let mut xi = turned(mode.turn, [flight.even, flight.odd], self.states[i][k]);
+            for sum in sums.iter_mut() {
+                *sum += row[0] * xi[0] + row[1] * xi[1];
+                xi = turned(mode.turn, [-mode.decay, mode.rate], xi);
+            }
+        }
+    }
+
+    /// A rigid mode's own coordinate without its offset.
+    fn rigid(&self, mode: &LinearMode, i: usize, s: f64) -> [f64; 3] {
+        let impacts = self.orbit.impacts();
+        let mut sums = [0.0; 3];
+        for (j, other) in impacts.iter().enumerate() {
+            let lapse = impacts[i].time - other.time + if j > i { self.orbit.period() } else { 0.0 } + s;
+            let jet = super::periodic_kernel::rigid_jet(mode, self.orbit.period(), lapse);
+            (0..3).for_each(|order| sums[order] += Equations::shape(mode, other.contact) * other.impulse * jet[order]);
+        }
+        sums
+    }
+
+    /// A bound of |acceleration| of a contact from `s` to `end` after impact `i`.
+    pub(super) fn most_acceleration(&self, contact: usize, i: usize, s: f64, end: f64) -> f64 {
+        let mut most: f64 = self.equations.swings(contact).map(|(rate, swing)| swing.norm() * rate * rate).sum();
+        for (k, mode) in self.structure().modes().iter().enumerate() {
+            let row = mode.rows[contact];
+            if self.equations.kernel.sum(k).is_none() {
+                // Between impacts nothing but its load and its dashpot turn it.
+                let [first, last] = [s, end].map(|t| self.rigid(mode, i, t)[2].abs());
+                most += row[0].abs() * first.max(last);
+                continue;
+            }
+            if row == [0.0; 2] {
+                continue;
+            }
+            let flight = mode.flight(s);
+            let xi = turned(mode.turn, [flight.even, flight.odd], self.states[i][k]);
+            let slope = turned(mode.turn, [-mode.decay, mode.rate], xi);
+            let bend = turned(mode.turn, [-mode.decay, mode.rate], slope);
+            let left = end - s;
+            let dying = (-mode.decay * left).exp().max(1.0);
+            let (rows, size) = (row[0].hypot(row[1]), bend[0].hypot(bend[1]));
+            most += match mode.turn {
+                Turn::Circular => rows * size * dying,
+                // Along either pole.
+                Turn::Hyperbolic => {
+                    rows * size * ((mode.rate - mode.decay) * left).exp().max(1.0) * std::f64::consts::SQRT_2
+                }
+                Turn::Parabolic => rows * size * dying * (1.0 + mode.rate * left),
+            };
+        }
+        most
+    }
+}
+
+/// (a + bJ)·ξ
+fn turned(turn: Turn, [even, odd]: [f64; 2], xi: [f64; 2]) -> [f64; 2] {
+    [even * xi[0] + odd * xi[1], even * xi[1] - turn.sign() * odd * xi[0]]
+}

@@ -1,0 +1,29 @@
+//! Periodic orbits of any linear structure with stops: [`StructureOrbit`].
+//!
+//! ```text
+//! g_c(t) = Σ_j P_j K_c,j(t − t_j) + G_c(t+ψ) + g_c⁰ + Σ_ρ φ_ρ(c) y_ρ
+//! ```
+//!
+//! with the periodic kernel K, the motion G under the loads, the static place g⁰ and, of each rigid mode ρ, its offset y. At every impact
+//! g meets its barrier and Newton's law holds, P/m + (1+e)g′⁻ = 0; each rigid mode asks that impulses balance its static load.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `model` | [`StructureModel`]: a structure and a frequency |
+//! | `periodic_kernel` | K and its derivatives, regular modes and rigid ones |
+//! | `equations` | rows and Jacobian of an orbit's impacts |
+//! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
+//! | `newton` | from impacts nearby to an orbit |
+//! | `search` | all orbits of one or two impacts; of more, those that starts lead to |
+//! | `flight` | [`StructureMotion`]: every contact at any time |
+//! | `admissible` | physical or what is in the way |
+
+pub(crate) mod admissible;
+mod equations;
+pub(crate) mod error;
+pub(crate) mod flight;
+pub(crate) mod model;
+mod newton;
+pub(crate) mod orbit;
+mod periodic_kernel;
+pub(crate) mod search;

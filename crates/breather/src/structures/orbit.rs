@@ -1,0 +1,227 @@
+//! A periodic orbit of a structure, and how far it can be trusted.
+
+use std::f64::consts::TAU;
+
+use smallvec::SmallVec;
+use vibrochain_lattice::{Barrier, BlochKernel};
+
+use super::equations::{Equations, Point, Strike, System};
+use super::error::StructureOrbitError;
+use super::model::StructureModel;
+use crate::equations::linear::Factors;
+use crate::equations::{BlochEquations, LinearImpact};
+
+/// One impact of a structure's orbit, in units of the user's, with estimated errors of what has been solved for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct StructureImpact {
+    /// Number of the contact.
+    pub contact: usize,
+    /// The barrier it meets.
+    pub barrier: Barrier,
+    /// Time within the period, from the first impact on.
+    pub time: f64,
+    /// The momentum P that the barrier gives, signed.
+    pub impulse: f64,
+    /// g′⁻
+    pub velocity_before: f64,
+    /// g′⁺ = −e g′⁻
+    pub velocity_after: f64,
+    /// g″⁻, loads and dashpots included.
+    pub acceleration_before: f64,
+    /// Error of the time.
+    pub time_error: f64,
+    /// Error of the impulse.
+    pub impulse_error: f64,
+    /// Error of the acceleration.
+    pub acceleration_error: f64,
+}
+
+/// A periodic orbit of a structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StructureOrbit {
+    model: StructureModel,
+    force_periods: u32,
+    psi: Option<f64>,
+    offsets: SmallVec<[f64; 1]>,
+    impacts: Vec<StructureImpact>,
+    /// The largest violation of the conditions at the impacts, against their terms.
+    violation: f64,
+}
+
+impl StructureOrbit {
+    pub(super) fn new(
+        equations: &Equations<'_>,
+        force_periods: u32,
+        (point, system): (Point, System),
+    ) -> Result<Self, StructureOrbitError> {
+        let n = point.strikes.len();
+        let factors =
+            Factors::new(system.jacobian.clone()).ok_or(StructureOrbitError::NotConverged { violation: 0.0 })?;
+        let inverse = factors.inverse();
+        // Of the rows as they stand and of what rounding makes of their terms, with the worst signs.
+        let off: Vec<f64> =
+            system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + 4.0 * f64::EPSILON * size).collect();
+        let size = off.len();
+        let errors: Vec<f64> =
+            (0..size).map(|i| inverse.row(i).iter().zip(&off).map(|(x, off)| x.abs() * off).sum()).collect();
+        let turned = factors_of(&system);
+        let impact = |i: usize| {
+            let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);
+            let own = 8.0 * f64::EPSILON * arrival.sizes[2];
+            let carried: f64 =
+                turned.solve_row(&system.gradients[i]).iter().zip(&off).map(|(x, off)| x.abs() * off).sum();
+            StructureImpact {
+                contact: strike.contact,
+                barrier: strike.barrier,
+                time: strike.time,
+                impulse: strike.impulse,
+                velocity_before: arrival.velocity,
+                velocity_after: -equations.restitution(strike.contact) * arrival.velocity,
+                acceleration_before: arrival.acceleration,
+                time_error: if i == 0 { 0.0 } else { errors[n + i - 1] },
+                impulse_error: errors[i],
+                acceleration_error: own + carried,
+            }
+        };
+        let impacts: Vec<StructureImpact> = (0..n).map(impact).collect();
+        let violation = system
+            .rows
+            .iter()
+            .zip(&system.sizes)
+            .map(|(row, size)| row.abs() / size.max(f64::MIN_POSITIVE))
+            .fold(0.0, f64::max);
+        let period = equations.model.period();
+        Ok(Self {
+            model: equations.model.clone(),
+            force_periods,
+            psi: equations.forced.then(|| point.psi.rem_euclid(period)),
+            offsets: point.offsets,
+            impacts,
+            violation,
+        })
+    }
+
+    /// The orbit of given impacts, refined from there by Newton's method: contact, barrier, time and impulse of each, in order of time.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`]: a contact or barrier that is not there, a resonance, or no orbit near enough.
+    pub fn near(
+        model: &StructureModel,
+        force_periods: u32,
+        psi: f64,
+        impacts: &[(usize, Barrier, f64, f64)],
+    ) -> Result<Self, StructureOrbitError> {
+        let equations = Equations::new(model, force_periods)?;
+        let first = impacts.first().map_or(0.0, |impact| impact.2);
+        let strikes = impacts.iter().map(|&(contact, barrier, time, impulse)| Strike {
+            contact,
+            barrier,
+            time: time - first,
+            impulse,
+        });
+        let point = Point {
+            strikes: strikes.collect(),
+            psi: psi + first,
+            offsets: smallvec::smallvec![0.0; equations.rigid.len()],
+        };
+        let point = equations.with_offsets(point)?;
+        let solved = equations.solve(point)?;
+        Self::new(&equations, force_periods, solved)
+    }
+
+    /// The model.
+    pub fn model(&self) -> &StructureModel {
+        &self.model
+    }
+
+    /// Periods of the load in one of the orbit.
+    pub fn force_periods(&self) -> u32 {
+        self.force_periods
+    }
+
+    /// The orbit's period.
+    pub fn period(&self) -> f64 {
+        self.model.period() * f64::from(self.force_periods)
+    }
+
+    /// The phase ψ of the loads, as a time, at the first impact; `None` without loads that change.
+    pub fn psi(&self) -> Option<f64> {
+        self.psi
+    }
+
+    /// Where each rigid mode is; in the order of the modes.
+    pub fn offsets(&self) -> &[f64] {
+        &self.offsets
+    }
+
+    /// The impacts, in order of time; the first one at 0.
+    pub fn impacts(&self) -> &[StructureImpact] {
+        &self.impacts
+    }
+
+    /// The largest violation of the conditions at the impacts, against their terms.
+    pub fn violation(&self) -> f64 {
+        self.violation
+    }
+
+    /// Whether neither loads that change nor losses are there: the orbit may begin at any time.
+    pub fn is_conservative(&self) -> bool {
+        self.psi.is_none()
+    }
+
+    /// Its word: `0+,1-`.
+    pub fn word(&self) -> String {
+        let letter = |impact: &StructureImpact| {
+            format!("{}{}", impact.contact, if impact.barrier == Barrier::Upper { '+' } else { '-' })
+        };
+        self.impacts.iter().map(letter).collect::<Vec<_>>().join(",")
+    }
+
+    /// Its linearised equations J(z), and the poles of modes that none of its contacts feels.
+    pub fn bloch_equations(&self) -> (BlochEquations, Vec<[vibrochain_lattice::Complex<f64>; 2]>) {
+        let mut hit: Vec<usize> = self.impacts.iter().map(|impact| impact.contact).collect();
+        hit.sort_unstable();
+        hit.dedup();
+        let structure = self.model.structure();
+        let (kernel, spared): (BlochKernel, _) = structure.kernel(self.period(), &hit);
+        let impact = |impact: &StructureImpact| LinearImpact {
+            contact: hit.partition_point(|&contact| contact < impact.contact),
+            time: impact.time,
+            impulse: impact.impulse,
+            restitution: structure.contacts()[impact.contact].restitution,
+            acceleration_before: impact.acceleration_before,
+        };
+        let impacts = self.impacts.iter().map(impact).collect();
+        let conservative = self.is_conservative();
+        (
+            if conservative {
+                BlochEquations::conservative(kernel, impacts)
+            } else {
+                BlochEquations::new(kernel, impacts)
+            },
+            spared,
+        )
+    }
+
+    /// ω of the orbit itself.
+    pub fn frequency(&self) -> f64 {
+        TAU / self.period()
+    }
+}
+
+/// The transposed Jacobian, by which gradients are carried from unknowns to rows.
+struct Carried(Option<Factors>);
+
+fn factors_of(system: &System) -> Carried {
+    Carried(Factors::new(system.jacobian.transposed()))
+}
+
+impl Carried {
+    fn solve_row(&self, gradient: &[f64]) -> crate::equations::linear::Vector {
+        match &self.0 {
+            Some(factors) => factors.solve(gradient),
+            None => gradient.iter().map(|_| f64::INFINITY).collect(),
+        }
+    }
+}

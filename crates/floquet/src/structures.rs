@@ -1,0 +1,70 @@
+//! Stability of orbits of any linear structure: all multipliers from J(z), no other way.
+
+use nalgebra::Complex;
+use smallvec::SmallVec;
+use vibrochain_breather::{Condition, ImpactError, StructureOrbit, Together};
+
+use crate::analyser::Stability;
+use crate::error::FloquetError;
+use crate::spectrum::{origins, told};
+use crate::verdict::{Tolerance, Verdict};
+use crate::zeros::excess;
+
+/// All multipliers of an orbit of a structure, and what they say. A conservative orbit's trivial pair 1, 1 is among them.
+///
+/// # Errors
+/// [`FloquetError::Uncounted`] where the multipliers could not be told apart and counted.
+///
+/// ```
+/// use std::sync::Arc;
+/// use vibrochain_breather::{StructureModel, structure_orbits};
+/// use vibrochain_floquet::{Tolerance, structure_stability};
+/// use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
+/// // q″ + 0.1 q′ + q = cos ωt, a stop at 0.1.
+/// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
+/// let mode = LinearMode::oscillator(0.05, 1.0 - 0.05 * 0.05, &shape, &[Complex::new(1.0, 0.0)]);
+/// let stop = Contact { lower: None, upper: Some(0.1), restitution: 0.8 };
+/// let structure = Arc::new(ModalStructure::new(vec![stop], vec![1], vec![mode])?);
+/// let model = StructureModel::new(structure, 2.325)?;
+/// let found = structure_orbits(&model, &"0+".parse()?, 1)?;
+/// let stable = found.orbits.iter().map(|orbit| structure_stability(orbit, Tolerance::Rounding));
+/// let radii = stable.map(|answer| Ok(answer?.verdict.spectral_radius)).collect::<Result<Vec<_>, Box<dyn std::error::Error>>>()?;
+/// assert!(radii.iter().any(|radius| (radius - 0.6988872749040992).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
+    let (equations, spared) = orbit.bloch_equations();
+    let impacts = orbit.impacts();
+    let apart = |i: usize, error: ImpactError| {
+        let mut origin: Together = SmallVec::from_elem(ImpactError::default(), impacts.len());
+        origin[i] = error;
+        origin
+    };
+    let each = impacts.iter().enumerate().flat_map(|(i, impact)| {
+        let none = ImpactError::default();
+        [
+            apart(i, ImpactError { time: impact.time_error, ..none }),
+            apart(i, ImpactError { impulse: impact.impulse_error, ..none }),
+            apart(i, ImpactError { acceleration: impact.acceleration_error, ..none }),
+        ]
+    });
+    let condition = Condition { origins: each.collect(), ..Condition::default() };
+    let conservative = orbit.is_conservative();
+    let data = origins(&equations, &condition);
+    let (mut verdict, mut multipliers) =
+        told(&equations, conservative, &data, tolerance).map_err(FloquetError::Uncounted)?;
+    for pair in spared {
+        let both = pair.map(|rate| (rate * orbit.period()).exp());
+        multipliers.extend(both);
+        // Of a structure without losses these are on the circle, and decide nothing.
+        let leading = if both[0].norm() > both[1].norm() { both[0] } else { both[1] };
+        if !conservative && excess(leading) > verdict.growth() {
+            verdict = Verdict::of_growth(leading, excess(leading), 8.0 * f64::EPSILON * leading.norm(), tolerance);
+        }
+    }
+    if conservative {
+        multipliers.extend([Complex::new(1.0, 0.0); 2]);
+    }
+    multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+    Ok(Stability { verdict, multipliers })
+}

@@ -1,0 +1,258 @@
+//! Orbits of any linear structure against tests/data/structures.json and dense state matrices: exponentials, saltations, brackets.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::sync::Arc;
+
+use serde_json::Value;
+use vibrochain_breather::{
+    StructureModel, StructureMotion, StructureOrbit, Word, structure_admissibility, structure_orbits,
+};
+use vibrochain_floquet::{Complex, Tolerance, structure_stability};
+use vibrochain_lattice::{Barrier, Contact, ModalStructure, Structure};
+use vibrochain_testkit::{Random, Structure as Dense, structures};
+
+/// A case of the table as the library has it, with its barriers.
+struct Case {
+    dense: Dense,
+    modal: Arc<ModalStructure>,
+    force_periods: u32,
+    sides: Vec<Barrier>,
+    radius: f64,
+    physical: bool,
+    word: Word,
+}
+
+fn modal(dense: &Dense, contacts: &[Contact]) -> ModalStructure {
+    let structure = Structure {
+        mass: dense.mass.clone(),
+        damping: dense.damping.clone(),
+        stiffness: dense.stiffness.clone(),
+        contacts: dense.contacts.iter().cloned().zip(contacts.iter().copied()).collect(),
+        static_load: dense.static_load.clone(),
+        loads: vec![(1, dense.load.map(|load| Complex::new(load, 0.0)))],
+    };
+    structure.modal().unwrap()
+}
+
+fn cases() -> Vec<Case> {
+    let table: Value = serde_json::from_str(include_str!("data/structures.json")).unwrap();
+    let cases = table["cases"].as_array().unwrap();
+    let case = |(dense, value): (Dense, &Value)| {
+        let contact = |contact: &Value| Contact {
+            lower: contact["lower"].as_f64(),
+            upper: contact["upper"].as_f64(),
+            restitution: contact["restitution"].as_f64().unwrap(),
+        };
+        let contacts: Vec<Contact> = value["contacts"].as_array().unwrap().iter().map(contact).collect();
+        let side = |impact: &Value| if impact["side"] == "upper" { Barrier::Upper } else { Barrier::Lower };
+        let sides: Vec<Barrier> = value["impacts"].as_array().unwrap().iter().map(side).collect();
+        let letter = |(impact, side): (&vibrochain_testkit::StructureImpact, &Barrier)| {
+            format!("{}{}", impact.contact, if *side == Barrier::Upper { '+' } else { '-' })
+        };
+        // Impacts of one instant without a comma between them.
+        let mut text = String::new();
+        for (n, (impact, side)) in dense.impacts.iter().zip(&sides).enumerate() {
+            if n > 0 && impact.time > dense.impacts[n - 1].time {
+                text.push(',');
+            }
+            text.push_str(&letter((impact, side)));
+        }
+        let word = text.parse().unwrap();
+        Case {
+            modal: Arc::new(modal(&dense, &contacts)),
+            force_periods: value["force_periods"].as_u64().unwrap() as u32,
+            sides,
+            radius: value["spectral_radius"].as_f64().unwrap(),
+            physical: value["physical"].as_bool().unwrap(),
+            word,
+            dense,
+        }
+    };
+    structures().into_iter().zip(cases).map(case).collect()
+}
+
+impl Case {
+    fn model(&self) -> StructureModel {
+        StructureModel::new(self.modal.clone(), self.dense.omega).unwrap()
+    }
+
+    fn refined(&self) -> StructureOrbit {
+        let impacts = self.dense.impacts.iter().zip(&self.sides);
+        let impacts: Vec<_> =
+            impacts.map(|(impact, side)| (impact.contact, *side, impact.time, impact.impulse)).collect();
+        StructureOrbit::near(&self.model(), self.force_periods, self.dense.psi, &impacts).unwrap()
+    }
+
+    fn is_it(&self, orbit: &StructureOrbit) -> bool {
+        orbit.impacts().iter().zip(&self.dense.impacts).all(|(found, told)| {
+            (found.time - told.time).abs() < 1e-9
+                && (found.impulse - told.impulse).abs() < 1e-9 * (1.0 + told.impulse.abs())
+        })
+    }
+}
+
+#[test]
+fn orbits_of_the_table_are_orbits() {
+    let cases = cases();
+    let mut worst: f64 = 0.0;
+    for case in &cases {
+        let orbit = case.refined();
+        assert!(orbit.violation() < 1e-11, "{}: {:e}", case.dense.name, orbit.violation());
+        for (found, told) in orbit.impacts().iter().zip(&case.dense.impacts) {
+            let off =
+                (found.time - told.time).abs().max((found.impulse - told.impulse).abs() / (1.0 + told.impulse.abs()));
+            assert!(off < 1e-10, "{}: {off:e}", case.dense.name);
+            worst = worst.max(off);
+        }
+        let before = case.dense.before();
+        for (found, told) in orbit.impacts().iter().zip(&before) {
+            let scale = 1.0 + told.acceleration.abs();
+            assert!((found.velocity_before - told.velocity).abs() < 1e-9, "{}", case.dense.name);
+            let off = (found.acceleration_before - told.acceleration).abs();
+            assert!(off < 1e-8 * scale, "{}: {off:e} {found:?} {told:?}", case.dense.name);
+        }
+        let physical = structure_admissibility(&orbit).unwrap();
+        assert_eq!(physical.is_physical(), case.physical, "{}: {physical:?}", case.dense.name);
+    }
+    println!("{worst:e}");
+    assert!(cases.len() == 24 && cases.iter().filter(|case| !case.physical).count() >= 4);
+}
+
+#[test]
+fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
+    let mut compared = 0;
+    for case in cases() {
+        let orbit = case.refined();
+        let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
+        let trivial = orbit.is_conservative();
+        let allowed = if trivial { 1e-6 } else { 1e-8 };
+        let radius = stability.multipliers[0].norm();
+        assert!(
+            (radius - case.radius).abs() < allowed * (1.0 + radius),
+            "{}: {radius} {}",
+            case.dense.name,
+            case.radius
+        );
+        let mut open: Vec<_> = case.dense.monodromy().complex_eigenvalues().iter().copied().collect();
+        assert_eq!(stability.multipliers.len(), open.len(), "{}", case.dense.name);
+        for z in &stability.multipliers {
+            let distance = |w: &Complex<f64>| (w - z).norm();
+            let nearest = (0..open.len()).min_by(|&i, &j| distance(&open[i]).total_cmp(&distance(&open[j]))).unwrap();
+            let off = distance(&open.swap_remove(nearest));
+            assert!(off < (if trivial { 1e-6 } else { 1e-8 }) * (1.0 + radius), "{}: {z} {off:e}", case.dense.name);
+            compared += 1;
+        }
+    }
+    assert!(compared > 150, "{compared}");
+}
+
+#[test]
+fn words_of_the_table_are_found_without_a_start() {
+    let (mut found_count, mut short, mut missed) = (0, 0, Vec::new());
+    for case in cases() {
+        let Ok(found) = structure_orbits(&case.model(), &case.word, case.force_periods) else {
+            missed.push(format!("{} {}", case.dense.name, case.word));
+            continue;
+        };
+        let is_found = found.orbits.iter().any(|orbit| case.is_it(orbit));
+        println!("{} {}: {} orbits, {:?}, {}", case.dense.name, case.word, found.orbits.len(), found.search, is_found);
+        if case.word.instants().len() <= 2 {
+            short += 1;
+            assert!(is_found, "{}: {:?}", case.dense.name, found.search);
+        } else if !is_found {
+            missed.push(format!("{} {}", case.dense.name, case.word));
+        }
+        found_count += usize::from(is_found);
+    }
+    println!("{missed:?}");
+    assert!(short >= 18 && found_count >= 20, "{short} {found_count}");
+}
+
+/// Contacts and coordinates at any time against exponentials of the state matrix.
+#[test]
+fn motion_between_impacts_is_that_of_the_state_matrix() {
+    let mut checked = 0;
+    for case in cases().iter().filter(|case| case.dense.size() <= 5) {
+        let orbit = case.refined();
+        let motion = StructureMotion::new(&orbit).unwrap();
+        for i in 0..orbit.impacts().len() {
+            for part in [0.2, 0.5, 0.9] {
+                let s = part * motion.until_next(i);
+                let all = motion.coordinates(i, s).unwrap();
+                for (contact, weights) in case.dense.contacts.iter().enumerate() {
+                    let [place, velocity, acceleration] = motion.contact(contact, i, s);
+                    let sum = |n: usize| weights.iter().zip(&all).map(|(w, x)| w * x[n]).sum::<f64>();
+                    assert!((place - sum(0)).abs() < 1e-12 && (velocity - sum(1)).abs() < 1e-12, "{}", case.dense.name);
+                    let h = 1e-5;
+                    let [ahead, behind] = [s + h, s - h].map(|s| motion.contact(contact, i, s));
+                    let scale = 1.0 + velocity.abs() + acceleration.abs();
+                    assert!(
+                        ((ahead[0] - behind[0]) / (2.0 * h) - velocity).abs() < 1e-7 * scale,
+                        "{}",
+                        case.dense.name
+                    );
+                    let off = ((ahead[1] - behind[1]) / (2.0 * h) - acceleration).abs();
+                    assert!(off < 1e-5 * scale, "{} {off:e}", case.dense.name);
+                    checked += 1;
+                }
+            }
+        }
+    }
+    assert!(checked > 60, "{checked}");
+}
+
+/// Orbits of random structures, their multipliers by the dense matrix.
+#[test]
+fn random_structures_have_the_multipliers_of_their_matrices() {
+    let mut random = Random(37);
+    let mut compared = 0;
+    for _ in 0..150 {
+        let dense = random.structure();
+        // Every contact as often as it is hit, at the places where it is: barriers that the orbit meets.
+        let sides: Vec<Barrier> = dense
+            .impacts
+            .iter()
+            .map(|impact| if impact.impulse < 0.0 { Barrier::Upper } else { Barrier::Lower })
+            .collect();
+        let first = |contact: usize, side: Barrier| {
+            let hits =
+                dense.impacts.iter().zip(&sides).filter(|(impact, own)| impact.contact == contact && **own == side);
+            let mut stops = hits.map(|(impact, _)| impact.stop);
+            (stops.next(), stops.next())
+        };
+        let restitutions = (0..dense.contacts.len()).map(|contact| {
+            let mut hits = dense.impacts.iter().filter(|impact| impact.contact == contact);
+            hits.next().map(|impact| impact.restitution)
+        });
+        let sound = |(contact, restitution): (usize, Option<f64>)| {
+            let (lower, upper) = (first(contact, Barrier::Lower), first(contact, Barrier::Upper));
+            // One place and one restitution of each.
+            if lower.1.is_some() || upper.1.is_some() {
+                return None;
+            }
+            if lower.0.is_some() && upper.0.is_some() {
+                return None;
+            }
+            let far = if lower.0.is_none() && upper.0.is_none() { Some(1e3) } else { upper.0 };
+            Some(Contact { lower: lower.0, upper: far, restitution: restitution.unwrap_or(1.0) })
+        };
+        let contacts: Option<Vec<Contact>> = restitutions.enumerate().map(sound).collect();
+        let Some(contacts) = contacts else { continue };
+        let modal = Arc::new(modal(&dense, &contacts));
+        let model = StructureModel::new(modal, dense.omega).unwrap();
+        let impacts: Vec<_> =
+            dense.impacts.iter().zip(&sides).map(|(i, side)| (i.contact, *side, i.time, i.impulse)).collect();
+        let orbit = StructureOrbit::near(&model, 1, dense.psi, &impacts).unwrap();
+        let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
+        let mut open: Vec<_> = dense.monodromy().complex_eigenvalues().iter().copied().collect();
+        let radius = stability.multipliers[0].norm();
+        for z in &stability.multipliers {
+            let distance = |w: &Complex<f64>| (w - z).norm();
+            let nearest = (0..open.len()).min_by(|&i, &j| distance(&open[i]).total_cmp(&distance(&open[j]))).unwrap();
+            let off = distance(&open.swap_remove(nearest));
+            assert!(off < 1e-8 * (1.0 + radius), "{z} {off:e} {dense:?}");
+        }
+        compared += 1;
+    }
+    assert!(compared > 40, "{compared}");
+}
