@@ -5,6 +5,7 @@
 // | `common` | what commands share: console, models and orbits asked for, pictures, tables in chunks, schemas |
 // | `args`, `program` | the command line; the whole program as a function |
 // | `orbit`, `sweep`, `branch`, `curve`, `fate`, `simulate`, `stripes`, `explore`, `setup` | a command and its parts; `sweep` has `merge` and `draw`, too |
+// | `structures` | what commands do for a structure of any kind, and for a chain with dashpots |
 // | `curves`, `locate`, `schema`, `words` | commands of one file |
 
 pub mod args;
@@ -23,5 +24,6 @@ pub mod setup;
 pub mod simulate;
 #[cfg(feature = "plot")]
 pub mod stripes;
+mod structures;
 pub mod sweep;
 pub mod words;

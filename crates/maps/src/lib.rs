@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `numbers` | numbers as they are typed and written |
 //! | `scene` | what to sweep and what to compute, checked, with errors that point at lines |
+//! | `structure` | the same of any linear structure with stops |
 //! | `cell`, `summary` | one cell: a point and what lives there; the counts of many |
 //! | `extent` | the cells of the finest grid that a cell of a refined one stands for |
 //! | `table` | its columns, rows of cells written and read back, the forms of its file |
@@ -27,6 +28,7 @@ pub mod manifest;
 pub mod numbers;
 pub mod regions;
 pub mod scene;
+pub mod structure;
 pub mod summary;
 pub mod sweep;
 pub mod table;

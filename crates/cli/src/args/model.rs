@@ -12,6 +12,7 @@ use super::quantity::{Meanings, by_name};
 /// Headings of help, which each flag names ([`PICTURES`](crate::common::page_args::PICTURES)).
 const MODEL: &str = "Model";
 const WHICH: &str = "Breathers";
+const DAMPED: &str = "Dashpots, loads and stops";
 
 /// Families, and what each is.
 const FAMILIES: Meanings<Family> = &[
@@ -51,6 +52,9 @@ pub struct ModelArgs {
     /// Number of equal chains side by side, coupled mass by mass [default: 1].
     #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 2, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub layers: Option<i64>,
+    /// Dashpots, a static force, stops of their own; or numbers of a scene's structure.
+    #[command(flatten)]
+    pub structure: StructureArgs,
     /// Whether the last layer is the first one's neighbour, too [default: free].
     #[arg(long, help_heading = MODEL, display_order = place(Parameter::Gamma3) + 1, value_parser = by_name(LAYER_ENDS, Ends::name))]
     pub layer_ends: Option<Ends>,
@@ -78,7 +82,11 @@ impl Args for ParameterArgs {
             let Row { name, symbol, help, default, .. } = parameter.row();
             let flag = Arg::new(*name).long(parameter.flag()).value_name(*symbol).help(*help).help_heading(MODEL);
             let flag = flag.display_order(place(parameter)).value_parser(real).allow_negative_numbers(true);
-            if default.is_none() { flag.required_unless_present("scene") } else { flag }
+            match parameter {
+                _ if default.is_some() => flag,
+                Parameter::Asymmetry => flag.required_unless_present_any(["scene", "lower", "upper"]),
+                _ => flag.required_unless_present("scene"),
+            }
         }))
     }
 
@@ -95,6 +103,48 @@ impl FromArgMatches for ParameterArgs {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
+    }
+}
+
+/// What makes a chain a structure of its own (orbit, simulate), and changes the numbers of a scene's structure.
+#[derive(Debug, Clone, Default, Args)]
+pub struct StructureArgs {
+    /// Dashpot c between each mass and the ground: ü + c u̇ + … (below 0: self-excited).
+    #[arg(long, help_heading = DAMPED, value_name = "c", value_parser = real, allow_negative_numbers = true)]
+    pub damping: Option<f64>,
+    /// Dashpot c₂ in each spring between neighbours.
+    #[arg(long, help_heading = DAMPED, value_name = "c₂", value_parser = real, allow_negative_numbers = true)]
+    pub coupling_damping: Option<f64>,
+    /// A force on every mass that does not change.
+    #[arg(long, help_heading = DAMPED, value_name = "F", value_parser = real, allow_negative_numbers = true)]
+    pub static_force: Option<f64>,
+    /// Sites that have stops, a list with a comma [default: all].
+    #[arg(long, help_heading = DAMPED, value_name = "SITE,…", value_delimiter = ',', value_parser = whole::<usize>)]
+    pub stops: Vec<usize>,
+    /// Where the lower barrier is [default: asymmetry − 1; with --upper alone there is none].
+    #[arg(long, help_heading = DAMPED, value_name = "g", value_parser = real, allow_negative_numbers = true)]
+    pub lower: Option<f64>,
+    /// Where the upper barrier is [default: asymmetry + 1; with --lower alone there is none].
+    #[arg(long, help_heading = DAMPED, value_name = "g", value_parser = real, allow_negative_numbers = true)]
+    pub upper: Option<f64>,
+    /// Another number of a scene's [structure]: omega, load, static, damping, contact.N.lower, contact.N.upper or contact.N.restitution.
+    #[arg(long, help_heading = DAMPED, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl StructureArgs {
+    /// The first of the flags that makes a chain a structure.
+    #[must_use]
+    pub fn is_chains(&self) -> Option<&'static str> {
+        let given = [
+            ("damping", self.damping.is_some()),
+            ("coupling-damping", self.coupling_damping.is_some()),
+            ("static-force", self.static_force.is_some()),
+            ("stops", !self.stops.is_empty()),
+            ("lower", self.lower.is_some()),
+            ("upper", self.upper.is_some()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
     }
 }
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
-use vibrochain_breather::{BranchError, BreatherError};
+use vibrochain_breather::{BranchError, BreatherError, StructureOrbitError};
 use vibrochain_floquet::{CurveError, FloquetError, LocateError};
-use vibrochain_lattice::{ParameterError, Resonance};
+use vibrochain_lattice::{ParameterError, Resonance, StructureError};
 use vibrochain_maps::error::MapError;
 
 /// A failed run.
@@ -113,6 +113,20 @@ impl From<FloquetError> for CliError {
             | FloquetError::InDoubt { .. }
             | FloquetError::TooManyModes { .. }
             | FloquetError::TooLarge { .. } => Self::Computation(error.to_string()),
+        }
+    }
+}
+
+impl From<StructureOrbitError> for CliError {
+    fn from(error: StructureOrbitError) -> Self {
+        match error {
+            StructureOrbitError::Structure(StructureError::Resonance { .. })
+            | StructureOrbitError::LossWithoutLoad
+            | StructureOrbitError::Unbalanced => Self::IllPosed(error.to_string()),
+            StructureOrbitError::NotConverged { .. } | StructureOrbitError::Structure(StructureError::NotConverged) => {
+                Self::Computation(error.to_string())
+            }
+            _ => Self::Request(error.to_string()),
         }
     }
 }

@@ -7,6 +7,7 @@ use vibrochain_maps::scene::{Given, tolerance_from};
 use crate::args::ModelArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
+use crate::structures;
 
 /// A model, and the file it was taken from.
 #[derive(Debug)]
@@ -58,6 +59,7 @@ pub(crate) fn springs(layout: &Layout, gamma2: f64) -> Option<&'static str> {
 /// # Errors
 /// [`CliError::Request`] for a value out of range, one that is missing, or a file that cannot be read.
 pub fn model(args: &ModelArgs) -> Result<Chosen, CliError> {
+    structures::refuse(args)?;
     let scene = args.scene.as_deref().map(Given::read).transpose()?;
     let given = scene.as_ref();
     let layout = layout(args, given)?;

@@ -25,6 +25,7 @@ use crate::common::which;
 use crate::orbit::modes::OrbitModes;
 use crate::orbit::multiplier_file::MultiplierFile;
 use crate::orbit::trajectory::OrbitTrajectory;
+use crate::structures;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::numbers::Number;
 
@@ -36,6 +37,9 @@ const MOST_LISTED: usize = 4096;
 /// # Errors
 /// [`CliError`]; that there is no orbit is an answer.
 pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    if let Some(scene) = structures::asked(&args.model)? {
+        return structures::orbit::run(args, &scene, console);
+    }
     let chosen = chosen(&args.model, console)?;
     let model = chosen.model;
     let which = which::wanted(&args.which, chosen.scene.as_ref())?;

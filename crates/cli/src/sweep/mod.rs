@@ -19,11 +19,13 @@ use crate::common::model::springs;
 use crate::common::pictures::Pictures;
 use crate::common::table_manifest::manifest_path;
 use crate::common::threads::threads;
+use crate::structures;
 use crate::sweep::estimate::estimate;
 use crate::sweep::report::report;
 use vibrochain_maps::files::{Output, distinct};
 use vibrochain_maps::manifest::{Effort, Run, manifest};
 use vibrochain_maps::numbers::Number;
+use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Cells, Plan, Shard};
 use vibrochain_maps::table::{Form, TableFile};
@@ -33,6 +35,9 @@ use vibrochain_maps::table::{Form, TableFile};
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    if let Some(scene) = StructureScene::read(&args.scene)? {
+        return structures::sweep::run(args, &scene, console);
+    }
     let plan = Plan::read(&args.scene, args.threshold)?;
     let (shard, given) = shard_of(args.shard)?;
     let gamma2 = plan.scene.point(plan.scene.cells() - 1).get(Parameter::Gamma2);

@@ -4,7 +4,7 @@ use super::error::StructureError;
 use crate::error::MAX_MAGNITUDE;
 use crate::model::params::Barrier;
 
-/// Where a contact's g = wᵀq is stopped, in units of the coordinates, and its coefficient of restitution.
+/// Where a contact's g = wᵀq is stopped, in units of the coordinates, and its coefficient of restitution. One without barriers is free.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Contact {
@@ -51,7 +51,6 @@ impl Contact {
             return Err(range("restitution", self.restitution, "a number from 0 to 1"));
         }
         match (self.lower, self.upper) {
-            (None, None) => Err(StructureError::Barriers { contact, lower: f64::NEG_INFINITY, upper: f64::INFINITY }),
             (Some(lower), Some(upper)) if lower >= upper => Err(StructureError::Barriers { contact, lower, upper }),
             _ => Ok(()),
         }

@@ -56,7 +56,7 @@ pub enum StructureError {
         /// Its number.
         contact: usize,
     },
-    /// A contact without barriers, or with one above the other.
+    /// A contact with its lower barrier above the upper one.
     #[error("contact {contact} has its lower barrier at {} and its upper one at {}: give lower < upper", Short(*lower), Short(*upper))]
     Barriers {
         /// Its number.

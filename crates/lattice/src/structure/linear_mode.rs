@@ -133,6 +133,24 @@ impl LinearMode {
         self.generator().eigenvalues(self.turn)
     }
 
+    /// The same mode with its dashpot times `factor`, if it is an oscillator.
+    pub fn damped_times(&self, factor: f64) -> Self {
+        if !self.is_real {
+            return self.clone();
+        }
+        let given = |columns: &[[f64; 2]]| columns.iter().map(|column| column[1] * self.rate).collect::<Vec<_>>();
+        let seen = |rows: &[[f64; 2]]| rows.iter().map(|row| row[0]).collect::<Vec<_>>();
+        let shape = ModeShape {
+            contacts: given(&self.columns),
+            coordinates: seen(&self.coordinates),
+            still: self.still[1] * self.rate,
+        };
+        let square = self.turn.sign() * self.rate * self.rate + self.decay * self.decay;
+        let decay = self.decay * factor;
+        let loads: Vec<C> = self.loads.iter().map(|load| load[1] * self.rate).collect();
+        Self::oscillator(decay, square - decay * decay, &shape, &loads)
+    }
+
     /// Whether another oscillator has the same poles, to the rounding of eigenvalues.
     pub(crate) fn is_alike(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * (self.decay.abs() + self.rate);

@@ -103,16 +103,19 @@ impl ModalStructure {
         self.modes.first().map_or(0, |mode| mode.coordinates.len())
     }
 
-    /// Another contact in place of number `contact`.
+    /// Other barriers and restitutions of the same contacts.
     ///
     /// # Errors
     /// As [`ModalStructure::new`].
-    pub fn with_contact(&self, contact: usize, other: Contact) -> Result<Self, StructureError> {
-        let mut contacts = self.contacts.clone();
-        if let Some(place) = contacts.get_mut(contact) {
-            *place = other;
+    pub fn with_contacts(self, contacts: Vec<Contact>) -> Result<Self, StructureError> {
+        let (given, wanted) = (contacts.len(), self.contacts.len());
+        if given != wanted {
+            return Err(StructureError::Size { what: "the list of contacts".to_owned(), given, wanted });
         }
-        Self::new(contacts, self.harmonics.clone(), self.modes.clone())
+        for (number, contact) in contacts.iter().enumerate() {
+            contact.check(number)?;
+        }
+        Ok(Self { contacts, ..self })
     }
 
     /// All periodic loads times `factor`, the static one times `still`.

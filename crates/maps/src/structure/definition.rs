@@ -1,0 +1,439 @@
+//! What `[structure]` may hold, and the structure that it means.
+
+use std::path::Path;
+
+use nalgebra::{DMatrix, DVector};
+use serde::Deserialize;
+use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Structure};
+
+use super::matrix_market;
+use crate::text::read_text;
+
+type C = Complex<f64>;
+
+/// The most bytes of a file of a matrix or of modes.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The most masses of a chain that is made a structure.
+const MOST_MASSES: usize = 1000;
+
+/// Rows, or the file that has them.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+pub(super) enum MatrixGiven {
+    Rows(Vec<Vec<f64>>),
+    File(String),
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StructureTable {
+    mass: Option<MatrixGiven>,
+    masses: Option<Vec<f64>>,
+    stiffness: Option<MatrixGiven>,
+    damping: Option<MatrixGiven>,
+    frequencies: Option<Vec<f64>>,
+    ratios: Option<Vec<f64>>,
+    contact_shapes: Option<Vec<Vec<f64>>>,
+    load_shapes: Option<Vec<f64>>,
+    static_shapes: Option<Vec<f64>>,
+    modes: Option<String>,
+    chain: Option<ChainTable>,
+}
+
+/// Unit masses, each on a spring γ₁ and a dashpot, with springs γ₂ and dashpots between neighbours.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChainTable {
+    /// Number of masses.
+    pub sites: usize,
+    /// γ₁
+    pub gamma1: f64,
+    /// γ₂
+    pub gamma2: f64,
+    /// `closed`, `free`, `fixed` or `fixed-free`.
+    #[serde(default = "closed")]
+    pub ends: String,
+    /// c of each mass.
+    #[serde(default)]
+    pub damping: f64,
+    /// c₂ of each spring between neighbours.
+    #[serde(default)]
+    pub coupling_damping: f64,
+}
+
+fn closed() -> String {
+    "closed".to_owned()
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ContactTable {
+    weights: Option<Vec<f64>>,
+    at: Option<usize>,
+    between: Option<[usize; 2]>,
+    lower: Option<f64>,
+    upper: Option<f64>,
+    #[serde(default = "elastic")]
+    restitution: f64,
+}
+
+fn elastic() -> f64 {
+    1.0
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ForceTable {
+    load: Option<Vec<f64>>,
+    harmonic: Option<u32>,
+    phases: Option<Vec<f64>>,
+    #[serde(rename = "static")]
+    still: Option<Vec<f64>>,
+    #[serde(default)]
+    terms: Vec<TermTable>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TermTable {
+    harmonic: u32,
+    load: Vec<f64>,
+    phases: Option<Vec<f64>>,
+}
+
+/// A structure as it was given.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Definition {
+    Matrices(Structure),
+    Modes(ModalStructure),
+    Chain { chain: ChainTable, structure: Structure },
+}
+
+impl Definition {
+    /// Checks sizes as far as they are not the structure's business.
+    pub(super) fn new(
+        table: &StructureTable,
+        contacts: &[ContactTable],
+        force: &ForceTable,
+        folder: &Path,
+    ) -> Result<Self, String> {
+        let free = |contact: &ContactTable| contact.lower.is_none() && contact.upper.is_none();
+        if let Some(number) = contacts.iter().position(free) {
+            return Err(format!("contact {number} has no barrier: give lower, upper or both"));
+        }
+        let kinds = [
+            ("mass", table.mass.is_some() || table.masses.is_some()),
+            ("frequencies", table.frequencies.is_some()),
+            ("modes", table.modes.is_some()),
+            ("chain", table.chain.is_some()),
+        ];
+        let given: Vec<&str> = kinds.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
+        match given[..] {
+            ["mass"] => Self::of_matrices(table, contacts, force, folder),
+            ["frequencies" | "modes"] => Self::of_modes(table, contacts, force, folder),
+            ["chain"] => {
+                let chain = table.chain.clone().ok_or("chain is missing")?;
+                let n = chain.sites;
+                let contacts = contacts.iter().enumerate().map(|(number, given)| given.weighted(number, n));
+                let contacts = contacts.collect::<Result<_, _>>()?;
+                let still = force.still.clone().map(DVector::from_vec).unwrap_or_default();
+                Self::of_chain(chain, contacts, still, force.loads(n)?)
+            }
+            [] => Err(
+                "[structure] says nothing of masses: give mass or masses with stiffness, frequencies, modes, or chain"
+                    .to_owned(),
+            ),
+            _ => Err(format!("[structure] has {}: give one of them", given.join(" and "))),
+        }
+    }
+
+    fn of_matrices(
+        table: &StructureTable,
+        contacts: &[ContactTable],
+        force: &ForceTable,
+        folder: &Path,
+    ) -> Result<Self, String> {
+        let mass = match (&table.mass, &table.masses) {
+            (Some(mass), None) => matrix("mass", mass, folder)?,
+            (None, Some(masses)) => DMatrix::from_diagonal(&DVector::from_vec(masses.clone())),
+            _ => return Err("mass and masses are given: give one of them".to_owned()),
+        };
+        let stiffness = table.stiffness.as_ref().ok_or("stiffness is missing")?;
+        let damping = table.damping.as_ref().map(|given| matrix("damping", given, folder)).transpose()?;
+        let n = mass.nrows();
+        let structure = Structure {
+            stiffness: matrix("stiffness", stiffness, folder)?,
+            damping: damping.unwrap_or_default(),
+            contacts: contacts
+                .iter()
+                .enumerate()
+                .map(|(number, given)| given.weighted(number, n))
+                .collect::<Result<_, _>>()?,
+            static_load: force.still.clone().map(DVector::from_vec).unwrap_or_default(),
+            loads: force.loads(n)?,
+            mass,
+        };
+        Ok(Self::Matrices(structure))
+    }
+
+    fn of_modes(
+        table: &StructureTable,
+        contacts: &[ContactTable],
+        force: &ForceTable,
+        folder: &Path,
+    ) -> Result<Self, String> {
+        let table = match &table.modes {
+            Some(file) => &modes_of(file, folder)?,
+            None => table,
+        };
+        let frequencies = table.frequencies.as_ref().ok_or("frequencies are missing")?;
+        let n = frequencies.len();
+        let list = |name: &str, given: &Option<Vec<f64>>| match given {
+            Some(list) if list.len() != n => {
+                Err(format!("{name} has {} entries where there are {n} frequencies", list.len()))
+            }
+            Some(list) => Ok(list.clone()),
+            None => Ok(vec![0.0; n]),
+        };
+        let (ratios, loads) = (list("ratios", &table.ratios)?, list("load_shapes", &table.load_shapes)?);
+        let still = list("static_shapes", &table.static_shapes)?;
+        let shapes = table
+            .contact_shapes
+            .as_ref()
+            .ok_or("contact_shapes are missing: a list of one value a mode for each contact")?;
+        if shapes.len() != contacts.len() || shapes.iter().any(|shape| shape.len() != n) {
+            return Err(format!(
+                "contact_shapes are to be {} lists of {n} values, one list for each contact",
+                contacts.len()
+            ));
+        }
+        if contacts.iter().any(|contact| contact.weights.is_some() || contact.at.is_some() || contact.between.is_some())
+        {
+            return Err(
+                "contacts of a modal model have their shapes in contact_shapes: they take no weights, at or between"
+                    .to_owned(),
+            );
+        }
+        if force.load.is_some() || force.still.is_some() || !force.terms.is_empty() {
+            return Err(
+                "loads of a modal model are load_shapes and static_shapes of [structure]: [force] has harmonic alone"
+                    .to_owned(),
+            );
+        }
+        let harmonic = force.harmonic.unwrap_or(1);
+        if let Some(frequency) = frequencies.iter().find(|frequency| !(frequency.is_finite() && **frequency >= 0.0)) {
+            return Err(format!("frequencies has {frequency}: give numbers from 0"));
+        }
+        let mode = |k: usize| {
+            let (frequency, ratio) = (frequencies[k], ratios[k]);
+            let shape = ModeShape {
+                contacts: shapes.iter().map(|shape| shape[k]).collect(),
+                coordinates: Vec::new(),
+                still: still[k],
+            };
+            let square = frequency * frequency * (1.0 - ratio) * (1.0 + ratio);
+            LinearMode::oscillator(ratio * frequency, square, &shape, &[C::new(loads[k], 0.0)])
+        };
+        let contacts = contacts.iter().map(ContactTable::contact).collect();
+        let modal = ModalStructure::new(contacts, vec![harmonic], (0..n).map(mode).collect());
+        modal.map(Self::Modes).map_err(|error| error.to_string())
+    }
+
+    /// The matrices of a chain.
+    pub(super) fn of_chain(
+        chain: ChainTable,
+        contacts: Vec<(DVector<f64>, Contact)>,
+        static_load: DVector<f64>,
+        loads: Vec<(u32, DVector<C>)>,
+    ) -> Result<Self, String> {
+        let n = chain.sites;
+        if !(1..=MOST_MASSES).contains(&n) {
+            return Err(format!("sites = {n} is out of range: give a whole number from 1 to {MOST_MASSES}"));
+        }
+        let (left, right) = match chain.ends.as_str() {
+            "closed" => (None, None),
+            "free" => (Some(0.0), Some(0.0)),
+            "fixed" => (Some(1.0), Some(1.0)),
+            "fixed-free" => (Some(1.0), Some(0.0)),
+            other => return Err(format!("ends = \"{other}\" is unknown: give closed, free, fixed or fixed-free")),
+        };
+        // Springs between neighbours, by which stiffness and dashpots alike are made.
+        let mut coupling = DMatrix::zeros(n, n);
+        let mut spring = |i: usize, j: usize| {
+            coupling[(i, i)] += 1.0;
+            coupling[(j, j)] += 1.0;
+            coupling[(i, j)] -= 1.0;
+            coupling[(j, i)] -= 1.0;
+        };
+        (1..n).for_each(|i| spring(i - 1, i));
+        if left.is_none() && n > 1 {
+            spring(n - 1, 0);
+        }
+        coupling[(0, 0)] += left.unwrap_or(0.0);
+        coupling[(n - 1, n - 1)] += right.unwrap_or(0.0);
+        let unit = DMatrix::<f64>::identity(n, n);
+        let damped = chain.damping != 0.0 || chain.coupling_damping != 0.0;
+        let structure = Structure {
+            mass: unit.clone(),
+            stiffness: &unit * chain.gamma1 + &coupling * chain.gamma2,
+            damping: if damped {
+                &unit * chain.damping + &coupling * chain.coupling_damping
+            } else {
+                DMatrix::default()
+            },
+            contacts,
+            static_load,
+            loads,
+        };
+        Ok(Self::Chain { chain, structure })
+    }
+
+    /// Its modes with all dashpots times `damping`.
+    pub(super) fn modal(&self, damping: f64) -> Result<ModalStructure, String> {
+        let structure = match self {
+            Self::Modes(modal) => {
+                if damping == 1.0 {
+                    return Ok(modal.clone());
+                }
+                let modes = modal.modes().iter().map(|mode| mode.damped_times(damping)).collect();
+                return ModalStructure::new(modal.contacts().to_vec(), modal.harmonics().to_vec(), modes)
+                    .map_err(|error| error.to_string());
+            }
+            Self::Matrices(structure) | Self::Chain { structure, .. } => structure,
+        };
+        let scaled = Structure { damping: &structure.damping * damping, ..structure.clone() };
+        scaled.modal().map_err(|error| error.to_string())
+    }
+
+    /// The contacts as they were given.
+    pub(super) fn contacts(&self) -> Vec<Contact> {
+        match self {
+            Self::Modes(modal) => modal.contacts().to_vec(),
+            Self::Matrices(structure) | Self::Chain { structure, .. } => {
+                structure.contacts.iter().map(|(_, contact)| *contact).collect()
+            }
+        }
+    }
+}
+
+fn matrix(name: &str, given: &MatrixGiven, folder: &Path) -> Result<DMatrix<f64>, String> {
+    match given {
+        MatrixGiven::Rows(rows) => {
+            let columns = rows.first().map_or(0, Vec::len);
+            if let Some(row) = rows.iter().position(|row| row.len() != columns) {
+                return Err(format!("{name}: row {row} has {} entries, row 0 has {columns}", rows[row].len()));
+            }
+            Ok(DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
+        }
+        MatrixGiven::File(file) => {
+            let path = folder.join(file);
+            let text = read_text("the matrix", &path, MOST_BYTES).map_err(|error| format!("{name}: {error}"))?;
+            matrix_market::read(&text).map_err(|why| format!("{name}: {}: {why}", path.display()))
+        }
+    }
+}
+
+/// A table of modes: frequency, ratio, load, static, and contact0, contact1, … as columns.
+fn modes_of(file: &str, folder: &Path) -> Result<StructureTable, String> {
+    let path = folder.join(file);
+    let told = |why: String| format!("modes: {}: {why}", path.display());
+    let text = read_text("the modes", &path, MOST_BYTES).map_err(|error| told(error.to_string()))?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let names = reader.headers().map_err(|error| told(error.to_string()))?.clone();
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+    for (number, row) in reader.records().enumerate() {
+        let row = row.map_err(|error| told(error.to_string()))?;
+        for (column, text) in columns.iter_mut().zip(&row) {
+            column.push(text.parse().map_err(|_| told(format!("row {}: {text} is not a number", number + 1)))?);
+        }
+    }
+    let mut table = StructureTable::default();
+    let mut shapes: Vec<(usize, Vec<f64>)> = Vec::new();
+    for (name, column) in names.iter().zip(columns) {
+        match name {
+            "frequency" => table.frequencies = Some(column),
+            "ratio" => table.ratios = Some(column),
+            "load" => table.load_shapes = Some(column),
+            "static" => table.static_shapes = Some(column),
+            _ => match name.strip_prefix("contact").and_then(|number| number.parse().ok()) {
+                Some(number) => shapes.push((number, column)),
+                None => {
+                    return Err(told(format!(
+                        "column {name} is unknown: give frequency, ratio, load, static, contact0, …"
+                    )));
+                }
+            },
+        }
+    }
+    shapes.sort_by_key(|(number, _)| *number);
+    if shapes.iter().enumerate().any(|(i, (number, _))| i != *number) {
+        return Err(told("columns contact0, contact1, … are to be there each once".to_owned()));
+    }
+    table.contact_shapes = Some(shapes.into_iter().map(|(_, column)| column).collect());
+    Ok(table)
+}
+
+impl ContactTable {
+    fn contact(&self) -> Contact {
+        Contact { lower: self.lower, upper: self.upper, restitution: self.restitution }
+    }
+
+    /// w and the barriers, of a structure of `n` coordinates.
+    fn weighted(&self, number: usize, n: usize) -> Result<(DVector<f64>, Contact), String> {
+        let one = |coordinate: usize| {
+            if coordinate < n {
+                Ok(coordinate)
+            } else {
+                Err(format!(
+                    "contact {number} is at coordinate {coordinate}: the structure has 0 to {}",
+                    n.saturating_sub(1)
+                ))
+            }
+        };
+        let mut weights = DVector::zeros(n);
+        match (&self.weights, self.at, self.between) {
+            (Some(list), None, None) => weights = DVector::from_vec(list.clone()),
+            (None, Some(at), None) => weights[one(at)?] = 1.0,
+            (None, None, Some([from, to])) => {
+                weights[one(from)?] = 1.0;
+                weights[one(to)?] -= 1.0;
+            }
+            (None, None, None) => return Err(format!("contact {number} is nowhere: give weights, at or between")),
+            _ => return Err(format!("contact {number} is given twice: give one of weights, at and between")),
+        }
+        Ok((weights, self.contact()))
+    }
+}
+
+impl ForceTable {
+    /// Number and load of each harmonic.
+    fn loads(&self, n: usize) -> Result<Vec<(u32, DVector<C>)>, String> {
+        let complex = |load: &[f64], phases: &Option<Vec<f64>>| {
+            let phase = |i: usize| phases.as_ref().and_then(|list| list.get(i)).copied().unwrap_or(0.0);
+            DVector::from_iterator(load.len(), load.iter().enumerate().map(|(i, f)| C::from_polar(1.0, phase(i)) * *f))
+        };
+        let sized = |phases: &Option<Vec<f64>>| match phases {
+            Some(list) if list.len() != n => {
+                Err(format!("phases has {} entries where there are {n} coordinates", list.len()))
+            }
+            _ => Ok(()),
+        };
+        let mut loads = Vec::new();
+        if let Some(load) = &self.load {
+            sized(&self.phases)?;
+            loads.push((self.harmonic.unwrap_or(1), complex(load, &self.phases)));
+        } else if self.harmonic.is_some() || self.phases.is_some() {
+            return Err("[force] has no load: give load = [..], one number for each coordinate".to_owned());
+        }
+        for term in &self.terms {
+            sized(&term.phases)?;
+            loads.push((term.harmonic, complex(&term.load, &term.phases)));
+        }
+        loads.sort_by_key(|(number, _)| *number);
+        match loads.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            Some(pair) => Err(format!("harmonic {} of the load is given twice", pair[0].0)),
+            None => Ok(loads),
+        }
+    }
+}

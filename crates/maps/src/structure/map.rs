@@ -1,0 +1,142 @@
+//! What lives at each point of a structure's map: a row a point, every word asked for.
+
+use rayon::prelude::*;
+use vibrochain_breather::{structure_admissibility, structure_orbits};
+use vibrochain_floquet::{Verdict, structure_stability};
+use vibrochain_lattice::Stop;
+
+use super::scene::StructureScene;
+
+/// What a point says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StructureCell {
+    /// Values of the axes.
+    pub at: [Option<f64>; 2],
+    /// Number of physical orbits of the words asked for.
+    pub solutions: usize,
+    /// Number and word of the best of them: a stable one if there is one, of several the first; its verdict and its margin.
+    pub best: Option<(String, Option<Verdict>, Option<f64>)>,
+    /// Why something could not be worked out.
+    pub trouble: Option<String>,
+}
+
+impl StructureCell {
+    /// `none`, or `stable`, `marginal`, `unstable`, `physical` with the word behind it.
+    #[must_use]
+    pub fn class(&self) -> String {
+        match &self.best {
+            None => "none".to_owned(),
+            Some((word, verdict, _)) => {
+                let how = match verdict {
+                    None => "physical",
+                    Some(verdict) if verdict.stable => "stable",
+                    Some(verdict) if verdict.marginal => "marginal",
+                    Some(_) => "unstable",
+                };
+                format!("{how} {word}")
+            }
+        }
+    }
+}
+
+/// The map of a scene.
+#[derive(Debug)]
+pub struct StructureMap<'a> {
+    scene: &'a StructureScene,
+}
+
+impl<'a> StructureMap<'a> {
+    /// The map of a scene that has axes and words.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn new(scene: &'a StructureScene) -> Result<Self, String> {
+        if scene.axes.is_empty() {
+            return Err("the scene sweeps nothing: give [sweep] with an axis x".to_owned());
+        }
+        if scene.words.is_empty() {
+            return Err("the scene asks for no words: give [compute] with families = [\"0+\", …]".to_owned());
+        }
+        Ok(Self { scene })
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.scene.axes.iter().map(|axis| axis.points).product()
+    }
+
+    /// All points of one value of the slow axis, or of the only one.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.scene.axes.get(1).map_or(1, |axis| axis.points)
+    }
+
+    /// One row, its points in parallel; `None` once `stop` is raised.
+    #[must_use]
+    pub fn row(&self, row: usize, stop: &Stop) -> Option<Vec<StructureCell>> {
+        let count = self.scene.axes[0].points;
+        (0..count).into_par_iter().map(|column| (!stop.is_raised()).then(|| self.cell(column, row))).collect()
+    }
+
+    /// One point.
+    #[must_use]
+    pub fn cell(&self, column: usize, row: usize) -> StructureCell {
+        let mut scene = self.scene.clone();
+        let mut cell = StructureCell { at: [None; 2], solutions: 0, best: None, trouble: None };
+        for (place, (axis, number)) in self.scene.axes.iter().zip([column, row]).enumerate() {
+            let value = axis.value(number);
+            cell.at[place] = Some(value);
+            if let Err(why) = scene.set(axis.setting, value) {
+                cell.trouble = Some(why);
+                return cell;
+            }
+        }
+        let model = match scene.model() {
+            Ok(model) => model,
+            Err(why) => {
+                cell.trouble = Some(why);
+                return cell;
+            }
+        };
+        for (word, periods) in &self.scene.words {
+            let found = match structure_orbits(&model, word, *periods) {
+                Ok(found) => found,
+                Err(error) => {
+                    cell.trouble = Some(error.to_string());
+                    continue;
+                }
+            };
+            for orbit in &found.orbits {
+                let physical = match structure_admissibility(orbit) {
+                    Ok(answer) if answer.is_physical() => answer,
+                    Ok(_) => continue,
+                    Err(error) => {
+                        cell.trouble = Some(error.to_string());
+                        continue;
+                    }
+                };
+                cell.solutions += 1;
+                let verdict = if self.scene.stability {
+                    match structure_stability(orbit, self.scene.tolerance) {
+                        Ok(stability) => Some(stability.verdict),
+                        Err(error) => {
+                            cell.trouble = Some(error.to_string());
+                            continue;
+                        }
+                    }
+                } else {
+                    None
+                };
+                let rank = |verdict: &Option<Verdict>| {
+                    verdict.map_or(0, |verdict| if verdict.stable { 2 } else { usize::from(verdict.marginal) })
+                };
+                let better = cell.best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other));
+                if better {
+                    cell.best = Some((word.to_string(), verdict, physical.margin));
+                }
+            }
+        }
+        cell
+    }
+}

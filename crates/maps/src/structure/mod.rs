@@ -1,0 +1,20 @@
+//! Scenes of any linear structure with stops: `[structure]` in place of `[model]`.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `scene` | [`StructureScene`]: the file, checked |
+//! | `setting` | [`Setting`]: each number of it by name, to be varied |
+//! | `definition` | matrices, modes or a chain, from which the structure is made |
+//! | `matrix_market` | matrices in the files of other tools |
+//! | `map` | [`StructureMap`]: what lives at each point of a grid |
+
+mod definition;
+pub mod map;
+mod matrix_market;
+pub mod scene;
+pub mod setting;
+
+pub use definition::ChainTable;
+pub use map::StructureMap;
+pub use scene::StructureScene;
+pub use setting::Setting;

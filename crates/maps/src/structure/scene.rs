@@ -1,0 +1,304 @@
+//! A scene of a structure: the file, checked, and the model at any values of its numbers.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use nalgebra::DVector;
+use serde::Deserialize;
+use vibrochain_breather::{StructureModel, Word};
+use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::{Complex, Contact, ModalStructure};
+
+use super::definition::{ChainTable, ContactTable, Definition, ForceTable, StructureTable};
+use super::setting::Setting;
+use crate::error::MapError;
+use crate::scene::tolerance_from;
+use crate::text::read_text;
+
+/// The most bytes of a scene.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The most points of an axis.
+const MOST_POINTS: usize = 100_000;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    title: Option<String>,
+    omega: Option<f64>,
+    word: Option<String>,
+    force_periods: Option<u32>,
+    structure: StructureTable,
+    #[serde(default)]
+    contact: Vec<ContactTable>,
+    #[serde(default)]
+    force: ForceTable,
+    sweep: Option<SweepTable>,
+    compute: Option<ComputeTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SweepTable {
+    x: AxisTable,
+    y: Option<AxisTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxisTable {
+    parameter: String,
+    from: f64,
+    to: f64,
+    points: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ComputeTable {
+    families: Vec<String>,
+    threshold: Option<f64>,
+    #[serde(default = "yes")]
+    stability: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// One axis of a map of a structure: equal steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StructureAxis {
+    /// What is varied.
+    pub setting: Setting,
+    /// First value.
+    pub from: f64,
+    /// Last value.
+    pub to: f64,
+    /// Number of values.
+    pub points: usize,
+}
+
+impl StructureAxis {
+    /// Value number `i`.
+    #[must_use]
+    pub fn value(&self, i: usize) -> f64 {
+        if i + 1 == self.points {
+            self.to
+        } else {
+            self.from + i as f64 * (self.to - self.from) / (self.points - 1).max(1) as f64
+        }
+    }
+}
+
+/// A structure, what is to be varied and what is asked for.
+#[derive(Debug, Clone)]
+pub struct StructureScene {
+    /// Its title.
+    pub title: Option<String>,
+    /// The word to look for, if the file says so.
+    pub word: Option<Word>,
+    /// Periods of the load in one of the word.
+    pub force_periods: u32,
+    /// Words of a map, with their periods of the load: `0+/2` for two.
+    pub words: Vec<(Word, u32)>,
+    /// From which growth on an orbit counts as unstable.
+    pub tolerance: Tolerance,
+    /// Whether a map tells stability.
+    pub stability: bool,
+    /// Axes of a map, the fastest first.
+    pub axes: Vec<StructureAxis>,
+    definition: Definition,
+    omega: Option<f64>,
+    load: f64,
+    still: f64,
+    damping: f64,
+    contacts: Vec<Contact>,
+    /// The modes at the damping there is now, with the contacts and loads of the file.
+    modal: Arc<ModalStructure>,
+}
+
+impl StructureScene {
+    /// The scene of a file if it is one of a structure; `None` of a chain's, or of JSON.
+    ///
+    /// # Errors
+    /// [`MapError::Request`] with the file and what is wrong in it.
+    pub fn read(path: &Path) -> Result<Option<Self>, MapError> {
+        // What cannot be read, and what can be read only once, is left to those who read chains.
+        let plain = path.metadata().is_ok_and(|data| data.is_file());
+        let Some(text) = plain.then(|| read_text("the scene", path, MOST_BYTES).ok()).flatten() else {
+            return Ok(None);
+        };
+        if text.trim_start().starts_with('{') {
+            return Ok(None);
+        }
+        // What is no table at all is told by those who read chains.
+        let Ok(table) = text.parse::<toml::Table>() else { return Ok(None) };
+        if !table.contains_key("structure") {
+            return Ok(None);
+        }
+        let folder = path.parent().unwrap_or(Path::new("."));
+        Self::of_text(&text, folder).map(Some).map_err(|why| MapError::Request(format!("{}: {why}", path.display())))
+    }
+
+    /// The scene of a text; files that it names are in `folder`.
+    ///
+    /// # Errors
+    /// What is wrong in it.
+    pub fn of_text(text: &str, folder: &Path) -> Result<Self, String> {
+        let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
+        let definition = Definition::new(&file.structure, &file.contact, &file.force, folder)?;
+        let word = |text: &str| text.parse::<Word>().map_err(|error| format!("word {text}: {error}"));
+        let of_map = |text: &String| -> Result<(Word, u32), String> {
+            let (name, periods) = text.split_once('/').unwrap_or((text, "1"));
+            let periods = periods.parse().ok().filter(|periods| *periods > 0);
+            Ok((word(name)?, periods.ok_or_else(|| format!("{text}: give a number of periods after the slash"))?))
+        };
+        let compute = file.compute.as_ref();
+        let words = compute.map_or(Ok(Vec::new()), |compute| compute.families.iter().map(of_map).collect())?;
+        let tolerance = compute.and_then(|compute| compute.threshold).map(tolerance_from).transpose()?;
+        let sweep = file.sweep.iter().flat_map(|sweep| std::iter::once(&sweep.x).chain(&sweep.y));
+        let axis = |axis: &AxisTable| -> Result<StructureAxis, String> {
+            let AxisTable { parameter, from, to, points } = axis;
+            let rises = from.is_finite() && to.is_finite() && from < to;
+            if !rises || !(2..=MOST_POINTS).contains(points) {
+                return Err(format!("axis {parameter}: give from < to and 2 to {MOST_POINTS} points"));
+            }
+            Ok(StructureAxis { setting: parameter.parse()?, from: *from, to: *to, points: *points })
+        };
+        let axes = sweep.map(axis).collect::<Result<Vec<_>, _>>()?;
+        let mut scene = Self::of(definition)?;
+        scene.title = file.title;
+        scene.word = file.word.as_deref().map(word).transpose()?;
+        scene.force_periods = file.force_periods.unwrap_or(1);
+        scene.words = words;
+        scene.tolerance = tolerance.unwrap_or(Tolerance::Rounding);
+        scene.stability = compute.is_none_or(|compute| compute.stability);
+        scene.axes = axes.clone();
+        scene.omega = file.omega;
+        // Every end of an axis is asked once, so that a map does not begin in vain.
+        for axis in &axes {
+            scene.clone().set(axis.setting, axis.from)?;
+            scene.clone().set(axis.setting, axis.to)?;
+            if axis.setting == Setting::Omega && scene.omega.is_none() {
+                scene.omega = Some(axis.from);
+            }
+        }
+        Ok(scene)
+    }
+
+    fn of(definition: Definition) -> Result<Self, String> {
+        Ok(Self {
+            title: None,
+            word: None,
+            force_periods: 1,
+            words: Vec::new(),
+            tolerance: Tolerance::Rounding,
+            stability: true,
+            axes: Vec::new(),
+            contacts: definition.contacts(),
+            modal: Arc::new(definition.modal(1.0)?),
+            definition,
+            omega: None,
+            load: 1.0,
+            still: 1.0,
+            damping: 1.0,
+        })
+    }
+
+    /// A chain under the load `amplitude` and the static load `still` on every mass; contact n is mass n, free where it has no barrier.
+    ///
+    /// # Errors
+    /// Numbers out of range, as many contacts as there are masses not given.
+    pub fn of_chain(chain: ChainTable, contacts: Vec<Contact>, amplitude: f64, still: f64) -> Result<Self, String> {
+        let n = chain.sites;
+        if contacts.len() != n {
+            return Err(format!("{} contacts where there are {n} masses", contacts.len()));
+        }
+        let unit = |place: usize| DVector::from_fn(n, |i, _| f64::from(u8::from(i == place)));
+        let contacts = contacts.into_iter().enumerate().map(|(place, contact)| (unit(place), contact)).collect();
+        let load = DVector::from_element(n, Complex::new(amplitude, 0.0));
+        let loads = if amplitude == 0.0 { Vec::new() } else { vec![(1, load)] };
+        Self::of(Definition::of_chain(chain, contacts, DVector::from_element(n, still), loads)?)
+    }
+
+    /// The frequency, if the file or a flag has given it.
+    #[must_use]
+    pub fn omega(&self) -> Option<f64> {
+        self.omega
+    }
+
+    /// The contacts as they are now.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// The value of a number of it.
+    #[must_use]
+    pub fn get(&self, setting: Setting) -> Option<f64> {
+        match setting {
+            Setting::Omega => self.omega,
+            Setting::Load => Some(self.load),
+            Setting::Static => Some(self.still),
+            Setting::Damping => Some(self.damping),
+            Setting::Lower(contact) => self.contacts.get(contact)?.lower,
+            Setting::Upper(contact) => self.contacts.get(contact)?.upper,
+            Setting::Restitution(contact) => Some(self.contacts.get(contact)?.restitution),
+        }
+    }
+
+    /// Another value of a number.
+    ///
+    /// # Errors
+    /// A contact that is not there, a value out of its range.
+    pub fn set(&mut self, setting: Setting, value: f64) -> Result<(), String> {
+        if !value.is_finite() {
+            return Err(format!("{setting} = {value} is out of range: give a finite number"));
+        }
+        let count = self.contacts.len();
+        let mut contact = |number: usize, change: fn(&mut Contact, f64)| {
+            let place = self.contacts.get_mut(number);
+            let place = place.ok_or_else(|| format!("{setting}: the structure has the contacts 0 to {}", count - 1))?;
+            change(place, value);
+            Ok::<(), String>(())
+        };
+        match setting {
+            Setting::Omega if value <= 0.0 => {
+                return Err(format!("omega = {value} is out of range: give a positive number"));
+            }
+            Setting::Omega => self.omega = Some(value),
+            Setting::Load => self.load = value,
+            Setting::Static => self.still = value,
+            Setting::Damping => {
+                self.modal = Arc::new(self.definition.modal(value)?);
+                self.damping = value;
+            }
+            Setting::Lower(number) => contact(number, |contact, value| contact.lower = Some(value))?,
+            Setting::Upper(number) => contact(number, |contact, value| contact.upper = Some(value))?,
+            Setting::Restitution(number) => contact(number, |contact, value| contact.restitution = value)?,
+        }
+        self.structure().map(|_| ())
+    }
+
+    /// The structure with its values as they are now.
+    ///
+    /// # Errors
+    /// Barriers out of order, a restitution out of range.
+    pub fn structure(&self) -> Result<Arc<ModalStructure>, String> {
+        if self.load == 1.0 && self.still == 1.0 && self.modal.contacts() == self.contacts {
+            return Ok(self.modal.clone());
+        }
+        let structure = self.modal.with_loads_times(self.load, self.still).with_contacts(self.contacts.clone());
+        structure.map(Arc::new).map_err(|error| error.to_string())
+    }
+
+    /// The model with its values as they are now.
+    ///
+    /// # Errors
+    /// As [`StructureScene::structure`]; a frequency that is missing.
+    pub fn model(&self) -> Result<StructureModel, String> {
+        let omega = self.omega.ok_or("omega is missing: give omega = … in the scene, or --omega")?;
+        StructureModel::new(self.structure()?, omega).map_err(|error| error.to_string())
+    }
+}
