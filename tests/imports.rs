@@ -47,6 +47,10 @@ fn leaves(tree: &str, before: &str, all: &mut Vec<String>) {
         }
         return;
     };
+    // A line of a text may begin with this word, too.
+    if tree[..open].contains(['"', ' ']) {
+        return;
+    }
     let before = format!("{before}{}", &tree[..open]);
     let inside = &tree[open + 1..tree.rfind('}').unwrap()];
     let (mut depth, mut start) = (0, 0);

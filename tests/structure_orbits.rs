@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use vibrochain_breather::{
-    StructureModel, StructureMotion, StructureOrbit, Word, structure_admissibility, structure_orbits,
+    StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility, structure_orbits,
 };
 use vibrochain_floquet::{Complex, Tolerance, structure_stability};
 use vibrochain_lattice::{Barrier, Contact, ModalStructure, Structure};
@@ -255,4 +255,64 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         compared += 1;
     }
     assert!(compared > 40, "{compared}");
+}
+
+/// Newton's method from many starts finds no orbit of two impacts that a complete list lacks.
+#[test]
+fn complete_lists_of_two_impacts_lack_nothing_that_starts_lead_to() {
+    let mut random = Random(73);
+    let (mut complete, mut led, mut listed) = (0, 0, 0);
+    for case in cases().iter().filter(|case| case.dense.load.iter().any(|load| *load != 0.0)) {
+        let model = case.model();
+        let contacts = model.structure().contacts().len();
+        for _ in 0..4 {
+            let letter = |random: &mut Random| {
+                let contact = random.below(contacts.min(3));
+                let upper = model.structure().contacts()[contact].upper.is_some();
+                let lower = model.structure().contacts()[contact].lower.is_some();
+                let side = if upper && (!lower || random.chance(0.5)) { Barrier::Upper } else { Barrier::Lower };
+                (contact, side)
+            };
+            let letters = [letter(&mut random), letter(&mut random)];
+            let name = |(contact, side): (usize, Barrier)| {
+                format!("{contact}{}", if side == Barrier::Upper { '+' } else { '-' })
+            };
+            let word: Word = format!("{},{}", name(letters[0]), name(letters[1])).parse().unwrap();
+            let periods = 1 + random.below(2) as u32;
+            let found = structure_orbits(&model, &word, periods).unwrap();
+            let StructureSearch::Enclosures { unresolved, .. } = found.search else { continue };
+            complete += 1;
+            listed += found.orbits.len();
+            for _ in 0..60 {
+                let period = model.period() * f64::from(periods);
+                let size = random.log(0.01, 10.0);
+                let start = letters.map(|(contact, side)| (contact, side, 0.0, -side.sign() * size));
+                let mut start = start.to_vec();
+                start[1].2 = random.between(0.0, period);
+                let Ok(orbit) = StructureOrbit::near(&model, periods, random.between(0.0, model.period()), &start)
+                else {
+                    continue;
+                };
+                let phi = orbit.impacts()[1].time;
+                if !(1e-3 * period..period * (1.0 - 1e-3)).contains(&phi) {
+                    continue;
+                }
+                led += 1;
+                let same = |other: &StructureOrbit| {
+                    let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + a.abs());
+                    near(other.impacts()[1].time, phi)
+                        && orbit.impacts().iter().zip(other.impacts()).all(|(a, b)| near(a.impulse, b.impulse))
+                };
+                assert!(
+                    unresolved > 0 || found.orbits.iter().any(same),
+                    "{} {word} over {periods}: {:?} not in {:?}",
+                    case.dense.name,
+                    orbit.impacts(),
+                    found.orbits.iter().map(|orbit| orbit.impacts().to_vec()).collect::<Vec<_>>()
+                );
+            }
+        }
+    }
+    println!("{complete} lists, {listed} orbits, {led} starts led to one");
+    assert!(complete > 25 && led > 200, "{complete} {listed} {led}");
 }

@@ -58,8 +58,20 @@ fn keys() -> [Names; 2] {
     let (mut scene, mut rest) = (Names::new(), Names::new());
     properties(Schema::named("scene").value(), &mut scene);
     for name in [
-        "orbit", "locate", "branch", "curve", "curves", "words", "simulate", "fate", "manifest", "table", "state",
-        "near", "plan",
+        "orbit",
+        "structure",
+        "locate",
+        "branch",
+        "curve",
+        "curves",
+        "words",
+        "simulate",
+        "fate",
+        "manifest",
+        "table",
+        "state",
+        "near",
+        "plan",
     ] {
         properties(Schema::named(name).value(), &mut rest);
     }

@@ -11,9 +11,22 @@ use vibrochain_lattice::{Ends, Parameter};
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_testkit::{Desk, Schema, written};
 
-const NAMES: [&str; 14] = [
-    "orbit", "locate", "branch", "curve", "curves", "words", "simulate", "fate", "manifest", "table", "scene", "state",
-    "near", "plan",
+const NAMES: [&str; 15] = [
+    "orbit",
+    "structure",
+    "locate",
+    "branch",
+    "curve",
+    "curves",
+    "words",
+    "simulate",
+    "fate",
+    "manifest",
+    "table",
+    "scene",
+    "state",
+    "near",
+    "plan",
 ];
 
 fn repository() -> PathBuf {
@@ -429,7 +442,7 @@ fn schemas_are_listed_and_printed_and_other_names_refused() {
         2,
         &[
             "orbits",
-            "orbit, locate, branch, curve, curves, words, simulate, fate, manifest, table, scene, state, near, plan",
+            "orbit, structure, locate, branch, curve, curves, words, simulate, fate, manifest, table, scene, state, near, plan",
         ],
     );
     desk.run("schema orbit curve").with(2, &["curve"]);

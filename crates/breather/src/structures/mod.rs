@@ -15,6 +15,7 @@
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
 //! | `newton` | from impacts nearby to an orbit |
 //! | `search` | all orbits of one or two impacts; of more, those that starts lead to |
+//! | `two_impacts` | the proof that no two impacts are missing |
 //! | `flight` | [`StructureMotion`]: every contact at any time |
 //! | `admissible` | physical or what is in the way |
 
@@ -27,3 +28,4 @@ mod newton;
 pub(crate) mod orbit;
 mod periodic_kernel;
 pub(crate) mod search;
+mod two_impacts;

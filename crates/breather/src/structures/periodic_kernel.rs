@@ -104,6 +104,49 @@ impl<'a> PeriodicKernel<'a> {
     }
 }
 
+impl PeriodicKernel<'_> {
+    /// K and its first four derivatives, of regular modes.
+    pub(super) fn long_jet(&self, to: usize, from: usize, t: f64) -> [f64; 5] {
+        let t = if t > 0.0 { t } else { t + self.period };
+        let mut jet = [0.0; 5];
+        for (mode, sum) in self.modes.iter().zip(&self.sums) {
+            let Sum::Regular { sum, .. } = *sum else { continue };
+            let (row, column) = (mode.rows[to], mode.columns[from]);
+            let mut motion = mode.turn.product(mode.flight(t), sum);
+            for entry in &mut jet {
+                *entry += pair(mode.turn, row, motion, column);
+                motion = mode.turn.product(motion, mode.generator());
+            }
+        }
+        jet
+    }
+
+    /// Bounds of |K⁽ᵐ⁾| for m = 0 … 5 on the whole period, of modes that do not grow.
+    pub(super) fn bounds(&self, to: usize, from: usize) -> [f64; 6] {
+        let mut bounds = [0.0; 6];
+        for (mode, sum) in self.modes.iter().zip(&self.sums) {
+            let Sum::Regular { sum, .. } = *sum else { continue };
+            let (row, column) = (mode.rows[to], mode.columns[from]);
+            let mut motion = sum;
+            for bound in &mut bounds {
+                // Of J(a + bJ) the length of (a, b) times at most this; e^{At} is no longer than 1, or than 1 + κt of a double pole.
+                let flight = match mode.turn {
+                    Turn::Circular => 1.0,
+                    Turn::Hyperbolic => std::f64::consts::SQRT_2,
+                    Turn::Parabolic => 1.0 + mode.rate / mode.decay,
+                };
+                let size = match mode.turn {
+                    Turn::Circular => motion.even.hypot(motion.odd),
+                    _ => motion.even.abs() + motion.odd.abs(),
+                };
+                *bound += flight * size * row[0].hypot(row[1]) * column[0].hypot(column[1]);
+                motion = mode.turn.product(motion, mode.generator());
+            }
+        }
+        bounds
+    }
+}
+
 /// k of a rigid mode and its first three derivatives at 0 ≤ t ≤ T. (Its rows are [φ, 0], its columns [0, φ/κ].)
 pub(super) fn rigid_jet(mode: &LinearMode, period: f64, t: f64) -> [f64; 4] {
     let (part, dashpot) = (t / period, 2.0 * mode.decay);

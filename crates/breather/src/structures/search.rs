@@ -18,6 +18,7 @@ use super::equations::{Equations, Point, Strike};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::orbit::StructureOrbit;
+use super::two_impacts::Function;
 use crate::equations::linear::{Factors, Matrix, Vector, zeros};
 use crate::word::Word;
 
@@ -38,6 +39,14 @@ const SAME: f64 = 1e-7;
 pub enum StructureSearch {
     /// Closed form: the list is complete.
     ClosedForm,
+    /// Enclosures of a function of one variable show on intervals where it has no zero and that each one found is alone: the list is complete
+    /// but for impacts of one contact closer than 1e-4 of the period, and for so many places where two may have merged.
+    Enclosures {
+        /// Intervals enclosed.
+        intervals: usize,
+        /// Places left open.
+        unresolved: usize,
+    },
     /// A function of one variable has been looked at in so many places: what lies between two of them may be missed.
     Scan {
         /// How many.
@@ -152,7 +161,8 @@ impl Search<'_> {
                 let free = self.linear(&[0.0])?;
                 Ok((free.solve().map(|x| self.point(&[0.0], &x)).into_iter().collect(), StructureSearch::ClosedForm))
             }
-            (2, _) if single || !self.equations.forced => self.scan(),
+            (2, true) if single => self.proved().unwrap_or_else(|| self.scan()),
+            (2, false) => self.scan(),
             _ => self.starts(),
         }
     }
@@ -271,6 +281,34 @@ impl Search<'_> {
         let roots = [far / square, if far == 0.0 { 0.0 } else { rest / far }];
         let at = |tau: f64| base.iter().zip(&along).map(|(base, along)| base + tau * along).collect::<Vector>();
         Ok(roots.into_iter().map(|tau| self.point(times, &at(tau))).collect())
+    }
+
+    /// Zeros of the function of the time between two impacts, all of them; `None` where it cannot be enclosed, or takes too long.
+    fn proved(&self) -> Option<Result<(Vec<Point>, StructureSearch), StructureOrbitError>> {
+        let contacts = [self.letters[0].0, self.letters[1].0];
+        let place = |i: usize| {
+            let (contact, barrier) = self.letters[i];
+            Some(self.equations.model.barrier(contact, barrier).ok()? - self.equations.still(contact))
+        };
+        let function = Function::new(self.equations, contacts, [place(0)?, place(1)?])?;
+        let zeros = function.zeros();
+        if zeros.exhausted > 0 {
+            return None;
+        }
+        let half = 0.5 * self.equations.period();
+        let unresolved = zeros.unresolved.iter().filter(|phi| (*phi - half).abs() > SAME * half).count();
+        let search = StructureSearch::Enclosures { intervals: zeros.intervals, unresolved };
+        let points = || -> Result<Vec<Point>, StructureOrbitError> {
+            // A structure that is its own mirror image has a double zero there.
+            let mut points = self.on_a_line(&[0.0, half])?;
+            for phi in zeros.simple.iter().chain(&zeros.unresolved) {
+                if let Some(x) = self.linear(&[0.0, *phi])?.solve() {
+                    points.push(self.point(&[0.0, *phi], &x));
+                }
+            }
+            Ok(points)
+        };
+        Some(points().map(|points| (points, search)))
     }
 
     /// Zeros of the function of the time between two impacts, by its values in many places.

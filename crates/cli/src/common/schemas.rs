@@ -26,8 +26,9 @@ pub(crate) const TABLE: &str = "urn:vibrochain:table:1";
 pub(crate) const STATE: &str = "urn:vibrochain:state:1";
 
 /// Names, and the files.
-const SCHEMAS: [(&str, &str); 14] = [
+const SCHEMAS: [(&str, &str); 15] = [
     ("orbit", include_str!("../../schemas/orbit.json")),
+    ("structure", include_str!("../../schemas/structure.json")),
     ("locate", include_str!("../../schemas/locate.json")),
     ("branch", include_str!("../../schemas/branch.json")),
     ("curve", include_str!("../../schemas/curve.json")),

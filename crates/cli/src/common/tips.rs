@@ -9,10 +9,13 @@ use vibrochain_maps::text::closest;
 /// Flags of what the model has not, and how it is.
 const NOT_THERE: [(&[&str], &str); 2] = [
     (
-        &["damping", "friction", "dissipation", "viscosity"],
-        "between impacts the model loses nothing; what it loses, it loses at the barriers: --restitution",
+        &["friction", "dissipation", "viscosity"],
+        "what a chain loses between impacts is --damping of each mass and --coupling-damping of each spring",
     ),
-    (&["mass", "masses"], "all masses are 1; how many there are is --sites"),
+    (
+        &["mass", "masses"],
+        "all masses of a chain are 1, and how many there are is --sites; others are a structure's: --scene with [structure]",
+    ),
 ];
 
 /// Flags that are called otherwise here, and how.

@@ -42,6 +42,12 @@ fn told(obstruction: &Obstruction) -> String {
 fn how(search: StructureSearch) -> String {
     match search {
         StructureSearch::ClosedForm => "complete: closed form".to_owned(),
+        StructureSearch::Enclosures { intervals, unresolved: 0 } => {
+            format!("complete: enclosures on {intervals} intervals")
+        }
+        StructureSearch::Enclosures { unresolved, .. } => {
+            format!("complete but for {unresolved} places where two more may have merged: next to a fold")
+        }
         StructureSearch::Scan { places } => {
             format!(
                 "what a function of one variable shows in {places} places: two solutions between neighbours may be missed"
@@ -67,7 +73,7 @@ pub(crate) fn text(model: &StructureModel, heading: &str, found: &StructureFound
         Short(model.omega())
     );
     let physical = answered.iter().filter(|one| one.admissibility.is_physical()).count();
-    let none = matches!(found.search, StructureSearch::ClosedForm);
+    let none = matches!(found.search, StructureSearch::ClosedForm | StructureSearch::Enclosures { unresolved: 0, .. });
     let _ = match (answered.len(), none) {
         (0, true) => writeln!(out, "none: no phase of the load meets the conditions at the impacts"),
         (0, false) => writeln!(out, "none was found"),
