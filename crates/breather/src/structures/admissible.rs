@@ -39,12 +39,22 @@ pub fn structure_admissibility(orbit: &StructureOrbit) -> Result<Admissibility, 
     let motion = StructureMotion::new(orbit)?;
     let mut closest: Option<(f64, Approach)> = None;
     let together = TOGETHER * orbit.period();
-    for (contact, stops) in orbit.model().structure().contacts().iter().enumerate() {
+    // Those that are hit come first: the others are seldom nearer.
+    let contacts = orbit.model().structure().contacts();
+    let mut order: Vec<usize> = (0..contacts.len()).collect();
+    order.sort_by_key(|&contact| !impacts.iter().any(|impact| impact.contact == contact));
+    for contact in order {
+        let stops = &contacts[contact];
         for barrier in [Barrier::Lower, Barrier::Upper] {
             let Some(stop) = stops.barrier(barrier) else { continue };
             for i in 0..impacts.len() {
                 let (begins, length) = (impacts[i].time, motion.until_next(i));
                 if length <= together {
+                    continue;
+                }
+                // Most contacts are far from their barriers, and stay there.
+                let room = barrier.sign() * (stop - motion.still(contact));
+                if closest.as_ref().is_some_and(|(least, _)| room - motion.most_excursion(contact, i) > least.max(0.0)) {
                     continue;
                 }
                 let here = |time: f64| {

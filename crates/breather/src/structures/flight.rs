@@ -141,9 +141,27 @@ impl<'a> StructureMotion<'a> {
         sums
     }
 
+    /// A bound of how far a contact may be from where it is still, after impact `i`; none of a structure with rigid modes.
+    pub(super) fn most_excursion(&self, contact: usize, i: usize) -> f64 {
+        if !self.equations.rigid.is_empty() {
+            return f64::INFINITY;
+        }
+        self.most(contact, i, 0.0, self.until_next(i), 0)
+    }
+
+    /// Where a contact is under the static load alone.
+    pub(super) fn still(&self, contact: usize) -> f64 {
+        self.equations.still(contact)
+    }
+
     /// A bound of |acceleration| of a contact from `s` to `end` after impact `i`.
     pub(super) fn most_acceleration(&self, contact: usize, i: usize, s: f64, end: f64) -> f64 {
-        let mut most: f64 = self.equations.swings(contact).map(|(rate, swing)| swing.norm() * rate * rate).sum();
+        self.most(contact, i, s, end, 2)
+    }
+
+    /// A bound of a derivative, of the order 0 or 2, without what is still.
+    fn most(&self, contact: usize, i: usize, s: f64, end: f64, order: i32) -> f64 {
+        let mut most: f64 = self.equations.swings(contact).map(|(rate, swing)| swing.norm() * rate.powi(order)).sum();
         for (k, mode) in self.structure().modes().iter().enumerate() {
             let row = mode.rows[contact];
             if self.equations.kernel.sum(k).is_none() {
@@ -156,9 +174,10 @@ impl<'a> StructureMotion<'a> {
                 continue;
             }
             let flight = mode.flight(s);
-            let xi = turned(mode.turn, [flight.even, flight.odd], self.states[i][k]);
-            let slope = turned(mode.turn, [-mode.decay, mode.rate], xi);
-            let bend = turned(mode.turn, [-mode.decay, mode.rate], slope);
+            let mut bend = turned(mode.turn, [flight.even, flight.odd], self.states[i][k]);
+            for _ in 0..order {
+                bend = turned(mode.turn, [-mode.decay, mode.rate], bend);
+            }
             let left = end - s;
             let dying = (-mode.decay * left).exp().max(1.0);
             let (rows, size) = (row[0].hypot(row[1]), bend[0].hypot(bend[1]));

@@ -107,7 +107,7 @@ struct TermTable {
 pub(super) enum Definition {
     Matrices(Structure),
     Modes(ModalStructure),
-    Chain { chain: ChainTable, structure: Structure },
+    Chain { chain: ChainTable, structure: Box<Structure> },
 }
 
 impl Definition {
@@ -286,7 +286,7 @@ impl Definition {
             static_load,
             loads,
         };
-        Ok(Self::Chain { chain, structure })
+        Ok(Self::Chain { chain, structure: Box::new(structure) })
     }
 
     /// Its modes with all dashpots times `damping`.
@@ -300,19 +300,37 @@ impl Definition {
                 return ModalStructure::new(modal.contacts().to_vec(), modal.harmonics().to_vec(), modes)
                     .map_err(|error| error.to_string());
             }
-            Self::Matrices(structure) | Self::Chain { structure, .. } => structure,
+            // Its dashpots are its own numbers.
+            Self::Chain { structure, .. } => return structure.modal().map_err(|error| error.to_string()),
+            Self::Matrices(structure) => structure,
         };
         let scaled = Structure { damping: &structure.damping * damping, ..structure.clone() };
         scaled.modal().map_err(|error| error.to_string())
+    }
+
+    /// A chain with other numbers; `None` of what is no chain.
+    pub(super) fn with_chain(&self, change: impl Fn(&mut ChainTable)) -> Option<Result<Self, String>> {
+        let Self::Chain { chain, structure } = self else { return None };
+        let mut chain = chain.clone();
+        change(&mut chain);
+        let Structure { contacts, static_load, loads, .. } = (**structure).clone();
+        Some(Self::of_chain(chain, contacts, static_load, loads))
+    }
+
+    /// The chain, if it is one.
+    pub(super) fn chain(&self) -> Option<&ChainTable> {
+        match self {
+            Self::Chain { chain, .. } => Some(chain),
+            Self::Matrices(_) | Self::Modes(_) => None,
+        }
     }
 
     /// The contacts as they were given.
     pub(super) fn contacts(&self) -> Vec<Contact> {
         match self {
             Self::Modes(modal) => modal.contacts().to_vec(),
-            Self::Matrices(structure) | Self::Chain { structure, .. } => {
-                structure.contacts.iter().map(|(_, contact)| *contact).collect()
-            }
+            Self::Matrices(structure) => structure.contacts.iter().map(|(_, contact)| *contact).collect(),
+            Self::Chain { structure, .. } => structure.contacts.iter().map(|(_, contact)| *contact).collect(),
         }
     }
 }

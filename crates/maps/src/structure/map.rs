@@ -75,68 +75,79 @@ impl<'a> StructureMap<'a> {
     /// One row, its points in parallel; `None` once `stop` is raised.
     #[must_use]
     pub fn row(&self, row: usize, stop: &Stop) -> Option<Vec<StructureCell>> {
-        let count = self.scene.axes[0].points;
-        (0..count).into_par_iter().map(|column| (!stop.is_raised()).then(|| self.cell(column, row))).collect()
-    }
-
-    /// One point.
-    #[must_use]
-    pub fn cell(&self, column: usize, row: usize) -> StructureCell {
+        // What is slow to change is changed once.
         let mut scene = self.scene.clone();
-        let mut cell = StructureCell { at: [None; 2], solutions: 0, best: None, trouble: None };
-        for (place, (axis, number)) in self.scene.axes.iter().zip([column, row]).enumerate() {
-            let value = axis.value(number);
-            cell.at[place] = Some(value);
-            if let Err(why) = scene.set(axis.setting, value) {
-                cell.trouble = Some(why);
-                return cell;
-            }
+        let slow = self.scene.axes.get(1).map(|axis| (axis.value(row), scene.set(axis.setting, axis.value(row))));
+        let (value, set) = slow.map_or((None, Ok(())), |(value, set)| (Some(value), set));
+        let count = self.scene.axes[0].points;
+        let cell = |column: usize| {
+            (!stop.is_raised()).then(|| match &set {
+                Ok(()) => cell(scene.clone(), column, value),
+                Err(why) => StructureCell::troubled([Some(self.scene.axes[0].value(column)), value], why.clone()),
+            })
+        };
+        (0..count).into_par_iter().map(cell).collect()
+    }
+}
+
+impl StructureCell {
+    fn troubled(at: [Option<f64>; 2], why: String) -> Self {
+        Self { at, solutions: 0, best: None, trouble: Some(why) }
+    }
+}
+
+/// One point of a scene whose slow axis has its value.
+fn cell(mut scene: StructureScene, column: usize, slow: Option<f64>) -> StructureCell {
+    let axis = scene.axes[0];
+    let at = [Some(axis.value(column)), slow];
+    let mut cell = StructureCell { at, solutions: 0, best: None, trouble: None };
+    if let Err(why) = scene.set(axis.setting, axis.value(column)) {
+        return StructureCell::troubled(at, why);
+    }
+    let model = match scene.model() {
+        Ok(model) => model,
+        Err(why) => {
+            cell.trouble = Some(why);
+            return cell;
         }
-        let model = match scene.model() {
-            Ok(model) => model,
-            Err(why) => {
-                cell.trouble = Some(why);
-                return cell;
+    };
+    for (word, periods) in &scene.words {
+        let found = match structure_orbits(&model, word, *periods) {
+            Ok(found) => found,
+            Err(error) => {
+                cell.trouble = Some(error.to_string());
+                continue;
             }
         };
-        for (word, periods) in &self.scene.words {
-            let found = match structure_orbits(&model, word, *periods) {
-                Ok(found) => found,
+        for orbit in &found.orbits {
+            let physical = match structure_admissibility(orbit) {
+                Ok(answer) if answer.is_physical() => answer,
+                Ok(_) => continue,
                 Err(error) => {
                     cell.trouble = Some(error.to_string());
                     continue;
                 }
             };
-            for orbit in &found.orbits {
-                let physical = match structure_admissibility(orbit) {
-                    Ok(answer) if answer.is_physical() => answer,
-                    Ok(_) => continue,
+            cell.solutions += 1;
+            let verdict = if scene.stability {
+                match structure_stability(orbit, scene.tolerance) {
+                    Ok(stability) => Some(stability.verdict),
                     Err(error) => {
                         cell.trouble = Some(error.to_string());
                         continue;
                     }
-                };
-                cell.solutions += 1;
-                let verdict = if self.scene.stability {
-                    match structure_stability(orbit, self.scene.tolerance) {
-                        Ok(stability) => Some(stability.verdict),
-                        Err(error) => {
-                            cell.trouble = Some(error.to_string());
-                            continue;
-                        }
-                    }
-                } else {
-                    None
-                };
-                let rank = |verdict: &Option<Verdict>| {
-                    verdict.map_or(0, |verdict| if verdict.stable { 2 } else { usize::from(verdict.marginal) })
-                };
-                let better = cell.best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other));
-                if better {
-                    cell.best = Some((word.to_string(), verdict, physical.margin));
                 }
+            } else {
+                None
+            };
+            let rank = |verdict: &Option<Verdict>| {
+                verdict.map_or(0, |verdict| if verdict.stable { 2 } else { usize::from(verdict.marginal) })
+            };
+            let better = cell.best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other));
+            if better {
+                cell.best = Some((word.to_string(), verdict, physical.margin));
             }
         }
-        cell
     }
+    cell
 }

@@ -3,11 +3,13 @@
 //! | module | holds |
 //! |---|---|
 //! | `scene` | [`StructureScene`]: the file, checked |
+//! | `damped_chain` | scenes of chains with dashpots and stops of their own |
 //! | `setting` | [`Setting`]: each number of it by name, to be varied |
 //! | `definition` | matrices, modes or a chain, from which the structure is made |
 //! | `matrix_market` | matrices in the files of other tools |
 //! | `map` | [`StructureMap`]: what lives at each point of a grid |
 
+mod damped_chain;
 mod definition;
 pub mod map;
 mod matrix_market;

@@ -9,6 +9,7 @@ use vibrochain_breather::{StructureModel, Word};
 use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Complex, Contact, ModalStructure};
 
+use super::damped_chain;
 use super::definition::{ChainTable, ContactTable, Definition, ForceTable, StructureTable};
 use super::setting::Setting;
 use crate::error::MapError;
@@ -39,9 +40,16 @@ struct File {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SweepTable {
+pub(super) struct SweepTable {
     x: AxisTable,
     y: Option<AxisTable>,
+}
+
+impl SweepTable {
+    /// Whether an axis is of one of these names.
+    pub(super) fn varies(&self, names: &[&str]) -> bool {
+        std::iter::once(&self.x).chain(&self.y).any(|axis| names.contains(&axis.parameter.as_str()))
+    }
 }
 
 #[derive(Deserialize)]
@@ -55,7 +63,7 @@ struct AxisTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ComputeTable {
+pub(super) struct ComputeTable {
     families: Vec<String>,
     threshold: Option<f64>,
     #[serde(default = "yes")]
@@ -108,7 +116,7 @@ pub struct StructureScene {
     pub stability: bool,
     /// Axes of a map, the fastest first.
     pub axes: Vec<StructureAxis>,
-    definition: Definition,
+    definition: Arc<Definition>,
     omega: Option<f64>,
     load: f64,
     still: f64,
@@ -135,7 +143,9 @@ impl StructureScene {
         // What is no table at all is told by those who read chains.
         let Ok(table) = text.parse::<toml::Table>() else { return Ok(None) };
         if !table.contains_key("structure") {
-            return Ok(None);
+            let damped = damped_chain::is_one(&table);
+            let scene = damped.then(|| damped_chain::read(&text)).transpose();
+            return scene.map_err(|why| MapError::Request(format!("{}: {why}", path.display())));
         }
         let folder = path.parent().unwrap_or(Path::new("."));
         Self::of_text(&text, folder).map(Some).map_err(|why| MapError::Request(format!("{}: {why}", path.display())))
@@ -148,16 +158,36 @@ impl StructureScene {
     pub fn of_text(text: &str, folder: &Path) -> Result<Self, String> {
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
         let definition = Definition::new(&file.structure, &file.contact, &file.force, folder)?;
+        let mut scene = Self::of(definition)?;
+        scene.title = file.title;
+        scene.word = file
+            .word
+            .as_deref()
+            .map(|text| text.parse::<Word>().map_err(|error| format!("word {text}: {error}")))
+            .transpose()?;
+        scene.force_periods = file.force_periods.unwrap_or(1);
+        scene.omega = file.omega;
+        scene.with_map(file.sweep.as_ref(), file.compute.as_ref())
+    }
+
+    /// The same with axes and words.
+    pub(super) fn with_map(
+        mut self,
+        sweep: Option<&SweepTable>,
+        compute: Option<&ComputeTable>,
+    ) -> Result<Self, String> {
         let word = |text: &str| text.parse::<Word>().map_err(|error| format!("word {text}: {error}"));
         let of_map = |text: &String| -> Result<(Word, u32), String> {
+            if text == "period-doubled" {
+                return Ok((word(text)?, 2));
+            }
             let (name, periods) = text.split_once('/').unwrap_or((text, "1"));
             let periods = periods.parse().ok().filter(|periods| *periods > 0);
             Ok((word(name)?, periods.ok_or_else(|| format!("{text}: give a number of periods after the slash"))?))
         };
-        let compute = file.compute.as_ref();
         let words = compute.map_or(Ok(Vec::new()), |compute| compute.families.iter().map(of_map).collect())?;
         let tolerance = compute.and_then(|compute| compute.threshold).map(tolerance_from).transpose()?;
-        let sweep = file.sweep.iter().flat_map(|sweep| std::iter::once(&sweep.x).chain(&sweep.y));
+        let sweep = sweep.iter().flat_map(|sweep| std::iter::once(&sweep.x).chain(&sweep.y));
         let axis = |axis: &AxisTable| -> Result<StructureAxis, String> {
             let AxisTable { parameter, from, to, points } = axis;
             let rises = from.is_finite() && to.is_finite() && from < to;
@@ -167,24 +197,19 @@ impl StructureScene {
             Ok(StructureAxis { setting: parameter.parse()?, from: *from, to: *to, points: *points })
         };
         let axes = sweep.map(axis).collect::<Result<Vec<_>, _>>()?;
-        let mut scene = Self::of(definition)?;
-        scene.title = file.title;
-        scene.word = file.word.as_deref().map(word).transpose()?;
-        scene.force_periods = file.force_periods.unwrap_or(1);
-        scene.words = words;
-        scene.tolerance = tolerance.unwrap_or(Tolerance::Rounding);
-        scene.stability = compute.is_none_or(|compute| compute.stability);
-        scene.axes = axes.clone();
-        scene.omega = file.omega;
+        self.words = words;
+        self.tolerance = tolerance.unwrap_or(Tolerance::Rounding);
+        self.stability = compute.is_none_or(|compute| compute.stability);
+        self.axes = axes.clone();
         // Every end of an axis is asked once, so that a map does not begin in vain.
         for axis in &axes {
-            scene.clone().set(axis.setting, axis.from)?;
-            scene.clone().set(axis.setting, axis.to)?;
-            if axis.setting == Setting::Omega && scene.omega.is_none() {
-                scene.omega = Some(axis.from);
+            self.clone().set(axis.setting, axis.from)?;
+            self.clone().set(axis.setting, axis.to)?;
+            if axis.setting == Setting::Omega && self.omega.is_none() {
+                self.omega = Some(axis.from);
             }
         }
-        Ok(scene)
+        Ok(self)
     }
 
     fn of(definition: Definition) -> Result<Self, String> {
@@ -198,7 +223,7 @@ impl StructureScene {
             axes: Vec::new(),
             contacts: definition.contacts(),
             modal: Arc::new(definition.modal(1.0)?),
-            definition,
+            definition: Arc::new(definition),
             omega: None,
             load: 1.0,
             still: 1.0,
@@ -217,9 +242,9 @@ impl StructureScene {
         }
         let unit = |place: usize| DVector::from_fn(n, |i, _| f64::from(u8::from(i == place)));
         let contacts = contacts.into_iter().enumerate().map(|(place, contact)| (unit(place), contact)).collect();
-        let load = DVector::from_element(n, Complex::new(amplitude, 0.0));
-        let loads = if amplitude == 0.0 { Vec::new() } else { vec![(1, load)] };
-        Self::of(Definition::of_chain(chain, contacts, DVector::from_element(n, still), loads)?)
+        let load = DVector::from_element(n, Complex::new(1.0, 0.0));
+        let definition = Definition::of_chain(chain, contacts, DVector::from_element(n, 1.0), vec![(1, load)])?;
+        Ok(Self { load: amplitude, still, ..Self::of(definition)? })
     }
 
     /// The frequency, if the file or a flag has given it.
@@ -241,7 +266,14 @@ impl StructureScene {
             Setting::Omega => self.omega,
             Setting::Load => Some(self.load),
             Setting::Static => Some(self.still),
-            Setting::Damping => Some(self.damping),
+            Setting::Damping => Some(self.definition.chain().map_or(self.damping, |chain| chain.damping)),
+            Setting::CouplingDamping => Some(self.definition.chain()?.coupling_damping),
+            Setting::Gamma1 => Some(self.definition.chain()?.gamma1),
+            Setting::Gamma2 => Some(self.definition.chain()?.gamma2),
+            Setting::Asymmetry => {
+                self.contacts.iter().find_map(|contact| Some(0.5 * (contact.lower? + contact.upper?)))
+            }
+            Setting::RestitutionOfAll => self.contacts.first().map(|contact| contact.restitution),
             Setting::Lower(contact) => self.contacts.get(contact)?.lower,
             Setting::Upper(contact) => self.contacts.get(contact)?.upper,
             Setting::Restitution(contact) => Some(self.contacts.get(contact)?.restitution),
@@ -257,8 +289,9 @@ impl StructureScene {
             return Err(format!("{setting} = {value} is out of range: give a finite number"));
         }
         let count = self.contacts.len();
+        let contacts = &mut self.contacts;
         let mut contact = |number: usize, change: fn(&mut Contact, f64)| {
-            let place = self.contacts.get_mut(number);
+            let place = contacts.get_mut(number);
             let place = place.ok_or_else(|| format!("{setting}: the structure has the contacts 0 to {}", count - 1))?;
             change(place, value);
             Ok::<(), String>(())
@@ -270,10 +303,33 @@ impl StructureScene {
             Setting::Omega => self.omega = Some(value),
             Setting::Load => self.load = value,
             Setting::Static => self.still = value,
-            Setting::Damping => {
+            Setting::Damping if self.definition.chain().is_none() => {
                 self.modal = Arc::new(self.definition.modal(value)?);
                 self.damping = value;
             }
+            Setting::Damping | Setting::CouplingDamping | Setting::Gamma1 | Setting::Gamma2 => {
+                let change = |chain: &mut ChainTable| {
+                    let place = match setting {
+                        Setting::Damping => &mut chain.damping,
+                        Setting::CouplingDamping => &mut chain.coupling_damping,
+                        Setting::Gamma1 => &mut chain.gamma1,
+                        _ => &mut chain.gamma2,
+                    };
+                    *place = value;
+                };
+                let changed = self.definition.with_chain(change);
+                let changed =
+                    changed.ok_or_else(|| format!("{setting} is of chains: this structure has matrices or modes"))?;
+                self.definition = Arc::new(changed?);
+                self.modal = Arc::new(self.definition.modal(1.0)?);
+            }
+            Setting::Asymmetry => self.contacts.iter_mut().for_each(|contact| {
+                if let (Some(lower), Some(upper)) = (contact.lower, contact.upper) {
+                    let half = 0.5 * (upper - lower);
+                    (contact.lower, contact.upper) = (Some(value - half), Some(value + half));
+                }
+            }),
+            Setting::RestitutionOfAll => self.contacts.iter_mut().for_each(|contact| contact.restitution = value),
             Setting::Lower(number) => contact(number, |contact, value| contact.lower = Some(value))?,
             Setting::Upper(number) => contact(number, |contact, value| contact.upper = Some(value))?,
             Setting::Restitution(number) => contact(number, |contact, value| contact.restitution = value)?,

@@ -1,0 +1,126 @@
+//! Scenes of chains with dashpots, a static force or stops of their own: `[model]` with keys that plain chains do not have.
+
+use serde::Deserialize;
+use vibrochain_lattice::Contact;
+
+use super::definition::ChainTable;
+use super::scene::{ComputeTable, StructureScene, SweepTable};
+use super::setting::Setting;
+
+/// Keys, and parameters of axes, that make a chain one of these.
+const KEYS: [&str; 6] = ["damping", "coupling_damping", "static_force", "stops", "lower", "upper"];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    title: Option<String>,
+    model: Model,
+    sweep: Option<SweepTable>,
+    compute: Option<ComputeTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Model {
+    sites: usize,
+    #[serde(default = "ring")]
+    ends: String,
+    gamma1: Option<f64>,
+    gamma2: Option<f64>,
+    omega: Option<f64>,
+    asymmetry: Option<f64>,
+    amplitude: Option<f64>,
+    restitution: Option<f64>,
+    #[serde(default)]
+    forcing: Forcing,
+    #[serde(default)]
+    damping: f64,
+    #[serde(default)]
+    coupling_damping: f64,
+    #[serde(default)]
+    static_force: f64,
+    #[serde(default)]
+    stops: Vec<usize>,
+    lower: Option<f64>,
+    upper: Option<f64>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Forcing {
+    amplitude: Option<f64>,
+    restitution: Option<f64>,
+}
+
+fn ring() -> String {
+    "closed".to_owned()
+}
+
+/// Whether a table is a scene of these.
+pub(super) fn is_one(table: &toml::Table) -> bool {
+    let model = table.get("model").and_then(toml::Value::as_table);
+    let in_model = model.is_some_and(|model| KEYS.iter().any(|key| model.contains_key(*key)) || fixed_free(model));
+    let axes = table
+        .get("sweep")
+        .and_then(toml::Value::as_table)
+        .into_iter()
+        .flat_map(|sweep| ["x", "y"].map(|axis| sweep.get(axis)));
+    let swept = axes.flatten().filter_map(|axis| axis.get("parameter")?.as_str()).any(|name| KEYS.contains(&name));
+    in_model || model.is_some() && swept
+}
+
+fn fixed_free(model: &toml::Table) -> bool {
+    model.get("ends").and_then(toml::Value::as_str) == Some("fixed-free")
+}
+
+/// The scene of a text.
+pub(super) fn read(text: &str) -> Result<StructureScene, String> {
+    let File { title, model, sweep, compute } = toml::from_str(text).map_err(|error| error.to_string())?;
+    // What varies may be left out: it begins anywhere.
+    let varies = |names: &[&str]| sweep.as_ref().is_some_and(|sweep| sweep.varies(names));
+    let given = |name: &str, value: Option<f64>| match value {
+        Some(value) => Ok(value),
+        None if varies(&[name]) => Ok(0.5),
+        None => Err(format!("{name} is missing from [model]")),
+    };
+    let amplitude = model.amplitude.or(model.forcing.amplitude);
+    let forced = amplitude.is_some() || varies(&["amplitude", "load"]);
+    let restitution = model.restitution.or(model.forcing.restitution);
+    let restitution = match restitution {
+        Some(restitution) => restitution,
+        None if varies(&["restitution"]) || !forced => 1.0,
+        None => return Err("restitution is missing from [model]: a force needs it".to_owned()),
+    };
+    let asymmetry = if varies(&["asymmetry"]) { Some(model.asymmetry.unwrap_or(0.0)) } else { model.asymmetry };
+    let by = |own: Option<f64>, side: f64| own.or_else(|| asymmetry.map(|a| a + side));
+    let (lower, upper) = (by(model.lower, -1.0), by(model.upper, 1.0));
+    if lower.is_none() && upper.is_none() {
+        return Err("nothing stops the masses: give asymmetry, lower or upper in [model]".to_owned());
+    }
+    if let Some(stop) = model.stops.iter().find(|stop| **stop >= model.sites) {
+        return Err(format!(
+            "stops: site {stop} does not exist: this chain has the sites 0 to {}",
+            model.sites.saturating_sub(1)
+        ));
+    }
+    let contact = |site: usize| {
+        let stopped = model.stops.is_empty() || model.stops.contains(&site);
+        let [lower, upper] = [lower, upper].map(|barrier| barrier.filter(|_| stopped));
+        Contact { lower, upper, restitution }
+    };
+    let chain = ChainTable {
+        sites: model.sites,
+        gamma1: given("gamma1", model.gamma1)?,
+        gamma2: given("gamma2", model.gamma2)?,
+        ends: model.ends.clone(),
+        damping: model.damping,
+        coupling_damping: model.coupling_damping,
+    };
+    let contacts = (0..model.sites.min(1 << 20)).map(contact).collect();
+    let mut scene = StructureScene::of_chain(chain, contacts, amplitude.unwrap_or(0.0), model.static_force)?;
+    scene.title = title;
+    if let Some(omega) = model.omega {
+        scene.set(Setting::Omega, omega)?;
+    }
+    scene.with_map(sweep.as_ref(), compute.as_ref())
+}
