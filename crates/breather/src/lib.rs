@@ -71,7 +71,7 @@ pub use orbit::{Family, Hit, Impact, Orbit};
 pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use search::words::ended::{End, Ended};
-pub use structures::admissible::structure_admissibility;
+pub use structures::admissible::{structure_admissibility, structure_is_physical};
 pub use structures::error::StructureOrbitError;
 pub use structures::flight::StructureMotion;
 pub use structures::model::StructureModel;

@@ -1,14 +1,17 @@
 //! Is an orbit of a structure physical? Every contact must stay inside its barriers between its impacts: decided by bounds, not samples.
 //!
-//! With d the distance to a barrier and B ≥ |g″| on the rest of a flight, d stays positive until the root of d + d′h − Bh²/2: steps to these
-//! roots pass no contact.
+//! Where no mode is far faster than a flight is long, contacts are polynomials on windows of a radian, whose turning points are isolated as
+//! those of a chain's masses are. Otherwise, with d the distance to a barrier and B ≥ |g″| on the rest of a flight, d stays positive until the
+//! root of d + d′h − Bh²/2: steps to these roots pass no contact.
 
 use vibrochain_lattice::Barrier;
 
 use super::error::StructureOrbitError;
-use super::flight::StructureMotion;
+use super::flight::{StructureMotion, Windows};
 use super::orbit::StructureOrbit;
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
+use crate::admissible::check::Depth;
+use crate::motion::polynomial::{Polynomial, turning_points, with_overlap};
 
 /// Distances below this part of a contact's reach are a touch.
 const TOUCH: f64 = 1e-13;
@@ -19,11 +22,24 @@ const TOGETHER: f64 = 1e-12;
 /// Steps for one contact in one flight; a graze of 1e-13 takes some dozens.
 const MOST_STEPS: usize = 2_000_000;
 
-/// Whether an orbit is physical, with the least distance at a turning point or what is in the way; contacts stand in place of sites.
+/// Whether an orbit is physical, with the least distance at a turning point or what is in the way, where it is farthest out; contacts stand
+/// in place of sites.
 ///
 /// # Errors
 /// [`StructureOrbitError`] at a resonance.
 pub fn structure_admissibility(orbit: &StructureOrbit) -> Result<Admissibility, StructureOrbitError> {
+    check(orbit, Depth::Worst)
+}
+
+/// As [`structure_admissibility`], to the first thing that is in the way: what a map asks.
+///
+/// # Errors
+/// As [`structure_admissibility`].
+pub fn structure_is_physical(orbit: &StructureOrbit) -> Result<Admissibility, StructureOrbitError> {
+    check(orbit, Depth::First)
+}
+
+fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, StructureOrbitError> {
     let impacts = orbit.impacts();
     for (number, impact) in impacts.iter().enumerate() {
         if impact.barrier.sign() * impact.velocity_before <= 0.0 {
@@ -37,52 +53,17 @@ pub fn structure_admissibility(orbit: &StructureOrbit) -> Result<Admissibility, 
         }
     }
     let motion = StructureMotion::new(orbit)?;
-    let mut closest: Option<(f64, Approach)> = None;
-    let together = TOGETHER * orbit.period();
-    // Those that are hit come first: the others are seldom nearer.
-    let contacts = orbit.model().structure().contacts();
-    let mut order: Vec<usize> = (0..contacts.len()).collect();
-    order.sort_by_key(|&contact| !impacts.iter().any(|impact| impact.contact == contact));
-    for contact in order {
-        let stops = &contacts[contact];
-        for barrier in [Barrier::Lower, Barrier::Upper] {
-            let Some(stop) = stops.barrier(barrier) else { continue };
-            for i in 0..impacts.len() {
-                let (begins, length) = (impacts[i].time, motion.until_next(i));
-                if length <= together {
-                    continue;
-                }
-                // Most contacts are far from their barriers, and stay there.
-                let room = barrier.sign() * (stop - motion.still(contact));
-                if closest.as_ref().is_some_and(|(least, _)| room - motion.most_excursion(contact, i) > least.max(0.0)) {
-                    continue;
-                }
-                let here = |time: f64| {
-                    impacts.iter().any(|impact| {
-                        let apart = (impact.time - time).rem_euclid(orbit.period());
-                        impact.contact == contact
-                            && impact.barrier == barrier
-                            && apart.min(orbit.period() - apart) <= together
-                    })
-                };
-                let watch = Watch {
-                    motion: &motion,
-                    contact,
-                    barrier,
-                    stop,
-                    i,
-                    length,
-                    touch: TOUCH * stops.reach().max(f64::MIN_POSITIVE),
-                };
-                if let Some((least, s)) = watch.least(here(begins), here(begins + length)) {
-                    let time = (begins + s).rem_euclid(orbit.period());
-                    if closest.as_ref().is_none_or(|(other, _)| least < *other) {
-                        closest = Some((least, Approach { site: contact, barrier, time }));
-                    }
-                }
-            }
+    let mut search = Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth };
+    for i in 0..impacts.len() {
+        if motion.until_next(i) <= TOGETHER * orbit.period() || search.is_decided() {
+            continue;
+        }
+        match Windows::new(&motion, i) {
+            Some(windows) => search.by_windows(windows, i),
+            None => search.by_steps(i),
         }
     }
+    let closest = search.closest;
     let obstruction = closest.as_ref().filter(|(least, _)| *least <= 0.0).map(|(least, approach)| {
         Obstruction::Crossing { site: approach.site, barrier: approach.barrier, time: approach.time, excess: -least }
     });
@@ -91,6 +72,134 @@ pub fn structure_admissibility(orbit: &StructureOrbit) -> Result<Admissibility, 
         None => (None, None),
     };
     Ok(Admissibility { margin, obstruction, closest })
+}
+
+struct Search<'a> {
+    orbit: &'a StructureOrbit,
+    motion: &'a StructureMotion<'a>,
+    closest: Option<(f64, Approach)>,
+    pending: Vec<(f64, f64)>,
+    depth: Depth,
+}
+
+impl Search<'_> {
+    /// Nothing that is still to come changes the answer.
+    fn is_decided(&self) -> bool {
+        self.depth == Depth::First && self.closest.as_ref().is_some_and(|(least, _)| *least <= 0.0)
+    }
+
+    fn note(&mut self, least: f64, (contact, barrier): (usize, Barrier), time: f64) {
+        if self.closest.as_ref().is_none_or(|(other, _)| least < *other) {
+            let time = time.rem_euclid(self.orbit.period());
+            self.closest = Some((least, Approach { site: contact, barrier, time }));
+        }
+    }
+
+    /// Contacts with a barrier, those that are hit first: the others are seldom nearer.
+    fn order(&self) -> Vec<usize> {
+        let contacts = self.orbit.model().structure().contacts();
+        let stopped = |contact: &usize| contacts[*contact].lower.is_some() || contacts[*contact].upper.is_some();
+        let mut order: Vec<usize> = (0..contacts.len()).filter(stopped).collect();
+        order.sort_by_key(|&contact| !self.orbit.impacts().iter().any(|impact| impact.contact == contact));
+        order
+    }
+
+    /// Whether a contact is on a barrier at an instant of impacts.
+    fn is_hit(&self, contact: usize, barrier: Barrier, time: f64) -> bool {
+        let period = self.orbit.period();
+        self.orbit.impacts().iter().any(|impact| {
+            let apart = (impact.time - time).rem_euclid(period);
+            impact.contact == contact && impact.barrier == barrier && apart.min(period - apart) <= TOGETHER * period
+        })
+    }
+
+    /// Most contacts are far from their barriers, and stay there.
+    fn is_far(&self, contact: usize, barrier: Barrier, stop: f64, i: usize) -> bool {
+        let room = barrier.sign() * (stop - self.motion.still(contact));
+        let least = self.closest.as_ref().map(|(least, _)| least.max(0.0));
+        least.is_some_and(|least| room - self.motion.most_excursion(contact, i) > least)
+    }
+
+    /// Turning points of the contacts' polynomials, window by window.
+    fn by_windows(&mut self, mut windows: Windows<'_, '_>, i: usize) {
+        let begins = self.orbit.impacts()[i].time;
+        let structure = self.orbit.model().structure().clone();
+        let mut watched: Vec<(usize, Barrier, f64)> = Vec::new();
+        for contact in self.order() {
+            for barrier in [Barrier::Lower, Barrier::Upper] {
+                if let Some(stop) = structure.contacts()[contact].barrier(barrier)
+                    && !self.is_far(contact, barrier, stop, i)
+                {
+                    watched.push((contact, barrier, stop));
+                }
+            }
+        }
+        let whole = self.motion.until_next(i);
+        // A contact that feels an impact of another has a corner there.
+        for &(contact, barrier, stop) in &watched {
+            for s in [0.0, whole] {
+                if !self.is_hit(contact, barrier, begins + s) {
+                    let place = self.motion.contact(contact, i, s)[0];
+                    self.note(barrier.sign() * (stop - place), (contact, barrier), begins + s);
+                }
+            }
+        }
+        let mut pending = std::mem::take(&mut self.pending);
+        loop {
+            let mut polynomial: Option<(usize, Polynomial)> = None;
+            for &(contact, barrier, stop) in &watched {
+                if polynomial.as_ref().is_none_or(|(of, _)| *of != contact) {
+                    polynomial = Some((contact, windows.polynomial(contact)));
+                }
+                let Some((_, polynomial)) = &polynomial else { continue };
+                // In the form that turning points are sought in: the distance is 1 − |p|, and p beyond −1 is far away.
+                let far = polynomial
+                    .coefficients
+                    .iter()
+                    .enumerate()
+                    .fold(0.0, |sum: f64, (k, c)| sum + c.abs() * windows.length.powi(k as i32));
+                let scale = 2.0 * (far + stop.abs()).max(f64::MIN_POSITIVE);
+                let mut own = *polynomial;
+                own.coefficients.iter_mut().for_each(|c| *c *= barrier.sign() / scale);
+                own.coefficients[0] += 1.0 - barrier.sign() * stop / scale;
+                let start = windows.start();
+                let ends = [start > 0.0, start + 1.5 * windows.length < whole];
+                let least = self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale);
+                let mut note = |s: f64, value: f64| {
+                    self.note((1.0 - value) * scale, (contact, barrier), begins + start + s);
+                    self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale)
+                };
+                turning_points(&own, with_overlap(windows.length, ends), &mut pending, least, &mut note, 0.0);
+            }
+            if self.is_decided() || !windows.advance() {
+                break;
+            }
+        }
+        self.pending = pending;
+    }
+
+    /// By bounds alone, step by step.
+    fn by_steps(&mut self, i: usize) {
+        let begins = self.orbit.impacts()[i].time;
+        let structure = self.orbit.model().structure().clone();
+        let length = self.motion.until_next(i);
+        for contact in self.order() {
+            let stops = &structure.contacts()[contact];
+            for barrier in [Barrier::Lower, Barrier::Upper] {
+                let Some(stop) = stops.barrier(barrier) else { continue };
+                if self.is_far(contact, barrier, stop, i) || self.is_decided() {
+                    continue;
+                }
+                let touch = TOUCH * stops.reach().max(f64::MIN_POSITIVE);
+                let watch = Watch { motion: self.motion, contact, barrier, stop, i, length, touch };
+                let (leaves, arrives) =
+                    (self.is_hit(contact, barrier, begins), self.is_hit(contact, barrier, begins + length));
+                if let Some((least, s)) = watch.least(leaves, arrives) {
+                    self.note(least, (contact, barrier), begins + s);
+                }
+            }
+        }
+    }
 }
 
 /// One contact and one barrier in one flight.
@@ -182,5 +291,77 @@ impl Watch<'_> {
             s = next;
         }
         self.length
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
+    use vibrochain_testkit::Random;
+
+    use super::*;
+    use crate::structures::model::StructureModel;
+    use crate::structures::search::structure_orbits;
+
+    /// A few modes with two contacts, one on one side and one between two barriers.
+    fn structure(random: &mut Random) -> ModalStructure {
+        let mut mode = || {
+            let (frequency, ratio) = (random.log(0.3, 6.0), random.log(1e-3, 1.5));
+            let contacts = vec![random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+            let shape = ModeShape { contacts, coordinates: Vec::new(), still: random.between(-0.1, 0.1) };
+            let load = Complex::new(random.between(-1.0, 1.0), 0.0);
+            LinearMode::oscillator(ratio * frequency, frequency * frequency * (1.0 - ratio * ratio), &shape, &[load])
+        };
+        let modes: Vec<_> = (0..5).map(|_| mode()).collect();
+        let contacts = vec![
+            Contact { lower: None, upper: Some(random.between(0.0, 0.5)), restitution: random.between(0.3, 1.0) },
+            Contact { lower: Some(-random.log(0.1, 2.0)), upper: Some(random.log(0.1, 2.0)), restitution: 0.8 },
+        ];
+        ModalStructure::new(contacts, vec![1], modes).unwrap()
+    }
+
+    /// Windows, steps and samples agree on what is in the way, and how near the nearest is.
+    #[test]
+    fn windows_and_steps_agree() {
+        let mut random = Random(29);
+        let (mut physical, mut crossing, mut first) = (0, 0, 0);
+        for _ in 0..300 {
+            let structure = Arc::new(structure(&mut random));
+            let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
+            let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();
+            let Ok(found) = structure_orbits(&model, &word, 1) else { continue };
+            for orbit in &found.orbits {
+                let answer = structure_admissibility(orbit).unwrap();
+                let Some(margin) = answer.margin else { continue };
+                let motion = StructureMotion::new(orbit).unwrap();
+                let mut search =
+                    Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth: Depth::Worst };
+                (0..orbit.impacts().len()).for_each(|i| search.by_steps(i));
+                let (stepped, _) = search.closest.unwrap();
+                assert_eq!(stepped <= 0.0, margin <= 0.0, "{stepped} {margin} {orbit:?}");
+                if margin <= 0.0 {
+                    crossing += 1;
+                    let quick = structure_is_physical(orbit).unwrap();
+                    assert!(!quick.is_physical());
+                    first += usize::from(quick.margin != answer.margin);
+                    let mut least = f64::INFINITY;
+                    for i in 0..orbit.impacts().len() {
+                        for n in 1..400 {
+                            let s = motion.until_next(i) * f64::from(n) / 400.0;
+                            let rooms = model.structure().contacts().iter().enumerate();
+                            least =
+                                rooms.map(|(c, stops)| stops.room(motion.contact(c, i, s)[0])).fold(least, f64::min);
+                        }
+                    }
+                    assert!(margin <= least + 1e-9 && margin > least - 0.02 * (1.0 + least.abs()), "{margin} {least}");
+                } else {
+                    physical += 1;
+                    assert!(margin <= stepped + 1e-9, "{margin} {stepped} {orbit:?}");
+                }
+            }
+        }
+        assert!(physical > 40 && crossing > 100 && first > 20, "{physical} {crossing} {first}");
     }
 }

@@ -5,6 +5,7 @@ use vibrochain_lattice::{Complex, LinearMode, ModalStructure, Turn};
 use super::equations::Equations;
 use super::error::StructureOrbitError;
 use super::orbit::StructureOrbit;
+use crate::motion::polynomial::{ORDER, Polynomial};
 
 type C = Complex<f64>;
 
@@ -191,6 +192,120 @@ impl<'a> StructureMotion<'a> {
             };
         }
         most
+    }
+}
+
+/// One flight in windows of at most a radian of its fastest part, on which every contact is a polynomial to rounding.
+pub(super) struct Windows<'m, 'a> {
+    motion: &'m StructureMotion<'a>,
+    /// Length of a window, and how many there are.
+    pub(super) length: f64,
+    pub(super) count: usize,
+    number: usize,
+    i: usize,
+    /// ξ of each mode at the window's start, what a window turns it by, and its derivatives over factorials: [order][mode].
+    states: Vec<[f64; 2]>,
+    steps: Vec<[f64; 2]>,
+    derivatives: Vec<[f64; 2]>,
+}
+
+/// More windows than this in a flight are not laid: modes far above all others are bounded instead.
+const MOST_WINDOWS: f64 = 600.0;
+
+/// Windows after which states are set anew, so that rounding cannot add up.
+const REFRESH: usize = 32;
+
+impl<'m, 'a> Windows<'m, 'a> {
+    /// `None` where there would be too many, or a rigid mode is no part of the modes' flight.
+    pub(super) fn new(motion: &'m StructureMotion<'a>, i: usize) -> Option<Self> {
+        if !motion.equations.rigid.is_empty() {
+            return None;
+        }
+        let modes = motion.structure().modes();
+        let fastest = modes.iter().map(|mode| mode.rate.hypot(mode.decay)).fold(0.0, f64::max);
+        let fastest = motion.equations.swings(0).map(|(rate, _)| rate).fold(fastest, f64::max);
+        let (whole, windows) = (motion.until_next(i), (motion.until_next(i) * fastest).ceil().max(1.0));
+        if windows > MOST_WINDOWS {
+            return None;
+        }
+        let length = whole / windows;
+        let steps = modes.iter().map(|mode| mode.flight(length)).map(|by| [by.even, by.odd]).collect();
+        let mut all = Self {
+            motion,
+            length,
+            count: windows as usize,
+            number: 0,
+            i,
+            states: motion.states[i].clone(),
+            steps,
+            derivatives: vec![[0.0; 2]; modes.len() * ORDER],
+        };
+        all.derive();
+        Some(all)
+    }
+
+    /// Since the impact.
+    pub(super) fn start(&self) -> f64 {
+        self.number as f64 * self.length
+    }
+
+    /// Goes on to the next window, if there is one.
+    pub(super) fn advance(&mut self) -> bool {
+        self.number += 1;
+        if self.number == self.count {
+            return false;
+        }
+        let modes = self.motion.structure().modes();
+        if self.number.is_multiple_of(REFRESH) {
+            let at = self.start();
+            for (k, mode) in modes.iter().enumerate() {
+                let by = mode.flight(at);
+                self.states[k] = turned(mode.turn, [by.even, by.odd], self.motion.states[self.i][k]);
+            }
+        } else {
+            for ((mode, state), step) in modes.iter().zip(&mut self.states).zip(&self.steps) {
+                *state = turned(mode.turn, *step, *state);
+            }
+        }
+        self.derive();
+        true
+    }
+
+    fn derive(&mut self) {
+        let modes = self.motion.structure().modes();
+        for (k, mode) in modes.iter().enumerate() {
+            let mut xi = self.states[k];
+            for order in 0..ORDER {
+                self.derivatives[order * modes.len() + k] = xi;
+                let by = 1.0 / (order + 1) as f64;
+                xi = turned(mode.turn, [-mode.decay * by, mode.rate * by], xi);
+            }
+        }
+    }
+
+    /// The contact on this window, from its start on.
+    pub(super) fn polynomial(&self, contact: usize) -> Polynomial {
+        let modes = self.motion.structure().modes();
+        let mut coefficients = [0.0; ORDER];
+        for (coefficient, derivatives) in coefficients.iter_mut().zip(self.derivatives.chunks_exact(modes.len().max(1)))
+        {
+            let terms = modes.iter().zip(derivatives).map(|(mode, xi)| {
+                let row = mode.rows[contact];
+                row[0] * xi[0] + row[1] * xi[1]
+            });
+            *coefficient = terms.sum();
+        }
+        coefficients[0] += self.motion.equations.still(contact);
+        let orbit = self.motion.orbit;
+        let t = orbit.impacts()[self.i].time + self.start() + orbit.psi().unwrap_or(0.0);
+        for (rate, swing) in self.motion.equations.swings(contact) {
+            let mut value = swing * C::from_polar(1.0, rate * t);
+            for (order, coefficient) in coefficients.iter_mut().enumerate() {
+                *coefficient += value.re;
+                value *= C::new(0.0, rate / (order + 1) as f64);
+            }
+        }
+        Polynomial { coefficients }
     }
 }
 

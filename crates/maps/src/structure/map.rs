@@ -1,7 +1,7 @@
 //! What lives at each point of a structure's map: a row a point, every word asked for.
 
 use rayon::prelude::*;
-use vibrochain_breather::{structure_admissibility, structure_orbits};
+use vibrochain_breather::{structure_is_physical, structure_orbits};
 use vibrochain_floquet::{Verdict, structure_stability};
 use vibrochain_lattice::Stop;
 
@@ -120,7 +120,7 @@ fn cell(mut scene: StructureScene, column: usize, slow: Option<f64>) -> Structur
             }
         };
         for orbit in &found.orbits {
-            let physical = match structure_admissibility(orbit) {
+            let physical = match structure_is_physical(orbit) {
                 Ok(answer) if answer.is_physical() => answer,
                 Ok(_) => continue,
                 Err(error) => {
