@@ -2,8 +2,10 @@
 //!
 //! The state is that just before each impact: of the kernel past impulses alone count, the own of earlier periods included.
 
+use std::f64::consts::TAU;
+
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, Complex, LinearMode};
+use vibrochain_lattice::{Barrier, Complex, LinearMode, StructureError};
 
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
@@ -88,6 +90,14 @@ impl<'a> Equations<'a> {
         });
         let still = still.collect();
         Ok(Self { model, kernel, swings, still, rigid, forced: structure.is_forced() })
+    }
+
+    /// Refuses impacts of `contacts` where the period is a whole number of that of a mode which they drive and nothing damps.
+    pub(super) fn off_resonance(&self, contacts: &[usize]) -> Result<(), StructureOrbitError> {
+        let Some(mode) = self.kernel.resonant(contacts) else { return Ok(()) };
+        let (frequency, omega) = (self.model.structure().modes()[mode].rate, TAU / self.period());
+        let harmonic = (frequency / omega).round() as u32;
+        Err(StructureError::Resonance { harmonic, mode, frequency, omega }.into())
     }
 
     pub(super) fn period(&self) -> f64 {

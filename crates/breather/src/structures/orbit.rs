@@ -127,6 +127,8 @@ impl StructureOrbit {
         };
         let point = equations.with_offsets(point)?;
         let solved = equations.solve(point)?;
+        let contacts: Vec<usize> = impacts.iter().map(|impact| impact.0).collect();
+        equations.off_resonance(&contacts)?;
         Self::new(&equations, force_periods, solved)
     }
 

@@ -10,6 +10,12 @@
 
 use vibrochain_lattice::{LinearMode, Turn, Turned};
 
+/// From here on 1 − R is rounding: the period is a whole number of the mode's own.
+const RESONANT: f64 = 1e14;
+
+/// A part of a contact's mobility that is rounding: a contact at a node of the mode.
+const UNSEEN: f64 = 1e-12;
+
 /// One mode's part.
 #[derive(Debug, Clone)]
 enum Sum {
@@ -55,6 +61,22 @@ impl<'a> PeriodicKernel<'a> {
     /// Number of rigid modes.
     pub(super) fn rigid(&self) -> impl Iterator<Item = &'a LinearMode> + '_ {
         self.sums.iter().zip(self.modes).filter(|(sum, _)| matches!(sum, Sum::Rigid)).map(|(_, mode)| mode)
+    }
+
+    /// The first mode that impacts of these contacts would drive without bound.
+    pub(super) fn resonant(&self, contacts: &[usize]) -> Option<usize> {
+        let seen = |mode: &LinearMode, contact: usize| {
+            let (row, column) = (mode.rows[contact], mode.columns[contact]);
+            mode.rate * row[0].hypot(row[1]) * column[0].hypot(column[1])
+        };
+        let drives = |mode: &LinearMode, contact: usize| {
+            let all: f64 = self.modes.iter().map(|other| seen(other, contact)).sum();
+            seen(mode, contact) > UNSEEN * all
+        };
+        self.sums.iter().zip(self.modes).position(|(sum, mode)| match *sum {
+            Sum::Regular { steep, .. } => steep >= RESONANT && contacts.iter().any(|contact| drives(mode, *contact)),
+            Sum::Rigid => false,
+        })
     }
 
     /// (1−R)⁻¹ of mode `k` if it is regular.

@@ -90,6 +90,8 @@ pub fn structure_orbits(
     if !equations.forced && !model.structure().is_lossless() {
         return Err(StructureOrbitError::LossWithoutLoad);
     }
+    let contacts: SmallVec<[usize; 4]> = letters.iter().map(|(contact, _)| *contact).collect();
+    equations.off_resonance(&contacts)?;
     let search = Search { equations: &equations, letters };
     let (points, search) = if letters_at_once(word) { search.reversible(word)? } else { search.points()? };
     let mut orbits: Vec<StructureOrbit> = Vec::new();
@@ -326,11 +328,12 @@ impl Search<'_> {
         });
         let fastest = fastest.fold(self.equations.model.omega(), f64::max);
         let places = ((PLACES * fastest * period / TAU) as usize).clamp(LEAST_PLACES, MOST_PLACES);
-        let at = |phi: f64| self.value(phi);
-        let grid: Vec<(f64, f64)> = (1..places)
+        let at = |phi: f64| self.value(phi).map(|value| value[0]);
+        let both: Vec<(f64, [f64; 2])> = (1..places)
             .map(|i| period * i as f64 / places as f64)
-            .map(|phi| Ok((phi, at(phi)?)))
+            .map(|phi| Ok((phi, self.value(phi)?)))
             .collect::<Result<_, StructureOrbitError>>()?;
+        let grid: Vec<(f64, f64)> = both.iter().map(|&(phi, [value, _])| (phi, value)).collect();
         let mut zeros_found = Vec::new();
         for pair in grid.windows(2) {
             let [(a, left), (b, right)] = [pair[0], pair[1]];
@@ -340,11 +343,31 @@ impl Search<'_> {
                 zeros_found.push(closed_in(|phi| at(phi).unwrap_or(f64::NAN), (a, left), (b, right)));
             }
         }
+        // A structure that is its own mirror image: there F has a double zero, and no sign changes.
+        let mut points = if self.equations.forced { self.on_a_line(&[0.0, 0.5 * period])? } else { Vec::new() };
+        // Where Δ = 0, F is a sum of squares: between two places with F < 0 that is a pair of zeros, or of all barriers at the rest
+        // position a double one, with F = −Δ² all around.
+        for pair in both.windows(2) {
+            let [(a, [left, first]), (b, [right, last])] = [pair[0], pair[1]];
+            if self.equations.forced && left < 0.0 && right < 0.0 && first * last < 0.0 {
+                let determinant = |phi: f64| self.value(phi).map_or(f64::NAN, |value| value[1]);
+                let place = closed_in(determinant, (a, first), (b, last));
+                points.extend(self.on_a_line(&[0.0, place])?);
+                let value = at(place)?;
+                if value > 0.0 {
+                    for end in [(a, left), (b, right)] {
+                        zeros_found.push(closed_in(|phi| at(phi).unwrap_or(f64::NAN), end, (place, value)));
+                    }
+                }
+            }
+        }
         for three in grid.windows(3) {
             // Two zeros between two places show as a dip.
             let [left, middle, right] = [three[0].1, three[1].1, three[2].1];
             if left * middle > 0.0 && middle * right > 0.0 && middle.abs() < left.abs() && middle.abs() < right.abs() {
-                let turn = lowest(|phi| at(phi).map_or(f64::NAN, f64::abs), three[0].0, three[2].0);
+                // With its sign: |F| itself is least at either zero, where rounding alone decides on which side.
+                let signed = |phi: f64| at(phi).map_or(f64::NAN, |value| value * middle.signum());
+                let turn = lowest(signed, three[0].0, three[2].0);
                 let value = at(turn)?;
                 if value * middle <= 0.0 {
                     for end in [three[0], three[2]] {
@@ -353,8 +376,6 @@ impl Search<'_> {
                 }
             }
         }
-        // A structure that is its own mirror image: there F has a double zero, and no sign changes.
-        let mut points = if self.equations.forced { self.on_a_line(&[0.0, 0.5 * period])? } else { Vec::new() };
         for phi in zeros_found {
             if let Some(x) = self.linear(&[0.0, phi])?.solve() {
                 points.push(self.point(&[0.0, phi], &x));
@@ -363,17 +384,18 @@ impl Search<'_> {
         Ok((points, StructureSearch::Scan { places }))
     }
 
-    /// F(φ), or the law that is left, both times the determinant.
-    fn value(&self, phi: f64) -> Result<f64, StructureOrbitError> {
+    /// F(φ), or the law that is left times the determinant; and the determinant Δ.
+    fn value(&self, phi: f64) -> Result<[f64; 2], StructureOrbitError> {
         let linear = self.linear(&[0.0, phi])?;
-        let Some(factors) = Factors::new(linear.matrix()) else { return Ok(0.0) };
+        let Some(factors) = Factors::new(linear.matrix()) else { return Ok([0.0; 2]) };
         let (x, scale) = (factors.solve(&linear.right), factors.determinant);
-        Ok(if self.equations.forced {
+        let value = if self.equations.forced {
             let (c, s) = (x[linear.columns - 2] * scale, x[linear.columns - 1] * scale);
             c * c + s * s - scale * scale
         } else {
             linear.laws[1].iter().zip(&x).map(|(law, x)| law * x).sum::<f64>() * scale
-        })
+        };
+        Ok([value, scale])
     }
 
     /// Starts spread over times and phase, with impulses that fit them.

@@ -1,0 +1,572 @@
+//! docs/problems.md: every command prints what the page shows, and its numbers are those of closed forms and simulations that share no
+//! code with the library.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::f64::consts::{PI, TAU};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Matrix4, Vector4};
+use vibrochain_breather::{
+    StructureFound, StructureMotion, StructureOrbit, Word, structure_admissibility, structure_orbits,
+};
+use vibrochain_cli::common::console::{Console, ctrl_c};
+use vibrochain_floquet::{Tolerance, structure_stability};
+use vibrochain_lattice::Complex;
+use vibrochain_maps::structure::{Setting, StructureMap, StructureScene};
+
+type C = Complex<f64>;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn scene(name: &str) -> StructureScene {
+    StructureScene::read(&root().join("scenes/structures").join(name)).unwrap().unwrap()
+}
+
+fn orbits(scene: &StructureScene, word: Option<&str>) -> StructureFound {
+    let word: Word = word.map_or_else(|| scene.word.clone().unwrap(), |word| word.parse().unwrap());
+    structure_orbits(&scene.model().unwrap(), &word, scene.force_periods).unwrap()
+}
+
+fn radius(orbit: &StructureOrbit) -> f64 {
+    structure_stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius
+}
+
+fn is_physical(orbit: &StructureOrbit) -> bool {
+    structure_admissibility(orbit).unwrap().is_physical()
+}
+
+fn physical(found: &StructureFound) -> Vec<&StructureOrbit> {
+    found.orbits.iter().filter(|orbit| is_physical(orbit)).collect()
+}
+
+#[track_caller]
+fn near(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance * (1.0 + b.abs()), "{a} {b}");
+}
+
+// The page against the program.
+
+/// What a command of the page prints, and the table it writes.
+fn run(line: &str, folder: &Path) -> String {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let mut console = Console::new(&mut out, &mut err, &ctrl_c);
+    let mut table = None;
+    let words = line.split(' ').scan("", |before, word| {
+        let is_table = *before == "--out";
+        *before = word;
+        Some(if is_table { table.insert(folder.join(word)).clone().into_os_string() } else { word.into() })
+    });
+    let words: Vec<_> = words.collect();
+    vibrochain_cli::program::run(words, &mut console).unwrap_or_else(|error| panic!("{line}: {error}"));
+    let table = table.map_or_else(String::new, |table| fs::read_to_string(table).unwrap());
+    [String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap(), table].join("\n")
+}
+
+/// Whether a line of the page, up to its `…`, is one of the program: numbers to eleven digits.
+fn shows(page: &str, line: &str) -> bool {
+    let parts = |text: &str| text.split([' ', ',']).map(str::to_owned).filter(|part| !part.is_empty()).collect();
+    let (page, is_cut) = page.split_once('…').map_or((page, false), |(start, _)| (start, true));
+    let (shown, printed): (Vec<String>, Vec<String>) = (parts(page), parts(line));
+    let number = |text: &str| text.trim_end_matches(':').parse::<f64>();
+    let same = |(a, b): (&String, &String)| match (number(a), number(b)) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= 1e-11 * (1.0 + b.abs()) * if b.abs() > 1e3 { 100.0 } else { 1.0 },
+        _ => a == b,
+    };
+    !shown.is_empty()
+        && (shown.len() == printed.len() || is_cut && shown.len() < printed.len())
+        && shown.iter().zip(&printed).all(same)
+}
+
+#[test]
+fn every_command_of_the_page_prints_what_the_page_shows() {
+    let page = fs::read_to_string(root().join("docs/problems.md")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (mut commands, mut lines) = (0, 0);
+    for block in page.split("```text\n").skip(1).map(|rest| rest.split("```").next().unwrap()) {
+        let mut printed = String::new();
+        let mut place = 0;
+        for line in block.lines() {
+            if let Some(command) = line.strip_prefix("$ ") {
+                printed = run(command, folder.path());
+                (commands, place) = (commands + 1, 0);
+            } else {
+                let found = printed.lines().skip(place).position(|own| shows(line, own));
+                let found = found.unwrap_or_else(|| panic!("not printed: {line}\n{printed}"));
+                (lines, place) = (lines + 1, place + found + 1);
+            }
+        }
+    }
+    assert!(commands > 15 && lines > 50, "{commands} {lines}");
+}
+
+#[test]
+fn every_scene_of_structures_is_on_the_page() {
+    let page = fs::read_to_string(root().join("docs/problems.md")).unwrap();
+    let mut count = 0;
+    for entry in fs::read_dir(root().join("scenes/structures")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let own = scene(&name);
+        assert!(!physical(&orbits(&own, None)).is_empty(), "{name}");
+        assert!(name == "two-masses.toml" || page.contains(&format!("scenes/structures/{name})")), "{name}");
+        count += 1;
+    }
+    assert!(count > 9, "{count}");
+}
+
+// Closed forms.
+
+/// m x″ + c x′ + k x = f cos ω(t+ψ), of which a contact sees w x.
+#[derive(Clone, Copy)]
+struct Oscillator {
+    m: f64,
+    c: f64,
+    k: f64,
+    w: f64,
+    f: f64,
+}
+
+impl Oscillator {
+    fn rate(&self) -> C {
+        let decay = 0.5 * self.c / self.m;
+        C::new(-decay, (self.k / self.m - decay * decay).sqrt())
+    }
+
+    /// x and x′ at t after unit impulses that repeat after `lapse`, each `factor` times the one before.
+    fn after(&self, t: f64, lapse: f64, factor: f64) -> [f64; 2] {
+        let rate = self.rate();
+        let all = (rate * t).exp() / (1.0 - (rate * lapse).exp() / factor) / factor;
+        [all.im, (rate * all).im].map(|x| x / (rate.im * self.m))
+    }
+
+    /// The same just before one of them.
+    fn before(&self, lapse: f64, factor: f64) -> [f64; 2] {
+        self.after(lapse, lapse, factor)
+    }
+
+    fn swing(&self, omega: f64) -> C {
+        C::from(self.f) / C::new(self.k - self.m * omega * omega, self.c * omega)
+    }
+}
+
+/// Both pairs (P, ψ) with G cos x + K P = stop and −ωG sin x + L P = 0 at x = ωψ + arg G.
+fn both(swing: C, omega: f64, kernel: f64, law: f64, stop: f64) -> [(f64, f64); 2] {
+    let (law, size) = (law / omega, swing.norm());
+    let (square, half, rest) = (law * law + kernel * kernel, -stop * kernel, stop * stop - size * size);
+    let root = (half * half - square * rest).sqrt();
+    [root, -root].map(|root| {
+        let impulse = (root - half) / square;
+        let x = (law * impulse).atan2(stop - kernel * impulse);
+        (impulse, ((x - swing.arg()) / omega).rem_euclid(TAU / omega))
+    })
+}
+
+/// (P, ψ) of the orbits with one impact a period of oscillators that the contact alone couples.
+fn one_impact(oscillators: &[Oscillator], omega: f64, e: f64, stop: f64) -> [(f64, f64); 2] {
+    let (mut kernel, mut slope, mut mobility, mut swing) = (0.0, 0.0, 0.0, C::default());
+    for one in oscillators {
+        let [place, velocity] = one.before(TAU / omega, 1.0);
+        kernel += one.w * one.w * place;
+        slope += one.w * one.w * velocity;
+        mobility += one.w * one.w / one.m;
+        swing += one.swing(omega) * one.w;
+    }
+    // v = −ωG sin x + K′P and P = −(1+e) v/mobility.
+    both(swing, omega, kernel, slope + mobility / (1.0 + e), stop)
+}
+
+/// The modulus of the larger multiplier of one mass with one impact a period: two free flights and a saltation, by hand.
+fn modulus_by_hand(one: Oscillator, omega: f64, e: f64, stop: f64, (impulse, psi): (f64, f64)) -> (f64, f64) {
+    let (rate, period) = (one.rate(), TAU / omega);
+    let before = -impulse / (one.m * (1.0 + e));
+    let acceleration = |v: f64| (one.f * (omega * psi).cos() - one.k * stop - one.c * v) / one.m;
+    let corner = (acceleration(-e * before) + e * acceleration(before)) / before;
+    let dying = (rate.re * period).exp();
+    let (cosine, sine) = ((rate.im * period).cos(), (rate.im * period).sin() / rate.im);
+    let trace = -2.0 * e * dying * cosine + corner * dying * sine;
+    let determinant = (e * dying).powi(2);
+    let root = C::from(0.25 * trace * trace - determinant).sqrt();
+    ((C::from(0.5 * trace) + root).norm().max((C::from(0.5 * trace) - root).norm()), trace)
+}
+
+#[track_caller]
+fn same_orbits(found: &StructureFound, told: [(f64, f64); 2]) {
+    assert_eq!(found.orbits.len(), 2);
+    let period = found.orbits[0].model().period();
+    for (impulse, psi) in told {
+        let is_it = |orbit: &&StructureOrbit| (orbit.impacts()[0].impulse - impulse).abs() < 1e-11;
+        let orbit = found.orbits.iter().find(is_it).unwrap_or_else(|| panic!("{impulse}: {found:?}"));
+        let apart = (orbit.psi().unwrap() - psi).rem_euclid(period);
+        assert!(apart.min(period - apart) < 1e-11, "{apart}");
+    }
+}
+
+const SHAW_HOLMES: Oscillator = Oscillator { m: 1.0, c: 0.1, k: 1.0, w: 1.0, f: 1.0 };
+const AT_REST: Oscillator = Oscillator { c: 0.0, ..SHAW_HOLMES };
+
+#[test]
+fn one_impact_a_period_has_a_closed_form() {
+    let beam = [(3.516015, 2.0, 0.782992), (22.034492, -2.0, 0.433936)];
+    let beam = beam.map(|(rate, w, f): (f64, f64, f64)| Oscillator { m: 1.0, c: 0.06 * rate, k: rate * rate, w, f });
+    let houses = [(0.1, 1.0, 1.0), (0.2, 4.0, -1.0)].map(|(c, k, w)| Oscillator { m: 1.0, c, k, w, f: -1.0 });
+    let cases: [(&str, &[Oscillator], f64, f64, f64); 5] = [
+        ("shaw-holmes.toml", &[SHAW_HOLMES], 2.325, 0.8, 0.1),
+        ("stop-at-rest.toml", &[AT_REST], 2.6, 0.8, 0.0),
+        ("grazing.toml", &[SHAW_HOLMES], 1.0, 0.8, 1.0),
+        ("pounding.toml", &houses, 1.8, 0.65, 0.2),
+        ("cantilever.toml", &beam, 4.0, 0.7, 0.3),
+    ];
+    for (name, oscillators, omega, e, stop) in cases {
+        let found = orbits(&scene(name), None);
+        same_orbits(&found, one_impact(oscillators, omega, e, stop));
+        assert_eq!(physical(&found).len(), 1, "{name}");
+        if let [one] = oscillators {
+            let orbit = physical(&found)[0];
+            let at = (orbit.impacts()[0].impulse, orbit.psi().unwrap());
+            near(radius(orbit), modulus_by_hand(*one, omega, e, stop, at).0, 1e-11);
+        }
+    }
+}
+
+/// Where the first answer of the closed form doubles its period, between two frequencies.
+fn doubling(one: Oscillator, stop: f64, mut low: f64, mut high: f64) -> f64 {
+    let condition = |omega: f64| {
+        let pushed = one_impact(&[one], omega, 0.8, stop).into_iter().find(|(impulse, _)| *impulse < 0.0).unwrap();
+        let determinant = 0.64 * (-one.c * TAU / omega).exp();
+        1.0 + determinant + modulus_by_hand(one, omega, 0.8, stop, pushed).1
+    };
+    assert!(condition(low) * condition(high) < 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if condition(middle) * condition(low) > 0.0 { low = middle } else { high = middle }
+    }
+    low
+}
+
+#[test]
+fn the_oscillator_of_shaw_and_holmes_doubles_its_period_where_its_trace_says() {
+    let (swept, mut own) = (scene("shaw-holmes.toml"), scene("shaw-holmes.toml"));
+    let map = StructureMap::new(&swept).unwrap();
+    let class = |omega: f64| map.cell(((omega - 0.5) / 0.01).round() as usize, 0).class();
+    for (told, stable, unstable) in [(1.04824, 1.04, 1.05), (1.18169, 1.19, 1.18), (2.45672, 2.45, 2.46)] {
+        let exact = doubling(SHAW_HOLMES, 0.1, f64::min(stable, unstable), f64::max(stable, unstable));
+        near(exact, told, 3e-6);
+        assert_eq!(class(stable), "stable 0+", "{stable}");
+        assert_ne!(class(unstable), "stable 0+", "{unstable}");
+        for (sign, limit) in [(1.0, true), (-1.0, false)] {
+            let inside = exact + sign * 1e-7 * f64::signum(stable - unstable);
+            own.set(Setting::Omega, inside).unwrap();
+            let found = orbits(&own, None);
+            assert_eq!(radius(physical(&found)[0]) < 1.0, limit, "{inside}");
+        }
+    }
+}
+
+/// x″ + x = cos ωt, x ≤ 0, from x = −½ at rest: velocities before the impacts of the last two periods, flights exact.
+fn settles(omega: f64, e: f64) -> Vec<f64> {
+    let swing = 1.0 / (1.0 - omega * omega);
+    let (mut t, mut x, mut v, mut hits) = (0.0, -0.5, 0.0, Vec::new());
+    let end = 400.0 * TAU / omega;
+    while t < end {
+        let (a, b) = (x - swing * f64::cos(omega * t), v + swing * omega * f64::sin(omega * t));
+        let at = |s: f64| {
+            let (sine, cosine) = s.sin_cos();
+            let (load_sine, load_cosine) = (omega * (t + s)).sin_cos();
+            (a * cosine + b * sine + swing * load_cosine, b * cosine - a * sine - swing * omega * load_sine)
+        };
+        let mut s = 1e-6;
+        while at(s + 0.01).0 <= 0.0 {
+            s += 0.01;
+        }
+        let (mut low, mut high) = (s, s + 0.01);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if at(middle).0 <= 0.0 { low = middle } else { high = middle }
+        }
+        let before = at(low).1;
+        hits.push((t + low, before));
+        (t, x, v) = (t + low, 0.0, -e * before);
+    }
+    hits.iter().filter(|hit| hit.0 > end - 2.0 * TAU / omega).map(|hit| hit.1).collect()
+}
+
+#[test]
+fn at_the_rest_position_low_frequencies_have_several_impacts_a_period() {
+    let mut own = scene("stop-at-rest.toml");
+    for (omega, word, count) in [(0.55, "0+,0+,0+", 3), (0.9, "0+,0+", 2), (0.7, "0+,0+", 2)] {
+        own.set(Setting::Omega, omega).unwrap();
+        let found = orbits(&own, Some(word));
+        let stable: Vec<_> = physical(&found).into_iter().filter(|orbit| radius(orbit) < 1.0).collect();
+        // Once from each of its impacts.
+        assert_eq!(stable.len(), count, "{omega}: {found:?}");
+        let settled = settles(omega, 0.8);
+        assert!(settled.len() >= 2 * count - 1, "{settled:?}");
+        for orbit in stable {
+            for impact in orbit.impacts() {
+                let off = settled.iter().map(|v| (v - impact.velocity_before).abs()).fold(f64::MAX, f64::min);
+                assert!(off < 1e-9, "{omega}: {} {settled:?}", impact.velocity_before);
+            }
+        }
+    }
+    // Next to the rest position nothing else happens.
+    own.set(Setting::Omega, 0.9).unwrap();
+    own.set(Setting::Upper(0), 1e-7).unwrap();
+    let shifted = orbits(&own, Some("0+,0+"));
+    assert_eq!(physical(&shifted).len(), 2);
+    // An undamped mode whose period fits into that of the impacts has no periodic answer.
+    for omega in [0.5, 1.0 / 3.0] {
+        own.set(Setting::Omega, omega).unwrap();
+        for word in ["0+", "0+,0+", "0+,0+,0+"] {
+            let error = structure_orbits(&own.model().unwrap(), &word.parse().unwrap(), 1).unwrap_err();
+            assert!(error.to_string().starts_with("resonance: harmonic"), "{error}");
+        }
+    }
+    let (e, omega) = (0.8_f64, 2.6_f64);
+    let psi = PI / omega - ((1.0 - e) * (PI / omega).tan() / (omega * (1.0 + e))).atan() / omega;
+    let velocity = 2.0 * omega * (omega * psi).sin() / ((omega * omega - 1.0) * (1.0 - e));
+    own = scene("stop-at-rest.toml");
+    let found = orbits(&own, None);
+    near(physical(&found)[0].psi().unwrap(), psi, 1e-12);
+    near(physical(&found)[0].impacts()[0].velocity_before, velocity, 1e-12);
+    near(radius(physical(&found)[0]), e, 1e-12);
+}
+
+#[test]
+fn impacts_begin_at_the_grazing_amplitude() {
+    for omega in [1.1_f64, 1.2, 1.5] {
+        let amplitude = ((1.0 - omega * omega).powi(2) + 0.01 * omega * omega).sqrt();
+        let at = |part: f64| {
+            let mut own = scene("grazing.toml");
+            own.set(Setting::Omega, omega).unwrap();
+            own.set(Setting::Load, amplitude * (1.0 + part)).unwrap();
+            orbits(&own, None)
+        };
+        let (below, above) = (at(-1e-5), at(1e-5));
+        let slowest = |found: &StructureFound| {
+            let speed = |orbit: &StructureOrbit| orbit.impacts()[0].velocity_before;
+            let least = found.orbits.iter().min_by(|a, b| speed(a).abs().total_cmp(&speed(b).abs()));
+            (speed(least.unwrap()), radius(least.unwrap()))
+        };
+        let ((speed, multiplier), (gone, _)) = (slowest(&below), slowest(&above));
+        assert!(speed * gone < 0.0 && speed.abs() < 1e-3, "{omega}: {speed} {gone}");
+        let rate = SHAW_HOLMES.rate();
+        let period = TAU / omega;
+        let law = 1.8 * omega * omega * (rate.re * period).exp() * (rate.im * period).sin().abs() / rate.im;
+        near(multiplier * speed.abs(), law, 1e-3);
+    }
+}
+
+#[test]
+fn free_balls_obey_the_balance_of_momentum() {
+    let found = orbits(&scene("impact-pair.toml"), None);
+    let even = found.orbits.iter().find(|orbit| (orbit.impacts()[1].time - PI).abs() < 1e-9).unwrap();
+    let psi = 2.0 * (1.0 / TAU).atan();
+    near(even.psi().unwrap(), psi, 1e-11);
+    near(even.impacts()[0].velocity_before, 2.0 * psi.sin() / 0.4, 1e-11);
+
+    let mut gear = scene("gear-rattle.toml");
+    let found = orbits(&gear, None);
+    assert_eq!(physical(&found).len(), 2);
+    found.orbits.iter().for_each(|orbit| near(orbit.impacts()[0].impulse, 0.15 * TAU, 1e-12));
+    gear.set(Setting::Load, 1.5).unwrap();
+    gear.set(Setting::Static, 0.4).unwrap();
+    let found = orbits(&gear, Some("0+,0-"));
+    assert_eq!(physical(&found).len(), 2);
+    for orbit in physical(&found) {
+        near(orbit.impacts().iter().map(|impact| impact.impulse).sum(), 0.06 * TAU, 1e-12);
+    }
+}
+
+#[test]
+fn the_ball_of_an_energy_sink_flies_from_wall_to_wall() {
+    let (m, e, gap, half) = (0.1, 0.65, 0.8, PI);
+    let cart = Oscillator { m: 1.0, c: 0.05, k: 1.0, w: 1.0, f: 0.1 };
+    // The ball is at −uT/4 when it is hit and leaves at u = P/2m, where it came at −u; the cart feels −P, alternating.
+    let [place, velocity] = cart.before(half, -1.0);
+    let kernel = -0.25 * TAU / (2.0 * m) + place;
+    // Before the impact the cart has x′ = u(1−e)/(1+e) + P/(1+e), of which its impulses are −P·`velocity`.
+    let speed = ((1.0 - e) / (2.0 * m) + 1.0) / (1.0 + e) + velocity;
+    // G cos x = −gap + kernel·P, −ωG sin x = speed·P.
+    let told = both(cart.swing(1.0), 1.0, -kernel, -speed, -gap);
+    let found = orbits(&scene("energy-sink.toml"), None);
+    same_orbits(&found, told);
+    near(radius(physical(&found)[0]), 0.8150542047748107, 1e-10);
+}
+
+#[test]
+fn nonsmooth_modes_of_two_masses_have_golden_frequencies() {
+    let root = 5.0_f64.sqrt();
+    let mut own = scene("clamped-chain.toml");
+    for omega in [0.65, 0.7, 0.9, 1.0, 1.65] {
+        let term = |rate: f64, share: f64| share / (2.0 * rate * (PI * rate / omega).tan());
+        let kernel = term(0.5 * (root - 1.0), 0.1 * (5.0 + root)) + term(0.5 * (root + 1.0), 0.1 * (5.0 - root));
+        own.set(Setting::Omega, omega).unwrap();
+        let found = orbits(&own, None);
+        assert!(physical(&found).len() == 1 && found.orbits[0].psi().is_none(), "{omega}");
+        near(found.orbits[0].impacts()[0].impulse, 1.0 / kernel, 1e-11);
+    }
+}
+
+#[test]
+fn a_heavy_mass_is_an_impurity_of_the_ring() {
+    let omega = 1.5;
+    let receptance = |s: f64| {
+        let ring = |k: u32| 1.0 / (0.2 + 0.2 * (1.0 - (TAU * f64::from(k) / 7.0).cos()) - s);
+        let even = (0..7).map(ring).sum::<f64>() / 7.0;
+        1.0 / (1.0 / even - 0.3 * s)
+    };
+    // Sums over even and odd harmonics; what is left of each falls like 1/k⁴.
+    let tail = |k: f64| 1.0 / (1.3 * k * k * omega * omega);
+    let sum = |first: u32| -> f64 {
+        (first..40_000).step_by(2).map(f64::from).map(|k| 2.0 * (receptance((k * omega).powi(2)) + tail(k))).sum()
+    };
+    let even = receptance(0.0) + sum(2) - 2.0 * tail(1.0) * PI * PI / 24.0;
+    let odd = sum(1) - 2.0 * tail(1.0) * PI * PI / 8.0;
+    let (mean, half) = (0.3 * TAU / (omega * even), TAU / (omega * odd));
+    let found = orbits(&scene("heavy-mass.toml"), None);
+    let orbit = physical(&found)[0];
+    near(orbit.impacts()[0].impulse, 0.5 * (mean + half), 1e-10);
+    near(orbit.impacts()[1].impulse, 0.5 * (mean - half), 1e-10);
+}
+
+fn chain(sites: usize, keys: &str, contact: &str, omega: f64, load: f64, word: &str) -> StructureScene {
+    let mut text = format!("omega = {omega}\nword = \"{word}\"\n[structure]\nchain = {{ sites = {sites}, {keys} }}\n");
+    text += &format!("[force]\nload = {:?}\n", vec![load; sites]);
+    (0..sites).for_each(|site| text += &format!("[[contact]]\nat = {site}\n{contact}\n"));
+    StructureScene::of_text(&text, Path::new(".")).unwrap()
+}
+
+#[test]
+fn a_self_excited_ring_mirrors_itself_every_half_period() {
+    let (omega, e) = (1.6, 0.9);
+    let keys = "gamma1 = 1.0, gamma2 = 0.1, damping = -0.02, coupling_damping = 0.05";
+    let own = chain(5, keys, "lower = -1.0\nupper = 1.0\nrestitution = 0.9", omega, 0.2, "2+,2-");
+    let mode = |k: u32| {
+        let bend = 2.0 - 2.0 * (TAU * f64::from(k) / 5.0).cos();
+        Oscillator { m: 5.0, c: 5.0 * (0.05 * bend - 0.02), k: 5.0 * (1.0 + 0.1 * bend), w: 1.0, f: 0.0 }
+    };
+    let sums = (0..5).map(|k| mode(k).before(PI / omega, -1.0)).fold([0.0; 2], |s, x| [s[0] + x[0], s[1] + x[1]]);
+    let swing = Oscillator { m: 1.0, c: -0.02, k: 1.0, w: 1.0, f: 0.2 }.swing(omega);
+    let found = orbits(&own, None);
+    same_orbits(&found, both(swing, omega, sums[0], sums[1] + 1.0 / (1.0 + e), 1.0));
+    assert_eq!(physical(&found).len(), 2);
+}
+
+const BREATHER: &str = "lower = -0.6\nupper = 1.4\nrestitution = 0.9";
+
+fn damped(c: f64, word: &str) -> StructureScene {
+    chain(21, &format!("gamma1 = 0.2, gamma2 = 0.1, damping = {c}"), BREATHER, 1.5, 0.1, word)
+}
+
+/// How far cos² + sin² of the force's phase are from 1 where the impacts of the breather, φ apart, obey all conditions: least over φ.
+fn least_excess(c: f64) -> f64 {
+    let (omega, period) = (1.5, TAU / 1.5);
+    let mode = |k: u32| {
+        let stiffness = 0.2 + 0.2 * (1.0 - (TAU * f64::from(k) / 21.0).cos());
+        Oscillator { m: 21.0, c: 21.0 * c, k: 21.0 * stiffness, w: 1.0, f: 0.0 }
+    };
+    let kernel =
+        |t: f64| (0..21).map(|k| mode(k).after(t, period, 1.0)).fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
+    let swing = Oscillator { m: 1.0, c, k: 0.2, w: 1.0, f: 0.1 }.swing(omega);
+    let own = kernel(period);
+    let excess = |phi: f64| {
+        let (forth, back, later) = (kernel(phi), kernel(period - phi), swing * C::from_polar(1.0, omega * phi));
+        let law = |kernel: [f64; 2], own: f64| own + 1.9 * kernel[1];
+        let turn = C::new(0.0, 1.9 * omega);
+        let (first, second) = (swing * turn, later * turn);
+        let rows = Matrix4::new(
+            own[0],
+            back[0],
+            swing.re,
+            -swing.im,
+            forth[0],
+            own[0],
+            later.re,
+            -later.im,
+            law(own, 1.0),
+            law(back, 0.0),
+            first.re,
+            -first.im,
+            law(forth, 0.0),
+            law(own, 1.0),
+            second.re,
+            -second.im,
+        );
+        let x = rows.lu().solve(&Vector4::new(-0.6, 1.4, 0.0, 0.0)).unwrap();
+        x[2] * x[2] + x[3] * x[3] - 1.0
+    };
+    // Three grids, each within a step of the last.
+    let (mut place, mut step, mut least) = (0.45 * period, period / 4000.0, f64::MAX);
+    for _ in 0..3 {
+        let all = (0..400).map(|i| place + step * f64::from(i)).map(|phi| (phi, excess(phi)));
+        (place, least) = all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        (place, step) = (place - step, step / 200.0);
+    }
+    least
+}
+
+#[test]
+fn a_breather_dies_of_damping_where_its_two_solutions_meet() {
+    let (mut low, mut high) = (0.01, 0.03);
+    assert!(least_excess(low) < 0.0 && least_excess(high) > 0.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if least_excess(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    near(low, 0.0239521, 1e-7);
+    // Solutions that are near to each other are found, whichever impact is the first one.
+    for word in ["10-,10+", "10+,10-"] {
+        for c in [0.0185, 0.019, 0.0195, 0.02, 0.021, 0.0225, 0.0235, low - 1e-6] {
+            let found = orbits(&damped(c, word), None);
+            assert_eq!(physical(&found).len(), 2, "{word} {c}");
+        }
+        assert!(orbits(&damped(low + 1e-6, word), None).orbits.is_empty());
+    }
+}
+
+/// The breather of 21 masses under dashpots, integrated by the method of Runge and Kutta over a period.
+#[test]
+fn the_damped_breather_is_one_in_a_simulation() {
+    let (own, c) = (damped(0.01, "10-,10+"), 0.01);
+    let found = orbits(&own, None);
+    assert_eq!(physical(&found).len(), 2);
+    for orbit in &found.orbits {
+        let motion = StructureMotion::new(orbit).unwrap();
+        let start: Vec<f64> = motion.coordinates(0, 0.0).unwrap().iter().flatten().copied().collect();
+        let rates = |t: f64, state: &[f64]| -> Vec<f64> {
+            let x = |i: usize| state[2 * (i % 21)];
+            let force = 0.1 * (1.5 * (t + orbit.psi().unwrap())).cos();
+            (0..21)
+                .flat_map(|i| {
+                    let springs = 0.2 * x(i) + 0.1 * (2.0 * x(i) - x(i + 1) - x(i + 20));
+                    [state[2 * i + 1], force - springs - c * state[2 * i + 1]]
+                })
+                .collect()
+        };
+        let add = |state: &[f64], rate: &[f64], h: f64| -> Vec<f64> {
+            state.iter().zip(rate).map(|(x, v)| x + h * v).collect()
+        };
+        let (mut state, steps) = (start.clone(), 800);
+        for i in 0..2 {
+            let (begins, h) = (orbit.impacts()[i].time, motion.until_next(i) / f64::from(steps));
+            for step in 0..steps {
+                let t = begins + h * f64::from(step);
+                let a = rates(t, &state);
+                let b = rates(t + 0.5 * h, &add(&state, &a, 0.5 * h));
+                let c = rates(t + 0.5 * h, &add(&state, &b, 0.5 * h));
+                let d = rates(t + h, &add(&state, &c, h));
+                let mean: Vec<f64> = (0..42).map(|i| (a[i] + 2.0 * (b[i] + c[i]) + d[i]) / 6.0).collect();
+                state = add(&state, &mean, h);
+                assert!((0..21).all(|i| (-0.6 - 1e-9..1.4 + 1e-9).contains(&state[2 * i])));
+            }
+            let next = orbit.impacts()[(i + 1) % 2];
+            near(state[20], if i == 0 { 1.4 } else { -0.6 }, 1e-10);
+            near(state[21], next.velocity_before, 1e-10);
+            near(-1.9 * state[21], next.impulse, 1e-10);
+            state[21] *= -0.9;
+        }
+        state.iter().zip(&start).for_each(|(ends, began)| near(*ends, *began, 1e-10));
+    }
+}
