@@ -240,7 +240,7 @@ fn what_is_wrong_is_told() {
         ("orbit --scene scene.toml --word 1+", 2, "contact 1 does not exist"),
         ("orbit --scene scene.toml --set contact.0.gap=1", 2, "contact.N.upper"),
         ("orbit --scene scene.toml --gamma1 .2", 2, "of chains"),
-        ("orbit --scene scene.toml --set load=0", 3, "no load that changes restores it"),
+        ("orbit --scene scene.toml --set load=0", 3, "without a load that changes"),
         ("locate --scene scene.toml --word 0+ --event fold --free omega", 2, "orbit, simulate and sweep"),
         ("sweep scene.toml --out map.csv", 2, "sweeps nothing"),
         (

@@ -69,7 +69,8 @@ pub struct StructureFound {
 }
 
 /// All orbits of a word that are found: contacts stand in place of sites. Those of one impact or two are listed with their signs as they are,
-/// pulled or not; of longer words only those whose barriers push.
+/// pulled or not; of longer words only those whose barriers push. An orbit is listed once, whichever impact it begins with, and not where it
+/// repeats itself sooner.
 ///
 /// # Errors
 /// [`StructureOrbitError`].
@@ -103,7 +104,10 @@ pub fn structure_orbits(
         let sound = in_order
             && orbit.impacts().last().is_some_and(|last| last.time < orbit.period())
             && !(pulls && matches!(search, StructureSearch::Starts { .. }));
-        if sound && !orbits.iter().any(|other| is_same(other, &orbit)) {
+        // An impulse below its own error is none.
+        let hits = orbit.impacts().iter().all(|impact| impact.impulse.abs() > impact.impulse_error);
+        let new = || !orbits.iter().any(|other| (0..word.letters().count()).any(|turn| is_same(other, &orbit, turn)));
+        if sound && hits && !repeats_sooner(&orbit) && new() {
             orbits.push(orbit);
         }
     }
@@ -115,18 +119,41 @@ fn letters_at_once(word: &Word) -> bool {
     word.letters().count() > word.instants().len()
 }
 
-fn is_same(a: &StructureOrbit, b: &StructureOrbit) -> bool {
-    let period = a.period();
+/// Whether the second orbit, begun at its impact number `turn`, is the first one.
+fn is_same(a: &StructureOrbit, b: &StructureOrbit, turn: usize) -> bool {
+    let (period, n) = (a.period(), b.impacts().len());
+    let begins = b.impacts()[turn].time;
+    let around = |x: f64, period: f64| x.rem_euclid(period).min((-x).rem_euclid(period));
     let psi = match (a.psi(), b.psi()) {
-        (Some(a_psi), Some(b_psi)) => {
-            let apart = (a_psi - b_psi).rem_euclid(a.model().period());
-            apart.min(a.model().period() - apart) < SAME * period
-        }
+        (Some(a_psi), Some(b_psi)) => around(a_psi - b_psi - begins, a.model().period()) < SAME * period,
         _ => true,
     };
-    psi && a.impacts().iter().zip(b.impacts()).all(|(a, b)| {
-        (a.time - b.time).abs() < SAME * period
-            && (a.impulse - b.impulse).abs() < SAME * a.impulse.abs().max(b.impulse.abs())
+    psi && (0..n).all(|i| {
+        let (own, other) = (&a.impacts()[i], &b.impacts()[(i + turn) % n]);
+        let close = (own.impulse - other.impulse).abs() < SAME * own.impulse.abs().max(other.impulse.abs());
+        own.contact == other.contact
+            && own.barrier == other.barrier
+            && around(own.time - (other.time - begins), period) < SAME * period
+            && close
+    })
+}
+
+/// Whether an orbit is one of fewer periods, gone through several times.
+fn repeats_sooner(orbit: &StructureOrbit) -> bool {
+    let (n, periods) = (orbit.impacts().len(), orbit.force_periods() as usize);
+    // Without loads any part of the period may be one.
+    let parts = |part: usize| n.is_multiple_of(part) && (orbit.psi().is_none() || periods.is_multiple_of(part));
+    (2..=n).filter(|&part| parts(part)).any(|part| {
+        let shift = n / part;
+        let lapse = orbit.period() / part as f64;
+        (0..n).all(|i| {
+            let (own, other) = (&orbit.impacts()[i], &orbit.impacts()[(i + shift) % n]);
+            let later = other.time + if i + shift >= n { orbit.period() } else { 0.0 };
+            own.contact == other.contact
+                && own.barrier == other.barrier
+                && (later - own.time - lapse).abs() < SAME * orbit.period()
+                && (own.impulse - other.impulse).abs() < SAME * own.impulse.abs()
+        })
     })
 }
 
@@ -303,10 +330,16 @@ impl Search<'_> {
         let points = || -> Result<Vec<Point>, StructureOrbitError> {
             // A structure that is its own mirror image has a double zero there.
             let mut points = self.on_a_line(&[0.0, half])?;
-            for phi in zeros.simple.iter().chain(&zeros.unresolved) {
-                if let Some(x) = self.linear(&[0.0, *phi])?.solve() {
+            for phi in &zeros.simple {
+                if function.is_homogeneous() {
+                    points.extend(self.on_a_line(&[0.0, *phi])?);
+                } else if let Some(x) = self.linear(&[0.0, *phi])?.solve() {
                     points.push(self.point(&[0.0, *phi], &x));
                 }
+            }
+            for phi in &zeros.unresolved {
+                points.extend(self.on_a_line(&[0.0, *phi])?);
+                points.extend(self.linear(&[0.0, *phi])?.solve().map(|x| self.point(&[0.0, *phi], &x)));
             }
             Ok(points)
         };

@@ -28,7 +28,7 @@ pub(super) struct Function<'a> {
     /// (1+e) of both, and their mobilities.
     weights: [f64; 2],
     mobilities: [f64; 2],
-    /// Stops less what is still.
+    /// Stops less what is still. Where both are 0, F = −Δ², and Δ is sought instead.
     places: [f64; 2],
     /// K and K′ of each contact with itself, a period later.
     own: [[f64; 2]; 2],
@@ -60,6 +60,11 @@ impl<'a> Function<'a> {
             own,
             bounds,
         })
+    }
+
+    /// Whether both stops are where the contacts are still: only the direction of (c, s) counts.
+    pub(super) fn is_homogeneous(&self) -> bool {
+        self.places == [0.0; 2]
     }
 
     /// All zeros between the coincident ends; the second list is where two may have merged, the last number says whether all places were looked at.
@@ -102,7 +107,11 @@ impl<'a> Function<'a> {
             }
             sum
         };
-        let (whole, c, s) = (determinant(&cos, &sin), determinant(&right, &sin), determinant(&cos, &right));
+        let whole = determinant(&cos, &sin);
+        if self.is_homogeneous() {
+            return whole;
+        }
+        let (c, s) = (determinant(&right, &sin), determinant(&cos, &right));
         c * c + s * s - whole * whole
     }
 

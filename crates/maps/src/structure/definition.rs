@@ -19,7 +19,7 @@ const MOST_MASSES: usize = 1000;
 
 /// Rows, or the file that has them.
 #[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "give rows of numbers, [[…], […]], or the name of a Matrix Market file")]
 pub(super) enum MatrixGiven {
     Rows(Vec<Vec<f64>>),
     File(String),
