@@ -6,6 +6,7 @@
 // | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are |
 // | `answers` | `Admissibility`, `Condition`, `Stability` |
 // | `simulation` | event-driven runs |
+// | `structures` | orbits of any linear structure |
 // | `sweep`, `fates` | maps: the columns of a scene's cells; what becomes of their breathers |
 // | `events`, `branches`, `curves` | what happens as parameters vary |
 // | `borders` | all borders of a scene's window |
@@ -29,6 +30,7 @@ mod orbits;
 mod params;
 mod pickle;
 mod simulation;
+mod structures;
 mod sweep;
 
 use pyo3::prelude::*;
@@ -62,6 +64,8 @@ mod _vibrochain {
     use crate::pickle::{_reduce, _restore};
     #[pymodule_export]
     use crate::simulation::{_simulate, _start};
+    #[pymodule_export]
+    use crate::structures::_structure;
     #[pymodule_export]
     use crate::sweep::{_scene, _sweep};
 

@@ -14,7 +14,6 @@ use vibrochain_maps::text::clipped;
 
 /// What answers name in their first key, `schema`.
 pub(crate) const ORBIT: &str = "urn:vibrochain:orbit:1";
-pub(crate) const STRUCTURE: &str = "urn:vibrochain:structure:1";
 pub(crate) const LOCATE: &str = "urn:vibrochain:locate:1";
 pub(crate) const BRANCH: &str = "urn:vibrochain:branch:1";
 pub(crate) const CURVE: &str = "urn:vibrochain:curve:1";

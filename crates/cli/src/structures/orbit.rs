@@ -4,16 +4,16 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{
-    Family, StructureFound, StructureModel, StructureOrbit, StructureSearch, Word, structure_admissibility,
+    Family, StructureFound, StructureModel, StructureOrbit, StructureOrbitError, StructureSearch, Word,
     structure_orbits,
 };
-use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::Barrier;
 use vibrochain_maps::scene::tolerance_from;
-use vibrochain_maps::structure::StructureScene;
+use vibrochain_maps::structure::answer::json;
+use vibrochain_maps::structure::{Answered, StructureScene};
 use vibrochain_maps::text::read_text;
 
-use super::answer::{Answered, json, text};
+use super::answer::text;
 use crate::args::OrbitArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
@@ -35,7 +35,11 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
     let model = scene.model().map_err(CliError::Request)?;
     let tolerance = args.threshold.map_or(Ok(scene.tolerance), tolerance_from).map_err(CliError::Request)?;
     let (found, word, periods) = found(args, scene, &model)?;
-    let answered = found.orbits.iter().map(|orbit| answered(orbit, tolerance)).collect::<Result<Vec<_>, _>>()?;
+    let answered = found
+        .orbits
+        .iter()
+        .map(|orbit| Answered::new(orbit, tolerance))
+        .collect::<Result<Vec<_>, StructureOrbitError>>()?;
     let heading =
         format!("{word}{}", if periods > 1 { format!(" over {periods} periods of the load") } else { String::new() });
     let told = if args.json {
@@ -49,15 +53,6 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
         Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),
         None => Ok(()),
     }
-}
-
-/// What is said of one orbit.
-pub(crate) fn answered(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Answered<'_>, CliError> {
-    Ok(Answered {
-        orbit,
-        admissibility: structure_admissibility(orbit)?,
-        stability: structure_stability(orbit, tolerance),
-    })
 }
 
 /// The orbits that flags or the scene ask for, with their word and its periods of the load.

@@ -7,8 +7,10 @@
 //! | `setting` | [`Setting`]: each number of it by name, to be varied |
 //! | `definition` | matrices, modes or a chain, from which the structure is made |
 //! | `matrix_market` | matrices in the files of other tools |
+//! | `answer` | [`Answered`]: an orbit with all that is said of it, as JSON |
 //! | `map` | [`StructureMap`]: what lives at each point of a grid |
 
+pub mod answer;
 mod damped_chain;
 mod definition;
 pub mod map;
@@ -16,6 +18,7 @@ mod matrix_market;
 pub mod scene;
 pub mod setting;
 
+pub use answer::Answered;
 pub use definition::ChainTable;
 pub use map::StructureMap;
 pub use scene::StructureScene;

@@ -151,12 +151,16 @@ impl StructureScene {
         Self::of_text(&text, folder).map(Some).map_err(|why| MapError::Request(format!("{}: {why}", path.display())))
     }
 
-    /// The scene of a text; files that it names are in `folder`.
+    /// The scene of a text, TOML or JSON; files that it names are in `folder`.
     ///
     /// # Errors
     /// What is wrong in it.
     pub fn of_text(text: &str, folder: &Path) -> Result<Self, String> {
-        let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
+        let file: File = if text.trim_start().starts_with('{') {
+            serde_json::from_str(text).map_err(|error| error.to_string())?
+        } else {
+            toml::from_str(text).map_err(|error| error.to_string())?
+        };
         let definition = Definition::new(&file.structure, &file.contact, &file.force, folder)?;
         let mut scene = Self::of(definition)?;
         scene.title = file.title;

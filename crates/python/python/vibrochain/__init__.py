@@ -13,6 +13,7 @@ from ._borders import curves
 from ._fate import Fates, fate
 from ._map import Map, read_scene, sweep
 from ._run import Run, simulate
+from ._structure import Contact, Structure, StructureOrbit
 from ._vibrochain import (
     Admissibility,
     Border,
@@ -51,6 +52,7 @@ __all__ = [
     "Chain",
     "Completeness",
     "Condition",
+    "Contact",
     "Diagram",
     "End",
     "EventCurve",
@@ -70,6 +72,8 @@ __all__ = [
     "ResonanceError",
     "Run",
     "Stability",
+    "Structure",
+    "StructureOrbit",
     "TooLargeError",
     "Verdict",
     "VibrochainError",

@@ -1,0 +1,302 @@
+"""Any linear structure with stops: M q'' + C q' + K q = s + f cos w(t + psi), contacts between barriers."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _vibrochain
+from ._errors import RequestError
+
+
+def _dense(matrix: Any) -> list[list[float]]:
+    """A matrix as rows of numbers; of scipy.sparse, too."""
+    whole = matrix.toarray() if hasattr(matrix, "toarray") else np.asarray(matrix, dtype=np.float64)
+    whole = np.asarray(whole, dtype=np.float64)
+    if whole.ndim == 1:
+        whole = np.diag(whole)
+    if whole.ndim != 2 or whole.shape[0] != whole.shape[1]:
+        raise RequestError(f"a matrix of shape {whole.shape} is not square: give (n, n), or (n,) for a diagonal")
+    rows: list[list[float]] = whole.tolist()
+    return rows
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where a coordinate, or a combination of some, is stopped.
+
+    Parameters
+    ----------
+    at : int, optional
+        The coordinate.
+    between : tuple of two int, optional
+        Instead, the difference of two coordinates, the first less the second.
+    weights : sequence of float, shape (n,), optional
+        Instead, w of g = w . q.
+    lower, upper : float, optional
+        The barriers, in the units of the coordinates; None: no stop there.
+    restitution : float
+        e, from 0 to 1.
+
+    Examples
+    --------
+    >>> import vibrochain as vc
+    >>> vc.Contact(at=1, upper=0.3, restitution=0.7)
+    Contact(at=1, between=None, weights=None, lower=None, upper=0.3, restitution=0.7)
+    """
+
+    at: int | None = None
+    between: tuple[int, int] | None = None
+    weights: tuple[float, ...] | None = None
+    lower: float | None = None
+    upper: float | None = None
+    restitution: float = 1.0
+
+    def _scene(self) -> dict[str, Any]:
+        parts: dict[str, Any] = {"lower": self.lower, "upper": self.upper, "restitution": float(self.restitution)}
+        if self.weights is not None:
+            parts["weights"] = [float(weight) for weight in self.weights]
+        if self.between is not None:
+            parts["between"] = [int(place) for place in self.between]
+        if self.at is not None:
+            parts["at"] = int(self.at)
+        return {key: value for key, value in parts.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class StructureOrbit:
+    """A periodic orbit of a structure, with all that is said of it.
+
+    Attributes
+    ----------
+    word : str
+        Contacts and barriers in their order, "0+,1-".
+    period : float
+        Its period.
+    psi : float or None
+        The load's phase at the first impact, as a time.
+    impacts : list of dict
+        contact, barrier, time, impulse, velocity_before, velocity_after, acceleration_before, and errors.
+    physical : bool
+        Whether every contact stays inside its barriers.
+    margin : float or None
+        The smallest distance of a contact to a barrier at a turning point.
+    obstruction : dict or None
+        What is in the way.
+    stability : dict or None
+        stable, marginal, mechanism, spectral_radius, growth, resolution.
+    multipliers : numpy.ndarray of complex128
+        All Floquet multipliers, the largest first.
+
+    Examples
+    --------
+    >>> import vibrochain as vc
+    >>> beam = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[vc.Contact(at=0, upper=0.1, restitution=0.8)], load=[1.0])
+    >>> [(orbit.physical, round(orbit.stability["spectral_radius"], 12)) for orbit in beam.orbits("0+", omega=2.325)]
+    [(False, 2.158484023842), (True, 0.698887274904)]
+    """
+
+    word: str
+    period: float
+    psi: float | None
+    impacts: list[dict[str, Any]]
+    physical: bool
+    margin: float | None
+    obstruction: dict[str, Any] | None
+    stability: dict[str, Any] | None
+    residual: float
+    multipliers: NDArray[np.complex128] = field(repr=False, compare=False)
+
+    @classmethod
+    def _of(cls, parts: dict[str, Any]) -> StructureOrbit:
+        stability = parts["stability"]
+        pairs = [] if stability is None else stability.pop("multipliers")
+        multipliers = np.array([complex(re, im) for re, im in pairs], dtype=np.complex128)
+        kept = ("word", "period", "psi", "impacts", "physical", "margin", "obstruction", "residual")
+        return cls(**{key: parts[key] for key in kept}, stability=stability, multipliers=multipliers)
+
+
+class Structure:
+    """A linear structure with stops, from its matrices.
+
+    Parameters
+    ----------
+    mass, stiffness : array_like, shape (n, n) or (n,), or scipy.sparse matrix
+        M and K, symmetric; of shape (n,) the diagonal. Units are yours.
+    damping : array_like, the same, optional
+        C, which need not be a combination of M and K.
+    contacts : sequence of Contact
+        Where it is stopped.
+    load : array_like, shape (n,), optional
+        f of f cos w(t + psi); complex for a phase of each coordinate.
+    static_load : array_like, shape (n,), optional
+        s.
+    harmonic : int
+        The load's harmonic.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import vibrochain as vc
+    >>> stop = vc.Contact(at=1, lower=-0.7, upper=0.6, restitution=0.8)
+    >>> both = vc.Structure([1.0, 1.4], np.array([[1.0, -0.3], [-0.3, 0.8]]), damping=[0.02, 0.02], contacts=[stop], load=[0.5, 0.0])
+    >>> [orbit.physical for orbit in both.orbits("0+", omega=0.6)]
+    [False, True]
+    """
+
+    def __init__(
+        self,
+        mass: ArrayLike,
+        stiffness: ArrayLike,
+        damping: ArrayLike | None = None,
+        *,
+        contacts: list[Contact] | tuple[Contact, ...],
+        load: ArrayLike | None = None,
+        static_load: ArrayLike | None = None,
+        harmonic: int = 1,
+    ) -> None:
+        self._structure: dict[str, Any] = {"mass": _dense(mass), "stiffness": _dense(stiffness)}
+        if damping is not None:
+            self._structure["damping"] = _dense(damping)
+        self._contacts = [contact._scene() for contact in contacts]
+        self._force: dict[str, Any] = {}
+        if load is not None:
+            amplitude = np.atleast_1d(np.asarray(load, dtype=np.complex128))
+            self._force = {"load": np.abs(amplitude).tolist(), "phases": np.angle(amplitude).tolist(), "harmonic": int(harmonic)}
+        if static_load is not None:
+            self._force["static"] = np.atleast_1d(np.asarray(static_load, dtype=np.float64)).tolist()
+
+    @classmethod
+    def modal(
+        cls,
+        frequencies: ArrayLike,
+        ratios: ArrayLike,
+        contact_shapes: ArrayLike,
+        *,
+        contacts: list[Contact] | tuple[Contact, ...],
+        load_shapes: ArrayLike | None = None,
+        static_shapes: ArrayLike | None = None,
+        harmonic: int = 1,
+    ) -> Structure:
+        """A structure by its modes.
+
+        Parameters
+        ----------
+        frequencies, ratios : array_like, shape (k,)
+            Frequencies and damping ratios.
+        contact_shapes : array_like, shape (contacts, k)
+            What each contact sees of each mode, shapes with mass 1.
+        contacts : sequence of Contact
+            Barriers and restitutions alone.
+        load_shapes, static_shapes : array_like, shape (k,), optional
+            What the load that changes, and the static one, are on each mode.
+        harmonic : int
+            The load's harmonic.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> tip = vc.Contact(upper=0.1, restitution=0.8)
+        >>> one = vc.Structure.modal([1.0], [0.05], [[1.0]], contacts=[tip], load_shapes=[1.0])
+        >>> len(one.orbits("0+", omega=2.325))
+        2
+        """
+        whole = cls.__new__(cls)
+        as_list = lambda values: np.atleast_1d(np.asarray(values, dtype=np.float64)).tolist()  # noqa: E731
+        whole._structure = {
+            "frequencies": as_list(frequencies),
+            "ratios": as_list(ratios),
+            "contact_shapes": np.atleast_2d(np.asarray(contact_shapes, dtype=np.float64)).tolist(),
+        }
+        if load_shapes is not None:
+            whole._structure["load_shapes"] = as_list(load_shapes)
+        if static_shapes is not None:
+            whole._structure["static_shapes"] = as_list(static_shapes)
+        whole._contacts = [contact._scene() for contact in contacts]
+        whole._force = {"harmonic": int(harmonic)}
+        return whole
+
+    def _answer(
+        self, omega: float, word: str | None, force_periods: int, threshold: float, near: list[Any], psi: float
+    ) -> list[StructureOrbit]:
+        scene = {"omega": float(omega), "structure": self._structure, "contact": self._contacts, "force": self._force}
+        told = _vibrochain._structure(json.dumps(scene), word, force_periods, threshold, near, psi)
+        return [StructureOrbit._of(parts) for parts in json.loads(told)["solutions"]]
+
+    def orbits(self, word: str, omega: float, *, force_periods: int = 1, threshold: float = 0.0) -> list[StructureOrbit]:
+        """All orbits of a word that are found: of one impact in closed form, of two with proof that none is missed.
+
+        Parameters
+        ----------
+        word : str
+            Contacts and barriers in their order, as in "0+" or "0-,1+".
+        omega : float
+            Frequency of the load, above 0.
+        force_periods : int
+            Periods of the load in one of the word.
+        threshold : float
+            Growth a period from which on an orbit counts as unstable.
+
+        Returns
+        -------
+        list of StructureOrbit
+            Physical or not.
+
+        Raises
+        ------
+        RequestError
+            For a structure that is none, or a contact that it does not have.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, lower=-0.5, upper=0.5, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.05], contacts=[stop], load=[1.0])
+        >>> sum(orbit.physical for orbit in one.orbits("0+,0-", omega=1.5))
+        1
+        """
+        return self._answer(omega, word, force_periods, threshold, [], 0.0)
+
+    def near(self, orbit: StructureOrbit, omega: float, *, threshold: float = 0.0) -> StructureOrbit:
+        """The orbit next to one of a neighbouring structure or frequency, by Newton's method.
+
+        Parameters
+        ----------
+        orbit : StructureOrbit
+            Where to begin.
+        omega : float
+            Frequency of the load.
+        threshold : float
+            Growth a period from which on an orbit counts as unstable.
+
+        Returns
+        -------
+        StructureOrbit
+
+        Raises
+        ------
+        NotConvergedError
+            Where no orbit is near enough.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+        >>> first = one.orbits("0+", omega=2.325)[1]
+        >>> bool(abs(one.near(first, omega=2.33).impacts[0]["impulse"] - first.impacts[0]["impulse"]) < 0.02)
+        True
+        """
+        periods = max(1, round(orbit.period * omega / (2 * np.pi)))
+        near = [(hit["contact"], hit["barrier"], hit["time"], hit["impulse"]) for hit in orbit.impacts]
+        return self._answer(omega, None, periods, threshold, near, orbit.psi or 0.0)[0]
+
+    def __repr__(self) -> str:
+        parts = self._structure
+        size = len(parts["mass"]) if "mass" in parts else len(parts["frequencies"])
+        kind = "coordinates" if "mass" in parts else "modes"
+        return f"Structure({size} {kind}, {len(self._contacts)} contacts)"

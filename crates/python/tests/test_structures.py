@@ -1,0 +1,100 @@
+"""Structures from matrices, against free motion and against each other."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import vibrochain as vc
+
+STOP = vc.Contact(at=1, lower=-0.7, upper=0.6, restitution=0.8)
+MASS = np.diag([1.0, 1.4])
+STIFFNESS = np.array([[1.0, -0.3], [-0.3, 0.8]])
+DAMPING = np.diag([0.02, 0.02])
+
+
+def both(**changes):
+    given = {"damping": DAMPING, "contacts": [STOP], "load": [0.5, 0.0], **changes}
+    return vc.Structure(MASS, STIFFNESS, **given)
+
+
+def test_orbits_obey_the_equations_of_motion():
+    """Each orbit begun just after its first impact comes back, by fine steps of Runge and Kutta."""
+    checked = 0
+    for omega in (0.6, 1.3):
+        for word in ("0+", "0+,0-"):
+            for orbit in both().orbits(word, omega=omega):
+                if not orbit.physical:
+                    continue
+                flights = [(hit["time"], hit) for hit in orbit.impacts]
+                ends = [later for later, _ in flights[1:]] + [orbit.period]
+                # The state is found by the flow itself: linear in it, closed by the impulses.
+                inverse = np.linalg.inv(MASS)
+
+                def slope(t, y):
+                    push = np.array([0.5 * np.cos(omega * (t + orbit.psi)), 0.0])
+                    return np.concatenate([y[2:], inverse @ (push - STIFFNESS @ y[:2] - DAMPING @ y[2:])])
+
+                def flow(y, a, b, steps=4000):
+                    h = (b - a) / steps
+                    for i in range(steps):
+                        t = a + i * h
+                        k1 = slope(t, y)
+                        k2 = slope(t + h / 2, y + h / 2 * k1)
+                        k3 = slope(t + h / 2, y + h / 2 * k2)
+                        k4 = slope(t + h, y + h * k3)
+                        y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+                    return y
+
+                def around(y):
+                    for (begin, hit), end in zip(flights, ends):
+                        y = y + np.concatenate([[0, 0], inverse @ np.array([0, hit["impulse"]])])
+                        y = flow(y, begin, end)
+                    return y
+
+                base = around(np.zeros(4))
+                matrix = np.array([around(row) - base for row in np.eye(4)]).T
+                start = np.linalg.solve(np.eye(4) - matrix, base)
+                first = orbit.impacts[0]
+                place = STOP.upper if first["barrier"] == "upper" else STOP.lower
+                assert abs(start[1] - place) < 1e-9
+                assert abs(start[3] - first["velocity_before"]) < 1e-9
+                checked += 1
+    assert checked >= 3
+
+
+def test_forms_of_matrices_are_one():
+    told = both().orbits("0+", omega=0.6)
+    for other in (vc.Structure([1.0, 1.4], STIFFNESS.tolist(), [0.02, 0.02], contacts=(STOP,), load=np.array([0.5, 0j])),):
+        again = other.orbits("0+", omega=0.6)
+        assert [a.impacts for a in again] == [b.impacts for b in told]
+    sparse = pytest.importorskip("scipy.sparse")
+    again = both(damping=sparse.csr_matrix(DAMPING)).orbits("0+", omega=0.6)
+    assert [a.impacts for a in again] == [b.impacts for b in told]
+
+
+def test_multipliers_and_copies():
+    orbit = both().orbits("0+", omega=0.6)[1]
+    assert orbit.multipliers.shape == (4,)
+    assert abs(abs(orbit.multipliers[0]) - orbit.stability["spectral_radius"]) < 1e-12
+    # Liouville: the product of all is e² times what dashpots take.
+    trace = np.trace(np.linalg.inv(MASS) @ DAMPING)
+    assert abs(np.prod(orbit.multipliers) - 0.8**2 * np.exp(-trace * orbit.period)) < 1e-12
+    for again in (copy.deepcopy(orbit), pickle.loads(pickle.dumps(orbit))):
+        assert again == orbit
+    assert pickle.loads(pickle.dumps(both())).orbits("0+", omega=0.6)[1] == orbit
+    assert repr(both()) == "Structure(2 coordinates, 1 contacts)"
+
+
+def test_what_is_wrong_is_told():
+    with pytest.raises(vc.RequestError, match="positive definite"):
+        vc.Structure(-MASS, STIFFNESS, contacts=[STOP]).orbits("0+", omega=1.0)
+    with pytest.raises(vc.RequestError, match="contact 1 does not exist"):
+        both().orbits("1+", omega=1.0)
+    with pytest.raises(vc.RequestError, match="square"):
+        vc.Structure(np.ones((2, 3)), STIFFNESS, contacts=[STOP])
+    with pytest.raises(vc.RequestError, match="omega"):
+        both().orbits("0+", omega=-1.0)
+    with pytest.raises(vc.NoBreatherError, match="without a load"):
+        both(load=None).orbits("0+", omega=1.0)
