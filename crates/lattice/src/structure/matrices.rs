@@ -10,6 +10,7 @@ use super::contact::Contact;
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeShape};
 use super::modal::ModalStructure;
+use crate::kernel::turn::Turn;
 
 type C = Complex<f64>;
 
@@ -100,6 +101,53 @@ impl Structure {
         };
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         ModalStructure::new(contacts, self.loads.iter().map(|(number, _)| *number).collect(), modes)
+    }
+
+    /// Coordinates ξ of all modes of a state (q, q′); `modal` is what [`Structure::modal`] made of it.
+    ///
+    /// # Errors
+    /// [`StructureError::Size`] where `place` or `velocity` has not one number a coordinate.
+    pub fn project(
+        &self,
+        modal: &ModalStructure,
+        place: &DVector<f64>,
+        velocity: &DVector<f64>,
+    ) -> Result<Vec<[f64; 2]>, StructureError> {
+        let n = self.mass.nrows();
+        for (what, given) in [("the place", place.len()), ("the velocity", velocity.len())] {
+            if given != n {
+                return Err(StructureError::Size { what: what.to_owned(), given, wanted: n });
+            }
+        }
+        let (weight, momentum) = (&self.mass * place, &self.mass * velocity);
+        let damped = if self.damping.is_empty() { DVector::zeros(n) } else { &self.damping * place };
+        // A pole λ has the amplitude φᵀ(λMq + Mq′ + Cq), the shape as a list of numbers.
+        let dot = |shape: &[C], vector: &DVector<f64>| shape.iter().zip(vector).map(|(s, x)| s * *x).sum::<C>();
+        let amplitude = |rate: C, shape: &[C]| {
+            rate * dot(shape, &weight) + dot(shape, &momentum) + dot(shape, &damped)
+        };
+        let of_mode = |mode: &LinearMode| {
+            let shape = |turn: &dyn Fn(&[f64; 2]) -> C| mode.coordinates.iter().map(turn).collect::<Vec<C>>();
+            if mode.is_real {
+                let shape = shape(&|row| C::new(row[0], 0.0));
+                let (at, moving) = (dot(&shape, &weight).re, dot(&shape, &momentum).re);
+                return [at, (moving + mode.decay * at) / mode.rate];
+            }
+            let [first, second] = mode.rates();
+            if mode.turn == Turn::Circular {
+                let amplitude = amplitude(first, &shape(&|row| C::new(0.5 * row[0], 0.5 * row[1])));
+                return [amplitude.re, -amplitude.im];
+            }
+            let root = 0.5f64.sqrt();
+            let [a, b] = [(first, 1.0), (second, -1.0)].map(|(rate, sign)| {
+                let shape = shape(&|row| C::new((row[0] + sign * row[1]) * root, 0.0));
+                let vector = DVector::from_iterator(n, shape.iter().map(|x| x.re));
+                let residue = vector.dot(&(&self.mass * &vector * (2.0 * rate.re) + &self.damping * &vector));
+                amplitude(rate, &shape).re * residue.signum()
+            });
+            [(a + b) * root, (a - b) * root]
+        };
+        Ok(modal.modes().iter().map(of_mode).collect())
     }
 
     fn check(&self) -> Result<(), StructureError> {
