@@ -68,13 +68,23 @@ fn bound(mode: &LinearMode, row: [f64; 2], y: [f64; 2], h: f64) -> f64 {
             Turn::Circular => along.hypot(across).min(along + turned * across),
             Turn::Hyperbolic => along + turned.min(1.0) * across,
             // The most of κd e^{−δd} is κ/(δe).
-            Turn::Parabolic if mode.decay > 0.0 => along + turned.min(mode.rate / (mode.decay * std::f64::consts::E)) * across,
+            Turn::Parabolic if mode.decay > 0.0 => {
+                along + turned.min(mode.rate / (mode.decay * std::f64::consts::E)) * across
+            }
             Turn::Parabolic => along + turned * across,
         }
 }
 
 /// x and v of a contact at `s`, and into `shares` its terms over `left` from there.
-pub(crate) fn view(system: &System, flight: &Flight, contact: usize, place: &Place, s: f64, left: f64, shares: &mut Vec<Share>) -> View {
+pub(crate) fn view(
+    system: &System,
+    flight: &Flight,
+    contact: usize,
+    place: &Place,
+    s: f64,
+    left: f64,
+    shares: &mut Vec<Share>,
+) -> View {
     shares.clear();
     let (mut x, mut size) = (0.0, place.x.abs());
     let mut total = Share::default();
@@ -94,12 +104,14 @@ pub(crate) fn view(system: &System, flight: &Flight, contact: usize, place: &Pla
                 let added = add(added, moved);
                 let y = add(flight.free[k], added);
                 let (mut most, mut bend) = (bound(mode, row, y, left), bound(mode, row, act(act(y)), left));
-                for (j, load) in system.loads.from_rest(k) {
+                for (j, load) in system.loads.answered_from_rest(k) {
                     // ξ′ = Aξ + b e^{iwt}: what the load adds from now on.
                     for b in [load.map(|b| b.re), load.map(|b| b.im)] {
                         let w = system.loads.rates[j];
                         most += left * bound(mode, row, b, left);
-                        bend += left * bound(mode, row, act(act(b)), left) + bound(mode, row, act(b), 0.0) + w * dot(b).abs();
+                        bend += left * bound(mode, row, act(act(b)), left)
+                            + bound(mode, row, act(b), 0.0)
+                            + w * dot(b).abs();
                     }
                 }
                 (dot(added), dot(y), dot(add(act(y), given)), bend, most)

@@ -1,19 +1,19 @@
 //! Where the energy goes.
 //!
-//! ∫ F q′ dt and ∫ 2δ q′² dt of each mode are sums of ten Gaussian points over pieces of two units of the fastest rate: the integrands are
-//! entire, and what the rule misses, (2·2)^{2n} n!⁴/((2n+1)(2n)!³), is 6e-19 of them.
+//! Work and what dashpots take are integrals of forms of ξ ([`EnergyForm`]): sums of ten Gaussian points over pieces of two units of the
+//! fastest rate. The integrands are entire, and what the rule misses, (2·2)^{2n} n!⁴/((2n+1)(2n)!³), is 6e-19 of them.
 
 use super::system::System;
 use crate::time::two_sum;
-use vibrochain_lattice::{Complex, LinearMode};
+use vibrochain_lattice::{Complex, EnergyForm};
 
 /// Points of the rule of order ten in (0, 1), and half their weights.
 const POINTS: [(f64, f64); 5] = [
-    (0.148_874_338_981_631_21, 0.295_524_224_714_752_87),
-    (0.433_395_394_129_247_19, 0.269_266_719_309_996_36),
-    (0.679_409_568_299_024_41, 0.219_086_362_515_982_04),
-    (0.865_063_366_688_984_51, 0.149_451_349_150_580_59),
-    (0.973_906_528_517_171_72, 0.066_671_344_308_688_14),
+    (0.148_874_338_981_631_2, 0.295_524_224_714_752_9),
+    (0.433_395_394_129_247_2, 0.269_266_719_309_996_36),
+    (0.679_409_568_299_024_4, 0.219_086_362_515_982_04),
+    (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
+    (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
 ];
 
 /// Units of the fastest rate in a piece.
@@ -32,8 +32,9 @@ pub struct EnergyBalance {
 }
 
 /// Three sums, each in two words.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Ledger {
+    pub(crate) form: EnergyForm,
     work: (f64, f64),
     dashpots: (f64, f64),
     impacts: (f64, f64),
@@ -44,26 +45,11 @@ fn grow(sum: &mut (f64, f64), by: f64) {
     *sum = (high, sum.1 + low);
 }
 
-/// q′ of a mode of real shape.
-fn velocity(mode: &LinearMode, xi: [f64; 2]) -> f64 {
-    mode.rate * xi[1] - mode.decay * xi[0]
-}
-
-/// Whether energy can be told from modes: all of real shape.
-pub(crate) fn is_told(system: &System) -> bool {
-    system.structure.modes().iter().all(|mode| mode.is_real)
-}
-
-/// ½(q′² + Ω²q²) of all modes.
-pub(crate) fn energy(system: &System, xi: &[[f64; 2]]) -> f64 {
-    let of_mode = |(mode, xi): (&LinearMode, &[f64; 2])| {
-        let square = mode.decay * mode.decay + mode.turn.sign() * mode.rate * mode.rate;
-        0.5 * (velocity(mode, *xi).powi(2) + square * xi[0] * xi[0])
-    };
-    system.structure.modes().iter().zip(xi).map(of_mode).sum()
-}
-
 impl Ledger {
+    pub(crate) fn new(form: EnergyForm) -> Self {
+        Self { form, work: (0.0, 0.0), dashpots: (0.0, 0.0), impacts: (0.0, 0.0) }
+    }
+
     pub(crate) fn balance(&self) -> EnergyBalance {
         let total = |(high, low): (f64, f64)| high + low;
         EnergyBalance { work: total(self.work), dashpots: total(self.dashpots), impacts: total(self.impacts) }
@@ -73,13 +59,13 @@ impl Ledger {
         grow(&mut self.impacts, loss);
     }
 
-    /// A flight over `s` from where loads are `turned`; `at` tells ξ of a mode, given where loads are then.
+    /// A flight over `s` from where loads are `turned`; `at` tells ξ of all modes.
     pub(crate) fn flight(
         &mut self,
         system: &System,
         turned: &[Complex<f64>],
         s: f64,
-        at: impl Fn(usize, f64, &[Complex<f64>]) -> [f64; 2],
+        at: impl Fn(f64) -> Vec<[f64; 2]>,
     ) {
         let pieces = (s * system.fastest / PIECE).ceil().max(1.0);
         let half = 0.5 * s / pieces;
@@ -87,15 +73,11 @@ impl Ledger {
             let middle = (2 * piece + 1) as f64 * half;
             for (point, weight) in POINTS.iter().flat_map(|(x, w)| [(-x, w), (*x, w)]) {
                 let time = middle + point * half;
+                let xi = at(time);
+                // The first of the loads is the static one.
                 let then = system.loads.later(turned, time);
-                let (mut work, mut dashpots) = (0.0, 0.0);
-                for (k, mode) in system.structure.modes().iter().enumerate() {
-                    let v = velocity(mode, at(k, time, &then));
-                    work += mode.rate * system.loads.given(k, &then)[1] * v;
-                    dashpots += 2.0 * mode.decay * v * v;
-                }
-                grow(&mut self.work, weight * half * work);
-                grow(&mut self.dashpots, weight * half * dashpots);
+                grow(&mut self.work, weight * half * self.form.power(&xi, &then[1..]));
+                grow(&mut self.dashpots, weight * half * self.form.dissipation(&xi));
             }
         }
     }

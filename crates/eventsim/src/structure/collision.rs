@@ -4,7 +4,8 @@
 //! The modes are not moved: where rounding has put the barrier is where it is until the contact is back, so no energy is made.
 //!
 //! **In sequence.** Contacts that share coordinates may meet their barriers at one instant. On request they hit one after another in the
-//! order of their numbers, those at rest among them, again and again until none moves outward; a velocity below 1e-12 of the first is none.
+//! order of their numbers, those at rest among them, again and again until none moves outward. A velocity below 1e-12 of the first is none, and
+//! so is one that the force on a contact at rest takes off within [`CHATTER_TIME`]: contacts that chatter together would never end.
 //! Without coordinates in common the order does not matter.
 //!
 //! **Chatter, rest, release** are those of the chain ([`crate::collision`]), with accelerations that know dashpots and the forces of other
@@ -37,6 +38,28 @@ pub(crate) struct Change {
     pub(crate) delay: f64,
 }
 
+/// A contact at its barrier when contacts hit.
+#[derive(Debug, Clone, Copy)]
+struct Party {
+    contact: usize,
+    barrier: Barrier,
+    role: Role,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Role {
+    /// It is due.
+    Hits,
+    /// It is on its barrier, to rounding, without resting.
+    Touches,
+    /// It rests.
+    Rests,
+}
+
+fn barrier_sign(party: &Party) -> f64 {
+    party.barrier.sign()
+}
+
 impl Change {
     pub(crate) fn still(contact: usize, barrier: Barrier, kind: EventKind, delay: f64) -> Self {
         Self { contact, barrier, before: 0.0, after: 0.0, impulse: 0.0, kind, delay }
@@ -44,24 +67,54 @@ impl Change {
 }
 
 impl Motion {
-    /// Two contacts of those due (and at rest) whose impacts do not commute.
+    /// Two contacts of those due at the base whose impacts do not commute, or one with one that it pushes into its barrier.
     pub(crate) fn conflict(&self) -> Option<(usize, usize)> {
-        let hits: Vec<&Due> = self.due.iter().filter(|due| !due.release).collect();
-        for (i, due) in hits.iter().enumerate() {
-            let shares = |contact: usize| self.system.mobility(contact, due.contact);
-            if let Some(other) = hits[i + 1..].iter().find(|other| shares(other.contact) != 0.0) {
-                return Some((due.contact, other.contact));
-            }
-            // The impulse is away from the barrier of the one that hits.
-            let is_pushed = |contact: &usize| match self.places[*contact].touch {
-                Contact::Resting(barrier) => shares(*contact) * barrier.sign() * due.barrier.sign() < 0.0,
-                _ => false,
+        let parties = self.parties();
+        let forces = Series::tendencies(&self.system, &self.flight, &self.places);
+        for (i, party) in parties.iter().enumerate().filter(|(_, party)| party.role == Role::Hits) {
+            let impulse = -barrier_sign(party) / self.system.mobility(party.contact, party.contact);
+            let is_met = |(j, other): &(usize, &Party)| {
+                let shared = self.system.mobility(other.contact, party.contact);
+                let loss = 1.0 + self.system.structure.contacts()[party.contact].restitution;
+                let kick = shared * impulse * loss * self.outward(party.contact, party.barrier);
+                match other.role {
+                    Role::Hits => *j > i && shared != 0.0,
+                    Role::Touches => barrier_sign(other) * kick + self.outward(other.contact, other.barrier) > 0.0,
+                    Role::Rests => barrier_sign(other) * kick > self.holds(&forces, other.contact),
+                }
             };
-            if let Some(other) = self.resting().iter().find(|contact| is_pushed(contact)) {
-                return Some((due.contact, *other));
+            if let Some((_, other)) = parties.iter().enumerate().find(is_met) {
+                return Some((party.contact, other.contact));
             }
         }
         None
+    }
+
+    /// Contacts that are due to hit at the base, and those on their barriers that share a coordinate with one of them, by number.
+    fn parties(&self) -> Vec<Party> {
+        let hits: Vec<&Due> = self.due.iter().filter(|due| !due.release).collect();
+        let party = |contact: usize| {
+            if let Some(due) = hits.iter().find(|due| due.contact == contact) {
+                return Some(Party { contact, barrier: due.barrier, role: Role::Hits });
+            }
+            let place = &self.places[contact];
+            if hits.iter().all(|due| self.system.mobility(contact, due.contact) == 0.0) {
+                return None;
+            }
+            if let Contact::Resting(barrier) = place.touch {
+                return Some(Party { contact, barrier, role: Role::Rests });
+            }
+            let barrier = place.reference.filter(|_| place.v.is_some())?;
+            let on = f64::EPSILON * self.flight.size(&self.system, contact);
+            (place.x.abs() <= on).then_some(Party { contact, barrier, role: Role::Touches })
+        };
+        (0..self.places.len()).filter_map(party).collect()
+    }
+
+    /// The velocity of a contact at rest that its force takes off again within [`CHATTER_TIME`]: it is none.
+    fn holds(&self, series: &Series, contact: usize) -> f64 {
+        let pressing = series.force(contact, 0.0).abs() * self.system.mobility(contact, contact);
+        0.5 * pressing * CHATTER_TIME / self.system.fastest
     }
 
     /// Applies what is due at the base.
@@ -69,13 +122,20 @@ impl Motion {
     /// # Errors
     /// A contact whose sequence of impacts does not end.
     pub(crate) fn collide(&mut self, changes: &mut Vec<Change>) -> Result<(), Due> {
-        let due = std::mem::take(&mut self.due);
-        let result = self.strike(&due, changes);
-        for due in &due {
-            self.part(due, changes);
+        let parties = self.parties();
+        let result = self.strike(&parties, changes);
+        for party in parties.iter().filter(|party| party.role != Role::Rests) {
+            self.part(party.contact, party.barrier, changes);
         }
-        self.let_go(changes);
+        let due = std::mem::take(&mut self.due);
+        for &Due { contact, barrier, pull, .. } in due.iter().filter(|due| due.release) {
+            // Its impacts' company may have taken it off already.
+            if let Contact::Resting(_) = self.places[contact].touch {
+                self.release(contact, barrier, 3, pull, changes);
+            }
+        }
         self.due = due;
+        self.let_go(changes);
         result
     }
 
@@ -85,56 +145,65 @@ impl Motion {
         barrier.sign() * v
     }
 
-    fn strike(&mut self, due: &[Due], changes: &mut Vec<Change>) -> Result<(), Due> {
-        let mut involved: Vec<(usize, Barrier, bool)> =
-            due.iter().filter(|due| !due.release).map(|due| (due.contact, due.barrier, false)).collect();
-        if involved.is_empty() {
+    fn strike(&mut self, parties: &[Party], changes: &mut Vec<Change>) -> Result<(), Due> {
+        if parties.is_empty() {
             return Ok(());
         }
-        for contact in self.resting() {
-            if let Contact::Resting(barrier) = self.places[contact].touch {
-                involved.push((contact, barrier, true));
-            }
+        for party in parties {
+            let v = if party.role == Role::Rests {
+                0.0
+            } else {
+                barrier_sign(party) * self.outward(party.contact, party.barrier)
+            };
+            let touch = self.places[party.contact].touch;
+            self.places[party.contact] = Place { reference: Some(party.barrier), x: 0.0, v: Some(v), touch };
         }
-        involved.sort_unstable_by_key(|(contact, ..)| *contact);
-        for &(contact, barrier, is_resting) in &involved {
-            let v = if is_resting { 0.0 } else { barrier.sign() * self.outward(contact, barrier) };
-            let touch = self.places[contact].touch;
-            self.places[contact] = Place { reference: Some(barrier), x: 0.0, v: Some(v), touch };
-        }
-        let first = involved.iter().map(|&(contact, barrier, _)| self.outward(contact, barrier)).fold(0.0, f64::max);
+        let forces = Series::tendencies(&self.system, &self.flight, &self.places);
+        let outward = |motion: &Self, party: &Party| motion.outward(party.contact, party.barrier);
+        let first = parties.iter().map(|party| outward(self, party)).fold(0.0, f64::max);
+        let none = |motion: &Self, party: &Party| {
+            let held = if party.role == Role::Rests { motion.holds(&forces, party.contact) } else { 0.0 };
+            held.max(STILL * first)
+        };
         let (mut round, mut impacts) = (0, 0);
         loop {
-            let mut is_quiet = true;
-            for &(contact, barrier, is_resting) in &involved {
-                let outward = self.outward(contact, barrier).max(0.0);
+            let before = impacts;
+            for party in parties {
+                let speed = outward(self, party);
                 // A graze is an event, too: once.
-                let counts = if round == 0 && !is_resting { true } else { outward > STILL * first };
-                if counts {
-                    self.impact(contact, barrier, outward, changes);
+                if (round == 0 && party.role == Role::Hits) || speed > none(self, party) {
+                    self.impact(party.contact, party.barrier, speed.max(0.0), changes);
                     impacts += 1;
-                    is_quiet = false;
                 }
             }
-            if is_quiet {
+            if impacts == before {
                 break;
             }
             if impacts > SEQUENCE {
-                let (contact, barrier, _) = involved[0];
+                let Party { contact, barrier, .. } = parties[0];
                 return Err(Due { contact, barrier, release: false, pull: None });
             }
             round += 1;
         }
-        for &(contact, barrier, is_resting) in &involved {
-            let outward = self.outward(contact, barrier);
-            if is_resting && -outward > STILL * first {
-                self.places[contact].touch = Contact::Leaving(barrier, 1);
+        for party in parties.iter().filter(|party| party.role == Role::Rests) {
+            let speed = outward(self, party);
+            if -speed > none(self, party) {
+                self.places[party.contact].touch = Contact::Leaving(party.barrier, 1);
                 self.work.releases += 1;
-                let after = barrier.sign() * outward;
-                changes.push(Change { after, ..Change::still(contact, barrier, EventKind::Release, 0.0) });
-            } else if is_resting || outward > 0.0 {
-                self.places[contact].v = Some(0.0);
+                let after = barrier_sign(party) * speed;
+                let still = Change::still(party.contact, party.barrier, EventKind::Release, 0.0);
+                changes.push(Change { after, ..still });
             }
+        }
+        // What is left of a velocity outward is none.
+        let mut still = Vec::new();
+        loop {
+            self.hold(&still);
+            let next = parties.iter().find(|party| {
+                party.role != Role::Rests && !still.contains(&party.contact) && outward(self, party) >= 0.0
+            });
+            let Some(party) = next else { break };
+            still.push(party.contact);
         }
         Ok(())
     }
@@ -144,12 +213,7 @@ impl Motion {
         let before = barrier.sign() * outward;
         let after = 0.0 - restitution * before;
         let impulse = self.system.impulse(contact, after - before);
-        self.flight.strike(&self.system, contact, impulse);
-        for other in 0..self.places.len() {
-            if let Some(v) = &mut self.places[other].v {
-                *v += self.system.mobility(other, contact) * impulse;
-            }
-        }
+        self.push(contact, impulse);
         self.places[contact].v = Some(after);
         if let Some(ledger) = &mut self.ledger {
             ledger.impact(-0.5 * impulse * (before + after));
@@ -158,12 +222,8 @@ impl Motion {
         changes.push(Change { contact, barrier, before, after, impulse, kind: EventKind::Impact, delay: 0.0 });
     }
 
-    fn part(&mut self, due: &Due, changes: &mut Vec<Change>) {
-        let &Due { contact, barrier, release, pull } = due;
-        if release {
-            self.release(contact, barrier, 3, pull, changes);
-            return;
-        }
+    /// What a contact on its barrier does after the impacts there.
+    fn part(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
         let outward = self.outward(contact, barrier);
         if outward == 0.0 {
             self.settle(contact, barrier, changes);
@@ -205,7 +265,7 @@ impl Motion {
         place.touch = Contact::Resting(barrier);
         self.work.sticks += 1;
         changes.push(Change::still(contact, barrier, EventKind::Stick, delay));
-        self.hold();
+        self.hold(&[]);
     }
 
     /// Lets a contact leave its barrier with the first derivative, from `order` on, that does not vanish; if that points outward it stays.
@@ -231,7 +291,10 @@ impl Motion {
                 return;
             }
             let series = Series::tendencies(&self.system, &self.flight, &self.places);
-            let pulled = series.forces.iter().filter(|(contact, _, force)| force[0] < -series.force_doubt(&self.system, *contact));
+            let pulled = series
+                .forces
+                .iter()
+                .filter(|(contact, _, force)| force[0] < -series.force_doubt(&self.system, *contact));
             let Some(&(contact, barrier, _)) = pulled.min_by(|a, b| a.2[0].total_cmp(&b.2[0])) else { return };
             self.release(contact, barrier, 2, Some(2), changes);
         }

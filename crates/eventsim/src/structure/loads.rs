@@ -47,7 +47,8 @@ impl Loads {
             .map(|mode| std::iter::once(still(mode)).chain(mode.loads.iter().copied()).collect())
             .collect();
         let answer = |mode: &LinearMode, w: f64, load: [C; 2]| {
-            let distance = mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min);
+            let distance =
+                mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min);
             if load == [C::default(); 2] {
                 Answer::Spared
             } else if distance < NEAR * if w == 0.0 { omega } else { w } {
@@ -80,9 +81,8 @@ impl Loads {
     /// The n-th Taylor coefficient of that in the time over `h`.
     pub(crate) fn coefficient(&self, k: usize, turned: &[C], h: f64, n: usize, inverse_factorial: f64) -> [f64; 2] {
         let terms = self.given[k].iter().zip(turned).zip(&self.rates).filter(|(_, w)| n == 0 || **w != 0.0);
-        sum(terms.map(|((load, turned), w)| {
-            real(*load, turned * C::new(0.0, w * h).powu(n as u32) * inverse_factorial)
-        }))
+        sum(terms
+            .map(|((load, turned), w)| real(*load, turned * C::new(0.0, w * h).powu(n as u32) * inverse_factorial)))
     }
 
     /// The steady part of ξ at an instant.
@@ -94,7 +94,7 @@ impl Loads {
     }
 
     /// Loads that mode `k` answers from rest, with their numbers.
-    pub(crate) fn from_rest(&self, k: usize) -> impl Iterator<Item = (usize, [C; 2])> {
+    pub(crate) fn answered_from_rest(&self, k: usize) -> impl Iterator<Item = (usize, [C; 2])> {
         let given = self.answers[k].iter().zip(&self.given[k]).enumerate();
         given.filter(|(_, (answer, _))| **answer == Answer::FromRest).map(|(j, (_, load))| (j, *load))
     }
@@ -102,7 +102,7 @@ impl Loads {
     /// What those have added to ξ since they were e^{iw(t+ψ)} = `turned`, and what they give now.
     pub(crate) fn since(&self, mode: &LinearMode, k: usize, turned: &[C], s: f64) -> ([f64; 2], [f64; 2]) {
         let (mut moved, mut given) = ([0.0; 2], [0.0; 2]);
-        for (j, load) in self.from_rest(k) {
+        for (j, load) in self.answered_from_rest(k) {
             let now = turned[j] * C::cis(self.rates[j] * s);
             let answer = mode.turn.act(average(mode, self.rates[j], s), load);
             moved = add(moved, real(answer, now * s));

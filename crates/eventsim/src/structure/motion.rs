@@ -69,7 +69,8 @@ pub(crate) struct Motion {
 impl Motion {
     pub(crate) fn new(system: System, xi: Vec<[f64; 2]>) -> Self {
         let flight = Flight::new(&system, xi, 0.0);
-        let place = |contact| Place { reference: None, x: flight.place(&system, contact), v: None, touch: Contact::Free };
+        let place =
+            |contact| Place { reference: None, x: flight.place(&system, contact), v: None, touch: Contact::Free };
         let places = (0..system.contacts()).map(place).collect();
         Self {
             clock: Clock::new(system.omega),
@@ -151,7 +152,13 @@ impl Motion {
             watch.c[..MAX_ORDER - 1].copy_from_slice(&force[..MAX_ORDER - 1]);
             let key = watch.prepare() * series.length;
             if key.is_finite() {
-                self.candidates.push(Candidate { contact: *contact, key, hit: None, is_due: false, watch: Some(watch) });
+                self.candidates.push(Candidate {
+                    contact: *contact,
+                    key,
+                    hit: None,
+                    is_due: false,
+                    watch: Some(watch),
+                });
             }
         }
         self.series = Some(Box::new(series));
@@ -204,6 +211,14 @@ impl Motion {
         first
     }
 
+    /// Starts a window and leaves the impacts that are due at the base for another run. (What is released comes again by itself.)
+    pub(crate) fn stand(&mut self) {
+        self.begin();
+        self.candidates = (self.due.iter().filter(|due| !due.release))
+            .map(|due| Candidate { contact: due.contact, key: 0.0, hit: Some(due.barrier), is_due: false, watch: None })
+            .collect();
+    }
+
     /// ξ of all modes at `s` since the base.
     pub(crate) fn modes_at(&self, s: f64) -> Vec<[f64; 2]> {
         match &self.series {
@@ -235,11 +250,7 @@ impl Motion {
         // A flight that repeats would repeat its rounding.
         let s = if self.series.is_none() { s * (1.0 + 4.0 * f64::EPSILON * spread(&mut self.seed)) } else { s };
         if let Some(mut ledger) = self.ledger.take() {
-            let at = |k: usize, time: f64, turned: &[_]| match &self.series {
-                Some(series) if is_held => series.mode(k, time / series.length),
-                _ => self.flight.at(&self.system, k, time, turned),
-            };
-            ledger.flight(&self.system, &self.flight.turned, s, at);
+            ledger.flight(&self.system, &self.flight.turned, s, |time| self.modes_at(time));
             self.ledger = Some(ledger);
         }
         let states: Vec<(f64, f64)> = (0..self.places.len()).map(|contact| self.contact_at(contact, s)).collect();
@@ -256,7 +267,12 @@ impl Motion {
             };
             let size = self.flight.size(&self.system, contact) + barrier.abs();
             if x.abs() > FORGET * size {
-                *place = Place { reference: None, x: self.flight.place(&self.system, contact), v: None, touch: Contact::Free };
+                *place = Place {
+                    reference: None,
+                    x: self.flight.place(&self.system, contact),
+                    v: None,
+                    touch: Contact::Free,
+                };
             } else {
                 // A flight so short that even the distance underflows has not left.
                 let touch = if x == 0.0 { place.touch } else { Contact::Free };
@@ -264,13 +280,13 @@ impl Motion {
             }
         }
         if is_held {
-            self.hold();
+            self.hold(&[]);
         }
     }
 
-    /// Takes the rounding off the places and velocities of contacts at rest.
-    pub(crate) fn hold(&mut self) {
-        let resting = self.resting();
+    /// Takes the rounding off the places and velocities of contacts at rest, and the velocities of those that stand `still`.
+    pub(crate) fn hold(&mut self, still: &[usize]) {
+        let mut resting = self.resting();
         let off = |motion: &Self, contact: usize| {
             let place = &motion.places[contact];
             let barrier = place.reference.and_then(|barrier| motion.system.barrier(contact, barrier));
@@ -280,9 +296,27 @@ impl Motion {
         for (&contact, amount) in resting.iter().zip(self.system.impulses(&resting, &changes)) {
             self.flight.shift(&self.system, contact, amount);
         }
+        resting.extend_from_slice(still);
         let changes: Vec<f64> = resting.iter().map(|&contact| -self.flight.velocity(&self.system, contact)).collect();
         for (&contact, impulse) in resting.iter().zip(self.system.impulses(&resting, &changes)) {
-            self.flight.strike(&self.system, contact, impulse);
+            self.push(contact, impulse);
+        }
+        resting.iter().for_each(|&contact| self.places[contact].v = Some(0.0));
+    }
+
+    /// An impulse at a contact, which moves all that share a coordinate with it.
+    pub(crate) fn push(&mut self, contact: usize, impulse: f64) {
+        self.flight.strike(&self.system, contact, impulse);
+        for (other, place) in self.places.iter_mut().enumerate() {
+            let change = self.system.mobility(other, contact) * impulse;
+            if let Some(v) = place.v.as_mut().filter(|_| change != 0.0) {
+                *v += change;
+                // On its barrier still: it leaves with a velocity now, or hits at once.
+                if let Contact::Leaving(barrier, _) = place.touch {
+                    let is_inward = barrier.sign() * *v < 0.0;
+                    place.touch = if is_inward { Contact::Leaving(barrier, 1) } else { Contact::Free };
+                }
+            }
         }
     }
 }

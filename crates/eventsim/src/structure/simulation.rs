@@ -1,7 +1,7 @@
 //! The event loop of a structure and its public face.
 
 use super::approach::Place;
-use super::balance::{self, EnergyBalance, Ledger};
+use super::balance::{EnergyBalance, Ledger};
 use super::collision::Change;
 use super::event::{ContactEvent, StructureOutcome, StructureReport, StructureStateError};
 use super::motion::Motion;
@@ -10,7 +10,7 @@ use super::system::System;
 use crate::event::{BOUNCE_TIME, EventKind, Limits, Work};
 use crate::ring::Contact;
 use crate::time::Time;
-use vibrochain_lattice::{Barrier, ModalStructure};
+use vibrochain_lattice::{Barrier, EnergyForm, ModalStructure};
 
 /// How far behind a barrier a contact may start, relative to the terms it is made of: it is put on it.
 const OVERSHOOT: f64 = 1e-12;
@@ -109,7 +109,12 @@ impl StructureSimulation {
     ///
     /// # Errors
     /// A [`StructureStateError`]: not two finite numbers a mode, a frequency that is not positive, a contact beyond its barrier.
-    pub fn new(structure: ModalStructure, omega: f64, psi: f64, modes: &[[f64; 2]]) -> Result<Self, StructureStateError> {
+    pub fn new(
+        structure: ModalStructure,
+        omega: f64,
+        psi: f64,
+        modes: &[[f64; 2]],
+    ) -> Result<Self, StructureStateError> {
         let wanted = structure.modes().len();
         if modes.len() != wanted {
             return Err(StructureStateError::Length { given: modes.len(), wanted });
@@ -167,15 +172,14 @@ impl StructureSimulation {
         self
     }
 
-    /// Keeps account of the energy from now on, which takes twenty evaluations of all modes in the time of the fastest one. Modes of complex
-    /// shape do not tell energies: `None` for them.
+    /// Keeps account of the energy from now on, which takes ten evaluations of all modes in two units of the fastest rate. `form`:
+    /// [`ModalStructure::energy_form`], or of modes of complex shape `vibrochain_lattice::Structure::energy_form`.
     #[must_use]
-    pub fn with_balance(mut self) -> Option<Self> {
-        if !balance::is_told(&self.motion.system) || self.now != 0.0 {
-            return None;
-        }
-        self.motion.ledger = Some(Ledger::default());
-        Some(self)
+    pub fn with_balance(mut self, form: EnergyForm) -> Self {
+        self.motion.ledger = None;
+        self.bring_to_now();
+        self.motion.ledger = Some(Ledger::new(form));
+        self
     }
 
     /// The structure.
@@ -204,12 +208,13 @@ impl StructureSimulation {
         let reference = place.reference.and_then(|barrier| self.motion.system.barrier(contact, barrier)).unwrap_or(0.0);
         let (x, velocity) = self.motion.contact_at(contact, self.now);
         let limits = self.structure().contacts()[contact];
-        let inside = (reference + x).clamp(limits.lower.unwrap_or(f64::NEG_INFINITY), limits.upper.unwrap_or(f64::INFINITY));
+        let inside =
+            (reference + x).clamp(limits.lower.unwrap_or(f64::NEG_INFINITY), limits.upper.unwrap_or(f64::INFINITY));
         let Contact::Resting(barrier) = place.touch else {
             return Some(ContactState { place: inside, velocity, resting: None, force: 0.0 });
         };
-        let series = self.motion.series.as_ref();
-        let of = |series: &Box<Series>| series.force(contact, self.now / series.length);
+        let series = self.motion.series.as_deref();
+        let of = |series: &Series| series.force(contact, self.now / series.length);
         Some(ContactState { place: inside, velocity: 0.0, resting: Some(barrier), force: series.map_or(0.0, of) })
     }
 
@@ -231,21 +236,18 @@ impl StructureSimulation {
         StructureState { place, velocity, modes, contacts, time: self.time() }
     }
 
-    /// Kinetic and elastic energy now; `None` where modes are of complex shape.
-    pub fn energy(&self) -> Option<f64> {
-        let system = &self.motion.system;
-        balance::is_told(system).then(|| balance::energy(system, &self.motion.modes_at(self.now)))
-    }
-
     /// Work and losses since [`StructureSimulation::with_balance`]: E(t) − E(0) = work − dashpots − impacts. `None` where none is kept.
     /// It is brought to the present time.
     pub fn balance(&mut self) -> Option<EnergyBalance> {
-        self.motion.ledger?;
+        self.bring_to_now();
+        self.motion.ledger.as_ref().map(Ledger::balance)
+    }
+
+    fn bring_to_now(&mut self) {
         if self.now > 0.0 {
             self.move_on(self.now);
             self.motion.begin();
         }
-        self.motion.ledger.map(|ledger| ledger.balance())
     }
 
     /// Runs until the first of `limits` is met; every event is shown to `observer`, in the order of time.
@@ -312,13 +314,14 @@ impl StructureSimulation {
         limits: &Limits,
         observer: &mut impl FnMut(&ContactEvent),
     ) -> Option<StructureOutcome> {
-        if !self.in_sequence
-            && let Some((first_contact, second)) = self.motion.conflict()
-        {
-            self.now = self.now.max(first);
-            return Some(StructureOutcome::Simultaneous { first: first_contact, second });
-        }
         self.move_on(first);
+        if !self.in_sequence
+            && let Some((first, second)) = self.motion.conflict()
+        {
+            // The same events are due once more at the base.
+            self.motion.stand();
+            return Some(StructureOutcome::Simultaneous { first, second });
+        }
         let mut changes = Vec::new();
         let result = self.motion.collide(&mut changes);
         let outcome = self.tell(&changes, limits, observer);

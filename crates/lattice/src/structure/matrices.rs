@@ -7,6 +7,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Schur};
 use rustfft::num_complex::Complex;
 
 use super::contact::Contact;
+use super::energy::{Block, EnergyForm};
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeShape};
 use super::modal::ModalStructure;
@@ -123,9 +124,7 @@ impl Structure {
         let damped = if self.damping.is_empty() { DVector::zeros(n) } else { &self.damping * place };
         // A pole λ has the amplitude φᵀ(λMq + Mq′ + Cq), the shape as a list of numbers.
         let dot = |shape: &[C], vector: &DVector<f64>| shape.iter().zip(vector).map(|(s, x)| s * *x).sum::<C>();
-        let amplitude = |rate: C, shape: &[C]| {
-            rate * dot(shape, &weight) + dot(shape, &momentum) + dot(shape, &damped)
-        };
+        let amplitude = |rate: C, shape: &[C]| rate * dot(shape, &weight) + dot(shape, &momentum) + dot(shape, &damped);
         let of_mode = |mode: &LinearMode| {
             let shape = |turn: &dyn Fn(&[f64; 2]) -> C| mode.coordinates.iter().map(turn).collect::<Vec<C>>();
             if mode.is_real {
@@ -148,6 +147,41 @@ impl Structure {
             [(a + b) * root, (a - b) * root]
         };
         Ok(modal.modes().iter().map(of_mode).collect())
+    }
+
+    /// Energies ½q′ᵀMq′ + ½qᵀKq, q′ᵀCq′ and powers of the loads, in the modes that [`Structure::modal`] made.
+    pub fn energy_form(&self, modal: &ModalStructure) -> EnergyForm {
+        let n = self.mass.nrows();
+        let modes = modal.modes();
+        // q and q′ of a unit of each coordinate ξ.
+        let place = DMatrix::from_fn(n, 2 * modes.len(), |i, at| modes[at / 2].coordinates[i][at % 2]);
+        let velocity = DMatrix::from_fn(n, 2 * modes.len(), |i, at| {
+            let (mode, mut unit) = (&modes[at / 2], [0.0; 2]);
+            unit[at % 2] = 1.0;
+            let rise = mode.turn.act(mode.generator(), unit);
+            mode.coordinates[i][0] * rise[0] + mode.coordinates[i][1] * rise[1]
+        });
+        let blocks = |form: DMatrix<f64>| {
+            let block = |first: usize, second: usize| {
+                let at = |i: usize, j: usize| form[(2 * first + i, 2 * second + j)];
+                Block { first, second, form: [[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]] }
+            };
+            (0..modes.len()).flat_map(|i| (0..modes.len()).map(move |j| (i, j))).map(|(i, j)| block(i, j)).collect()
+        };
+        let energy = velocity.transpose() * &self.mass * &velocity + place.transpose() * &self.stiffness * &place;
+        let dissipation =
+            if self.damping.is_empty() { Vec::new() } else { blocks(velocity.transpose() * &self.damping * &velocity) };
+        let power = |load: &DVector<C>, k: usize| {
+            [0, 1].map(|i| load.iter().zip(&velocity.column(2 * k + i)).map(|(f, v)| f * *v).sum())
+        };
+        let still = if self.static_load.is_empty() { DVector::zeros(n) } else { self.static_load.clone() };
+        let still = velocity.transpose() * still;
+        EnergyForm {
+            energy: blocks(energy),
+            dissipation,
+            still: (0..modes.len()).map(|k| [still[2 * k], still[2 * k + 1]]).collect(),
+            loads: (0..modes.len()).map(|k| self.loads.iter().map(|(_, load)| power(load, k)).collect()).collect(),
+        }
     }
 
     fn check(&self) -> Result<(), StructureError> {
