@@ -75,6 +75,7 @@
 //! ```
 
 mod bound;
+mod cascade;
 mod collision;
 mod engine;
 mod error;

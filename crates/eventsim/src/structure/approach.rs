@@ -61,7 +61,7 @@ fn bound(mode: &LinearMode, row: [f64; 2], y: [f64; 2], h: f64) -> f64 {
     let across = [y[1], -mode.turn.sign() * y[0]];
     let [along, across] = [y, across].map(|y| (row[0] * y[0] + row[1] * y[1]).abs());
     let fastest = mode.rates().map(|rate| rate.re).into_iter().fold(f64::NEG_INFINITY, f64::max);
-    let growth = (fastest * h).exp().max(1.0);
+    let growth = if fastest > 0.0 { (fastest * h).exp() } else { 1.0 };
     let turned = mode.rate * h;
     growth
         * match mode.turn {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::event::{EventKind, Work};
+use crate::event::{EventKind, Report};
 use crate::time::Time;
 use vibrochain_lattice::{Barrier, Short};
 
@@ -52,21 +52,17 @@ pub enum StructureOutcome {
         /// Impacts of the cascade so far.
         bounces: u32,
     },
+    /// A mode that feeds itself and meets no stop has grown beyond 1e100.
+    Diverged {
+        /// The mode.
+        mode: usize,
+    },
     /// [`Limits::flights`](crate::Limits::flights) was reached.
     WorkLimit,
 }
 
-/// The end of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct StructureReport {
-    /// Why it ended.
-    pub outcome: StructureOutcome,
-    /// When.
-    pub time: Time,
-    /// Work since the simulation was created.
-    pub work: Work,
-}
+/// The end of a run of a structure.
+pub type StructureReport = Report<StructureOutcome>;
 
 /// A state that no simulation of a structure can start from.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -21,6 +21,9 @@ const REACH: f64 = 1.9;
 /// What the last two terms may add, relative to the largest.
 const REMAINDER: f64 = f64::EPSILON / 8.0;
 
+/// Halvings of a window until its series is short; damping that couples modes takes one or two.
+const HALVINGS: u32 = 64;
+
 type Coefficients = [f64; MAX_ORDER + 1];
 
 /// A window of flight with forces at contacts.
@@ -41,14 +44,14 @@ pub(crate) struct Series {
 impl Series {
     /// Of full order, as long as that allows.
     pub(crate) fn window(system: &System, flight: &Flight, places: &[Place]) -> Self {
-        let mut length = REACH / system.fastest;
-        loop {
-            let series = Self::new(system, flight, places, MAX_ORDER, length);
+        let mut series = Self::new(system, flight, places, MAX_ORDER, REACH / system.fastest);
+        for _ in 0..HALVINGS {
             if series.is_short {
-                return series;
+                break;
             }
-            length *= 0.5;
+            series = Self::new(system, flight, places, MAX_ORDER, 0.5 * series.length);
         }
+        series
     }
 
     /// Of low order: where contacts tend to.

@@ -7,6 +7,7 @@ use super::event::{ContactEvent, StructureOutcome, StructureReport, StructureSta
 use super::motion::Motion;
 use super::series::Series;
 use super::system::System;
+use crate::cascade::{Cascades, Pending};
 use crate::event::{BOUNCE_TIME, EventKind, Limits, Work};
 use crate::ring::Contact;
 use crate::time::Time;
@@ -18,25 +19,11 @@ const OVERSHOOT: f64 = 1e-12;
 /// Rounding of a place, relative to the same: a contact so close to its barrier is on it.
 const ON: f64 = 16.0 * f64::EPSILON;
 
+/// Coordinates of modes beyond this are as good as infinite.
+const LARGEST: f64 = 1e100;
+
 /// Events in a row without any effect before the run gives up.
 const STALLS: u32 = 1000;
-
-/// A contact's latest impacts on one barrier.
-#[derive(Debug, Clone, Copy)]
-struct Bounces {
-    barrier: Barrier,
-    count: u32,
-    periods: u64,
-    offset: f64,
-}
-
-/// The limit of a cascade that is not reached yet.
-#[derive(Debug, Clone, Copy)]
-struct Pending {
-    contact: usize,
-    barrier: Barrier,
-    at: f64,
-}
 
 /// What a contact does.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,8 +80,7 @@ pub struct StructureSimulation {
     /// Present time since the base.
     now: f64,
     in_sequence: bool,
-    pending: Vec<Pending>,
-    bounces: Vec<Option<Bounces>>,
+    cascades: Cascades,
     stalls: u32,
     /// Events of the start, which the first run tells.
     untold: Vec<Change>,
@@ -126,8 +112,8 @@ impl StructureSimulation {
         if !psi.is_finite() {
             return range("psi", psi, "a finite number");
         }
-        if let Some(value) = modes.iter().flatten().find(|value| !value.is_finite()) {
-            return range("the state of a mode", *value, "finite numbers");
+        if let Some(value) = modes.iter().flatten().find(|value| !(value.abs() <= LARGEST)) {
+            return range("the state of a mode", *value, "numbers between -1e100 and 1e100");
         }
         let psi = psi.rem_euclid(std::f64::consts::TAU / omega);
         let mut motion = Motion::new(System::new(structure, omega, psi), modes.to_vec());
@@ -159,9 +145,9 @@ impl StructureSimulation {
             }
         }
         motion.let_go(&mut untold);
-        let bounces = vec![None; motion.places.len()];
+        let cascades = Cascades::new(motion.places.len());
         motion.begin();
-        Ok(Self { motion, now: 0.0, in_sequence: false, pending: Vec::new(), bounces, stalls: 0, untold })
+        Ok(Self { motion, now: 0.0, in_sequence: false, cascades, stalls: 0, untold })
     }
 
     /// Contacts that share coordinates and hit at one instant do so in the order of their numbers, again until none moves into its barrier,
@@ -277,10 +263,13 @@ impl StructureSimulation {
             if self.motion.work.windows >= flights {
                 return StructureOutcome::WorkLimit;
             }
+            if let Some(mode) = self.motion.flight.xi.iter().flatten().position(|xi| !(xi.abs() <= LARGEST)) {
+                return StructureOutcome::Diverged { mode: mode / 2 };
+            }
             let target =
                 limits.until.map_or(f64::INFINITY, |time| self.motion.clock.until(time.periods(), time.offset()));
             let horizon = self.motion.horizon;
-            let pending = self.pending.iter().map(|pending| pending.at).fold(f64::INFINITY, f64::min);
+            let pending = self.cascades.next_rest();
             let limit = target.min(horizon).min(pending);
             if let Some(first) = self.motion.next(limit) {
                 if let Some(outcome) = self.event(first, limits, observer) {
@@ -288,7 +277,8 @@ impl StructureSimulation {
                 }
             } else if pending <= limit {
                 self.now = self.now.max(pending);
-                self.tell_pending(|other| other.at <= pending, observer);
+                let rested = self.cascades.rested_by(pending);
+                self.tell_rests(&rested, observer);
             } else if target <= horizon {
                 self.now = self.now.max(target);
                 return StructureOutcome::TimeReached;
@@ -303,9 +293,7 @@ impl StructureSimulation {
     fn move_on(&mut self, by: f64) {
         self.motion.rebase(by);
         self.now = 0.0;
-        for pending in &mut self.pending {
-            pending.at = (pending.at - by).max(0.0);
-        }
+        self.cascades.rebased(by);
     }
 
     fn event(
@@ -344,54 +332,34 @@ impl StructureSimulation {
         for change in changes {
             let &Change { contact, barrier, before, after, impulse, kind, delay } = change;
             if kind == EventKind::Stick && delay > 0.0 {
-                self.pending.push(Pending { contact, barrier, at: self.now + delay });
+                self.cascades.rest_at(contact, barrier, self.now + delay);
                 continue;
             }
             if kind == EventKind::Release {
                 // A release before the end of its own cascade: then that end is now.
-                self.tell_pending(|pending| pending.contact == contact, observer);
+                let rested = self.cascades.cut_short(contact);
+                self.tell_rests(&rested, observer);
             }
             let (time, velocity_before, velocity_after) = (self.time(), before, after);
             observer(&ContactEvent { time, contact, barrier, velocity_before, velocity_after, impulse, kind });
-            if kind == EventKind::Impact && self.count_bounce(contact, barrier) >= limits.bounces {
-                let bounces = self.bounces[contact].map_or(0, |bounces| bounces.count);
-                self.bounces[contact] = None;
-                outcome = outcome.or(Some(StructureOutcome::Cascade { contact, barrier, bounces }));
+            if kind == EventKind::Impact {
+                let wait = BOUNCE_TIME / self.motion.system.fastest;
+                let bounces = self.cascades.count(contact, barrier, &self.motion.clock, self.now, wait);
+                if bounces >= limits.bounces {
+                    self.cascades.forget(contact);
+                    outcome = outcome.or(Some(StructureOutcome::Cascade { contact, barrier, bounces }));
+                }
             }
         }
         outcome
     }
 
-    fn count_bounce(&mut self, contact: usize, barrier: Barrier) -> u32 {
-        let (periods, offset) = self.motion.clock.after(self.now);
-        let since = |last: &Bounces| self.now - self.motion.clock.until(last.periods, last.offset);
-        let count = match &self.bounces[contact] {
-            Some(last) if last.barrier == barrier && since(last) < BOUNCE_TIME / self.motion.system.fastest => {
-                last.count.saturating_add(1)
-            }
-            _ => 1,
-        };
-        self.bounces[contact] = Some(Bounces { barrier, count, periods, offset });
-        count
-    }
-
-    fn tell_pending(&mut self, is_due: impl Fn(&Pending) -> bool, observer: &mut impl FnMut(&ContactEvent)) {
-        let time = self.time();
-        self.pending.retain(|pending| {
-            let due = is_due(pending);
-            if due {
-                observer(&ContactEvent {
-                    time,
-                    contact: pending.contact,
-                    barrier: pending.barrier,
-                    velocity_before: 0.0,
-                    velocity_after: 0.0,
-                    impulse: 0.0,
-                    kind: EventKind::Stick,
-                });
-            }
-            !due
-        });
+    fn tell_rests(&self, rested: &[Pending], observer: &mut impl FnMut(&ContactEvent)) {
+        let (time, kind) = (self.time(), EventKind::Stick);
+        for &Pending { site: contact, barrier, .. } in rested {
+            let (velocity_before, velocity_after, impulse) = (0.0, 0.0, 0.0);
+            observer(&ContactEvent { time, contact, barrier, velocity_before, velocity_after, impulse, kind });
+        }
     }
 
     fn time_at(&self, s: f64) -> Time {

@@ -9,6 +9,9 @@ type C = Complex<f64>;
 /// Mobility of two contacts below this part of their own is rounding: they share no coordinate.
 const ROUNDING: f64 = 1e-13;
 
+/// Units of the fastest rate in a window: so many certified steps at most pass between two looks at limits, some milliseconds.
+const LONGEST: f64 = 1e5;
+
 /// One damped sine or one sine that contacts are made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Term {
@@ -33,7 +36,7 @@ pub(crate) struct System {
     lost: Vec<f64>,
     /// Largest rate of a mode or of a load.
     pub(crate) fastest: f64,
-    /// Longest flight between two bases: a period, or the time in which a self-excited mode grows by e.
+    /// Longest flight between two bases: a period, the time in which a self-excited mode grows by e, or [`LONGEST`].
     pub(crate) longest: f64,
 }
 
@@ -68,7 +71,7 @@ impl System {
             }
         }
         let lost = (0..contacts).map(|contact| lost(&structure, contact)).collect();
-        let longest = (std::f64::consts::TAU / omega).min(1.0 / growth);
+        let longest = (std::f64::consts::TAU / omega).min(1.0 / growth).min(LONGEST / fastest);
         Self { terms, swings, mobility, lost, fastest, longest, omega, loads, structure }
     }
 

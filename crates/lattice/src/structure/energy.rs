@@ -49,12 +49,13 @@ impl EnergyForm {
 
     /// The power that loads give where harmonic number `place` of them is `turned`[place] = e^{ijω(t+ψ)}.
     pub fn power(&self, xi: &[[f64; 2]], turned: &[C]) -> f64 {
-        let of_mode = |((still, loads), xi): ((&[f64; 2], &Vec<[C; 2]>), &[f64; 2])| {
-            let load =
-                |i: usize| still[i] + loads.iter().zip(turned).map(|(load, turned)| (load[i] * turned).re).sum::<f64>();
-            load(0) * xi[0] + load(1) * xi[1]
+        let of_mode = |(k, xi): (usize, &[f64; 2])| {
+            let load = self.loads[k].iter().zip(turned).fold(self.still[k], |sum, (load, turned)| {
+                [sum[0] + (load[0] * turned).re, sum[1] + (load[1] * turned).re]
+            });
+            load[0] * xi[0] + load[1] * xi[1]
         };
-        self.still.iter().zip(&self.loads).zip(xi).map(of_mode).sum()
+        xi.iter().enumerate().map(of_mode).sum()
     }
 }
 
